@@ -1,0 +1,191 @@
+//! The one error type: misuse or breakdown, always with the name of the thing and the mend.
+//!
+//! *Infeasible*, *unbounded* and *stopped by a limit* are not errors; they are statuses of a
+//! [`Solution`](crate::solution::Solution).
+
+use thiserror::Error;
+
+/// What can go wrong when a model is written, lowered, solved or read.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number that must be finite is NaN or infinite.
+    #[error("{what} of `{name}` is {value}; give a finite number")]
+    NotFinite {
+        /// The variable or statement.
+        name: String,
+        /// Which of its numbers.
+        what: &'static str,
+        /// The offending value.
+        value: f64,
+    },
+    /// Lower bound above upper bound.
+    #[error("bounds of `{name}` are crossed: {lower} > {upper}; swap or relax them")]
+    CrossedBounds {
+        /// The variable or statement.
+        name: String,
+        /// The lower end.
+        lower: f64,
+        /// The upper end.
+        upper: f64,
+    },
+    /// A statement without any variable.
+    #[error(
+        "statement `{name}` has no variable left (all coefficients are zero); drop it, or check \
+         the expression it was built from"
+    )]
+    EmptyRow {
+        /// The statement.
+        name: String,
+    },
+    /// A row with neither a lower nor an upper limit.
+    #[error("statement `{name}` has no finite limit, so it says nothing; give it one or drop it")]
+    UnlimitedRow {
+        /// The statement.
+        name: String,
+    },
+    /// A name used twice.
+    #[error("the name `{name}` is already taken by another {kind}; choose another one")]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// `variable` or `statement`.
+        kind: &'static str,
+    },
+    /// A name that is empty or contains white space.
+    #[error("`{name}` cannot be a name: it is empty or contains white space or control characters")]
+    InvalidName {
+        /// The name.
+        name: String,
+    },
+    /// A name that the model does not know.
+    #[error("the model has no {kind} named `{name}`")]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// `variable` or `statement`.
+        kind: &'static str,
+    },
+    /// A handle of another model.
+    #[error(
+        "{kind} number {index} used in `{place}` belongs to another model; use handles of the \
+         model they were created by (or of its clone)"
+    )]
+    ForeignHandle {
+        /// `variable`, `constraint` or `indicator`.
+        kind: &'static str,
+        /// Position of the handle in its own model.
+        index: usize,
+        /// Where it was used.
+        place: String,
+    },
+    /// A condition on a variable that is not binary.
+    #[error("`{name}` is not binary; only a binary variable can be the condition of `{place}`")]
+    NotBinary {
+        /// The variable.
+        name: String,
+        /// The statement.
+        place: String,
+    },
+    /// An objective that is not convex in the direction of optimisation.
+    #[error(
+        "the objective is not convex: in the {sense} direction its quadratic part has curvature \
+         {curvature:.3e} along a direction that involves `{name}`; {mend}"
+    )]
+    NotConvex {
+        /// `minimize` or `maximize`.
+        sense: &'static str,
+        /// The offending eigenvalue of the quadratic part, in the objective's unit per unit of
+        /// the variable squared.
+        curvature: f64,
+        /// A variable with a large share in the offending direction.
+        name: String,
+        /// What to do.
+        mend: &'static str,
+    },
+    /// An indicator's row has no bounded big-M because of this variable.
+    #[error(
+        "indicator `{indicator}` needs a big-M for its {side} side, but `{variable}` has no \
+         {bound} bound; give `{variable}` a finite one"
+    )]
+    UnboundedIndicator {
+        /// The indicator.
+        indicator: String,
+        /// `lower` or `upper`: the side of the row.
+        side: &'static str,
+        /// The unbounded variable.
+        variable: String,
+        /// `lower` or `upper`: the missing bound.
+        bound: &'static str,
+    },
+    /// A user's big-M that the bounds do not justify.
+    #[error(
+        "the big-M {given} given for the {side} side of indicator `{indicator}` is too small: the \
+         bounds only prove {needed}; raise it, tighten the bounds of `{variable}`, or mark it \
+         `assume_valid`"
+    )]
+    UnsafeBigM {
+        /// The indicator.
+        indicator: String,
+        /// `lower` or `upper`.
+        side: &'static str,
+        /// The user's value, in the row's unit.
+        given: f64,
+        /// The smallest value the bounds prove, in the row's unit.
+        needed: f64,
+        /// The variable that contributes most.
+        variable: String,
+    },
+    /// A parameter outside its range.
+    #[error("{what} is {value}; it must be {range}")]
+    OutOfRange {
+        /// The parameter.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What is allowed, in words.
+        range: String,
+    },
+    /// Matrices or vectors whose shapes do not fit.
+    #[error("{what} has shape {rows}x{columns}; expected {expected}")]
+    Shape {
+        /// The matrix or vector.
+        what: &'static str,
+        /// Its number of rows.
+        rows: usize,
+        /// Its number of columns.
+        columns: usize,
+        /// The expected shape.
+        expected: String,
+    },
+    /// A scenario that contradicts itself before any planning.
+    #[error("the scenario cannot be planned: {reason}; {mend}")]
+    Scenario {
+        /// What contradicts what.
+        reason: String,
+        /// What to change.
+        mend: String,
+    },
+    /// A model file that cannot be read.
+    #[error("line {line}, column {column}: {message}")]
+    Parse {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong, and what was expected.
+        message: String,
+    },
+    /// A value was asked for, but the solution holds no point.
+    #[error("there is no value to read: the solve ended with `{termination}` and without a point")]
+    NoPoint {
+        /// The termination status.
+        termination: String,
+    },
+    /// A solver answered something that its contract excludes.
+    #[error("the solver broke its contract: {message}")]
+    Backend {
+        /// What happened.
+        message: String,
+    },
+}

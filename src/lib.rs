@@ -1,0 +1,13 @@
+//! carom
+
+pub mod branch_and_bound;
+pub mod error;
+pub mod interval;
+pub mod model;
+pub mod prelude;
+pub mod solution;
+pub mod solver;
+pub mod tolerance;
+
+pub use branch_and_bound::BranchAndBound;
+pub use error::Error;

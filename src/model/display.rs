@@ -1,0 +1,133 @@
+//! The readable text form of a model.
+
+use std::fmt;
+
+use super::affine::write_terms;
+use super::ids::Variable;
+use super::store::Model;
+use super::variable::VariableKind;
+use crate::interval::Interval;
+
+impl fmt::Display for Model {
+    /// Objective, rows, indicators and bounds, with names; one statement a line.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.continuous_family("x", 2, 0.0, 5.0)?;
+    /// let z = model.binary("z")?;
+    /// model.add("sum", (x[0] + x[1]).le(4.0))?;
+    /// model.add("hit", z.on().implies(x[1].within(1.0, 2.0)))?;
+    /// model.minimize((x[0] - 1.0).square() - 2.0 * x[1])?;
+    /// assert_eq!(
+    ///     model.to_string(),
+    ///     "minimize x[0]^2 - 2 x[0] - 2 x[1] + 1\n\
+    ///      subject to\n  \
+    ///        sum: x[0] + x[1] <= 4\n  \
+    ///        hit: z = 1 implies 1 <= x[1] <= 2\n\
+    ///      where\n  \
+    ///        0 <= x[0] <= 5\n  \
+    ///        0 <= x[1] <= 5\n  \
+    ///        z binary\n"
+    /// );
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} {}", self.sense().word(), self.objective_text())?;
+        writeln!(f, "subject to")?;
+        for row in self.constraints() {
+            writeln!(f, "  {}: {}", row.name(), self.row_text(row.terms(), row.limits()))?;
+        }
+        for indicator in self.indicators() {
+            let condition = indicator.condition();
+            writeln!(
+                f,
+                "  {}: {} = {} implies {}",
+                indicator.name(),
+                self.name_of(condition.variable()),
+                u8::from(condition.is_on()),
+                self.row_text(indicator.terms(), indicator.limits())
+            )?;
+        }
+        writeln!(f, "where")?;
+        for variable in self.variables() {
+            let (name, bounds) = (variable.name().to_string(), variable.bounds());
+            match variable.kind() {
+                VariableKind::Binary if bounds == Interval::new(0.0, 1.0) => {
+                    writeln!(f, "  {name} binary")?;
+                }
+                VariableKind::Binary => writeln!(f, "  {} binary", limits_text(&name, bounds))?,
+                VariableKind::Integer => writeln!(f, "  {} integer", limits_text(&name, bounds))?,
+                VariableKind::Continuous => writeln!(f, "  {}", limits_text(&name, bounds))?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Model {
+    /// The name of a variable of this model, or its position where it is not of this model.
+    pub(crate) fn name_of(&self, variable: Variable) -> String {
+        match self.variable_ref(variable) {
+            Ok(v) => v.name().to_string(),
+            Err(_) => format!("#{}", variable.index()),
+        }
+    }
+
+    /// A row in words, `2 x[0] - y <= 4`.
+    pub(crate) fn row_text(&self, terms: &[(Variable, f64)], limits: Interval) -> String {
+        let mut text = String::new();
+        // Writing into a string cannot fail.
+        let _ = write_terms(&mut text, terms, |v| self.name_of(v));
+        limits_text(if terms.is_empty() { "0" } else { &text }, limits)
+    }
+
+    fn objective_text(&self) -> String {
+        let mut text = String::new();
+        let mut part = |coefficient: f64, what: &str| {
+            let sign = match (text.is_empty(), coefficient < 0.0) {
+                (true, true) => "-",
+                (true, false) => "",
+                (false, true) => " - ",
+                (false, false) => " + ",
+            };
+            text.push_str(sign);
+            if what.is_empty() {
+                text.push_str(&coefficient.abs().to_string());
+            } else {
+                if coefficient.abs() != 1.0 {
+                    text.push_str(&format!("{} ", coefficient.abs()));
+                }
+                text.push_str(what);
+            }
+        };
+        for (a, b, q) in self.objective().products() {
+            let (first, second) = (self.name_of(a), self.name_of(b));
+            if a == b {
+                part(q, &format!("{first}^2"));
+            } else {
+                part(q, &format!("{first} {second}"));
+            }
+        }
+        for (v, a) in self.objective().affine().terms() {
+            part(a, &self.name_of(v));
+        }
+        let constant = self.objective().affine().offset();
+        if constant != 0.0 {
+            part(constant, "");
+        }
+        if text.is_empty() { "0".into() } else { text }
+    }
+}
+
+fn limits_text(middle: &str, limits: Interval) -> String {
+    let Interval { lower, upper } = limits;
+    match (lower.is_finite(), upper.is_finite()) {
+        _ if lower == upper => format!("{middle} = {lower}"),
+        (true, true) => format!("{lower} <= {middle} <= {upper}"),
+        (true, false) => format!("{middle} >= {lower}"),
+        (false, true) => format!("{middle} <= {upper}"),
+        (false, false) => format!("{middle} free"),
+    }
+}

@@ -1,0 +1,84 @@
+//! Names of variables and statements: a family and, for members of a horizon, a step.
+
+use std::fmt;
+
+use crate::error::Error;
+
+/// The name of a variable or statement: `goal`, or `x[17]` for step 17 of the family `x`.
+///
+/// Made from a `&str`, a `String` or a pair `(family, step)`; the text `"x[17]"` and the pair
+/// `("x", 17)` are the same name.
+///
+/// ```
+/// use carom::model::Name;
+///
+/// assert_eq!(Name::from("x[17]"), Name::from(("x", 17)));
+/// assert_eq!(Name::from(("x", 17)).to_string(), "x[17]");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Name {
+    family: String,
+    step: Option<usize>,
+}
+
+impl Name {
+    /// The family, or the whole name where there is no step.
+    pub fn family(&self) -> &str {
+        &self.family
+    }
+
+    /// The step inside the family.
+    pub fn step(&self) -> Option<usize> {
+        self.step
+    }
+
+    /// Refuses names that no file format could carry.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let bad = self.family.is_empty()
+            || self.family.chars().any(|c| c.is_whitespace() || c.is_control());
+        if bad { Err(Error::InvalidName { name: self.to_string() }) } else { Ok(()) }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.step {
+            Some(step) => write!(f, "{}[{step}]", self.family),
+            None => f.write_str(&self.family),
+        }
+    }
+}
+
+impl From<&str> for Name {
+    fn from(text: &str) -> Self {
+        if let Some((family, rest)) = text.rsplit_once('[')
+            && let Some(digits) = rest.strip_suffix(']')
+            && digits.bytes().all(|b| b.is_ascii_digit())
+            && (digits.len() == 1 || !digits.starts_with('0'))
+            && let Ok(step) = digits.parse()
+            && !family.is_empty()
+        {
+            return Name { family: family.to_owned(), step: Some(step) };
+        }
+        Name { family: text.to_owned(), step: None }
+    }
+}
+
+impl From<String> for Name {
+    fn from(text: String) -> Self {
+        Name::from(text.as_str())
+    }
+}
+
+impl From<&String> for Name {
+    fn from(text: &String) -> Self {
+        Name::from(text.as_str())
+    }
+}
+
+impl<S: Into<String>> From<(S, usize)> for Name {
+    fn from((family, step): (S, usize)) -> Self {
+        Name { family: family.into(), step: Some(step) }
+    }
+}

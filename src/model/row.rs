@@ -1,0 +1,65 @@
+//! Comparisons of affine expressions: `lower <= expression <= upper`.
+
+use super::affine::Affine;
+use super::ids::Variable;
+
+/// A comparison that has not been added to a model yet: `lower <= expression <= upper`.
+///
+/// Made by [`le`](Affine::le), [`ge`](Affine::ge), [`equals`](Affine::equals) and
+/// [`within`](Affine::within).
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "a row does nothing until it is given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Row {
+    pub(crate) expression: Affine,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+impl Row {
+    /// The compared expression.
+    pub fn expression(&self) -> &Affine {
+        &self.expression
+    }
+
+    /// The lower limit; `-inf` when there is none.
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// The upper limit; `+inf` when there is none.
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+}
+
+macro_rules! comparisons {
+    ($operand:ty) => {
+        impl $operand {
+            /// The row `self <= right`.
+            pub fn le(&self, right: impl Into<Affine>) -> Row {
+                let expression = Affine::from(self) - right.into();
+                Row { expression, lower: f64::NEG_INFINITY, upper: 0.0 }
+            }
+
+            /// The row `self >= right`.
+            pub fn ge(&self, right: impl Into<Affine>) -> Row {
+                let expression = Affine::from(self) - right.into();
+                Row { expression, lower: 0.0, upper: f64::INFINITY }
+            }
+
+            /// The row `self = right`.
+            pub fn equals(&self, right: impl Into<Affine>) -> Row {
+                Row { expression: Affine::from(self) - right.into(), lower: 0.0, upper: 0.0 }
+            }
+
+            /// The row `lower <= self <= upper`; one end may be infinite.
+            pub fn within(&self, lower: f64, upper: f64) -> Row {
+                Row { expression: Affine::from(self), lower, upper }
+            }
+        }
+    };
+}
+
+comparisons!(Affine);
+comparisons!(Variable);

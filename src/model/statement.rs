@@ -1,0 +1,102 @@
+//! What can be added to a model: rows and implications.
+
+use super::Model;
+use super::ids::{Constraint, Indicator, Variable};
+use super::indicator::Implication;
+use super::name::Name;
+use super::row::Row;
+use crate::error::Error;
+
+/// Something [`Model::add`] accepts: a [`Row`] or an [`Implication`]. Sealed.
+pub trait Statement: sealed::Sealed {
+    /// The handle that adding returns.
+    type Handle;
+
+    #[doc(hidden)]
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Self::Handle, Error>;
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Row {}
+    impl Sealed for super::Implication {}
+}
+
+/// A row as a model stores it: merged terms, the constant moved into the limits.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct StoredRow {
+    pub(crate) terms: Vec<(Variable, f64)>,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+impl Statement for Row {
+    type Handle = Constraint;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Constraint, Error> {
+        let row = stored(self, model, &name)?;
+        model.push_constraint(name, row)
+    }
+}
+
+impl Statement for Implication {
+    type Handle = Indicator;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Indicator, Error> {
+        let row = stored(self.row, model, &name)?;
+        model.push_indicator(name, self.condition, row, self.big_m)
+    }
+}
+
+/// Checks a row against the model and brings it into stored form.
+fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, Error> {
+    let (terms, constant) = row.expression.into_parts();
+    for &(variable, coefficient) in &terms {
+        model.check_variable(variable, name)?;
+        finite(coefficient, "a coefficient", name)?;
+    }
+    finite(constant, "the constant", name)?;
+    if terms.is_empty() {
+        return Err(Error::EmptyRow { name: name.to_string() });
+    }
+    let (lower, upper) = limits(row.lower, row.upper, name)?;
+    let moved = |limit: f64| if limit.is_finite() { limit - constant } else { limit };
+    Ok(StoredRow { terms, lower: moved(lower), upper: moved(upper) })
+}
+
+/// Checks a pair of row limits; magnitudes from [`tolerance::INFINITE`](crate::tolerance::INFINITE)
+/// on become infinite.
+pub(crate) fn limits(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), Error> {
+    let (lower, upper) = bounds(lower, upper, name)?;
+    if lower.is_infinite() && upper.is_infinite() {
+        return Err(Error::UnlimitedRow { name: name.to_string() });
+    }
+    Ok((lower, upper))
+}
+
+/// Checks a pair of bounds; one or both may be infinite.
+pub(crate) fn bounds(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), Error> {
+    let not_finite = |what, value| Err(Error::NotFinite { name: name.to_string(), what, value });
+    if lower.is_nan() || lower >= crate::tolerance::INFINITE {
+        return not_finite("the lower limit", lower);
+    }
+    if upper.is_nan() || upper <= -crate::tolerance::INFINITE {
+        return not_finite("the upper limit", upper);
+    }
+    if lower > upper {
+        return Err(Error::CrossedBounds { name: name.to_string(), lower, upper });
+    }
+    let lower = if lower <= -crate::tolerance::INFINITE { f64::NEG_INFINITY } else { lower };
+    let upper = if upper >= crate::tolerance::INFINITE { f64::INFINITY } else { upper };
+    Ok((lower, upper))
+}
+
+/// Refuses NaN, infinities and magnitudes that count as infinite.
+pub(crate) fn finite(value: f64, what: &'static str, name: &Name) -> Result<(), Error> {
+    if value.abs() < crate::tolerance::INFINITE {
+        Ok(())
+    } else {
+        Err(Error::NotFinite { name: name.to_string(), what, value })
+    }
+}

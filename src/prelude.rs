@@ -1,0 +1,14 @@
+//! The names most programs need, listed one by one.
+//!
+//! ```
+//! use carom::prelude::*;
+//! ```
+
+pub use crate::BranchAndBound;
+pub use crate::error::Error;
+pub use crate::model::{
+    Affine, Constraint, Family, Implication, Indicator, Literal, Model, Name, Quadratic, Row,
+    Sense, Variable, VariableKind,
+};
+pub use crate::solution::{PrimalStatus, Solution, Statistics, Termination, Verification};
+pub use crate::solver::{Control, Event, Interrupt, Options, Progress, Solver};

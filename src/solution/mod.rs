@@ -1,0 +1,146 @@
+//! What comes back from a solve: values by handle, statuses, bound, and an independent check.
+//!
+//! Why the solver stopped ([`Termination`]) and what it holds ([`PrimalStatus`]) are separate
+//! answers: a search stopped by its time limit may hold a very good plan. Every [`Solution`] with
+//! a point carries a [`Verification`] made from the *model*, not from the solver's rows: bounds,
+//! integrality, rows, and indicators as the implications they state.
+
+mod point;
+mod status;
+mod verification;
+
+pub use point::{Evaluate, Point};
+pub use status::{PrimalStatus, Statistics, Termination};
+pub use verification::{Verification, Violation, ViolationKind};
+
+use crate::error::Error;
+use crate::model::{Model, Sense};
+
+/// The answer of a [`Solver`](crate::solver::Solver).
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
+pub struct Solution {
+    termination: Termination,
+    point: Option<Point>,
+    objective: Option<f64>,
+    bound: f64,
+    sense: Sense,
+    verification: Option<Verification>,
+    statistics: Statistics,
+}
+
+/// What a backend reports; [`Solution::new`] checks it against the model.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Why the backend stopped.
+    pub termination: Termination,
+    /// The best point, one value per variable in the order of creation.
+    pub values: Option<Vec<f64>>,
+    /// The proved bound on the objective, in the model's own sense: no point is better. Infinite
+    /// when nothing is proved.
+    pub bound: f64,
+    /// Counts and time.
+    pub statistics: Statistics,
+}
+
+impl Solution {
+    /// Builds a solution from a backend's report. The objective and the verification are
+    /// computed here, from the model, so that no backend can vouch for itself: a point that fails
+    /// its verification is dropped, and `Optimal` becomes [`Termination::Stalled`].
+    ///
+    /// # Arguments
+    ///
+    /// * `feasibility`: the feasibility tolerance, see
+    ///   [`tolerance::FEASIBILITY`](crate::tolerance::FEASIBILITY).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Backend`] when the number of values is not the number of variables.
+    pub fn new(model: &Model, outcome: Outcome, feasibility: f64) -> Result<Self, Error> {
+        let Outcome { mut termination, values, bound, statistics } = outcome;
+        let mut point = values.map(|values| Point::new(model, values)).transpose()?;
+        let verification = point.as_ref().map(|p| Verification::of(model, p, feasibility));
+        if verification.as_ref().is_some_and(|v| !v.holds()) {
+            point = None;
+        }
+        if point.is_none() && termination == Termination::Optimal {
+            termination = Termination::Stalled;
+        }
+        let objective = point.as_ref().map(|p| p.value(model.objective())).transpose()?;
+        let sense = model.sense();
+        Ok(Solution { termination, point, objective, bound, sense, verification, statistics })
+    }
+
+    /// Why the solver stopped.
+    pub fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    /// What the solution holds.
+    pub fn primal_status(&self) -> PrimalStatus {
+        if self.point.is_some() { PrimalStatus::Feasible } else { PrimalStatus::None }
+    }
+
+    /// Whether the point is proved optimal within the gap.
+    pub fn is_optimal(&self) -> bool {
+        self.termination == Termination::Optimal
+    }
+
+    /// Whether the model is proved infeasible.
+    pub fn is_infeasible(&self) -> bool {
+        self.termination == Termination::Infeasible
+    }
+
+    /// The best point found.
+    pub fn point(&self) -> Option<&Point> {
+        self.point.as_ref()
+    }
+
+    /// Value of a variable or an expression at the best point.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoPoint`] without a point, [`Error::ForeignHandle`] for a handle of another model.
+    pub fn value(&self, of: impl Evaluate) -> Result<f64, Error> {
+        match &self.point {
+            Some(point) => point.value(of),
+            None => Err(Error::NoPoint { termination: self.termination.to_string() }),
+        }
+    }
+
+    /// Objective of the best point, in the model's own sense.
+    pub fn objective(&self) -> Option<f64> {
+        self.objective
+    }
+
+    /// Proved bound: no feasible point has a better objective. Infinite when nothing is proved
+    /// (`-inf` when minimising) and `+inf` when a minimisation is infeasible.
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Absolute gap between objective and bound, in the objective's unit; infinite without a
+    /// point.
+    pub fn gap(&self) -> f64 {
+        let gap = |objective| self.sense.sign() * (objective - self.bound);
+        self.objective.map_or(f64::INFINITY, |objective| gap(objective).max(0.0))
+    }
+
+    /// Gap relative to the objective's magnitude (no unit); infinite without a point.
+    pub fn relative_gap(&self) -> f64 {
+        let scale = self.objective.map_or(1.0, f64::abs);
+        if self.gap() == 0.0 { 0.0 } else { self.gap() / scale.max(f64::MIN_POSITIVE) }
+    }
+
+    /// The independent check of the point, made from the model. It is also there when the point
+    /// failed it and was dropped.
+    pub fn verification(&self) -> Option<&Verification> {
+        self.verification.as_ref()
+    }
+
+    /// Counts and time.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+}

@@ -1,0 +1,92 @@
+//! Values of all variables of one model.
+
+use crate::error::Error;
+use crate::model::{Affine, Model, ModelTag, Quadratic, Variable};
+
+/// One value per variable of a model, read by handle.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Point {
+    tag: ModelTag,
+    values: Vec<f64>,
+}
+
+impl Point {
+    /// A point from one value per variable, in the order of creation.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Backend`] when the number of values is not the number of variables.
+    pub fn new(model: &Model, values: Vec<f64>) -> Result<Self, Error> {
+        if values.len() != model.variable_count() {
+            let (found, wanted) = (values.len(), model.variable_count());
+            let message = format!("a point has {found} values for {wanted} variables");
+            return Err(Error::Backend { message });
+        }
+        Ok(Point { tag: model.tag(), values })
+    }
+
+    /// Value of a variable or an expression.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`] for a handle of another model.
+    pub fn value(&self, of: impl Evaluate) -> Result<f64, Error> {
+        of.evaluate_at(self)
+    }
+
+    /// The values in the order of the variables' creation.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn read(&self, variable: Variable) -> Result<f64, Error> {
+        if variable.tag != self.tag || variable.index() >= self.values.len() {
+            let (kind, place) = ("variable", "a solution".to_owned());
+            return Err(Error::ForeignHandle { kind, index: variable.index(), place });
+        }
+        Ok(self.values[variable.index()])
+    }
+}
+
+/// Something that has a value at a [`Point`]: a variable or an expression.
+pub trait Evaluate {
+    /// The value at the point.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`] for a handle of another model.
+    fn evaluate_at(&self, point: &Point) -> Result<f64, Error>;
+}
+
+impl Evaluate for Variable {
+    fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
+        point.read(*self)
+    }
+}
+
+impl Evaluate for Affine {
+    fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
+        let mut sum = self.offset();
+        for &(variable, coefficient) in self.raw_terms() {
+            sum += coefficient * point.read(variable)?;
+        }
+        Ok(sum)
+    }
+}
+
+impl Evaluate for Quadratic {
+    fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
+        let mut sum = self.affine().evaluate_at(point)?;
+        for (first, second, coefficient) in self.products() {
+            sum += coefficient * point.read(first)? * point.read(second)?;
+        }
+        Ok(sum)
+    }
+}
+
+impl<T: Evaluate + ?Sized> Evaluate for &T {
+    fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
+        (**self).evaluate_at(point)
+    }
+}

@@ -1,0 +1,77 @@
+//! Statuses and statistics of a solve.
+
+use std::fmt;
+use web_time::Duration;
+
+/// Why a solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Termination {
+    /// Bound and incumbent meet the requested gap.
+    Optimal,
+    /// It is proved that no point satisfies the model.
+    Infeasible,
+    /// The objective improves without limit over feasible points.
+    Unbounded,
+    /// The time limit was reached.
+    TimeLimit,
+    /// The node limit was reached.
+    NodeLimit,
+    /// The [`Interrupt`](crate::solver::Interrupt) was triggered.
+    Interrupted,
+    /// Some part of the search could be neither refuted nor finished for numerical reasons; bound
+    /// and point, if any, are valid all the same.
+    Stalled,
+}
+
+impl Termination {
+    /// Whether the search stopped at a limit or an interrupt.
+    pub fn is_limit(self) -> bool {
+        matches!(self, Termination::TimeLimit | Termination::NodeLimit | Termination::Interrupted)
+    }
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Termination::Optimal => "optimal",
+            Termination::Infeasible => "infeasible",
+            Termination::Unbounded => "unbounded",
+            Termination::TimeLimit => "time limit",
+            Termination::NodeLimit => "node limit",
+            Termination::Interrupted => "interrupted",
+            Termination::Stalled => "stalled",
+        })
+    }
+}
+
+/// What a solution holds, apart from why the solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum PrimalStatus {
+    /// No point.
+    None,
+    /// A verified feasible point.
+    Feasible,
+}
+
+/// Counts and time of a solve.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Statistics {
+    /// Nodes of the tree that were processed, the root included.
+    pub nodes: u64,
+    /// Continuous relaxations solved, those of heuristics and checks included.
+    pub relaxations: u64,
+    /// Interior-point iterations over all relaxations.
+    pub iterations: u64,
+    /// Nodes refuted by bound propagation alone.
+    pub refuted_by_propagation: u64,
+    /// Improving points that were found, verified and accepted.
+    pub incumbents: u64,
+    /// Wall-clock time of the solve.
+    pub time: Duration,
+}

@@ -1,0 +1,160 @@
+//! The independent check of a point against a model.
+//!
+//! It shares no code with lowering, presolve or search: it reads the model's own statements and
+//! evaluates them. Indicators are checked as implications on the binaries' values, so a big-M
+//! that leaks cannot hide.
+
+use crate::interval::Interval;
+use crate::model::{BigM, Model, Variable};
+use crate::tolerance;
+
+use super::point::Point;
+
+/// The result of checking a [`Point`] against a [`Model`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Verification {
+    violations: Vec<Violation>,
+    largest_residual: f64,
+    active_implications: usize,
+    assumed: Vec<String>,
+}
+
+/// A statement that a point violates by more than the tolerance.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Violation {
+    /// What is violated.
+    pub kind: ViolationKind,
+    /// The variable or statement.
+    pub name: String,
+    /// By how much, in the statement's own unit.
+    pub amount: f64,
+}
+
+/// What kind of statement a [`Violation`] is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ViolationKind {
+    /// A variable's bound, or a value that is not a number.
+    Bound,
+    /// A binary or integer variable's value is not whole.
+    Integrality,
+    /// A linear row.
+    Row,
+    /// An indicator whose condition holds and whose row does not.
+    Implication,
+}
+
+impl Verification {
+    /// Checks a point: bounds, integrality, rows, implications.
+    ///
+    /// # Arguments
+    ///
+    /// * `feasibility`: the tolerance of rows and bounds, multiplied by
+    ///   [`tolerance::row_scale`]. Integer variables must be whole within 1e-9.
+    pub fn of(model: &Model, point: &Point, feasibility: f64) -> Self {
+        let values = point.as_slice();
+        let mut check = Verification {
+            violations: Vec::new(),
+            largest_residual: 0.0,
+            active_implications: 0,
+            assumed: Vec::new(),
+        };
+        for variable in model.variables() {
+            let value = values[variable.id().index()];
+            let (amount, scale) = excess(value, variable.bounds(), value.abs());
+            check.note(ViolationKind::Bound, amount, feasibility * scale, || {
+                variable.name().to_string()
+            });
+            if variable.kind().is_integral() {
+                let amount = (value - value.round()).abs();
+                check
+                    .note(ViolationKind::Integrality, amount, 1e-9, || variable.name().to_string());
+            }
+        }
+        for row in model.constraints() {
+            let (amount, scale) = residual(row.terms(), row.limits(), values);
+            let name = || row.name().to_string();
+            check.note(ViolationKind::Row, amount, feasibility * scale, name);
+        }
+        for indicator in model.indicators() {
+            let name = || indicator.name().to_string();
+            if let BigM::Assumed(_) = indicator.big_m() {
+                check.assumed.push(name());
+            }
+            let condition = indicator.condition();
+            let on = values[condition.variable().index()].round() == 1.0;
+            if on == condition.is_on() {
+                check.active_implications += 1;
+                let (amount, scale) = residual(indicator.terms(), indicator.limits(), values);
+                check.note(ViolationKind::Implication, amount, feasibility * scale, name);
+            }
+        }
+        check
+    }
+
+    /// Whether nothing is violated beyond the tolerance.
+    pub fn holds(&self) -> bool {
+        self.violations.is_empty()
+    }
+
+    /// What is violated beyond the tolerance.
+    pub fn violations(&self) -> &[Violation] {
+        &self.violations
+    }
+
+    /// The largest residual over all statements, violated or not, in the unit of its statement.
+    pub fn largest_residual(&self) -> f64 {
+        self.largest_residual
+    }
+
+    /// Number of indicators whose condition holds at the point.
+    pub fn active_implications(&self) -> usize {
+        self.active_implications
+    }
+
+    /// Indicators whose big-M was taken on trust ([`BigM::Assumed`]): the point obeys them, but
+    /// points may have been cut off.
+    pub fn assumed(&self) -> &[String] {
+        &self.assumed
+    }
+
+    fn note(
+        &mut self,
+        kind: ViolationKind,
+        amount: f64,
+        allowed: f64,
+        name: impl FnOnce() -> String,
+    ) {
+        // Written so that NaN is a violation.
+        if !(amount <= allowed) {
+            self.violations.push(Violation { kind, name: name(), amount });
+        }
+        if !(amount <= self.largest_residual) {
+            self.largest_residual = amount;
+        }
+    }
+}
+
+/// By how much a row misses its limits, and the scale of its tolerance.
+fn residual(terms: &[(Variable, f64)], limits: Interval, values: &[f64]) -> (f64, f64) {
+    let (mut sum, mut largest) = (0.0, 0.0_f64);
+    for &(variable, coefficient) in terms {
+        let term = coefficient * values[variable.index()];
+        sum += term;
+        largest = largest.max(term.abs());
+    }
+    excess(sum, limits, largest)
+}
+
+fn excess(value: f64, limits: Interval, largest_term: f64) -> (f64, f64) {
+    if value.is_nan() {
+        return (f64::NAN, 1.0);
+    }
+    let below = limits.lower - value;
+    let above = value - limits.upper;
+    let limit = if below > above { limits.lower } else { limits.upper };
+    (below.max(above).max(0.0), tolerance::row_scale(largest_term, limit))
+}

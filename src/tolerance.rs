@@ -1,0 +1,71 @@
+//! Every numerical tolerance of the crate, with its unit, default and range.
+//!
+//! Nothing else in the crate compares floating-point numbers against a literal of its own: a
+//! reader who wonders how exact "feasible" is finds the answer here. Tolerances that a user may
+//! change are fields of [`Options`](crate::solver::Options); their defaults are the constants
+//! below.
+
+/// Bounds and right-hand sides of at least this magnitude count as infinite (no unit).
+///
+/// Clarabel and the MPS dialects use 1e20 as well.
+pub const INFINITE: f64 = 1e20;
+
+/// Default feasibility tolerance of rows and bounds, in the row's own unit, absolute.
+///
+/// A point satisfies `l <= a'x <= u` when it misses by no more than this times the row's
+/// [scale](crate::tolerance::row_scale), which is 1 for rows of ordinary size. Range `1e-9..=1e-3`.
+pub const FEASIBILITY: f64 = 1e-6;
+
+/// Default distance to the nearest integer at which a relaxed value counts as integral
+/// (no unit). Range `1e-9..=1e-2`. Accepted plans have their integers rounded exactly; this value
+/// only decides which relaxations are tried as candidates.
+pub const INTEGRALITY: f64 = 1e-6;
+
+/// Default relative gap `(incumbent - bound) / |incumbent|` at which a search stops (no unit).
+pub const RELATIVE_GAP: f64 = 1e-6;
+
+/// Default absolute gap `incumbent - bound` at which a search stops, in the objective's unit.
+pub const ABSOLUTE_GAP: f64 = 1e-7;
+
+/// Relative width by which a propagated bound of a continuous variable is loosened, so that
+/// rounding in the activities can never cut a point off (no unit).
+pub const PROPAGATION_SLACK: f64 = 1e-9;
+
+/// A propagated bound on a continuous variable is kept only when it shrinks the domain by at
+/// least this fraction (no unit); smaller gains make long chains converge slowly for nothing.
+pub const PROPAGATION_GAIN: f64 = 1e-3;
+
+/// Relative excess over a row's limit at which its activity proves infeasibility (no unit).
+pub const PROPAGATION_INFEASIBLE: f64 = 1e-8;
+
+/// Radius inside which variables without any finite bound are searched, in the variable's unit.
+///
+/// A dual bound needs every column's contribution over its domain. Where neither bounds,
+/// propagation nor curvature limit a variable, bounds and infeasibility proofs hold for points
+/// with `|x| <= FREE_RADIUS`.
+pub const FREE_RADIUS: f64 = 1e9;
+
+/// Relative tolerance of the eigenvalue test of a quadratic objective (no unit): the smallest
+/// eigenvalue may be below zero by this fraction of the largest magnitude.
+pub const CONVEXITY: f64 = 1e-9;
+
+/// Agreement of a plan's samples with its discrete replay, in SI units (m, m/s).
+pub const REPLAY: f64 = 1e-6;
+
+/// Longest horizon, in steps, for which a model is built. A longer one is refused with an error
+/// before anything is allocated.
+pub const MAX_STEPS: usize = 100_000;
+
+/// The scale by which the feasibility tolerance of a row is multiplied: the largest magnitude of
+/// its terms `|a_j x_j|` and finite limits, but at least 1.
+///
+/// # Arguments
+///
+/// * `largest_term`: the largest `|a_j x_j|` of the row at the point in question, in the row's
+///   unit.
+/// * `limit`: the violated limit, in the row's unit.
+pub fn row_scale(largest_term: f64, limit: f64) -> f64 {
+    let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
+    // Up to 1e3 the tolerance is absolute; beyond it, one millionth of it is absolute noise.
+    (largest_term.max(limit) * 1e-3).max(1.0)
+}
