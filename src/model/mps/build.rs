@@ -1,0 +1,161 @@
+//! From the entries of a file to a model.
+
+use std::cmp::Ordering;
+use std::collections::HashMap;
+
+use super::decimal::Decimal;
+use super::read::{File, Row, RowKind};
+use super::token::{self, Token};
+use crate::error::Error;
+use crate::model::affine::Affine;
+use crate::model::ids::Variable;
+use crate::model::indicator::{BigM, Literal};
+use crate::model::name::Name;
+use crate::model::objective::Sense;
+use crate::model::quadratic::Quadratic;
+use crate::model::statement::StoredRow;
+use crate::model::store::Model;
+use crate::model::variable::VariableKind;
+
+/// Makes the model that a file describes.
+pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
+    let mut model = Model::new(file.name);
+    let variables = variables(file, &mut model)?;
+    for row in &file.rows {
+        if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
+            continue;
+        }
+        let (lower, upper) = limits(row)?;
+        if lower.is_infinite() && upper.is_infinite() {
+            continue; // says nothing, like an N row
+        }
+        let terms = row.terms.iter().map(|&(column, value)| (variables[column], value)).collect();
+        let stored = StoredRow { terms, lower, upper };
+        let name = Name::from(row.name.text);
+        match &row.condition {
+            None => {
+                model.push_constraint(name, stored)?;
+            }
+            Some(condition) => {
+                let literal = Literal { variable: variables[condition.column], on: condition.on };
+                model
+                    .push_indicator(name, literal, stored, BigM::Automatic)
+                    .map_err(|error| condition.place.error(error.to_string()))?;
+            }
+        }
+    }
+    let objective = objective(file, &variables)?;
+    model.set_objective(file.sense.unwrap_or(Sense::Minimize), objective)?;
+    Ok(model)
+}
+
+fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error> {
+    let mut variables = Vec::with_capacity(file.columns.len());
+    for column in &file.columns {
+        let (lower, upper) = column.bounds.resolve(column.integer)?;
+        let kind = match column.integer {
+            false => VariableKind::Continuous,
+            true if lower >= 0.0 && upper <= 1.0 => VariableKind::Binary,
+            true => VariableKind::Integer,
+        };
+        variables.push(model.variable(column.name.text, kind, lower, upper)?);
+    }
+    Ok(variables)
+}
+
+/// The limits of a row from its kind, right-hand side and range.
+fn limits(row: &Row<'_>) -> Result<(f64, f64), Error> {
+    let (lowest, highest) = (f64::NEG_INFINITY, f64::INFINITY);
+    let right = row.right.map_or(Ok(0.0), |token| token.number())?;
+    let Some(range) = row.range else {
+        let impossible = match row.kind {
+            RowKind::AtMost => right == lowest,
+            RowKind::AtLeast => right == highest,
+            _ => right.is_infinite(),
+        };
+        if let (true, Some(token)) = (impossible, row.right) {
+            return Err(token.error(format!("no point can satisfy row `{}`", row.name.text)));
+        }
+        return Ok(match row.kind {
+            RowKind::AtMost => (lowest, right),
+            RowKind::AtLeast => (right, highest),
+            _ => (right, right),
+        });
+    };
+    if let (true, Some(token)) = (right.is_infinite(), row.right) {
+        return Err(token.error(format!(
+            "row `{}` has a range, so its right-hand side must be finite",
+            row.name.text
+        )));
+    }
+    let downward = match row.kind {
+        RowKind::AtMost => true,
+        RowKind::AtLeast => false,
+        _ => range.raw()? < 0.0,
+    };
+    let other = other_limit(right, row.right, &range, downward)?;
+    Ok(if downward { (other, right) } else { (right, other) })
+}
+
+/// `right - |range|` or `right + |range|`, formed on the decimals of the file and rounded once.
+fn other_limit(
+    right: f64,
+    right_text: Option<Token<'_>>,
+    range: &Token<'_>,
+    downward: bool,
+) -> Result<f64, Error> {
+    // Two limits below 1e20 may lie further apart than that, so the range is taken as it stands.
+    let width = range.raw()?.abs();
+    let rounded = if downward { right - width } else { right + width };
+    let exact = || {
+        let right = Decimal::parse(right_text.map_or("0", |token| token.text))?;
+        let width = Decimal::parse(range.text)?.magnitude();
+        Some(right.plus(&if downward { width.negated() } else { width })?.to_f64())
+    };
+    let other = if width.is_finite() { exact().unwrap_or(rounded) } else { rounded };
+    Ok(token::or_infinite(other))
+}
+
+fn objective(file: &File<'_>, variables: &[Variable]) -> Result<Quadratic, Error> {
+    let mut objective = Quadratic::zero();
+    if let Some(index) = file.objective {
+        let row = &file.rows[index];
+        if let Some(range) = row.range {
+            return Err(range.error("the objective row cannot have a range"));
+        }
+        let mut affine = Affine::zero();
+        if let Some(right) = row.right {
+            affine = Affine::constant(-right.finite()?);
+        }
+        row.terms.iter().for_each(|&(column, value)| affine.add_term(value, variables[column]));
+        objective = Quadratic::from(affine);
+    }
+    let mut seen = HashMap::with_capacity(file.products.len());
+    for product in &file.products {
+        let (a, b) = (product.first, product.second);
+        let key = if file.mirrored { (a, b) } else { (a.min(b), a.max(b)) };
+        if seen.insert(key, product.value).is_some() {
+            let (a, b) = (file.columns[a].name.text, file.columns[b].name.text);
+            let hint = if file.mirrored { "" } else { " (QUADOBJ takes one triangle only)" };
+            return Err(product.place.error(format!("a second entry for `{a}` and `{b}`{hint}")));
+        }
+    }
+    for product in &file.products {
+        let (a, b) = (product.first, product.second);
+        if file.mirrored && seen.get(&(b, a)).copied().unwrap_or(0.0) != product.value {
+            let (a, b) = (file.columns[a].name.text, file.columns[b].name.text);
+            return Err(product.place.error(format!(
+                "QMATRIX is not symmetric: the entry for `{b}` and `{a}` differs or is missing"
+            )));
+        }
+        // The objective is 1/2 x'Qx, and an entry off the diagonal stands for two.
+        match a.cmp(&b) {
+            Ordering::Equal => {
+                objective.add_product(product.value / 2.0, variables[a], variables[b]);
+            }
+            Ordering::Greater if file.mirrored => {}
+            _ => objective.add_product(product.value, variables[a], variables[b]),
+        }
+    }
+    Ok(objective)
+}

@@ -1,0 +1,125 @@
+//! Models as MPS files, the common language of solvers.
+//!
+//! [`read`] takes free MPS, and fixed MPS as long as no name contains a space. [`write`] makes
+//! free MPS that leads back to the same model: names, order, kinds, limits and coefficients, every
+//! number to the last bit.
+//!
+//! ```
+//! use carom::model::mps;
+//! use carom::prelude::*;
+//!
+//! let mut model = Model::new("walk");
+//! let x = model.continuous("x", 0.0, 10.0)?;
+//! let hit = model.binary("hit")?;
+//! model.add("reach", (x + 2.0 * hit).within(1.5, 4.0))?;
+//! model.add("stop", hit.on().implies(x.le(0.5)))?;
+//! model.minimize(x.square() - 3.0 * x)?;
+//!
+//! let text = mps::write(&model)?;
+//! assert_eq!(mps::read(&text)?.to_string(), model.to_string());
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # Lines
+//!
+//! A line that begins with `*` is a comment. A line that begins with any other character than
+//! white space names a section; data lines are indented and split at white space. Text after
+//! `ENDATA` is ignored; a file without `ENDATA` is refused, because it may have been cut off.
+//! Section names, kinds and keywords are upper case. Numbers may have an exponent marked with `E`
+//! or `D`. Magnitudes from 1e20 on, and the words `inf` and `infinity`, are infinite.
+//!
+//! # Sections
+//!
+//! | section | meaning |
+//! | --- | --- |
+//! | `NAME` | the rest of the line is the model's name |
+//! | `OBJSENSE` | `MAX` or `MIN` (or `MAXIMIZE`, `MINIMIZE`), on the same line or the next; without it, minimise |
+//! | `ROWS` | `N` (the first one is the objective, further ones are ignored), `L`, `G`, `E` |
+//! | `COLUMNS` | column, then pairs of row and value; the entries of a column stand together; markers `'INTORG'` and `'INTEND'` enclose integer columns |
+//! | `RHS` | set name (may be left out), then pairs of row and value; the objective's entry is *minus* its constant |
+//! | `RANGES` | as `RHS`; an `L` row with value R becomes `[rhs - abs(R), rhs]`, a `G` row `[rhs, rhs + abs(R)]`, an `E` row `[rhs, rhs + R]` for `R >= 0` and `[rhs + R, rhs]` for `R < 0` |
+//! | `BOUNDS` | kind, set name (may be left out), column and value; see below |
+//! | `QUADOBJ` | two columns and an entry of Q in `1/2 x'Qx`; each pair once, from either triangle |
+//! | `QMATRIX` | the same with both triangles |
+//! | `INDICATORS` | `IF row column 0` or `IF row column 1`: the row holds when the binary has that value |
+//!
+//! A row may be without entries, and a column with only a zero entry is kept. A row whose
+//! right-hand side is infinite in the harmless direction says nothing and is ignored like a
+//! further `N` row. A second set of right-hand sides, ranges or bounds is an error, as is anything
+//! given twice.
+//!
+//! # Bounds
+//!
+//! | kind | effect |
+//! | --- | --- |
+//! | `LO`, `UP`, `FX` | lower, upper, both bounds |
+//! | `FR`, `MI`, `PL` | both, the lower, the upper bound infinite |
+//! | `BV` | integer within `[0, 1]` |
+//! | `LI`, `UI` | lower, upper bound, and the column is integer |
+//! | `SC`, `SI` | refused |
+//!
+//! Where a bound is not given:
+//!
+//! * A continuous column lies within `[0, inf)`.
+//! * An integer column between markers that no entry of `BOUNDS` mentions lies within `[0, 1]`.
+//!   One entry of any kind cancels this, and the other bound is then 0 or `inf`. Most solvers
+//!   read such columns this way, some older ones take `[0, inf)`; [`write`] leaves nothing to the
+//!   default.
+//! * A negative upper bound makes a lower bound that is not given `-inf`; an upper bound of 0
+//!   leaves it at 0. `MI` leaves the upper bound at `inf`.
+//!
+//! An integer column whose bounds lie within `[0, 1]` becomes a
+//! [binary](crate::model::VariableKind::Binary). MPS cannot tell the two apart, and only a binary
+//! can be the condition of an indicator.
+//!
+//! # Two-sided rows
+//!
+//! MPS gives one limit and the distance to the other, and in binary arithmetic the other limit
+//! often cannot be hit exactly. Here the sum of right-hand side and range is formed on the
+//! decimals of the file and rounded once, and `write` writes the decimal difference of the two
+//! limits: `-1.2 <= x <= 1.1` has right-hand side `1.1` and range `2.3`. Readers that round in
+//! between are off by one unit in the last place at most.
+//!
+//! # What MPS cannot hold
+//!
+//! A user's [big-M](crate::model::BigM) of an indicator is not written; the implication is. White
+//! space around the model's name is lost.
+
+mod bounds;
+mod build;
+mod decimal;
+mod read;
+mod token;
+mod write;
+
+use super::store::Model;
+use crate::error::Error;
+
+/// Reads a model from the text of an MPS file.
+///
+/// # Errors
+///
+/// [`Error::Parse`] with the line and column of whatever is damaged, unknown, given twice or
+/// contradictory; [`Error::NotConvex`] for a quadratic objective that is not convex in its
+/// direction.
+///
+/// # Complexity
+///
+/// Linear in the length of the text, but for the convexity check of a quadratic objective.
+pub fn read(text: &str) -> Result<Model, Error> {
+    build::model(&read::File::scan(text)?)
+}
+
+/// Writes a model as free MPS.
+///
+/// # Errors
+///
+/// [`Error::InvalidName`] when the model's name contains a line break or another control
+/// character.
+///
+/// # Complexity
+///
+/// Linear in the size of the model.
+pub fn write(model: &Model) -> Result<String, Error> {
+    write::text(model)
+}

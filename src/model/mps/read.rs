@@ -1,0 +1,427 @@
+//! Reading: from lines to rows and columns as the file lists them.
+
+use std::collections::HashMap;
+
+use super::bounds::{self, Bounds};
+use super::token::{self, Token};
+use crate::error::Error;
+use crate::model::name::Name;
+use crate::model::objective::Sense;
+
+/// The contents of a file, entry by entry; [`build`](super::build) makes a model of it.
+#[derive(Debug, Default)]
+pub(super) struct File<'a> {
+    pub(super) name: &'a str,
+    pub(super) sense: Option<Sense>,
+    pub(super) rows: Vec<Row<'a>>,
+    pub(super) columns: Vec<Column<'a>>,
+    pub(super) objective: Option<usize>,
+    pub(super) products: Vec<Product<'a>>,
+    pub(super) mirrored: bool,
+    row_index: HashMap<&'a str, usize>,
+    column_index: HashMap<&'a str, usize>,
+    set_names: HashMap<Section, &'a str>,
+    /// The marker that opened a stretch of integer columns.
+    integers: Option<Token<'a>>,
+}
+
+#[derive(Debug)]
+pub(super) struct Row<'a> {
+    pub(super) name: Token<'a>,
+    pub(super) kind: RowKind,
+    /// Columns by position, in increasing order.
+    pub(super) terms: Vec<(usize, f64)>,
+    pub(super) right: Option<Token<'a>>,
+    pub(super) range: Option<Token<'a>>,
+    pub(super) condition: Option<Condition<'a>>,
+    /// The last column that had an entry here, for finding duplicates.
+    last_column: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum RowKind {
+    Objective,
+    Ignored,
+    AtMost,
+    AtLeast,
+    Equal,
+}
+
+#[derive(Debug)]
+pub(super) struct Column<'a> {
+    pub(super) name: Token<'a>,
+    pub(super) integer: bool,
+    pub(super) bounds: Bounds<'a>,
+}
+
+/// An entry of QUADOBJ or QMATRIX: two columns and a value.
+#[derive(Debug)]
+pub(super) struct Product<'a> {
+    pub(super) first: usize,
+    pub(super) second: usize,
+    pub(super) value: f64,
+    pub(super) place: Token<'a>,
+}
+
+/// What switches a row on: a column and its value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Condition<'a> {
+    pub(super) column: usize,
+    pub(super) on: bool,
+    pub(super) place: Token<'a>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Section {
+    Start,
+    Objsense,
+    Rows,
+    Columns,
+    Rhs,
+    Ranges,
+    Bounds,
+    Quadobj,
+    Qmatrix,
+    Indicators,
+}
+
+impl<'a> File<'a> {
+    /// Goes through the lines up to ENDATA.
+    pub(super) fn scan(text: &'a str) -> Result<File<'a>, Error> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut file = File::default();
+        let mut section = Section::Start;
+        let mut tokens = Vec::new();
+        let mut last = ("", 1);
+        for (line, number) in text.lines().zip(1..) {
+            last = (line, number);
+            if line.starts_with('*') {
+                continue;
+            }
+            token::split(line, number, &mut tokens);
+            let Some(first) = tokens.first() else { continue };
+            if line.starts_with(char::is_whitespace) {
+                file.data(section, &tokens)?;
+            } else if first.text == "ENDATA" {
+                return Ok(file);
+            } else {
+                section = file.header(line, &tokens)?;
+            }
+        }
+        Err(Error::Parse {
+            line: last.1,
+            column: last.0.chars().count() + 1,
+            message: "the file ends without ENDATA; it may have been cut off".into(),
+        })
+    }
+
+    fn header(&mut self, line: &'a str, tokens: &[Token<'a>]) -> Result<Section, Error> {
+        let (head, rest) = (&tokens[0], &tokens[1..]);
+        let section = match head.text {
+            "NAME" => {
+                self.name = line["NAME".len()..].trim();
+                return Ok(Section::Start);
+            }
+            "OBJSENSE" => {
+                if let Some(word) = rest.first() {
+                    self.objsense(word)?;
+                }
+                return Ok(Section::Objsense);
+            }
+            "ROWS" => Section::Rows,
+            "COLUMNS" => Section::Columns,
+            "RHS" => Section::Rhs,
+            "RANGES" => Section::Ranges,
+            "BOUNDS" => Section::Bounds,
+            "QUADOBJ" => Section::Quadobj,
+            "QMATRIX" => Section::Qmatrix,
+            "INDICATORS" => Section::Indicators,
+            other => {
+                return Err(head.error(format!(
+                    "section `{other}` is not known; expected NAME, OBJSENSE, ROWS, COLUMNS, RHS, \
+                     RANGES, BOUNDS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines begin \
+                     with a space)"
+                )));
+            }
+        };
+        if let Some(extra) = rest.first() {
+            return Err(extra.error(format!(
+                "nothing can follow the section name `{}` (data lines begin with a space)",
+                head.text
+            )));
+        }
+        let mirrored = section == Section::Qmatrix;
+        if mirrored || section == Section::Quadobj {
+            if !self.products.is_empty() && mirrored != self.mirrored {
+                return Err(head.error("QUADOBJ and QMATRIX cannot both be given"));
+            }
+            self.mirrored = mirrored;
+        }
+        Ok(section)
+    }
+
+    fn data(&mut self, section: Section, tokens: &[Token<'a>]) -> Result<(), Error> {
+        match section {
+            Section::Start => Err(tokens[0].error("a data line before any section")),
+            Section::Objsense => self.objsense(&tokens[0]),
+            Section::Rows => self.row(tokens),
+            Section::Columns => self.column(tokens),
+            Section::Rhs | Section::Ranges => self.right_hand_side(section, tokens),
+            Section::Bounds => self.bound(tokens),
+            Section::Quadobj | Section::Qmatrix => self.product(tokens),
+            Section::Indicators => self.indicator(tokens),
+        }
+    }
+
+    fn objsense(&mut self, word: &Token<'a>) -> Result<(), Error> {
+        let sense = match word.text.to_ascii_uppercase().as_str() {
+            "MIN" | "MINIMIZE" | "MINIMISE" => Sense::Minimize,
+            "MAX" | "MAXIMIZE" | "MAXIMISE" => Sense::Maximize,
+            other => return Err(word.error(format!("expected MIN or MAX, found `{other}`"))),
+        };
+        if self.sense.is_some() {
+            return Err(word.error("the direction of the objective is given twice"));
+        }
+        self.sense = Some(sense);
+        Ok(())
+    }
+
+    fn row(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
+        let [kind, name] = expect(tokens, "a row kind (N, L, G or E) and a row name")?;
+        let kind = match kind.text {
+            "N" if self.objective.is_none() => RowKind::Objective,
+            "N" => RowKind::Ignored,
+            "L" => RowKind::AtMost,
+            "G" => RowKind::AtLeast,
+            "E" => RowKind::Equal,
+            other => {
+                return Err(kind.error(format!("row kind `{other}` is not one of N, L, G and E")));
+            }
+        };
+        let index = self.rows.len();
+        check_name(&name)?;
+        if let Some(first) = self.row_index.insert(name.text, index) {
+            let line = self.rows[first].name.line();
+            let text = name.text;
+            return Err(name.error(format!("row `{text}` was already declared in line {line}")));
+        }
+        if kind == RowKind::Objective {
+            self.objective = Some(index);
+        }
+        self.rows.push(Row {
+            name,
+            kind,
+            terms: Vec::new(),
+            right: None,
+            range: None,
+            condition: None,
+            last_column: None,
+        });
+        Ok(())
+    }
+
+    fn column(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
+        if let [_, quoted, word, ..] = tokens
+            && quoted.text == "'MARKER'"
+            && word.text.starts_with('\'')
+        {
+            return self.marker(word);
+        }
+        let (name, entries) = (tokens[0], &tokens[1..]);
+        if entries.is_empty() || entries.len() % 2 == 1 {
+            return Err(tokens[tokens.len() - 1].error(
+                "expected a column name and pairs of row name and value (names cannot contain \
+                 spaces)",
+            ));
+        }
+        let index = match self.columns.last() {
+            Some(column) if column.name.text == name.text => self.columns.len() - 1,
+            _ => self.new_column(name)?,
+        };
+        for entry in entries.chunks_exact(2) {
+            let row = self.find_row(&entry[0])?;
+            let value = entry[1].finite()?;
+            let row = &mut self.rows[row];
+            if row.last_column.replace(index) == Some(index) {
+                let (column, row) = (name.text, row.name.text);
+                return Err(
+                    entry[0].error(format!("column `{column}` has a second entry in row `{row}`"))
+                );
+            }
+            if value != 0.0 && row.kind != RowKind::Ignored {
+                row.terms.push((index, value));
+            }
+        }
+        Ok(())
+    }
+
+    fn new_column(&mut self, name: Token<'a>) -> Result<usize, Error> {
+        let index = self.columns.len();
+        check_name(&name)?;
+        if let Some(first) = self.column_index.insert(name.text, index) {
+            let line = self.columns[first].name.line();
+            let text = name.text;
+            return Err(name.error(format!(
+                "column `{text}` already began in line {line}; its entries must stand together"
+            )));
+        }
+        let integer = self.integers.is_some();
+        self.columns.push(Column { name, integer, bounds: Bounds::default() });
+        Ok(index)
+    }
+
+    fn marker(&mut self, word: &Token<'a>) -> Result<(), Error> {
+        match (word.text, self.integers) {
+            ("'INTORG'", None) => self.integers = Some(*word),
+            ("'INTEND'", Some(_)) => self.integers = None,
+            ("'INTORG'", Some(open)) => {
+                let line = open.line();
+                return Err(word.error(format!("'INTORG' of line {line} is still open")));
+            }
+            ("'INTEND'", None) => return Err(word.error("'INTEND' without 'INTORG'")),
+            (other, _) => {
+                return Err(word
+                    .error(format!("marker {other} is not known; expected 'INTORG' or 'INTEND'")));
+            }
+        }
+        Ok(())
+    }
+
+    fn right_hand_side(&mut self, section: Section, tokens: &[Token<'a>]) -> Result<(), Error> {
+        let entries = match tokens.len() % 2 {
+            0 => tokens,
+            _ => {
+                self.check_set(section, &tokens[0])?;
+                &tokens[1..]
+            }
+        };
+        if entries.is_empty() {
+            return Err(tokens[0].error("expected pairs of row name and value"));
+        }
+        for entry in entries.chunks_exact(2) {
+            let row = self.find_row(&entry[0])?;
+            entry[1].number()?;
+            let row = &mut self.rows[row];
+            let (place, what) = match section {
+                Section::Ranges => (&mut row.range, "range"),
+                _ => (&mut row.right, "right-hand side"),
+            };
+            if let Some(earlier) = place.replace(entry[1]) {
+                let (row, line) = (row.name.text, earlier.line());
+                return Err(entry[0]
+                    .error(format!("row `{row}` already has a {what}, given in line {line}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
+        let (kind, rest) = (&tokens[0], &tokens[1..]);
+        let with_value = bounds::has_value(kind)?;
+        // The name of the bound set may be left out, and a value may follow kinds without one.
+        let (set, column, value) = match rest {
+            [set, column, value] => (Some(set), column, Some(value)),
+            [column, value] if with_value => (None, column, Some(value)),
+            [column, _] if self.is_bare(column, &rest[1]) => (None, column, None),
+            [set, column] => (Some(set), column, None),
+            [column] => (None, column, None),
+            _ => {
+                return Err(kind.error(
+                    "expected a bound kind, an optional set name, a column name and a value",
+                ));
+            }
+        };
+        if let Some(set) = set {
+            self.check_set(Section::Bounds, set)?;
+        }
+        let index = self.find_column(column)?;
+        let integer = self.columns[index].bounds.take(kind, column, value)?;
+        self.columns[index].integer |= integer;
+        Ok(())
+    }
+
+    /// Whether of two words after a kind without value the first is the column.
+    fn is_bare(&self, first: &Token<'a>, second: &Token<'a>) -> bool {
+        !self.column_index.contains_key(second.text) && self.column_index.contains_key(first.text)
+    }
+
+    fn product(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
+        let [first, second, value] = expect(tokens, "two column names and a value")?;
+        let product = Product {
+            first: self.find_column(&first)?,
+            second: self.find_column(&second)?,
+            value: value.raw()?,
+            place: first,
+        };
+        // The objective is 1/2 x'Qx: a square's coefficient is half the entry.
+        let half = if product.first == product.second { 0.5 } else { 1.0 };
+        if token::or_infinite(half * product.value).is_infinite() {
+            value.finite()?;
+        }
+        self.products.push(product);
+        Ok(())
+    }
+
+    fn indicator(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
+        let [word, name, column, value] = expect(tokens, "IF, a row name, a column name, 0 or 1")?;
+        if word.text != "IF" {
+            return Err(word.error(format!("expected IF, found `{}`", word.text)));
+        }
+        let row = self.find_row(&name)?;
+        let on = match value.number()? {
+            0.0 => false,
+            1.0 => true,
+            _ => return Err(value.error(format!("expected 0 or 1, found `{}`", value.text))),
+        };
+        let condition = Condition { column: self.find_column(&column)?, on, place: column };
+        let row = &mut self.rows[row];
+        if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
+            return Err(name.error(format!(
+                "row `{}` is an N row; only L, G and E rows can be switched",
+                name.text
+            )));
+        }
+        if let Some(earlier) = row.condition.replace(condition) {
+            let line = earlier.place.line();
+            return Err(name.error(format!(
+                "row `{}` already has a condition, given in line {line}",
+                name.text
+            )));
+        }
+        Ok(())
+    }
+
+    /// Only one right-hand side, one set of ranges and one set of bounds can be meant.
+    fn check_set(&mut self, section: Section, name: &Token<'a>) -> Result<(), Error> {
+        let first = *self.set_names.entry(section).or_insert(name.text);
+        if first == name.text {
+            return Ok(());
+        }
+        Err(name.error(format!(
+            "a second set `{}` beside `{first}`; only one set can be read",
+            name.text
+        )))
+    }
+
+    fn find_row(&self, name: &Token<'a>) -> Result<usize, Error> {
+        let found = self.row_index.get(name.text).copied();
+        found.ok_or_else(|| name.error(format!("row `{}` was not declared in ROWS", name.text)))
+    }
+
+    fn find_column(&self, name: &Token<'a>) -> Result<usize, Error> {
+        let found = self.column_index.get(name.text).copied();
+        found.ok_or_else(|| name.error(format!("column `{}` is not in COLUMNS", name.text)))
+    }
+}
+
+/// The tokens of a line that must have exactly `N`.
+fn expect<'a, const N: usize>(tokens: &[Token<'a>], what: &str) -> Result<[Token<'a>; N], Error> {
+    <[Token<'a>; N]>::try_from(tokens).map_err(|_| {
+        let place = tokens.get(N).unwrap_or(&tokens[tokens.len() - 1]);
+        place.error(format!("expected {what}"))
+    })
+}
+
+fn check_name(name: &Token<'_>) -> Result<(), Error> {
+    Name::from(name.text).check().map_err(|error| name.error(error.to_string()))
+}

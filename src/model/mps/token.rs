@@ -1,0 +1,105 @@
+//! Pieces of a line with their place in the file, and the numbers in them.
+
+use crate::error::Error;
+use crate::tolerance;
+
+/// A piece of a line between white space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Token<'a> {
+    pub(super) text: &'a str,
+    line_text: &'a str,
+    line: usize,
+    /// Position of the first byte in the line.
+    start: usize,
+}
+
+impl<'a> Token<'a> {
+    /// An error at this place.
+    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+        let column = self.line_text[..self.start].chars().count() + 1;
+        Error::Parse { line: self.line, column, message: message.into() }
+    }
+
+    /// The line of the token, from 1.
+    pub(super) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// A number as it stands, exponents marked with `E` or `D`; infinity included.
+    pub(super) fn raw(&self) -> Result<f64, Error> {
+        let fortran = |_| self.text.replace(['d', 'D'], "e").parse();
+        match self.text.parse::<f64>().or_else(fortran) {
+            Ok(value) if !value.is_nan() => Ok(value),
+            _ => Err(self.error(format!("`{}` is not a number", self.text))),
+        }
+    }
+
+    /// A number, with 1e20 and beyond (also `Infinity`, `1e30`) as infinity.
+    pub(super) fn number(&self) -> Result<f64, Error> {
+        self.raw().map(or_infinite)
+    }
+
+    /// A number that is not infinite.
+    pub(super) fn finite(&self) -> Result<f64, Error> {
+        let value = self.number()?;
+        if value.is_infinite() {
+            let text = self.text;
+            return Err(self.error(format!(
+                "`{text}` counts as infinite (1e20 and beyond do); a finite number is needed here"
+            )));
+        }
+        Ok(value)
+    }
+}
+
+/// Magnitudes that count as infinite become infinite.
+pub(super) fn or_infinite(value: f64) -> f64 {
+    if value.abs() < tolerance::INFINITE { value } else { f64::INFINITY.copysign(value) }
+}
+
+/// Splits a line (counted from 1) at white space.
+pub(super) fn split<'a>(line_text: &'a str, line: usize, tokens: &mut Vec<Token<'a>>) {
+    tokens.clear();
+    let mut rest = line_text;
+    loop {
+        rest = rest.trim_start();
+        let start = line_text.len() - rest.len();
+        let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+        if end == 0 {
+            return;
+        }
+        tokens.push(Token { text: &rest[..end], line_text, line, start });
+        rest = &rest[end..];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tokens(line: &str) -> Vec<Token<'_>> {
+        let mut tokens = Vec::new();
+        split(line, 3, &mut tokens);
+        tokens
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        let found = tokens("  höhe\u{a0}x  y ");
+        let texts: Vec<_> = found.iter().map(|t| t.text).collect();
+        assert_eq!(texts, ["höhe", "x", "y"]);
+        assert_eq!(found[2].error("here").to_string(), "line 3, column 11: here");
+    }
+
+    #[test]
+    fn numbers() {
+        let value = |text: &'static str| tokens(text)[0].number();
+        assert_eq!(value("-1.5D+02"), Ok(-150.0));
+        assert_eq!(value("1.e1"), Ok(10.0));
+        assert_eq!(value("Infinity"), Ok(f64::INFINITY));
+        assert_eq!(value("-1e30"), Ok(f64::NEG_INFINITY));
+        assert!(value("nan").is_err());
+        assert!(value("1,5").is_err());
+        assert!(tokens("1e31")[0].finite().is_err());
+    }
+}
