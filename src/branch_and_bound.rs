@@ -1,11 +1,36 @@
-//! The default backend.
+//! The default backend: the whole pipeline in one short function.
+
+use web_time::Instant;
 
 use crate::error::Error;
 use crate::model::Model;
-use crate::solution::Solution;
+use crate::program::Program;
+use crate::reformulate;
+use crate::search::{Task, search};
+use crate::solution::{Outcome, Point, Solution, Verification};
 use crate::solver::{Control, Options, Solver};
 
-/// Branch and bound.
+/// Branch and bound over continuous relaxations.
+///
+/// A model is lowered (indicators to big-M rows), assembled, and searched; incumbents are
+/// accepted only when they pass the model's own [`Verification`], implications included.
+///
+/// ```
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("either");
+/// let x = model.continuous("x", 0.0, 10.0)?;
+/// let far = model.binary("far")?;
+/// model.add("far", far.on().implies(x.ge(7.0)))?;
+/// model.add("near", far.off().implies(x.le(2.0)))?;
+/// model.minimize((x - 5.0).square())?;
+///
+/// let solution = BranchAndBound::default().solve(&model)?;
+/// assert!(solution.is_optimal());
+/// assert!((solution.value(x)? - 7.0).abs() < 1e-6);
+/// assert!(solution.verification().is_some_and(|v| v.holds()));
+/// # Ok::<(), carom::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct BranchAndBound {
     options: Options,
@@ -31,7 +56,24 @@ impl Solver for BranchAndBound {
         &mut self.options
     }
 
-    fn solve_with(&mut self, _: &Model, _: &mut Control<'_>) -> Result<Solution, Error> {
-        Err(Error::Backend { message: "not built yet".into() })
+    fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
+        let (start, options) = (Instant::now(), &self.options);
+        options.check()?;
+        let lowered = reformulate::lower(model)?;
+        let program = Program::assemble(lowered.model())?;
+        let accept = |values: &[f64]| {
+            Point::new(model, values.to_vec())
+                .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
+        };
+        let found = search(Task { program: &program, accept: &accept, options, start }, control);
+        let mut statistics = found.statistics;
+        statistics.time = start.elapsed();
+        let outcome = Outcome {
+            termination: found.termination,
+            values: found.incumbent,
+            bound: program.sign * found.bound,
+            statistics,
+        };
+        Solution::new(model, outcome, options.feasibility)
     }
 }

@@ -53,3 +53,4 @@ pub use store::{ConstraintRef, IndicatorRef, Model, VariableRef};
 pub use variable::{Family, VariableKind};
 
 pub(crate) use ids::ModelTag;
+pub(crate) use statement::StoredRow;

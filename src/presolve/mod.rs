@@ -1,0 +1,14 @@
+//! What can be concluded without a relaxation: domains, bound propagation, reduction.
+//!
+//! The same parts serve the root and every node of the tree: a [`Domain`] holds the current
+//! bounds and undoes them, [`Propagator`] tightens them row by row until nothing moves or a
+//! contradiction appears, and [`reduce`](reduce()) turns what is left into a smaller continuous
+//! program.
+
+mod domain;
+mod propagation;
+mod reduce;
+
+pub use domain::Domain;
+pub use propagation::{Conflict, Propagator};
+pub use reduce::{Compressed, Reduced, Reduction, reduce};

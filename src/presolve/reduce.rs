@@ -1,0 +1,348 @@
+//! What is left of a program at a node, as a smaller continuous program.
+//!
+//! Fixed columns are substituted, rows with one free column become bounds, rows that the bounds
+//! imply are dropped, and parallel rows are merged: two opposite inequalities become one
+//! equality. Measured on wall programs this halves the iterations of an interior-point solver.
+//!
+//! Everything dropped is implied (up to rounding) by what is kept, so a dual bound of the reduced
+//! program is a dual bound of the node.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use super::domain::Domain;
+use crate::program::Program;
+
+/// Columns closer together than this (relative to their magnitude, at least 1) count as fixed;
+/// row sides implied up to this margin count as implied.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// Bounds or limits crossed by more than this, relative, prove infeasibility.
+const CROSSED: f64 = 1e-8;
+
+/// A convex quadratic program `min 1/2 x'Px + q'x + offset` over rows and a box, in compressed
+/// form, over the free columns of a node.
+#[derive(Debug, Clone, Default)]
+pub struct Reduced {
+    /// Program column of each reduced column.
+    pub columns: Vec<usize>,
+    /// Values of all program columns; those of the kept columns are placeholders.
+    pub values: Vec<f64>,
+    /// Upper triangle of `P` by columns: starts, row indices, values.
+    pub quadratic: Compressed,
+    /// `q`.
+    pub linear: Vec<f64>,
+    /// The constant of the objective.
+    pub offset: f64,
+    /// Rows: starts, column indices, values.
+    pub rows: Compressed,
+    /// Lower limits of the rows.
+    pub row_lower: Vec<f64>,
+    /// Upper limits of the rows.
+    pub row_upper: Vec<f64>,
+    /// Lower bounds of the columns.
+    pub lower: Vec<f64>,
+    /// Upper bounds of the columns.
+    pub upper: Vec<f64>,
+}
+
+/// Compressed vectors (columns or rows) of a sparse matrix.
+#[derive(Debug, Clone, Default)]
+pub struct Compressed {
+    /// Start of each vector in `index` and `value`; one more entry than vectors.
+    pub start: Vec<usize>,
+    /// Positions of the entries inside their vector.
+    pub index: Vec<usize>,
+    /// The entries.
+    pub value: Vec<f64>,
+}
+
+impl Compressed {
+    /// Number of vectors.
+    pub fn len(&self) -> usize {
+        self.start.len().saturating_sub(1)
+    }
+
+    /// Whether there is no vector.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Positions and entries of a vector.
+    pub fn vector(&self, k: usize) -> (&[usize], &[f64]) {
+        let range = self.start[k]..self.start[k + 1];
+        (&self.index[range.clone()], &self.value[range])
+    }
+}
+
+impl Reduced {
+    /// Whether the objective is constant.
+    pub fn is_feasibility_problem(&self) -> bool {
+        self.quadratic.index.is_empty() && self.linear.iter().all(|&q| q == 0.0)
+    }
+
+    /// Objective at a reduced point, the constant included.
+    pub fn objective(&self, x: &[f64]) -> f64 {
+        let mut value = self.offset;
+        for j in 0..x.len() {
+            let (rows, entries) = self.quadratic.vector(j);
+            let product: f64 = rows
+                .iter()
+                .zip(entries)
+                .map(|(&i, p)| if i == j { 0.5 * p * x[i] } else { p * x[i] })
+                .sum();
+            value += x[j] * (self.linear[j] + product);
+        }
+        value
+    }
+
+    /// The program's point that belongs to a reduced point.
+    pub fn lift(&self, x: &[f64]) -> Vec<f64> {
+        let mut values = self.values.clone();
+        self.columns.iter().zip(x).for_each(|(&j, &v)| values[j] = v);
+        values
+    }
+}
+
+/// The result of [`reduce`].
+#[derive(Debug, Clone)]
+pub enum Reduction {
+    /// A continuous program over the free columns (possibly none).
+    Reduced(Box<Reduced>),
+    /// The bounds and rows contradict each other.
+    Infeasible,
+}
+
+/// Reduces a program to a node's domain, leaving integrality aside.
+pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
+    let n = program.column_count();
+    let mut work = Work {
+        program,
+        lower: (0..n).map(|j| domain.lower(j)).collect(),
+        upper: (0..n).map(|j| domain.upper(j)).collect(),
+        fixed: vec![false; n],
+        alive: (0..program.row_count()).collect(),
+        row_lower: program.row_lower.clone(),
+        row_upper: program.row_upper.clone(),
+    };
+    for j in 0..n {
+        work.fix_if_narrow(j);
+    }
+    // Singleton rows fix columns, which makes more singleton rows; three rounds catch nearly all.
+    for _ in 0..3 {
+        match work.sweep() {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(Contradiction) => return Reduction::Infeasible,
+        }
+    }
+    match work.build() {
+        Ok(reduced) => Reduction::Reduced(Box::new(reduced)),
+        Err(Contradiction) => Reduction::Infeasible,
+    }
+}
+
+struct Contradiction;
+
+struct Work<'a> {
+    program: &'a Program,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    fixed: Vec<bool>,
+    alive: Vec<usize>,
+    row_lower: Vec<f64>,
+    row_upper: Vec<f64>,
+}
+
+impl Work<'_> {
+    fn fix_if_narrow(&mut self, j: usize) {
+        let (lower, upper) = (self.lower[j], self.upper[j]);
+        let scale = lower.abs().max(upper.abs()).max(1.0);
+        let narrow = upper - lower <= NEGLIGIBLE * scale && !self.program.integral[j];
+        if lower == upper || narrow {
+            self.fixed[j] = true;
+            let value = if lower == upper { lower } else { 0.5 * (lower + upper) };
+            (self.lower[j], self.upper[j]) = (value, value);
+        }
+    }
+
+    /// Drops implied rows and turns singletons into bounds; `true` when a column became fixed.
+    fn sweep(&mut self) -> Result<bool, Contradiction> {
+        let mut changed = false;
+        let alive = std::mem::take(&mut self.alive);
+        for row in alive {
+            let (columns, coefficients) = self.program.row(row);
+            let (mut least, mut most, mut scale) = (0.0, 0.0, 1.0_f64);
+            let (mut free, mut single, mut constant) = (0, 0, 0.0);
+            for (k, (&j, &a)) in columns.iter().zip(coefficients).enumerate() {
+                let (p, q) = (a * self.lower[j], a * self.upper[j]);
+                least += p.min(q);
+                most += p.max(q);
+                if self.fixed[j] {
+                    constant += p;
+                    scale = scale.max(p.abs());
+                } else {
+                    (free, single) = (free + 1, k);
+                }
+            }
+            let margin = NEGLIGIBLE * scale;
+            if most <= self.row_upper[row] + margin {
+                self.row_upper[row] = f64::INFINITY;
+            }
+            if least >= self.row_lower[row] - margin {
+                self.row_lower[row] = f64::NEG_INFINITY;
+            }
+            let (l, u) = (self.row_lower[row], self.row_upper[row]);
+            if l.is_infinite() && u.is_infinite() {
+                continue;
+            }
+            match free {
+                0 => {
+                    let miss = (l - constant).max(constant - u);
+                    if miss > CROSSED * scale {
+                        return Err(Contradiction);
+                    }
+                }
+                1 => {
+                    let (j, a) = (columns[single], coefficients[single]);
+                    let (p, q) = ((l - constant) / a, (u - constant) / a);
+                    self.intersect(j, p.min(q), p.max(q))?;
+                    changed |= self.fixed[j];
+                }
+                _ => self.alive.push(row),
+            }
+        }
+        Ok(changed)
+    }
+
+    fn intersect(&mut self, j: usize, lower: f64, upper: f64) -> Result<(), Contradiction> {
+        let (l, u) = (self.lower[j].max(lower), self.upper[j].min(upper));
+        let scale = l.abs().max(u.abs()).max(1.0);
+        if l - u > CROSSED * scale {
+            return Err(Contradiction);
+        }
+        if l > u {
+            let middle = 0.5 * (l + u);
+            (self.lower[j], self.upper[j]) = (middle, middle);
+        } else {
+            (self.lower[j], self.upper[j]) = (l, u);
+        }
+        self.fix_if_narrow(j);
+        Ok(())
+    }
+
+    fn build(self) -> Result<Reduced, Contradiction> {
+        let program = self.program;
+        let n = program.column_count();
+        let columns: Vec<usize> = (0..n).filter(|&j| !self.fixed[j]).collect();
+        let mut position = vec![usize::MAX; n];
+        for (k, &j) in columns.iter().enumerate() {
+            position[j] = k;
+        }
+        let mut reduced = Reduced {
+            linear: columns.iter().map(|&j| program.linear[j]).collect(),
+            offset: program.offset,
+            lower: columns.iter().map(|&j| self.lower[j]).collect(),
+            upper: columns.iter().map(|&j| self.upper[j]).collect(),
+            rows: Compressed { start: vec![0], ..Compressed::default() },
+            quadratic: Compressed { start: vec![0], ..Compressed::default() },
+            ..Reduced::default()
+        };
+        self.substitute_objective(&position, &mut reduced);
+        self.collect_rows(&position, &mut reduced)?;
+        reduced.columns = columns;
+        reduced.values = self.lower;
+        Ok(reduced)
+    }
+
+    fn substitute_objective(&self, position: &[usize], reduced: &mut Reduced) {
+        let program = self.program;
+        for j in 0..program.column_count() {
+            let (rows, entries) = program.quadratic_column(j);
+            if self.fixed[j] {
+                reduced.offset += program.linear[j] * self.lower[j];
+            }
+            for (&i, &p) in rows.iter().zip(entries) {
+                match (self.fixed[i], self.fixed[j]) {
+                    (true, true) => reduced.offset += 0.5 * p * self.lower[i] * self.lower[j],
+                    (true, false) => reduced.linear[position[j]] += p * self.lower[i],
+                    (false, true) => {}
+                    (false, false) if i <= j => {
+                        reduced.quadratic.index.push(position[i]);
+                        reduced.quadratic.value.push(p);
+                    }
+                    (false, false) => {}
+                }
+            }
+            if !self.fixed[j] {
+                reduced.quadratic.start.push(reduced.quadratic.index.len());
+            }
+        }
+    }
+
+    /// Copies the live rows over the free columns, merging parallel ones.
+    fn collect_rows(&self, position: &[usize], out: &mut Reduced) -> Result<(), Contradiction> {
+        let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
+        for &row in &self.alive {
+            let (columns, coefficients) = self.program.row(row);
+            let (begin, mut constant) = (out.rows.index.len(), 0.0);
+            for (&j, &a) in columns.iter().zip(coefficients) {
+                if self.fixed[j] {
+                    constant += a * self.lower[j];
+                } else {
+                    out.rows.index.push(position[j]);
+                    out.rows.value.push(a);
+                }
+            }
+            let mut limits = [self.row_lower[row] - constant, self.row_upper[row] - constant];
+            let mut hasher = DefaultHasher::new();
+            out.rows.index[begin..].hash(&mut hasher);
+            let bucket = seen.entry(hasher.finish()).or_default();
+            if let Some((twin, ratio)) = find_twin(&out.rows, bucket, begin) {
+                // This row is `ratio` times the twin.
+                if ratio < 0.0 {
+                    limits.swap(0, 1);
+                }
+                let (lower, upper) = (limits[0] / ratio, limits[1] / ratio);
+                out.row_lower[twin] = out.row_lower[twin].max(lower);
+                out.row_upper[twin] = out.row_upper[twin].min(upper);
+                out.rows.index.truncate(begin);
+                out.rows.value.truncate(begin);
+                continue;
+            }
+            bucket.push(out.row_lower.len());
+            out.row_lower.push(limits[0]);
+            out.row_upper.push(limits[1]);
+            out.rows.start.push(out.rows.index.len());
+        }
+        for (lower, upper) in out.row_lower.iter_mut().zip(&mut out.row_upper) {
+            let scale = lower.abs().max(upper.abs()).max(1.0);
+            if scale.is_infinite() {
+                continue;
+            }
+            if *lower - *upper > CROSSED * scale {
+                return Err(Contradiction);
+            }
+            if *upper - *lower <= NEGLIGIBLE * scale {
+                let middle = 0.5 * (*lower + *upper);
+                (*lower, *upper) = (middle, middle);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A finished row parallel to the unfinished one from `begin` on, and the factor between them.
+fn find_twin(rows: &Compressed, bucket: &[usize], begin: usize) -> Option<(usize, f64)> {
+    let (index, value) = (&rows.index[begin..], &rows.value[begin..]);
+    bucket.iter().find_map(|&other| {
+        let (other_index, other_value) = rows.vector(other);
+        if other_index != index {
+            return None;
+        }
+        let ratio = value[0] / other_value[0];
+        let parallel =
+            value.iter().zip(other_value).all(|(&a, &b)| (a - ratio * b).abs() <= 1e-13 * a.abs());
+        parallel.then_some((other, ratio))
+    })
+}

@@ -1,0 +1,99 @@
+//! Matrix form: `min 1/2 x'Px + q'x + r` over `l <= Ax <= u`, `lower <= x <= upper`, some columns
+//! integral.
+//!
+//! A [`Program`] is what the solving tower works on. It is assembled from a model *without*
+//! indicators (see [`reformulate`](crate::reformulate)); columns are the model's variables in the
+//! order of creation, rows its constraints. Maximisation is turned into minimisation here and
+//! nowhere else.
+
+mod assemble;
+
+use faer::sparse::{SparseColMat, SparseRowMat};
+
+/// A mixed-integer convex quadratic program in matrix form, always a minimisation.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// `P`, symmetric, both triangles stored; shape columns x columns.
+    pub quadratic: SparseColMat<usize, f64>,
+    /// `q`, one entry a column.
+    pub linear: Vec<f64>,
+    /// `r`.
+    pub offset: f64,
+    /// `+1` when the model minimises, `-1` when it maximises: model objective = sign * value.
+    pub sign: f64,
+    /// `A` by rows; shape rows x columns.
+    pub rows: SparseRowMat<usize, f64>,
+    /// `A` by columns.
+    pub columns: SparseColMat<usize, f64>,
+    /// `l`, one entry a row, possibly `-inf`.
+    pub row_lower: Vec<f64>,
+    /// `u`, one entry a row, possibly `+inf`.
+    pub row_upper: Vec<f64>,
+    /// Lower bounds of the columns; whole numbers for integral ones.
+    pub lower: Vec<f64>,
+    /// Upper bounds of the columns; whole numbers for integral ones.
+    pub upper: Vec<f64>,
+    /// Which columns must take whole values.
+    pub integral: Vec<bool>,
+    /// The integral columns, in order.
+    pub integers: Vec<usize>,
+    /// Where each column stands in time: the step of its name, for members of families.
+    pub step: Vec<Option<usize>>,
+}
+
+impl Program {
+    /// Number of columns.
+    pub fn column_count(&self) -> usize {
+        self.linear.len()
+    }
+
+    /// Number of rows.
+    pub fn row_count(&self) -> usize {
+        self.row_lower.len()
+    }
+
+    /// Column indices and coefficients of a row.
+    pub fn row(&self, row: usize) -> (&[usize], &[f64]) {
+        let range = self.rows.symbolic().row_range(row);
+        (&self.rows.symbolic().col_idx()[range.clone()], &self.rows.val()[range])
+    }
+
+    /// Row indices and coefficients of a column.
+    pub fn column(&self, column: usize) -> (&[usize], &[f64]) {
+        let range = self.columns.symbolic().col_range(column);
+        (&self.columns.symbolic().row_idx()[range.clone()], &self.columns.val()[range])
+    }
+
+    /// Row indices and values of a column of `P`.
+    pub fn quadratic_column(&self, column: usize) -> (&[usize], &[f64]) {
+        let range = self.quadratic.symbolic().col_range(column);
+        (&self.quadratic.symbolic().row_idx()[range.clone()], &self.quadratic.val()[range])
+    }
+
+    /// Whether the objective is constant, so that any feasible point is optimal.
+    pub fn is_feasibility_problem(&self) -> bool {
+        self.linear.iter().all(|&q| q == 0.0) && self.quadratic.compute_nnz() == 0
+    }
+
+    /// Replaces the objective by 0.
+    pub fn make_feasibility_problem(&mut self) {
+        let n = self.column_count();
+        // An empty list of entries cannot fail.
+        if let Ok(zero) = SparseColMat::try_new_from_triplets(n, n, &[]) {
+            self.quadratic = zero;
+        }
+        self.linear = vec![0.0; n];
+        self.offset = 0.0;
+    }
+
+    /// Value of the (minimised) objective at a point.
+    pub fn objective(&self, x: &[f64]) -> f64 {
+        let mut value = self.offset;
+        for (j, &xj) in x.iter().enumerate() {
+            let (rows, entries) = self.quadratic_column(j);
+            let product: f64 = rows.iter().zip(entries).map(|(&i, p)| p * x[i]).sum();
+            value += xj * (self.linear[j] + 0.5 * product);
+        }
+        value
+    }
+}

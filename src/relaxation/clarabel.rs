@@ -1,0 +1,193 @@
+//! The only file that names Clarabel.
+//!
+//! Rows become `Ax + s = b` with `s` in a zero cone (equalities) or a nonnegative cone (one entry
+//! a finite side of a row or column). Infinite sides are never passed on, empty programs never
+//! reach the backend, and its panics are caught.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+
+use super::{Answer, Claim, Effort, Relaxation};
+use crate::presolve::Reduced;
+
+/// Clarabel's interior-point method with settings measured for branch and bound.
+#[derive(Debug, Clone, Default)]
+pub struct ClarabelRelaxation {}
+
+impl ClarabelRelaxation {
+    /// A fresh instance.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+/// Which side of which row or column a conic row stands for.
+#[derive(Clone, Copy)]
+enum Source {
+    Equality(usize),
+    Upper(usize),
+    Lower(usize),
+    UpperBound(usize),
+    LowerBound(usize),
+}
+
+impl Relaxation for ClarabelRelaxation {
+    fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer {
+        let conic = Conic::of(program);
+        let n = program.columns.len();
+        let unknown = || Answer {
+            claim: Claim::Unknown,
+            x: vec![0.0; n],
+            y: vec![0.0; program.rows.len()],
+            iterations: 0,
+        };
+        let run = || {
+            let quadratic = &program.quadratic;
+            let p = CscMatrix::new(
+                n,
+                n,
+                quadratic.start.clone(),
+                quadratic.index.clone(),
+                quadratic.value.clone(),
+            );
+            let mut solver = DefaultSolver::new(
+                &p,
+                &program.linear,
+                &conic.matrix,
+                &conic.right,
+                &conic.cones,
+                settings(effort),
+            )
+            .ok()?;
+            let interrupt = effort.interrupt.clone();
+            solver.set_termination_callback(move |_| interrupt.is_triggered());
+            solver.solve();
+            Some(solver.solution)
+        };
+        match catch_unwind(AssertUnwindSafe(run)) {
+            Ok(Some(solution)) => Answer {
+                claim: match solution.status {
+                    SolverStatus::Solved => Claim::Solved,
+                    SolverStatus::PrimalInfeasible => Claim::Infeasible,
+                    SolverStatus::DualInfeasible => Claim::Unbounded,
+                    _ => Claim::Unknown,
+                },
+                y: conic.row_multipliers(&solution.z, program.rows.len()),
+                x: solution.x,
+                iterations: u64::from(solution.iterations),
+            },
+            _ => unknown(),
+        }
+    }
+}
+
+/// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
+/// refinement step left no anomaly in 2,398 nodes, where the defaults left up to 26; presolve is
+/// off because infinite sides never get this far.
+fn settings(effort: &Effort) -> DefaultSettings<f64> {
+    DefaultSettings {
+        verbose: false,
+        max_iter: effort.iterations,
+        time_limit: effort.time.map_or(f64::INFINITY, |t| t.as_secs_f64().max(1e-3)),
+        tol_gap_abs: effort.tolerance,
+        tol_gap_rel: effort.tolerance,
+        tol_feas: effort.tolerance,
+        static_regularization_constant: 1e-10,
+        iterative_refinement_max_iter: effort.refinements,
+        presolve_enable: false,
+        ..DefaultSettings::default()
+    }
+}
+
+struct Conic {
+    matrix: CscMatrix<f64>,
+    right: Vec<f64>,
+    cones: Vec<SupportedConeT<f64>>,
+    sources: Vec<Source>,
+}
+
+impl Conic {
+    fn of(program: &Reduced) -> Self {
+        let (mut sources, mut right) = (Vec::new(), Vec::new());
+        let mut push = |source, limit: f64| {
+            if limit.is_finite() {
+                sources.push(source);
+                right.push(limit);
+            }
+        };
+        let limits = || program.row_lower.iter().zip(&program.row_upper).enumerate();
+        let mut equalities = 0;
+        for (i, (_, &limit)) in limits().filter(|(_, (l, u))| l == u) {
+            push(Source::Equality(i), limit);
+            equalities += 1;
+        }
+        for (i, (&lower, &upper)) in limits().filter(|(_, (l, u))| l != u) {
+            push(Source::Upper(i), upper);
+            push(Source::Lower(i), -lower);
+        }
+        for (j, (&lower, &upper)) in program.lower.iter().zip(&program.upper).enumerate() {
+            push(Source::UpperBound(j), upper);
+            push(Source::LowerBound(j), -lower);
+        }
+        let inequalities = sources.len() - equalities;
+        let mut cones = Vec::new();
+        if equalities > 0 {
+            cones.push(SupportedConeT::ZeroConeT(equalities));
+        }
+        if inequalities > 0 {
+            cones.push(SupportedConeT::NonnegativeConeT(inequalities));
+        }
+        let matrix = conic_matrix(program, &sources);
+        Conic { matrix, right, cones, sources }
+    }
+
+    /// Multipliers of the program's rows from conic ones, clipped to their cone.
+    fn row_multipliers(&self, z: &[f64], rows: usize) -> Vec<f64> {
+        let mut y = vec![0.0; rows];
+        for (source, &z) in self.sources.iter().zip(z) {
+            match *source {
+                Source::Equality(i) => y[i] = z,
+                Source::Upper(i) => y[i] += z.max(0.0),
+                Source::Lower(i) => y[i] -= z.max(0.0),
+                Source::UpperBound(_) | Source::LowerBound(_) => {}
+            }
+        }
+        y
+    }
+}
+
+/// The conic matrix by columns; going through the conic rows in order keeps every column sorted.
+fn conic_matrix(program: &Reduced, sources: &[Source]) -> CscMatrix<f64> {
+    let n = program.columns.len();
+    let for_each_entry = |visit: &mut dyn FnMut(usize, usize, f64)| {
+        for (k, source) in sources.iter().enumerate() {
+            match *source {
+                Source::Equality(i) | Source::Upper(i) => {
+                    let (columns, values) = program.rows.vector(i);
+                    columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, a));
+                }
+                Source::Lower(i) => {
+                    let (columns, values) = program.rows.vector(i);
+                    columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, -a));
+                }
+                Source::UpperBound(j) => visit(j, k, 1.0),
+                Source::LowerBound(j) => visit(j, k, -1.0),
+            }
+        }
+    };
+    let mut start = vec![0usize; n + 1];
+    for_each_entry(&mut |j, _, _| start[j + 1] += 1);
+    for j in 0..n {
+        start[j + 1] += start[j];
+    }
+    let mut next = start.clone();
+    let (mut index, mut value) = (vec![0usize; start[n]], vec![0.0; start[n]]);
+    for_each_entry(&mut |j, k, a| {
+        index[next[j]] = k;
+        value[next[j]] = a;
+        next[j] += 1;
+    });
+    CscMatrix::new(sources.len(), n, start, index, value)
+}

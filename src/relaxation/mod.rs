@@ -1,0 +1,66 @@
+//! Continuous relaxations: solve, and prove what was solved.
+//!
+//! The trait [`Relaxation`] is all the search knows of an interior-point or simplex code;
+//! [`ClarabelRelaxation`] is the only implementation that names one. Whatever a backend claims is
+//! checked here: [`lower_bound`] recomputes a rigorous bound from the multipliers, and the
+//! infeasibility of a node is believed only when the same computation proves it.
+
+mod bound;
+mod clarabel;
+mod polish;
+
+pub use bound::{lower_bound, proves_infeasible};
+pub use clarabel::ClarabelRelaxation;
+pub use polish::polish;
+
+use web_time::Duration;
+
+use crate::presolve::Reduced;
+use crate::solver::Interrupt;
+
+/// How hard to try, and when to stop.
+#[derive(Debug, Clone)]
+pub struct Effort {
+    /// Largest number of iterations.
+    pub iterations: u32,
+    /// Tolerance on gap and residuals, relative.
+    pub tolerance: f64,
+    /// Steps of iterative refinement in each linear solve.
+    pub refinements: u32,
+    /// Time left; `None` is no limit.
+    pub time: Option<Duration>,
+    /// Stops the solve when triggered.
+    pub interrupt: Interrupt,
+}
+
+/// What a backend claims about a reduced program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Claim {
+    /// `x` is optimal and `y` the multipliers.
+    Solved,
+    /// There is no feasible point; `y` is the certificate.
+    Infeasible,
+    /// The objective is unbounded; `x` is a ray.
+    Unbounded,
+    /// Nothing; `x` and `y` hold the last iterates.
+    Unknown,
+}
+
+/// The raw answer of a backend, to be checked.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// The claim.
+    pub claim: Claim,
+    /// Point or ray, one entry a reduced column.
+    pub x: Vec<f64>,
+    /// Multipliers of the rows; positive ones press on upper limits, negative ones on lower.
+    pub y: Vec<f64>,
+    /// Iterations taken.
+    pub iterations: u64,
+}
+
+/// A solver of reduced programs (convex quadratic, continuous).
+pub trait Relaxation {
+    /// Solves a program; never panics, never trusted.
+    fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer;
+}

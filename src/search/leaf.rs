@@ -1,0 +1,56 @@
+//! Points from fixed integers: solve what is left, polish, verify, offer.
+
+use super::worker::{Verdict, Worker};
+use crate::presolve::{Reduced, Reduction, reduce};
+use crate::relaxation::polish;
+
+impl Worker<'_> {
+    /// Fixes all integers to the rounded values of `point`, solves the rest and offers the
+    /// result. The domain is left as it was.
+    pub(super) fn try_assignment(&mut self, point: &[f64]) {
+        let mark = self.domain.mark();
+        let program = self.program();
+        for &j in &program.integers {
+            let value = point[j].round();
+            self.domain.apply(j, false, value.max(self.domain.lower(j)));
+            self.domain.apply(j, true, value.min(self.domain.upper(j)));
+        }
+        self.solve_assignment(mark);
+        self.domain.undo_to(mark);
+    }
+
+    /// Solves the leaf that the domain has become since `mark` and offers its point.
+    pub(super) fn solve_assignment(&mut self, mark: usize) -> bool {
+        if self.propagator.propagate_since(self.task.program, &mut self.domain, mark).is_err() {
+            return false;
+        }
+        if !self.is_leaf() {
+            return false;
+        }
+        let Reduction::Reduced(reduced) = reduce(self.program(), &self.domain) else {
+            return false;
+        };
+        match self.relax(&reduced, false) {
+            Verdict::Relaxed { x, .. } => self.offer_leaf(&reduced, &x),
+            _ => false,
+        }
+    }
+
+    /// Polishes a leaf's point and offers it; `false` when the check refuses it.
+    pub(super) fn offer_leaf(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
+        let mut polished = x.to_vec();
+        polish(reduced, &mut polished);
+        for candidate in [&polished[..], x] {
+            let mut point = reduced.lift(candidate);
+            for &j in &self.program().integers {
+                point[j] = point[j].round();
+            }
+            if (self.task.accept)(&point) {
+                let value = self.program().objective(&point);
+                self.tree.offer(value, point);
+                return true;
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,311 @@
+//! Processing nodes: propagate, reduce, relax, bound, branch.
+
+use web_time::{Duration, Instant};
+
+use super::branching;
+use super::node::{Decision, Node};
+use super::tree::Tree;
+use super::unbounded::is_descent_ray;
+use super::{Found, Task, search};
+use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, reduce};
+use crate::program::Program;
+use crate::relaxation::{
+    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, proves_infeasible,
+};
+use crate::solution::Termination;
+use crate::solver::{Control, Event};
+
+/// One thread of the search, with its own domain and propagation.
+pub(super) struct Worker<'a> {
+    pub(super) task: Task<'a>,
+    pub(super) tree: &'a Tree<'a>,
+    id: usize,
+    pub(super) domain: Domain,
+    pub(super) propagator: Propagator,
+    relaxation: ClarabelRelaxation,
+    /// The decisions that the domain currently reflects.
+    path: Vec<Decision>,
+    /// Trail position after root propagation.
+    root: usize,
+    root_conflict: Option<Conflict>,
+    /// Nodes since the rounding heuristic last ran.
+    since_rounding: u64,
+}
+
+/// What a relaxation, verified, says about a node.
+pub(super) enum Verdict {
+    /// No feasible point: proved.
+    Refuted,
+    /// A limit or an interrupt came first.
+    Stopped,
+    /// The objective falls without limit along a verified direction.
+    Descent,
+    /// A proved bound and a point, not necessarily optimal.
+    Relaxed { bound: f64, x: Vec<f64> },
+}
+
+impl<'a> Worker<'a> {
+    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, id: usize) -> Self {
+        let mut domain = Domain::new(task.program);
+        let mut propagator = Propagator::new(task.program);
+        let root_conflict = propagator.propagate_all(task.program, &mut domain).err();
+        let root = domain.mark();
+        Worker {
+            task,
+            tree,
+            id,
+            domain,
+            propagator,
+            relaxation: ClarabelRelaxation::new(),
+            path: Vec::new(),
+            root,
+            root_conflict,
+            since_rounding: u64::MAX,
+        }
+    }
+
+    /// Processes nodes until the tree is done; the worker on the caller's thread reports.
+    pub(super) fn run(mut self, mut control: Option<&mut Control<'_>>) {
+        let mut reporter = Reporter::new();
+        let mut plunge: Option<Node> = None;
+        loop {
+            let node = match plunge.take() {
+                Some(child) => self.tree.continue_with(self.id, child),
+                None => self.tree.next(self.id),
+            };
+            let Some(node) = node else { break };
+            if let Some(reason) = self.tree.limit_reached() {
+                self.tree.give_back(self.id, node, reason);
+                break;
+            }
+            plunge = self.process(node);
+            if let Some(control) = control.as_deref_mut() {
+                reporter.report(self.tree, control);
+            }
+        }
+    }
+
+    /// Processes a node; returns the child to plunge into.
+    fn process(&mut self, node: Node) -> Option<Node> {
+        self.tree.count(|s| s.nodes += 1);
+        let refuted = || self.tree.count(|s| s.refuted_by_propagation += 1);
+        if self.root_conflict.is_some() {
+            refuted();
+            return None;
+        }
+        if self.enter(&node.path).is_err() {
+            self.tree.count(|s| s.refuted_by_propagation += 1);
+            return None;
+        }
+        let Reduction::Reduced(reduced) = reduce(self.program(), &self.domain) else {
+            self.tree.count(|s| s.refuted_by_propagation += 1);
+            return None;
+        };
+        let (bound, x) = match self.relax(&reduced, node.path.is_empty()) {
+            Verdict::Refuted => return None,
+            Verdict::Stopped => {
+                let reason = self.tree.limit_reached().unwrap_or(Termination::Interrupted);
+                self.tree.give_back(self.id, node, reason);
+                return None;
+            }
+            Verdict::Descent => {
+                self.settle_descent(node);
+                return None;
+            }
+            Verdict::Relaxed { bound, x } => (self.tree.strengthen(bound.max(node.bound)), x),
+        };
+        if bound >= self.tree.cutoff() {
+            self.tree.close(bound);
+            return None;
+        }
+        if self.is_leaf() {
+            // The relaxation of a leaf is the leaf.
+            if self.offer_leaf(&reduced, &x) {
+                self.tree.close(bound);
+            } else {
+                self.tree.stall(bound);
+            }
+            return None;
+        }
+        let point = reduced.lift(&x);
+        self.look_for_points(&point, node.path.is_empty());
+        if bound >= self.tree.cutoff() {
+            self.tree.close(bound);
+            return None;
+        }
+        self.branch(node, bound, &point)
+    }
+
+    fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
+        let integrality = self.task.options.integrality;
+        let split = branching::choose(self.program(), &self.domain, point, integrality);
+        let hopeless = |d: &Decision| {
+            bound == f64::NEG_INFINITY
+                && !(self.domain.lower(d.column).is_finite()
+                    && self.domain.upper(d.column).is_finite())
+        };
+        let Some([first, second]) = split.filter(|[first, _]| !hopeless(first)) else {
+            self.tree.stall(bound);
+            return None;
+        };
+        let child = |decision: Decision| {
+            let mut path = Vec::with_capacity(node.path.len() + 1);
+            path.extend_from_slice(&node.path);
+            path.push(decision);
+            Node { path, bound, serial: 0 }
+        };
+        self.tree.push(child(second));
+        Some(child(first))
+    }
+
+    /// Brings the domain to a node: on from the current path where it is a prefix, else from the
+    /// root.
+    fn enter(&mut self, path: &[Decision]) -> Result<(), Conflict> {
+        let shared = path.len() >= self.path.len() && path[..self.path.len()] == self.path[..];
+        if !shared {
+            self.domain.undo_to(self.root);
+            self.path.clear();
+        }
+        let mark = self.domain.mark();
+        let fresh = &path[self.path.len()..];
+        for decision in fresh {
+            self.domain.apply(decision.column, decision.is_upper, decision.value);
+        }
+        let result = self.propagator.propagate_since(self.task.program, &mut self.domain, mark);
+        if result.is_ok() {
+            self.path.extend_from_slice(fresh);
+        } else {
+            self.domain.undo_to(mark);
+        }
+        result
+    }
+
+    /// Solves a reduced program and verifies the answer, trying harder once.
+    pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
+        if reduced.columns.is_empty() {
+            return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
+        }
+        let feasibility_problem = reduced.is_feasibility_problem();
+        let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
+        // Iterations are capped: a program infeasible by a hair keeps an interior-point method
+        // busy without a verdict.
+        for (iterations, tolerance, refinements) in [(60, 1e-8, 1), (200, 1e-9, 10)] {
+            let effort = Effort {
+                iterations,
+                tolerance,
+                refinements,
+                time: self.tree.time_left(),
+                interrupt: self.tree.interrupt().clone(),
+            };
+            let answer = self.relaxation.solve(reduced, &effort);
+            self.tree.count(|s| {
+                s.relaxations += 1;
+                s.iterations += answer.iterations;
+            });
+            if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
+                return Verdict::Stopped;
+            }
+            match answer.claim {
+                Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
+                    return Verdict::Refuted;
+                }
+                Claim::Unbounded if look_for_descent && is_descent_ray(reduced, &answer.x) => {
+                    return Verdict::Descent;
+                }
+                Claim::Solved | Claim::Unknown if answer.x.iter().all(|v| v.is_finite()) => {
+                    let bound = if feasibility_problem {
+                        reduced.offset
+                    } else {
+                        lower_bound(reduced, &answer.x, &answer.y)
+                    };
+                    let value = reduced.objective(&answer.x);
+                    let solved = answer.claim == Claim::Solved;
+                    if bound >= best.0 || solved {
+                        best = (bound.max(best.0), answer.x);
+                    }
+                    if solved && value - bound <= 1e-6 * value.abs().max(1.0) {
+                        break;
+                    }
+                }
+                _ => {}
+            }
+        }
+        Verdict::Relaxed { bound: best.0, x: best.1 }
+    }
+
+    /// A root without a bound below: unbounded if there is any feasible point.
+    fn settle_descent(&mut self, node: Node) {
+        let mut flat = self.task.program.clone();
+        flat.make_feasibility_problem();
+        let options = self.task.options.clone().with_threads(1);
+        let task = Task { program: &flat, options: &options, ..self.task };
+        let mut control = Control::default().with_interrupt(self.tree.interrupt());
+        let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
+        self.tree.count(|s| {
+            s.nodes += statistics.nodes;
+            s.relaxations += statistics.relaxations;
+            s.iterations += statistics.iterations;
+        });
+        match (termination, incumbent) {
+            (Termination::Infeasible, _) => {}
+            (_, Some(point)) => {
+                let value = self.program().objective(&point);
+                self.tree.offer(value, point);
+                self.tree.stop(Termination::Unbounded);
+            }
+            (reason, None) if reason.is_limit() => self.tree.give_back(self.id, node, reason),
+            _ => self.tree.stall(f64::NEG_INFINITY),
+        }
+    }
+
+    fn look_for_points(&mut self, point: &[f64], at_root: bool) {
+        let integrality = self.task.options.integrality;
+        let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
+        if self.program().integers.iter().all(whole) {
+            self.try_assignment(point);
+        }
+        let pause = if self.tree.cutoff() == f64::INFINITY { 5 } else { 50 };
+        if at_root || self.since_rounding >= pause {
+            self.since_rounding = 0;
+            self.round_and_propagate(point);
+        }
+        self.since_rounding += 1;
+    }
+
+    pub(super) fn is_leaf(&self) -> bool {
+        self.program().integers.iter().all(|&j| self.domain.is_fixed(j))
+    }
+
+    pub(super) fn program(&self) -> &'a Program {
+        self.task.program
+    }
+}
+
+/// Decides when to send events.
+struct Reporter {
+    root_done: bool,
+    incumbent: Option<f64>,
+    last: Instant,
+}
+
+impl Reporter {
+    fn new() -> Self {
+        Reporter { root_done: false, incumbent: None, last: Instant::now() }
+    }
+
+    fn report(&mut self, tree: &Tree<'_>, control: &mut Control<'_>) {
+        let progress = tree.progress();
+        if !self.root_done {
+            self.root_done = true;
+            control.report(&Event::Root(progress));
+        }
+        if progress.incumbent != self.incumbent {
+            self.incumbent = progress.incumbent;
+            control.report(&Event::Incumbent(progress));
+        }
+        if self.last.elapsed() >= Duration::from_millis(200) {
+            self.last = Instant::now();
+            control.report(&Event::Progress(progress));
+        }
+    }
+}
