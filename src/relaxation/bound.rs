@@ -251,7 +251,7 @@ impl Pair<'_> {
             }
         };
         let mut normal = Mat::<f64>::zeros(k, k);
-        let mut entries: Vec<(usize, f64, Vec<(usize, f64)>)> = Vec::new();
+        let mut touched = Vec::new();
         for i in 0..self.y.len() {
             let (columns, values) = program.rows.vector(i);
             let part: Vec<(usize, f64)> = columns
@@ -269,7 +269,7 @@ impl Pair<'_> {
                     normal[(r, c)] += w * a * b;
                 }
             }
-            entries.push((i, w, part));
+            touched.push((i, w, part));
         }
         let trace = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
         for r in 0..k {
@@ -277,7 +277,7 @@ impl Pair<'_> {
         }
         let Ok(factor) = normal.llt(faer::Side::Lower) else { return false };
         let solution = factor.solve(&target);
-        for (i, w, part) in entries {
+        for (i, w, part) in touched {
             let step: f64 = w * part.iter().map(|&(r, a)| a * solution[(r, 0)]).sum::<f64>();
             let moved = self.y[i] + step;
             let equality = program.row_lower[i] == program.row_upper[i];
