@@ -5,15 +5,16 @@ use web_time::{Duration, Instant};
 use super::branching::{Pseudocosts, Split};
 use super::node::{Decision, Node};
 use super::tree::Tree;
-use super::unbounded::is_descent_ray;
+use super::unbounded::{is_descent_ray, recession_program};
 use super::{Found, Task, search};
 use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, probe, reduce};
 use crate::program::Program;
 use crate::relaxation::{
-    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, proves_infeasible,
+    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
 };
 use crate::solution::Termination;
 use crate::solver::{Control, Event};
+use crate::tolerance;
 
 /// Trials of probing at the root, and at a node of a program without objective. Each costs a
 /// propagation of the rows it reaches.
@@ -232,12 +233,21 @@ impl<'a> Worker<'a> {
         result
     }
 
-    /// Solves a reduced program and verifies the answer, trying harder once.
+    /// Solves a reduced program and verifies the answer, trying harder once. A leaf's point may
+    /// become the answer, so there the gap asked for counts.
     pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
         if reduced.columns.is_empty() {
             return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
         }
         let feasibility_problem = reduced.is_feasibility_problem();
+        let options = self.task.options;
+        let leaf = self.is_leaf();
+        let close = |value: f64| {
+            let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
+            let enough = 1e-6 * value.abs().max(1.0);
+            if leaf { enough.min(wanted) } else { enough }
+        };
+        let mut settled = false;
         let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
         // Iterations are capped: a program infeasible by a hair keeps an interior-point method
         // busy without a verdict.
@@ -272,17 +282,42 @@ impl<'a> Worker<'a> {
                     };
                     let value = reduced.objective(&answer.x);
                     let solved = answer.claim == Claim::Solved;
+                    let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                     if bound >= best.0 || solved {
                         best = (bound.max(best.0), answer.x);
                     }
-                    if solved && value - bound <= 1e-6 * value.abs().max(1.0) {
+                    let near = answer_size <= tolerance::FREE_RADIUS;
+                    settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
+                    if solved && value - bound <= close(value) {
                         break;
                     }
                 }
                 _ => {}
             }
         }
+        if look_for_descent && !settled && self.falls_forever(reduced) {
+            return Verdict::Descent;
+        }
         Verdict::Relaxed { bound: best.0, x: best.1 }
+    }
+
+    /// Looks for a direction of descent without end where the backend named none.
+    fn falls_forever(&mut self, reduced: &Reduced) -> bool {
+        let Some(directions) = recession_program(reduced) else { return false };
+        let effort = Effort {
+            iterations: 200,
+            tolerance: 1e-9,
+            refinements: 10,
+            time: self.tree.time_left(),
+            interrupt: self.tree.interrupt().clone(),
+        };
+        let mut answer = self.relaxation.solve(&directions, &effort);
+        self.tree.count(|s| {
+            s.relaxations += 1;
+            s.iterations += answer.iterations;
+        });
+        polish(&directions, &mut answer.x);
+        is_descent_ray(reduced, &answer.x)
     }
 
     /// A root without a bound below: unbounded if there is any feasible point.
