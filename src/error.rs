@@ -166,6 +166,21 @@ pub enum Error {
         /// What to change.
         mend: String,
     },
+    /// A plan that does not survive its own replay.
+    #[error(
+        "the plan is not certified: its {what} at step {step} is off by {residual:.3e} from the \
+         replay, more than {tolerance:.0e}; tighten the solver's feasibility tolerance"
+    )]
+    Replay {
+        /// `position`, `velocity` or `contact`.
+        what: &'static str,
+        /// The step.
+        step: usize,
+        /// The disagreement, in m or m/s.
+        residual: f64,
+        /// What is allowed, in the same unit.
+        tolerance: f64,
+    },
     /// A model file that cannot be read.
     #[error("line {line}, column {column}: {message}")]
     Parse {

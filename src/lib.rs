@@ -1,7 +1,9 @@
 //! carom
 
 pub mod branch_and_bound;
+pub mod collision_tolerant;
 pub mod error;
+pub mod hybrid;
 pub mod interval;
 pub mod model;
 pub mod prelude;

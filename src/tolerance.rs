@@ -52,6 +52,19 @@ pub const CONVEXITY: f64 = 1e-9;
 /// Agreement of a plan's samples with its discrete replay, in SI units (m, m/s).
 pub const REPLAY: f64 = 1e-6;
 
+/// Distance from a wall, in m, within which a replay takes the plan's word on whether a step has a
+/// contact: there both modes agree on the position, and rows are satisfied only to
+/// [`FEASIBILITY`]. Farther away the replay decides alone.
+pub const CONTACT_TIE: f64 = 1e-6;
+
+/// Rebound speed, in m/s, below which a continuous replay lets a vehicle that is pressed against a
+/// wall rest there. The hop it leaves out is lower than `REST_SPEED^2 / (2 |a|)`.
+pub const REST_SPEED: f64 = 1e-7;
+
+/// Bounces of a continuous replay inside one step, after which a vehicle that is pressed against a
+/// wall rests there as well: a guard against endless work at huge accelerations (no unit).
+pub const MAX_BOUNCES: usize = 100_000;
+
 /// Longest horizon, in steps, for which a model is built. A longer one is refused with an error
 /// before anything is allocated.
 pub const MAX_STEPS: usize = 100_000;

@@ -36,10 +36,13 @@ mod name;
 mod objective;
 mod operators;
 mod quadratic;
+mod refs;
 mod row;
 mod statement;
+mod statements;
 mod store;
 mod variable;
+mod variables;
 
 pub use affine::Affine;
 pub use ids::{Constraint, Indicator, Variable};
@@ -47,9 +50,10 @@ pub use indicator::{BigM, Implication, Literal};
 pub use name::Name;
 pub use objective::Sense;
 pub use quadratic::Quadratic;
+pub use refs::{ConstraintRef, IndicatorRef, VariableRef};
 pub use row::Row;
 pub use statement::Statement;
-pub use store::{ConstraintRef, IndicatorRef, Model, VariableRef};
+pub use store::Model;
 pub use variable::{Family, VariableKind};
 
 pub(crate) use ids::ModelTag;

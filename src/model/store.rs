@@ -8,8 +8,8 @@ use super::indicator::{BigM, Literal};
 use super::name::Name;
 use super::objective::Sense;
 use super::quadratic::Quadratic;
-use super::statement::{Statement, StoredRow, bounds, limits};
-use super::variable::{Family, VariableKind};
+use super::statement::StoredRow;
+use super::variable::VariableKind;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance;
@@ -21,51 +21,51 @@ use crate::tolerance;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(from = "Stored", into = "Stored"))]
 pub struct Model {
-    stored: Stored,
-    variable_names: HashMap<Name, u32>,
-    statement_names: HashMap<Name, StatementIndex>,
+    pub(super) stored: Stored,
+    pub(super) variable_names: HashMap<Name, u32>,
+    pub(super) statement_names: HashMap<Name, StatementIndex>,
 }
 
 /// The part of a model that is written to files; the look-up tables are derived from it.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Stored {
-    name: String,
-    tag: ModelTag,
-    variables: Vec<VariableData>,
-    constraints: Vec<ConstraintData>,
-    indicators: Vec<IndicatorData>,
-    sense: Sense,
-    objective: Quadratic,
+pub(super) struct Stored {
+    pub(super) name: String,
+    pub(super) tag: ModelTag,
+    pub(super) variables: Vec<VariableData>,
+    pub(super) constraints: Vec<ConstraintData>,
+    pub(super) indicators: Vec<IndicatorData>,
+    pub(super) sense: Sense,
+    pub(super) objective: Quadratic,
 }
 
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct VariableData {
-    name: Name,
-    kind: VariableKind,
-    lower: f64,
-    upper: f64,
+pub(super) struct VariableData {
+    pub(super) name: Name,
+    pub(super) kind: VariableKind,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
 }
 
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct ConstraintData {
-    name: Name,
-    row: StoredRow,
+pub(super) struct ConstraintData {
+    pub(super) name: Name,
+    pub(super) row: StoredRow,
 }
 
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct IndicatorData {
-    name: Name,
-    condition: Literal,
-    row: StoredRow,
-    big_m: BigM,
+pub(super) struct IndicatorData {
+    pub(super) name: Name,
+    pub(super) condition: Literal,
+    pub(super) row: StoredRow,
+    pub(super) big_m: BigM,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum StatementIndex {
+pub(super) enum StatementIndex {
     Constraint(u32),
     Indicator(u32),
 }
@@ -108,285 +108,6 @@ impl Model {
     /// The model's name.
     pub fn name(&self) -> &str {
         &self.stored.name
-    }
-
-    // -- variables ------------------------------------------------------------------------------
-
-    /// Adds a continuous variable with bounds, either of which may be infinite.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::CrossedBounds`], and
-    /// [`Error::NotFinite`] for NaN.
-    pub fn continuous(
-        &mut self,
-        name: impl Into<Name>,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Variable, Error> {
-        self.variable(name, VariableKind::Continuous, lower, upper)
-    }
-
-    /// Adds a binary variable.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::DuplicateName`] and [`Error::InvalidName`].
-    pub fn binary(&mut self, name: impl Into<Name>) -> Result<Variable, Error> {
-        self.variable(name, VariableKind::Binary, 0.0, 1.0)
-    }
-
-    /// Adds an integer variable with bounds, either of which may be infinite.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::continuous`].
-    pub fn integer(
-        &mut self,
-        name: impl Into<Name>,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Variable, Error> {
-        self.variable(name, VariableKind::Integer, lower, upper)
-    }
-
-    /// Adds a variable of any kind; a binary's bounds must lie within `[0, 1]`.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::continuous`]; [`Error::OutOfRange`] for a binary outside `[0, 1]`.
-    pub fn variable(
-        &mut self,
-        name: impl Into<Name>,
-        kind: VariableKind,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Variable, Error> {
-        let name = name.into();
-        name.check()?;
-        let (lower, upper) = variable_bounds(&name, kind, lower, upper)?;
-        let index = self.stored.variables.len();
-        let variable = Variable::new(index, self.stored.tag);
-        if self.variable_names.contains_key(&name) {
-            return Err(Error::DuplicateName { name: name.to_string(), kind: "variable" });
-        }
-        self.variable_names.insert(name.clone(), variable.index);
-        self.stored.variables.push(VariableData { name, kind, lower, upper });
-        Ok(variable)
-    }
-
-    /// Adds continuous variables `name[0] .. name[count - 1]` with the same bounds.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::continuous`].
-    pub fn continuous_family(
-        &mut self,
-        name: &str,
-        count: usize,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Family, Error> {
-        self.family(name, count, VariableKind::Continuous, lower, upper)
-    }
-
-    /// Adds binary variables `name[0] .. name[count - 1]`.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::binary`].
-    pub fn binary_family(&mut self, name: &str, count: usize) -> Result<Family, Error> {
-        self.family(name, count, VariableKind::Binary, 0.0, 1.0)
-    }
-
-    /// Adds integer variables `name[0] .. name[count - 1]` with the same bounds.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::continuous`].
-    pub fn integer_family(
-        &mut self,
-        name: &str,
-        count: usize,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Family, Error> {
-        self.family(name, count, VariableKind::Integer, lower, upper)
-    }
-
-    fn family(
-        &mut self,
-        name: &str,
-        count: usize,
-        kind: VariableKind,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Family, Error> {
-        let member = |step| self.variable((name, step), kind, lower, upper);
-        Ok(Family { members: (0..count).map(member).collect::<Result<_, _>>()? })
-    }
-
-    /// Number of variables.
-    pub fn variable_count(&self) -> usize {
-        self.stored.variables.len()
-    }
-
-    /// The variables in the order of creation.
-    pub fn variables(&self) -> impl ExactSizeIterator<Item = VariableRef<'_>> {
-        let data = self.stored.variables.iter().enumerate();
-        data.map(|(i, data)| VariableRef { id: Variable::new(i, self.stored.tag), data })
-    }
-
-    /// Name, kind and bounds of a variable.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ForeignHandle`].
-    pub fn variable_ref(&self, variable: Variable) -> Result<VariableRef<'_>, Error> {
-        self.check_variable(variable, "a look-up")?;
-        Ok(VariableRef { id: variable, data: &self.stored.variables[variable.index()] })
-    }
-
-    /// The variable of a name.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownName`].
-    pub fn variable_by_name(&self, name: impl Into<Name>) -> Result<Variable, Error> {
-        let name = name.into();
-        match self.variable_names.get(&name) {
-            Some(&index) => Ok(Variable { index, tag: self.stored.tag }),
-            None => Err(Error::UnknownName { name: name.to_string(), kind: "variable" }),
-        }
-    }
-
-    /// Changes the bounds of a variable. Automatic big-Ms follow at the next solve.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
-    /// [`Error::OutOfRange`] for a binary outside `[0, 1]`.
-    pub fn set_bounds(&mut self, variable: Variable, lower: f64, upper: f64) -> Result<(), Error> {
-        self.check_variable(variable, "set_bounds")?;
-        let data = &mut self.stored.variables[variable.index()];
-        (data.lower, data.upper) = variable_bounds(&data.name, data.kind, lower, upper)?;
-        Ok(())
-    }
-
-    /// Fixes a variable to one value; [`set_bounds`](Model::set_bounds) frees it again.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::set_bounds`].
-    pub fn fix(&mut self, variable: Variable, value: f64) -> Result<(), Error> {
-        self.set_bounds(variable, value, value)
-    }
-
-    // -- statements -----------------------------------------------------------------------------
-
-    /// Adds a [`Row`](super::Row) (returns a [`Constraint`]) or an
-    /// [`Implication`](super::Implication) (returns an [`Indicator`]).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::ForeignHandle`],
-    /// [`Error::NotFinite`], [`Error::CrossedBounds`], [`Error::EmptyRow`],
-    /// [`Error::UnlimitedRow`], [`Error::NotBinary`].
-    pub fn add<S: Statement>(
-        &mut self,
-        name: impl Into<Name>,
-        statement: S,
-    ) -> Result<S::Handle, Error> {
-        let name = name.into();
-        name.check()?;
-        statement.add_to(self, name)
-    }
-
-    /// Number of linear rows, indicators not counted.
-    pub fn constraint_count(&self) -> usize {
-        self.stored.constraints.len()
-    }
-
-    /// Number of indicators.
-    pub fn indicator_count(&self) -> usize {
-        self.stored.indicators.len()
-    }
-
-    /// The linear rows in the order of creation.
-    pub fn constraints(&self) -> impl ExactSizeIterator<Item = ConstraintRef<'_>> {
-        let data = self.stored.constraints.iter().enumerate();
-        data.map(|(i, data)| ConstraintRef { id: Constraint::new(i, self.stored.tag), data })
-    }
-
-    /// The indicators in the order of creation.
-    pub fn indicators(&self) -> impl ExactSizeIterator<Item = IndicatorRef<'_>> {
-        let data = self.stored.indicators.iter().enumerate();
-        data.map(|(i, data)| IndicatorRef { id: Indicator::new(i, self.stored.tag), data })
-    }
-
-    /// The linear row of a name.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownName`].
-    pub fn constraint_by_name(&self, name: impl Into<Name>) -> Result<Constraint, Error> {
-        let name = name.into();
-        match self.statement_names.get(&name) {
-            Some(&StatementIndex::Constraint(index)) => {
-                Ok(Constraint { index, tag: self.stored.tag })
-            }
-            _ => Err(Error::UnknownName { name: name.to_string(), kind: "linear row" }),
-        }
-    }
-
-    /// The indicator of a name.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownName`].
-    pub fn indicator_by_name(&self, name: impl Into<Name>) -> Result<Indicator, Error> {
-        let name = name.into();
-        match self.statement_names.get(&name) {
-            Some(&StatementIndex::Indicator(index)) => {
-                Ok(Indicator { index, tag: self.stored.tag })
-            }
-            _ => Err(Error::UnknownName { name: name.to_string(), kind: "indicator" }),
-        }
-    }
-
-    /// Changes the limits of a linear row. The limits apply to its terms without the constant,
-    /// as the text form shows them.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
-    /// [`Error::UnlimitedRow`].
-    pub fn set_limits(&mut self, row: Constraint, lower: f64, upper: f64) -> Result<(), Error> {
-        if row.tag != self.stored.tag || row.index() >= self.stored.constraints.len() {
-            return Err(foreign("constraint", row.index(), "set_limits"));
-        }
-        let data = &mut self.stored.constraints[row.index()];
-        (data.row.lower, data.row.upper) = limits(lower, upper, &data.name)?;
-        Ok(())
-    }
-
-    /// Changes the limits of an indicator's row.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Model::set_limits`].
-    pub fn set_indicator_limits(
-        &mut self,
-        indicator: Indicator,
-        lower: f64,
-        upper: f64,
-    ) -> Result<(), Error> {
-        if indicator.tag != self.stored.tag || indicator.index() >= self.stored.indicators.len() {
-            return Err(foreign("indicator", indicator.index(), "set_indicator_limits"));
-        }
-        let data = &mut self.stored.indicators[indicator.index()];
-        (data.row.lower, data.row.upper) = limits(lower, upper, &data.name)?;
-        Ok(())
     }
 
     // -- objective ------------------------------------------------------------------------------
@@ -465,7 +186,7 @@ impl Model {
             });
         }
         if let BigM::Given(value) | BigM::Assumed(value) = big_m
-            && !(value >= 0.0 && value < tolerance::INFINITE)
+            && !(0.0..tolerance::INFINITE).contains(&value)
         {
             return Err(Error::OutOfRange {
                 what: format!("the big-M of `{name}`"),
@@ -498,120 +219,6 @@ impl Model {
     }
 }
 
-fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {
+pub(super) fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {
     Error::ForeignHandle { kind, index, place: place.to_string() }
-}
-
-fn variable_bounds(
-    name: &Name,
-    kind: VariableKind,
-    lower: f64,
-    upper: f64,
-) -> Result<(f64, f64), Error> {
-    let (lower, upper) = bounds(lower, upper, name)?;
-    if kind == VariableKind::Binary && (lower < 0.0 || upper > 1.0) {
-        return Err(Error::OutOfRange {
-            what: format!("a bound of the binary `{name}`"),
-            value: if lower < 0.0 { lower } else { upper },
-            range: "within [0, 1]".into(),
-        });
-    }
-    Ok((lower, upper))
-}
-
-/// A variable of a model, for reading.
-#[derive(Debug, Clone, Copy)]
-pub struct VariableRef<'a> {
-    id: Variable,
-    data: &'a VariableData,
-}
-
-impl<'a> VariableRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Variable {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
-    /// The kind.
-    pub fn kind(&self) -> VariableKind {
-        self.data.kind
-    }
-
-    /// Current bounds, in the variable's unit.
-    pub fn bounds(&self) -> Interval {
-        Interval::new(self.data.lower, self.data.upper)
-    }
-}
-
-/// A linear row of a model, for reading.
-#[derive(Debug, Clone, Copy)]
-pub struct ConstraintRef<'a> {
-    id: Constraint,
-    data: &'a ConstraintData,
-}
-
-impl<'a> ConstraintRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Constraint {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
-    /// The terms, sorted by variable.
-    pub fn terms(&self) -> &'a [(Variable, f64)] {
-        &self.data.row.terms
-    }
-
-    /// The limits of the terms' sum.
-    pub fn limits(&self) -> Interval {
-        Interval::new(self.data.row.lower, self.data.row.upper)
-    }
-}
-
-/// An indicator of a model, for reading.
-#[derive(Debug, Clone, Copy)]
-pub struct IndicatorRef<'a> {
-    id: Indicator,
-    data: &'a IndicatorData,
-}
-
-impl<'a> IndicatorRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Indicator {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
-    /// The condition.
-    pub fn condition(&self) -> Literal {
-        self.data.condition
-    }
-
-    /// The terms of the implied row, sorted by variable.
-    pub fn terms(&self) -> &'a [(Variable, f64)] {
-        &self.data.row.terms
-    }
-
-    /// The limits of the implied row.
-    pub fn limits(&self) -> Interval {
-        Interval::new(self.data.row.lower, self.data.row.upper)
-    }
-
-    /// Where its big-M comes from.
-    pub fn big_m(&self) -> BigM {
-        self.data.big_m
-    }
 }

@@ -259,7 +259,7 @@ fn offer(
         } else {
             1e-3 * value.abs().max(1.0)
         };
-        if !(gain > worth) {
+        if gain.is_nan() || gain <= worth {
             return;
         }
         value

@@ -158,7 +158,8 @@ impl Work<'_> {
     fn fix_if_narrow(&mut self, j: usize) {
         let (lower, upper) = (self.lower[j], self.upper[j]);
         let scale = lower.abs().max(upper.abs()).max(1.0);
-        let narrow = upper - lower <= NEGLIGIBLE * scale && !self.program.integral[j];
+        let bounded = scale.is_finite() && !self.program.integral[j];
+        let narrow = bounded && upper - lower <= NEGLIGIBLE * scale;
         if lower == upper || narrow {
             self.fixed[j] = true;
             let value = if lower == upper { lower } else { 0.5 * (lower + upper) };
@@ -218,7 +219,7 @@ impl Work<'_> {
     fn intersect(&mut self, j: usize, lower: f64, upper: f64) -> Result<(), Contradiction> {
         let (l, u) = (self.lower[j].max(lower), self.upper[j].min(upper));
         let scale = l.abs().max(u.abs()).max(1.0);
-        if l - u > CROSSED * scale {
+        if l > u && l - u > CROSSED * scale {
             return Err(Contradiction);
         }
         if l > u {

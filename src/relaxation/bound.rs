@@ -9,6 +9,11 @@
 //! subtracted. Columns without a finite bound on the side that `g` pulls to need `g_j = 0`: the
 //! multipliers (or `x̂`, where the objective curves) are first corrected to make it so, and what
 //! rounding leaves is charged over [`tolerance::FREE_RADIUS`].
+//!
+//! Where `x̂` was moved on columns `F` with `P_FF` positive definite, the gradient `r` that is left
+//! there costs no radius: minimising over `d_F = x_F - x̂_F` for fixed `d_B` gives at least
+//! `-‖r‖ ‖P_FF⁻¹‖ ‖P_FB‖ ‖d_B‖ - ½ ‖r‖² ‖P_FF⁻¹‖`, because the Schur complement of `P_FF` is
+//! positive semidefinite.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -22,7 +27,8 @@ pub fn lower_bound(program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
     if x.iter().chain(y).any(|v| !v.is_finite()) {
         return f64::NEG_INFINITY;
     }
-    let pair = Pair { program, x: x.to_vec(), y: clipped(program, y), objective: true };
+    let y = clipped(program, y);
+    let pair = Pair { program, x: x.to_vec(), y, objective: true, curved: None };
     pair.best_bound()
 }
 
@@ -43,7 +49,7 @@ pub fn proves_infeasible(program: &Reduced, y: &[f64]) -> bool {
         })
         .sum();
     let x = vec![0.0; program.columns.len()];
-    let pair = Pair { program, x, y, objective: false };
+    let pair = Pair { program, x, y, objective: false, curved: None };
     pair.best_bound() > 1e-9 * disturbance
 }
 
@@ -61,6 +67,17 @@ struct Pair<'a> {
     y: Vec<f64>,
     /// Whether the objective takes part; certificates of infeasibility leave it out.
     objective: bool,
+    /// The columns on which `x̂` was moved.
+    curved: Option<Curved>,
+}
+
+/// Columns whose remaining gradient is absorbed by curvature.
+struct Curved {
+    member: Vec<bool>,
+    /// `‖P_FF⁻¹‖` in the Frobenius norm.
+    inverse: f64,
+    /// `‖P_FB‖` in the Frobenius norm.
+    coupling: f64,
 }
 
 /// `g` and, per entry, the accumulated magnitude that bounds its rounding error.
@@ -156,6 +173,8 @@ impl Pair<'_> {
                 add(-y * limit);
             }
         }
+        let curved = |j: usize| self.curved.as_ref().is_some_and(|c| c.member[j]);
+        let (mut residual, mut spread) = (0.0_f64, 0.0_f64);
         for j in 0..self.x.len() {
             // The gradient is known up to its rounding; take the worse end.
             let g = gradient.value[j];
@@ -164,9 +183,19 @@ impl Pair<'_> {
                 if bound.is_finite() { bound } else { bound.signum() * tolerance::FREE_RADIUS }
             };
             let (lower, upper) = (reach(program.lower[j]), reach(program.upper[j]));
+            if curved(j) {
+                // The term g_j x̂_j remains; the rest is charged below.
+                add(g * self.x[j]);
+                residual = residual.hypot(g.abs() + error);
+                continue;
+            }
+            spread = spread.hypot((upper - self.x[j]).abs().max((self.x[j] - lower).abs()));
             let corner = (g * lower).min(g * upper);
             add(corner);
             add(-error * lower.abs().max(upper.abs()));
+        }
+        if let Some(Curved { inverse, coupling, .. }) = &self.curved {
+            add(-residual * inverse * (coupling * spread + 0.5 * residual));
         }
         let bound = sum - 1e-15 * size * ((self.x.len() + self.y.len()) as f64).sqrt();
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
@@ -187,7 +216,7 @@ impl Pair<'_> {
         }
         let program = self.program;
         if self.objective {
-            let mut curvature = Mat::<f64>::zeros(k, k);
+            let (mut curvature, mut coupling) = (Mat::<f64>::zeros(k, k), 0.0_f64);
             for j in 0..self.x.len() {
                 let (rows, entries) = program.quadratic.vector(j);
                 for (&i, &p) in rows.iter().zip(entries) {
@@ -195,14 +224,19 @@ impl Pair<'_> {
                     if r < k && c < k {
                         curvature[(r, c)] = p;
                         curvature[(c, r)] = p;
+                    } else if r < k || c < k {
+                        coupling = coupling.hypot(p);
                     }
                 }
             }
             let well_posed = (0..k).all(|r| curvature[(r, r)] > 0.0);
             if well_posed && let Ok(factor) = curvature.llt(faer::Side::Lower) {
                 let step = factor.solve(&target);
+                let inverse = factor.solve(Mat::<f64>::identity(k, k)).norm_l2();
                 let moved: Vec<f64> = (0..k).map(|r| step[(r, 0)]).collect();
-                if moved.iter().all(|s| s.is_finite()) {
+                if inverse.is_finite() && moved.iter().all(|s| s.is_finite()) {
+                    let member = position.iter().map(|&r| r < k).collect();
+                    self.curved = Some(Curved { member, inverse, coupling });
                     free.iter().zip(moved).for_each(|(&j, s)| self.x[j] += s);
                     return true;
                 }
@@ -217,7 +251,7 @@ impl Pair<'_> {
             }
         };
         let mut normal = Mat::<f64>::zeros(k, k);
-        let mut entries: Vec<(usize, f64, Vec<(usize, f64)>)> = Vec::new();
+        let mut touched = Vec::new();
         for i in 0..self.y.len() {
             let (columns, values) = program.rows.vector(i);
             let part: Vec<(usize, f64)> = columns
@@ -235,7 +269,7 @@ impl Pair<'_> {
                     normal[(r, c)] += w * a * b;
                 }
             }
-            entries.push((i, w, part));
+            touched.push((i, w, part));
         }
         let trace = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
         for r in 0..k {
@@ -243,7 +277,7 @@ impl Pair<'_> {
         }
         let Ok(factor) = normal.llt(faer::Side::Lower) else { return false };
         let solution = factor.solve(&target);
-        for (i, w, part) in entries {
+        for (i, w, part) in touched {
             let step: f64 = w * part.iter().map(|&(r, a)| a * solution[(r, 0)]).sum::<f64>();
             let moved = self.y[i] + step;
             let equality = program.row_lower[i] == program.row_upper[i];

@@ -41,7 +41,7 @@ pub fn polish(program: &Reduced, x: &mut [f64]) {
             program.row_upper[equalities[e]] - activity
         });
         let size = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-        if !(size < best_residual) {
+        if size.is_nan() || size >= best_residual {
             break;
         }
         (best_residual, best) = (size, x.to_vec());

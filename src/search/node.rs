@@ -16,6 +16,8 @@ pub(super) struct Decision {
 pub(super) struct Node {
     pub(super) path: Vec<Decision>,
     pub(super) bound: f64,
+    /// How far the last decision moved its column from the parent's relaxed value.
+    pub(super) fraction: f64,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
     pub(super) serial: u64,
 }

@@ -38,7 +38,7 @@ struct State {
 impl<'a> Tree<'a> {
     pub(super) fn new(task: Task<'a>, interrupt: Interrupt) -> Self {
         let mut queue = NodeQueue::default();
-        queue.push(Node { path: Vec::new(), bound: f64::NEG_INFINITY, serial: 0 });
+        queue.push(Node { path: Vec::new(), bound: f64::NEG_INFINITY, fraction: 0.0, serial: 0 });
         let state = State {
             queue,
             serial: 1,

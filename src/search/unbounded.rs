@@ -13,7 +13,7 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let d: Vec<f64> = ray.iter().map(|v| v / size).collect();
     let cost: f64 = program.linear.iter().zip(&d).map(|(q, d)| q * d).sum();
     let cost_scale = program.linear.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
-    if !(cost < -1e-6 * cost_scale) {
+    if cost.is_nan() || cost >= -1e-6 * cost_scale {
         return false;
     }
     let mut curved = vec![0.0; d.len()];

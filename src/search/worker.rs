@@ -2,7 +2,7 @@
 
 use web_time::{Duration, Instant};
 
-use super::branching;
+use super::branching::{Pseudocosts, Split};
 use super::node::{Decision, Node};
 use super::tree::Tree;
 use super::unbounded::is_descent_ray;
@@ -23,6 +23,7 @@ pub(super) struct Worker<'a> {
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
     relaxation: ClarabelRelaxation,
+    pub(super) pseudocosts: Pseudocosts,
     /// The decisions that the domain currently reflects.
     path: Vec<Decision>,
     /// Trail position after root propagation.
@@ -57,6 +58,7 @@ impl<'a> Worker<'a> {
             domain,
             propagator,
             relaxation: ClarabelRelaxation::new(),
+            pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
             root,
             root_conflict,
@@ -112,7 +114,13 @@ impl<'a> Worker<'a> {
                 self.settle_descent(node);
                 return None;
             }
-            Verdict::Relaxed { bound, x } => (self.tree.strengthen(bound.max(node.bound)), x),
+            Verdict::Relaxed { bound, x } => {
+                if let Some(last) = node.path.last() {
+                    let gain = bound - node.bound;
+                    self.pseudocosts.learn(last.column, !last.is_upper, gain, node.fraction);
+                }
+                (self.tree.strengthen(bound.max(node.bound)), x)
+            }
         };
         if bound >= self.tree.cutoff() {
             self.tree.close(bound);
@@ -137,25 +145,30 @@ impl<'a> Worker<'a> {
     }
 
     fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
-        let integrality = self.task.options.integrality;
-        let split = branching::choose(self.program(), &self.domain, point, integrality);
-        let hopeless = |d: &Decision| {
-            bound == f64::NEG_INFINITY
-                && !(self.domain.lower(d.column).is_finite()
-                    && self.domain.upper(d.column).is_finite())
-        };
-        let Some([first, second]) = split.filter(|[first, _]| !hopeless(first)) else {
-            self.tree.stall(bound);
-            return None;
-        };
+        let split = self.choose_split(point, bound);
         let child = |decision: Decision| {
             let mut path = Vec::with_capacity(node.path.len() + 1);
             path.extend_from_slice(&node.path);
             path.push(decision);
-            Node { path, bound, serial: 0 }
+            let fraction = (point[decision.column] - decision.value).abs();
+            Node { path, bound, fraction, serial: 0 }
         };
-        self.tree.push(child(second));
-        Some(child(first))
+        let bounded = |d: &Decision| {
+            self.domain.lower(d.column).is_finite() && self.domain.upper(d.column).is_finite()
+        };
+        match split {
+            Split::Nothing => None,
+            Split::One(only) => Some(child(only)),
+            // Without any bound, splitting an unbounded column would never end.
+            Split::Both([first, second]) if bound > f64::NEG_INFINITY || bounded(&first) => {
+                self.tree.push(child(second));
+                Some(child(first))
+            }
+            Split::Both(_) | Split::Impossible => {
+                self.tree.stall(bound);
+                None
+            }
+        }
     }
 
     /// Brings the domain to a node: on from the current path where it is a prefix, else from the

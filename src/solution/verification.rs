@@ -128,11 +128,11 @@ impl Verification {
         allowed: f64,
         name: impl FnOnce() -> String,
     ) {
-        // Written so that NaN is a violation.
-        if !(amount <= allowed) {
+        // NaN is a violation.
+        if amount.is_nan() || amount > allowed {
             self.violations.push(Violation { kind, name: name(), amount });
         }
-        if !(amount <= self.largest_residual) {
+        if amount.is_nan() || amount > self.largest_residual {
             self.largest_residual = amount;
         }
     }

@@ -9,7 +9,7 @@ use crate::model::ids::Variable;
 use crate::model::indicator::Literal;
 use crate::model::name::Name;
 use crate::model::objective::Sense;
-use crate::model::store::{Model, VariableRef};
+use crate::model::{Model, VariableRef};
 use crate::model::variable::VariableKind;
 
 /// A row of the file: a linear row or the row of an indicator.

@@ -1,0 +1,47 @@
+//! The paper on one page: planning that may hit the wall when it pays.
+//!
+//! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
+//! planning of autonomous vehicles", arXiv:1611.07608. A vehicle on a line must go from a start to
+//! a goal near a wall; braking against the wall can be faster than braking in time.
+//!
+//! | step | here | built from |
+//! | --- | --- | --- |
+//! | what to plan | [`Scenario`] | |
+//! | the programs, (1)-(21) | [`Program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
+//! | a plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
+//! | the shortest plan, proved | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
+//! | what comes back | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
+//! | limits on damage | [`damage_interval()`] | |
+//!
+//! Every plan is replayed by two simulators that share no code with the programs' rows; one that
+//! disagrees with the discrete replay is not returned.
+//!
+//! ```
+//! use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+//! use carom::prelude::*;
+//!
+//! let scenario = Scenario::paper().with_time_step(0.05);
+//! let mut solver = BranchAndBound::default();
+//! let shortest = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
+//! let plan = shortest.plan.expect("there is one");
+//! assert_eq!(plan.trajectory.impacts.len(), 1);
+//! # Ok::<(), carom::Error>(())
+//! ```
+
+pub mod damage_interval;
+pub mod plan;
+pub mod program;
+pub mod scenario;
+pub mod shortest;
+pub mod tables;
+pub mod trajectory;
+
+pub use damage_interval::{DamageInterval, damage_interval};
+pub use plan::{Certificate, Plan, PlanOutcome, plan, plan_with};
+pub use program::{Objective, Program};
+pub use scenario::{Collisions, Endpoint, Scenario};
+pub use shortest::{
+    Comparison, PlanningOptions, ShortestPlan, compare, shortest_plan, shortest_plan_with,
+};
+pub use tables::Saving;
+pub use trajectory::{Impact, Trajectory};

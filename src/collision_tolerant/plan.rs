@@ -1,0 +1,177 @@
+//! Planning over a fixed horizon, with a certificate for every plan.
+
+use super::program::{Objective, Program};
+use super::scenario::Scenario;
+use super::trajectory::Trajectory;
+use crate::error::Error;
+use crate::hybrid::{ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
+use crate::solution::{Solution, Statistics, Termination, Verification};
+use crate::solver::{Control, Solver};
+use crate::tolerance;
+
+/// Why a plan can be trusted.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Certificate {
+    /// The check of the solution against the program: bounds, rows, and every implication on the
+    /// rounded binaries.
+    pub verification: Verification,
+    /// The replay through the same discrete law; it agrees with the plan at every sample within
+    /// [`tolerance::REPLAY`].
+    pub discrete: DiscreteReplay,
+    /// The replay in continuous time: what the discretisation leaves out.
+    pub continuous: ContinuousReplay,
+}
+
+/// A certified plan.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Plan {
+    /// The samples and impacts.
+    pub trajectory: Trajectory,
+    /// Why it can be trusted.
+    pub certificate: Certificate,
+    /// Value of the objective, in its unit.
+    pub objective: f64,
+    /// Proved bound: no plan over this horizon has a smaller objective.
+    pub bound: f64,
+    /// Why the solver stopped; [`Termination::Optimal`] when the plan is proved optimal.
+    pub termination: Termination,
+    /// Counts and time of the solve.
+    pub statistics: Statistics,
+}
+
+/// The answer to a fixed-horizon planning task.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[must_use]
+pub enum PlanOutcome {
+    /// A certified plan; see [`Plan::termination`] for whether it is optimal.
+    Planned(Box<Plan>),
+    /// It is proved that there is no plan over this horizon.
+    Infeasible(Statistics),
+    /// Stopped without a plan and without a proof.
+    Stopped {
+        /// Why.
+        reason: Termination,
+        /// Counts and time of the solve.
+        statistics: Statistics,
+    },
+}
+
+impl PlanOutcome {
+    /// The plan, if there is one.
+    pub fn plan(&self) -> Option<&Plan> {
+        match self {
+            PlanOutcome::Planned(plan) => Some(plan),
+            _ => None,
+        }
+    }
+
+    /// The plan, if there is one, by value.
+    pub fn into_plan(self) -> Option<Plan> {
+        match self {
+            PlanOutcome::Planned(plan) => Some(*plan),
+            _ => None,
+        }
+    }
+
+    /// Whether it is proved that there is no plan.
+    pub fn is_infeasible(&self) -> bool {
+        matches!(self, PlanOutcome::Infeasible(_))
+    }
+}
+
+/// Plans a scenario over a fixed horizon.
+///
+/// ```
+/// use carom::collision_tolerant::{Objective, Scenario, plan};
+/// use carom::prelude::*;
+///
+/// let scenario = Scenario::paper().with_restitution(0.5)?.with_time_step(0.1);
+/// let outcome = plan(&scenario, 30, Objective::Effort, &mut BranchAndBound::default())?;
+/// let plan = outcome.plan().expect("3 s are enough");
+/// assert_eq!(plan.trajectory.steps(), 30);
+/// assert!(plan.certificate.discrete.max_position_error <= 1e-6);
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Arguments
+///
+/// * `steps`: the horizon τ.
+///
+/// # Errors
+///
+/// Those of [`Scenario::check`], of [`Horizon::new`](crate::hybrid::Horizon::new) and of the
+/// solver; [`Error::Replay`] when the solver's plan disagrees with its discrete replay, so that it
+/// cannot be certified.
+pub fn plan(
+    scenario: &Scenario,
+    steps: usize,
+    objective: Objective,
+    solver: &mut dyn Solver,
+) -> Result<PlanOutcome, Error> {
+    plan_with(scenario, steps, objective, solver, &mut Control::default())
+}
+
+/// As [`plan`], with progress events and an interrupt.
+///
+/// # Errors
+///
+/// As for [`plan`].
+pub fn plan_with(
+    scenario: &Scenario,
+    steps: usize,
+    objective: Objective,
+    solver: &mut dyn Solver,
+    control: &mut Control<'_>,
+) -> Result<PlanOutcome, Error> {
+    let program = Program::build(scenario, steps, objective)?;
+    let solution = solver.solve_with(&program.model, control)?;
+    outcome(scenario, &program, &solution)
+}
+
+/// Turns a solution into a certified plan.
+pub(super) fn outcome(
+    scenario: &Scenario,
+    program: &Program,
+    solution: &Solution,
+) -> Result<PlanOutcome, Error> {
+    if solution.point().is_some() {
+        let plan = Plan::certify(scenario, program, solution)?;
+        return Ok(PlanOutcome::Planned(Box::new(plan)));
+    }
+    let statistics = *solution.statistics();
+    Ok(match solution.termination() {
+        Termination::Infeasible => PlanOutcome::Infeasible(statistics),
+        reason => PlanOutcome::Stopped { reason, statistics },
+    })
+}
+
+impl Plan {
+    /// Replays a solution twice and packs it up, or says why it cannot be trusted.
+    pub(super) fn certify(
+        scenario: &Scenario,
+        program: &Program,
+        solution: &Solution,
+    ) -> Result<Self, Error> {
+        let trajectory = Trajectory::read(scenario, program, solution)?;
+        let samples = trajectory.samples();
+        let discrete = replay_discrete(&scenario.contact, &samples)?;
+        discrete.check(&samples, tolerance::REPLAY)?;
+        let continuous = replay_continuous(&scenario.contact, &samples)?;
+        let no_point = || Error::NoPoint { termination: solution.termination().to_string() };
+        let verification = solution.verification().cloned().ok_or_else(no_point)?;
+        let objective = solution.objective().ok_or_else(no_point)?;
+        Ok(Plan {
+            trajectory,
+            certificate: Certificate { verification, discrete, continuous },
+            objective,
+            bound: solution.bound(),
+            termination: solution.termination(),
+            statistics: *solution.statistics(),
+        })
+    }
+}

@@ -1,0 +1,387 @@
+//! What is to be planned: start, goal, limits, wall, contact and damage.
+
+use crate::error::Error;
+use crate::hybrid::{
+    Contact, ContactLaw, DamageLimits, FreeSide, Horizon, Restitution, Waiting, Wall,
+};
+use crate::interval::Interval;
+
+/// Whether a plan may hit the wall.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Collisions {
+    /// It may, under the scenario's contact law and damage limits.
+    #[default]
+    Tolerated,
+    /// It may not; it may touch the wall at a sample.
+    Forbidden,
+}
+
+/// One end of a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Endpoint {
+    /// Position, in m.
+    pub position: f64,
+    /// Velocity, in m/s.
+    pub velocity: f64,
+    /// Acceleration, in m/s²; free when absent. At the start it is the one applied in step 0. At
+    /// the goal it is a(τ), which is never applied: the last one applied is a(τ-1).
+    pub acceleration: Option<f64>,
+}
+
+impl Endpoint {
+    /// At rest at a position (m), acceleration free.
+    pub fn at_rest(position: f64) -> Self {
+        Endpoint { position, velocity: 0.0, acceleration: None }
+    }
+
+    /// Sets the velocity, in m/s.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity: f64) -> Self {
+        self.velocity = velocity;
+        self
+    }
+
+    /// Sets the acceleration, in m/s².
+    #[must_use]
+    pub fn with_acceleration(mut self, acceleration: f64) -> Self {
+        self.acceleration = Some(acceleration);
+        self
+    }
+}
+
+/// A vehicle on a line beside a wall: everything of the paper's sections 3 and 4 that is data.
+///
+/// ```
+/// use carom::collision_tolerant::{Endpoint, Scenario};
+///
+/// let elastic = Scenario::paper().with_restitution(0.5)?.with_time_step(0.02);
+/// elastic.check()?;
+/// let behind = Scenario::paper().with_goal(Endpoint::at_rest(-1.0));
+/// assert!(behind.check().is_err());
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Scenario {
+    /// Where the plan starts; equation (1).
+    pub start: Endpoint,
+    /// Where it ends; equation (2).
+    pub goal: Endpoint,
+    /// Smallest and largest acceleration of free flight, in m/s²; equations (5), (6).
+    pub acceleration: Interval,
+    /// Largest speed at a sample, in m/s.
+    pub max_speed: f64,
+    /// Δt, in s.
+    pub time_step: f64,
+    /// The wall and what happens there; equation (7).
+    pub contact: Contact,
+    /// Whether the plan may hit the wall.
+    pub collisions: Collisions,
+    /// Limits and weight of damage; equations (14)-(20). Without meaning where collisions are
+    /// forbidden.
+    pub damage: DamageLimits,
+    /// Where the vehicle may be, in m. When absent, as far as it can go and still reach the goal
+    /// within the horizon: that excludes no plan.
+    pub domain: Option<Interval>,
+}
+
+impl Scenario {
+    /// A scenario with a perfectly plastic wall, the reflecting law and no damage limits.
+    ///
+    /// # Arguments
+    ///
+    /// * `acceleration`: smallest and largest, in m/s².
+    /// * `max_speed`: m/s.
+    /// * `time_step`: Δt, in s.
+    ///
+    /// Nothing is checked before [`check`](Scenario::check), which every planning function calls.
+    pub fn new(
+        start: Endpoint,
+        goal: Endpoint,
+        wall: Wall,
+        acceleration: Interval,
+        max_speed: f64,
+        time_step: f64,
+    ) -> Self {
+        Scenario {
+            start,
+            goal,
+            acceleration,
+            max_speed,
+            time_step,
+            contact: Contact::new(wall, Restitution::PLASTIC),
+            collisions: Collisions::Tolerated,
+            damage: DamageLimits::default(),
+            domain: None,
+        }
+    }
+
+    /// The paper's scenario: Tables 1 and 2, a plastic wall at 0 m, and the time step of 0.005 s
+    /// on whose grid its printed times lie.
+    pub fn paper() -> Self {
+        let start = Endpoint::at_rest(10.0).with_acceleration(0.0);
+        let goal = Endpoint::at_rest(0.3).with_acceleration(0.0);
+        let wall = Wall::default();
+        Scenario::new(start, goal, wall, Interval::new(-6.0, 6.0), 15.0, 0.005)
+    }
+
+    /// Sets the start.
+    #[must_use]
+    pub fn with_start(mut self, start: Endpoint) -> Self {
+        self.start = start;
+        self
+    }
+
+    /// Sets the goal.
+    #[must_use]
+    pub fn with_goal(mut self, goal: Endpoint) -> Self {
+        self.goal = goal;
+        self
+    }
+
+    /// Moves the goal to another position (m), its velocity and acceleration unchanged.
+    #[must_use]
+    pub fn with_goal_position(mut self, position: f64) -> Self {
+        self.goal.position = position;
+        self
+    }
+
+    /// Sets the wall.
+    #[must_use]
+    pub fn with_wall(mut self, wall: Wall) -> Self {
+        self.contact.wall = wall;
+        self
+    }
+
+    /// Sets the restitution e.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] outside `[0, 1]`.
+    pub fn with_restitution(mut self, restitution: f64) -> Result<Self, Error> {
+        self.contact.restitution = Restitution::new(restitution)?;
+        Ok(self)
+    }
+
+    /// Sets the contact law.
+    #[must_use]
+    pub fn with_law(mut self, law: ContactLaw) -> Self {
+        self.contact.law = law;
+        self
+    }
+
+    /// The same scenario with collisions forbidden.
+    #[must_use]
+    pub fn collision_free(mut self) -> Self {
+        self.collisions = Collisions::Forbidden;
+        self
+    }
+
+    /// Sets the limits of the acceleration, in m/s².
+    #[must_use]
+    pub fn with_acceleration(mut self, lower: f64, upper: f64) -> Self {
+        self.acceleration = Interval::new(lower, upper);
+        self
+    }
+
+    /// Sets the largest speed, in m/s.
+    #[must_use]
+    pub fn with_max_speed(mut self, speed: f64) -> Self {
+        self.max_speed = speed;
+        self
+    }
+
+    /// Sets the time step, in s.
+    #[must_use]
+    pub fn with_time_step(mut self, time_step: f64) -> Self {
+        self.time_step = time_step;
+        self
+    }
+
+    /// Sets limits and weight of damage.
+    #[must_use]
+    pub fn with_damage(mut self, limits: DamageLimits) -> Self {
+        self.damage = limits;
+        self
+    }
+
+    /// Sets where the vehicle may be, in m.
+    #[must_use]
+    pub fn with_domain(mut self, lower: f64, upper: f64) -> Self {
+        self.domain = Some(Interval::new(lower, upper));
+        self
+    }
+
+    /// Refuses scenarios that contradict themselves before any planning.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`], [`Error::CrossedBounds`], [`Error::OutOfRange`] and
+    /// [`Error::Scenario`], each with what to change.
+    pub fn check(&self) -> Result<(), Error> {
+        Horizon::new(1, self.time_step)?;
+        self.damage.check()?;
+        for (name, end) in [("start", &self.start), ("goal", &self.goal)] {
+            let numbers = [
+                ("the position", Some(end.position)),
+                ("the velocity", Some(end.velocity)),
+                ("the acceleration", end.acceleration),
+            ];
+            for (what, value) in numbers {
+                if let Some(value) = value.filter(|value| !value.is_finite()) {
+                    return Err(Error::NotFinite { name: name.into(), what, value });
+                }
+            }
+        }
+        let (what, value) = ("the position", self.contact.wall.position());
+        if !value.is_finite() {
+            return Err(Error::NotFinite { name: "wall".into(), what, value });
+        }
+        check_interval("acceleration", self.acceleration)?;
+        if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
+            let (what, range) = ("the largest speed (m/s)".into(), "finite and positive".into());
+            return Err(Error::OutOfRange { what, value: self.max_speed, range });
+        }
+        if let Some(domain) = self.domain {
+            check_interval("domain", domain)?;
+        }
+        self.check_end("start", &self.start)?;
+        self.check_end("goal", &self.goal)
+    }
+
+    fn check_end(&self, name: &str, end: &Endpoint) -> Result<(), Error> {
+        let refuse = |reason: String, mend: &str| {
+            Err(Error::Scenario { reason: format!("the {name} {reason}"), mend: mend.into() })
+        };
+        let wall = self.contact.wall;
+        if wall.gap(end.position) < 0.0 {
+            let (side, at) = (side_name(wall.free()), wall.position());
+            let reason = format!(
+                "at {} m is inside the wall, whose free side is {side} {at} m",
+                end.position
+            );
+            return refuse(reason, "move it to the free side, or turn the wall round");
+        }
+        if end.velocity.abs() > self.max_speed {
+            let (speed, limit) = (end.velocity.abs(), self.max_speed);
+            let reason = format!("speed of {speed} m/s is above the largest speed of {limit} m/s");
+            return refuse(reason, "lower it, or raise the largest speed");
+        }
+        if let Some(a) = end.acceleration
+            && !self.acceleration.contains(a)
+        {
+            let Interval { lower, upper } = self.acceleration;
+            let reason = format!("acceleration of {a} m/s² is outside [{lower}, {upper}] m/s²");
+            return refuse(reason, "bring it within the limits, or leave it free");
+        }
+        if let Some(domain) = self.domain
+            && !domain.contains(end.position)
+        {
+            let Interval { lower, upper } = domain;
+            let reason =
+                format!("at {} m is outside the domain [{lower}, {upper}] m", end.position);
+            return refuse(reason, "move it, or widen the domain");
+        }
+        Ok(())
+    }
+
+    /// Whether waiting is free, so that the shortest horizon may be found by bisection.
+    ///
+    /// The start lets the vehicle wait when it is at rest there, zero acceleration is admissible
+    /// and the first acceleration is free or 0; the goal does when the vehicle is to be at rest
+    /// there and zero acceleration is admissible (a(τ) is never applied, so its value does not
+    /// matter). Limits, wall and damage do not depend on the step, and the search has no running
+    /// cost.
+    pub fn waiting(&self) -> Waiting {
+        let coasting = self.acceleration.contains(0.0);
+        if !coasting {
+            return Waiting::NotFree("zero acceleration is not admissible".into());
+        }
+        if self.start.velocity == 0.0 && self.start.acceleration.unwrap_or(0.0) == 0.0 {
+            return Waiting::Free("the vehicle can rest at its start".into());
+        }
+        if self.goal.velocity == 0.0 {
+            return Waiting::Free("the vehicle can rest at its goal".into());
+        }
+        Waiting::NotFree("the vehicle can rest neither at its start nor at its goal".into())
+    }
+
+    /// Largest magnitude of an acceleration in free flight, in m/s².
+    pub fn max_acceleration(&self) -> f64 {
+        self.acceleration.magnitude()
+    }
+
+    /// The positions (m) that the samples of a horizon may have: the domain, as far as the
+    /// vehicle can be anyway.
+    ///
+    /// No step is longer than `l = Δt (v_max + a_max Δt/2)`: in flight it is Δt times the mean of
+    /// two admissible velocities, and in a contact it ends no farther from the wall than the
+    /// flight would have gone. So on the way from gap g₀ to gap g₁ in τ steps the vehicle is never
+    /// farther from the wall than `(g₀ + g₁ + τ l)/2`.
+    ///
+    /// Under the literal law it may also be inside the wall: by the step that takes it there, and
+    /// by the `Δt v_max (1-e)/2` that the first contact adds; later contacts alternate and take
+    /// back more than they add.
+    pub(super) fn positions(&self, horizon: &Horizon) -> Interval {
+        let (wall, dt) = (self.contact.wall, self.time_step);
+        let longest_step = dt * (self.max_speed + 0.5 * dt * self.max_acceleration());
+        let ends = wall.gap(self.start.position) + wall.gap(self.goal.position);
+        let mut farthest = 0.5 * (ends + horizon.steps() as f64 * longest_step);
+        let e = self.contact.restitution.value();
+        let mut nearest = match (self.contact.law, self.collisions) {
+            (ContactLaw::Literal, Collisions::Tolerated) => {
+                -(longest_step + 0.5 * dt * self.max_speed * (1.0 - e))
+            }
+            _ => 0.0,
+        };
+        if let Some(domain) = self.domain {
+            let (one, other) = (wall.gap(domain.lower), wall.gap(domain.upper));
+            farthest = farthest.min(one.max(other));
+            // A domain that reaches the wall leaves what happens there to the contact law.
+            if one.min(other) > 0.0 {
+                nearest = one.min(other);
+            }
+        }
+        let (one, other) = (wall.at_gap(nearest), wall.at_gap(farthest));
+        Interval::new(one.min(other), one.max(other))
+    }
+
+    /// A number of steps (at least 1) to begin looking for the shortest horizon at: from the
+    /// start, at full acceleration without any need to stop. A guess, not a bound.
+    pub(super) fn lower_hint(&self) -> usize {
+        let distance = (self.goal.position - self.start.position).abs();
+        let (speed, acceleration) = (self.start.velocity.abs(), self.max_acceleration());
+        let sprint = if acceleration > 0.0 {
+            ((speed * speed + 2.0 * acceleration * distance).sqrt() - speed) / acceleration
+        } else {
+            0.0
+        };
+        let time = sprint.max(distance / self.max_speed);
+        ((time / self.time_step) as usize).max(1)
+    }
+}
+
+fn check_interval(name: &str, interval: Interval) -> Result<(), Error> {
+    let Interval { lower, upper } = interval;
+    for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
+        if !value.is_finite() {
+            return Err(Error::NotFinite { name: name.into(), what, value });
+        }
+    }
+    if lower > upper {
+        return Err(Error::CrossedBounds { name: name.into(), lower, upper });
+    }
+    Ok(())
+}
+
+fn side_name(free: FreeSide) -> &'static str {
+    match free {
+        FreeSide::Above => "above",
+        FreeSide::Below => "below",
+    }
+}

@@ -1,0 +1,273 @@
+//! The shortest plan: the smallest feasible horizon, proved, and on it the fewest impacts.
+
+use web_time::{Duration, Instant};
+
+use super::plan::{Plan, PlanOutcome, outcome};
+use super::program::{Objective, Program, Programs};
+use super::scenario::{Collisions, Scenario};
+use crate::error::Error;
+use crate::hybrid::{
+    Attempt, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
+};
+use crate::solution::{Solution, Statistics};
+use crate::solver::{Control, Solver};
+
+/// Options of a search for the shortest plan.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct PlanningOptions {
+    /// Limits and interrupt of the whole search.
+    pub search: ShortestOptions,
+    /// A horizon believed feasible, in steps: the collision-free one for a tolerant search. It
+    /// saves solves; nothing is concluded from it.
+    pub upper_hint: Option<usize>,
+    /// Whether to minimise the number of impacts on the shortest horizon (default yes). Without
+    /// it, a plan may hit without need.
+    pub fewest_impacts: bool,
+}
+
+impl Default for PlanningOptions {
+    fn default() -> Self {
+        let search = ShortestOptions::default();
+        PlanningOptions { search, upper_hint: None, fewest_impacts: true }
+    }
+}
+
+impl PlanningOptions {
+    /// Sets limits and interrupt.
+    #[must_use]
+    pub fn with_search(mut self, search: ShortestOptions) -> Self {
+        self.search = search;
+        self
+    }
+
+    /// Sets a horizon believed feasible.
+    #[must_use]
+    pub fn with_upper_hint(mut self, steps: usize) -> Self {
+        self.upper_hint = Some(steps);
+        self
+    }
+
+    /// Sets whether the impacts are minimised.
+    #[must_use]
+    pub fn with_fewest_impacts(mut self, wanted: bool) -> Self {
+        self.fewest_impacts = wanted;
+        self
+    }
+}
+
+/// What a search for the shortest plan found.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[must_use]
+pub struct ShortestPlan {
+    /// How the search ended.
+    pub status: ShortestStatus,
+    /// The shortest horizon, or the smallest one found feasible before a stop, in steps.
+    pub steps: Option<usize>,
+    /// The largest horizon proved infeasible together with every smaller one, in steps.
+    pub refuted_steps: Option<usize>,
+    /// A plan over `steps`, with the fewest impacts when they were minimised.
+    pub plan: Option<Plan>,
+    /// Whether no plan over `steps` has fewer impacts (with a damage weight: a smaller sum of
+    /// impacts and weighted damage).
+    pub fewest_impacts: bool,
+    /// The solves of the search, in order.
+    pub attempts: Vec<Attempt>,
+    /// The solves that came after it, to minimise the impacts.
+    pub refinements: Vec<Statistics>,
+    /// Wall-clock time of everything.
+    pub time: Duration,
+}
+
+impl ShortestPlan {
+    /// Whether the shortest horizon is found and proved.
+    pub fn is_found(&self) -> bool {
+        self.status == ShortestStatus::Found
+    }
+
+    /// Nodes over all solves.
+    pub fn nodes(&self) -> u64 {
+        self.statistics().map(|s| s.nodes).sum()
+    }
+
+    /// Relaxations over all solves.
+    pub fn relaxations(&self) -> u64 {
+        self.statistics().map(|s| s.relaxations).sum()
+    }
+
+    fn statistics(&self) -> impl Iterator<Item = &Statistics> {
+        self.attempts.iter().map(|attempt| &attempt.statistics).chain(&self.refinements)
+    }
+}
+
+/// Finds the shortest plan of a scenario and proves that it is the shortest.
+///
+/// ```
+/// use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+/// use carom::prelude::*;
+///
+/// let scenario = Scenario::paper().with_time_step(0.05);
+/// let mut solver = BranchAndBound::default();
+/// let careful = shortest_plan(&scenario.collision_free(), &PlanningOptions::default(), &mut solver)?;
+/// let tolerant = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
+/// assert!(tolerant.is_found() && tolerant.steps < careful.steps);
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// As for [`plan`](super::plan()); [`Error::OutOfRange`] for bad options.
+pub fn shortest_plan(
+    scenario: &Scenario,
+    options: &PlanningOptions,
+    solver: &mut dyn Solver,
+) -> Result<ShortestPlan, Error> {
+    shortest_plan_with(scenario, options, solver, &mut |_| {})
+}
+
+/// As [`shortest_plan`], with progress events on the calling thread.
+///
+/// # Errors
+///
+/// As for [`shortest_plan`].
+pub fn shortest_plan_with(
+    scenario: &Scenario,
+    options: &PlanningOptions,
+    solver: &mut dyn Solver,
+    progress: &mut dyn FnMut(&HorizonEvent),
+) -> Result<ShortestPlan, Error> {
+    let began = Instant::now();
+    scenario.check()?;
+    let programs = Programs { scenario, upper_hint: options.upper_hint };
+    let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
+    let plan = match (&found.program, &found.solution) {
+        (Some(program), Some(solution)) => Some(Plan::certify(scenario, program, solution)?),
+        _ => None,
+    };
+    let mut shortest = ShortestPlan {
+        status: found.status,
+        steps: found.steps,
+        refuted_steps: found.refuted_steps,
+        plan,
+        fewest_impacts: scenario.collisions == Collisions::Forbidden,
+        attempts: found.attempts,
+        refinements: Vec::new(),
+        time: found.time,
+    };
+    if options.fewest_impacts && shortest.is_found() && !shortest.fewest_impacts {
+        let mut refinement = Refinement { scenario, options, solver, began };
+        refinement.run(&mut shortest)?;
+    }
+    shortest.time = began.elapsed();
+    Ok(shortest)
+}
+
+/// Minimises the impacts of a plan on its proved horizon.
+struct Refinement<'a> {
+    scenario: &'a Scenario,
+    options: &'a PlanningOptions,
+    solver: &'a mut dyn Solver,
+    began: Instant,
+}
+
+impl Refinement<'_> {
+    fn run(&mut self, shortest: &mut ShortestPlan) -> Result<(), Error> {
+        let (Some(steps), Some(plan)) = (shortest.steps, &shortest.plan) else { return Ok(()) };
+        let impacts = plan.trajectory.impacts.len();
+        if impacts == 0 {
+            shortest.fewest_impacts = true;
+            return Ok(());
+        }
+        // Without any impact?
+        let careful = self.scenario.collision_free();
+        let program = Program::build(&careful, steps, Objective::Feasibility)?;
+        let Some(solution) = self.solve(&program)? else { return Ok(()) };
+        shortest.refinements.push(*solution.statistics());
+        let needed = match outcome(&careful, &program, &solution)? {
+            PlanOutcome::Planned(plan) => {
+                shortest.plan = Some(*plan);
+                shortest.fewest_impacts = true;
+                return Ok(());
+            }
+            answer => answer.is_infeasible(),
+        };
+        if needed && impacts == 1 && self.scenario.damage.weight == 0.0 {
+            shortest.fewest_impacts = true;
+            return Ok(());
+        }
+        // With as few as possible.
+        let mut program = Program::build(self.scenario, steps, Objective::Impacts)?;
+        if needed {
+            program.require_contact()?;
+        }
+        let Some(solution) = self.solve(&program)? else { return Ok(()) };
+        shortest.refinements.push(*solution.statistics());
+        if let PlanOutcome::Planned(plan) = outcome(self.scenario, &program, &solution)? {
+            shortest.fewest_impacts = solution.is_optimal();
+            shortest.plan = Some(*plan);
+        }
+        Ok(())
+    }
+
+    /// Solves within what is left of the search's time; nothing when nothing is left.
+    fn solve(&mut self, program: &Program) -> Result<Option<Solution>, Error> {
+        let search = &self.options.search;
+        let remaining = search.time_limit.map(|limit| limit.saturating_sub(self.began.elapsed()));
+        if remaining == Some(Duration::ZERO) || search.interrupt.is_triggered() {
+            return Ok(None);
+        }
+        let own_limit = self.solver.options().time_limit;
+        self.solver.options_mut().time_limit = [own_limit, remaining].into_iter().flatten().min();
+        let mut control = Control::default().with_interrupt(&search.interrupt);
+        let solution = self.solver.solve_with(&program.model, &mut control);
+        self.solver.options_mut().time_limit = own_limit;
+        solution.map(Some)
+    }
+}
+
+/// The same task without and with collisions.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[must_use]
+pub struct Comparison {
+    /// Collisions forbidden.
+    pub free: ShortestPlan,
+    /// Collisions tolerated.
+    pub tolerant: ShortestPlan,
+}
+
+impl Comparison {
+    /// Whether hitting the wall pays: the tolerant plan is proved shorter. Nothing when a search
+    /// was stopped before that is known.
+    pub fn hitting_pays(&self) -> Option<bool> {
+        match (self.free.refuted_steps, self.tolerant.steps) {
+            // Every horizon up to `refuted` needs an impact.
+            (Some(refuted), Some(tolerant)) if tolerant <= refuted => Some(true),
+            _ if self.tolerant.is_found() && self.free.is_found() => Some(false),
+            _ => None,
+        }
+    }
+}
+
+/// Finds the shortest plans of a scenario without and with collisions; the first is the hint for
+/// the second.
+///
+/// # Errors
+///
+/// As for [`shortest_plan`].
+pub fn compare(
+    scenario: &Scenario,
+    options: &PlanningOptions,
+    solver: &mut dyn Solver,
+) -> Result<Comparison, Error> {
+    let free = shortest_plan(&scenario.collision_free(), options, solver)?;
+    let mut options = options.clone();
+    options.upper_hint = free.steps.or(options.upper_hint);
+    let tolerant = shortest_plan(
+        &Scenario { collisions: Collisions::Tolerated, ..*scenario },
+        &options,
+        solver,
+    )?;
+    Ok(Comparison { free, tolerant })
+}

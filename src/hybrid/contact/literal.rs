@@ -1,0 +1,49 @@
+//! The paper's own contact law, equations (8)-(13), with its errata corrected.
+//!
+//! In gap g (m) and rate s (m/s):
+//!
+//! * (8) ζ(t) = 0 implies `g(t) >= 0`;
+//! * (9) ζ(t) = 1 implies `g(t) <= 0`. As printed, `-x(t) - M(1-ζ(t)) >= x_w`, the row is
+//!   infeasible whenever ζ(t) = 0, and its right side has the wrong sign for `x_w != 0`; meant is
+//!   `x(t) <= x_w + M(1-ζ(t))` (erratum 1);
+//! * (10), (11) ζ(t) = 0 implies `a_min <= a(t) <= a_max`;
+//! * (12), (13) ζ(t) = 1 implies `a(t) = F_col = -(1+e) v(t)/Δt`;
+//! * (3), (4) the double integrator's dynamics, always.
+//!
+//! The strict inequalities of the paper's other rows are closed ones here, without an ε: a solver
+//! cannot tell them apart (erratum 2).
+
+use super::{ContactStep, ImpactSpeed, Restitution};
+use crate::error::Error;
+use crate::hybrid::wall::Wall;
+use crate::model::Model;
+
+/// Adds the statements of one step: `free_gap[t]` (8), `contact_gap[t]` (9),
+/// `free_acceleration[t]` (10)-(11), `contact_acceleration[t]` (12)-(13), and the rows
+/// `dynamics_x[t]`, `dynamics_v[t]` (3)-(4).
+///
+/// The acceleration's own bounds must reach to `(1+e) v_max/Δt`, and the position's must reach
+/// into the wall, or the law can never fire.
+pub(super) fn add_step(
+    model: &mut Model,
+    wall: Wall,
+    restitution: Restitution,
+    step: &ContactStep,
+) -> Result<ImpactSpeed, Error> {
+    let t = step.step;
+    let hit = step.contact;
+    let gap = wall.gap_of(&step.position);
+    let limits = step.acceleration_limits;
+    let rebound = -(1.0 + restitution.value()) / step.time_step * &step.velocity;
+
+    model.add(("free_gap", t), hit.off().implies(gap.ge(0.0)))?;
+    model.add(("contact_gap", t), hit.on().implies(gap.le(0.0)))?;
+    let limited = step.acceleration.within(limits.lower, limits.upper);
+    model.add(("free_acceleration", t), hit.off().implies(limited))?;
+    let forced = step.acceleration.equals(rebound);
+    model.add(("contact_acceleration", t), hit.on().implies(forced))?;
+    model.add(("dynamics_x", t), step.next_position.equals(&step.predicted_position))?;
+    model.add(("dynamics_v", t), step.next_velocity.equals(&step.predicted_velocity))?;
+
+    Ok(ImpactSpeed { speed: -wall.rate_of(&step.velocity), never_negative: false })
+}

@@ -1,0 +1,182 @@
+//! Contact laws: what happens when the vehicle meets a wall, as statements of a model.
+//!
+//! A law speaks about one step at a time. It is given the step's variables and the free-flight
+//! prediction, and adds rows and [indicators](crate::model::Implication) on the step's contact
+//! binary ζ(t); every big-M is derived later, from bounds. Laws are written in gap and rate (see
+//! [`Wall`]), so one text serves walls facing either way.
+//!
+//! | law | file | paper |
+//! | --- | --- | --- |
+//! | [`ContactLaw::Reflecting`] | `contact/reflecting.rs` | replaces (8)-(13) |
+//! | [`ContactLaw::Literal`] | `contact/literal.rs` | (8)-(13), errata applied |
+
+mod literal;
+mod reflecting;
+
+use super::wall::Wall;
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Affine, Model, Variable};
+
+/// Coefficient of restitution e: rebound speed over impact speed (no unit), from 0 (perfectly
+/// plastic) to 1 (perfectly elastic).
+///
+/// ```
+/// use carom::hybrid::Restitution;
+///
+/// assert_eq!(Restitution::new(0.5)?.value(), 0.5);
+/// assert!(Restitution::new(1.5).is_err());
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "f64", into = "f64"))]
+pub struct Restitution(f64);
+
+impl Restitution {
+    /// The vehicle stops at the wall: e = 0.
+    pub const PLASTIC: Restitution = Restitution(0.0);
+
+    /// The vehicle keeps its speed: e = 1.
+    pub const ELASTIC: Restitution = Restitution(1.0);
+
+    /// A coefficient of restitution within `[0, 1]`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`].
+    pub fn new(value: f64) -> Result<Self, Error> {
+        if (0.0..=1.0).contains(&value) {
+            return Ok(Restitution(value));
+        }
+        let (what, range) = ("the restitution".into(), "within [0, 1]".into());
+        Err(Error::OutOfRange { what, value, range })
+    }
+
+    /// The coefficient, within `[0, 1]`.
+    pub fn value(self) -> f64 {
+        self.0
+    }
+}
+
+impl TryFrom<f64> for Restitution {
+    type Error = Error;
+
+    fn try_from(value: f64) -> Result<Self, Error> {
+        Restitution::new(value)
+    }
+}
+
+impl From<Restitution> for f64 {
+    fn from(restitution: Restitution) -> f64 {
+        restitution.0
+    }
+}
+
+/// Which equations describe a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ContactLaw {
+    /// A step whose free flight would end behind the wall is reflected at it, with the rebound
+    /// scaled by the restitution. The vehicle never ends a step inside the wall.
+    #[default]
+    Reflecting,
+    /// The paper's equations (8)-(13) as printed, with their errata corrected: a vehicle that is
+    /// inside the wall has its acceleration replaced by `-(1+e) v/Δt`.
+    ///
+    /// This law never pays off. It turns the velocity round, but during that very step the
+    /// vehicle moves a further `Δt |v| (1-e)/2` into the wall, where the law fires again. The
+    /// shortest plans under it are the collision-free ones; it is offered for fidelity.
+    Literal,
+}
+
+/// One step of a vehicle beside a wall, in the terms a contact law speaks of.
+///
+/// The vehicle has a position (m), a velocity (m/s) and an acceleration (m/s²) along the line on
+/// which the wall stands. The prediction is where free flight would lead; see
+/// [`LinearSystem::predict`](super::LinearSystem::predict).
+#[derive(Debug, Clone)]
+pub struct ContactStep {
+    /// The step t, for names.
+    pub step: usize,
+    /// Δt, in s.
+    pub time_step: f64,
+    /// x(t), in m.
+    pub position: Affine,
+    /// v(t), in m/s.
+    pub velocity: Affine,
+    /// a(t), in m/s².
+    pub acceleration: Affine,
+    /// Limits of a(t) in free flight, in m/s²; the literal law switches them off in contact.
+    pub acceleration_limits: Interval,
+    /// p(t), the position free flight would reach, in m.
+    pub predicted_position: Affine,
+    /// w(t), the velocity free flight would reach, in m/s.
+    pub predicted_velocity: Affine,
+    /// x(t+1), in m.
+    pub next_position: Affine,
+    /// v(t+1), in m/s.
+    pub next_velocity: Affine,
+    /// ζ(t): 1 when the step has a contact.
+    pub contact: Variable,
+}
+
+/// The speed at which a step's contact happens, as far as its law defines it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactSpeed {
+    /// The speed into the wall, in m/s; it means something only where ζ(t) = 1.
+    pub speed: Affine,
+    /// Whether the law keeps it from being negative in contact.
+    pub never_negative: bool,
+}
+
+/// A wall, what it is made of, and the law of contact with it.
+///
+/// ```
+/// use carom::hybrid::{Contact, ContactLaw, Restitution, Wall};
+///
+/// let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.8)?);
+/// assert_eq!(floor.law, ContactLaw::Reflecting);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Contact {
+    /// The wall.
+    pub wall: Wall,
+    /// The restitution.
+    pub restitution: Restitution,
+    /// The law.
+    pub law: ContactLaw,
+}
+
+impl Contact {
+    /// Contact under the default law, [`ContactLaw::Reflecting`].
+    pub fn new(wall: Wall, restitution: Restitution) -> Self {
+        Contact { wall, restitution, law: ContactLaw::default() }
+    }
+
+    /// Contact under another law.
+    #[must_use]
+    pub fn with_law(mut self, law: ContactLaw) -> Self {
+        self.law = law;
+        self
+    }
+
+    /// Adds the law's statements for one step, dynamics included: x(t+1) and v(t+1) need no
+    /// other rows.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Model::add`].
+    pub fn add_step(&self, model: &mut Model, step: &ContactStep) -> Result<ImpactSpeed, Error> {
+        match self.law {
+            ContactLaw::Reflecting => {
+                reflecting::add_step(model, self.wall, self.restitution, step)
+            }
+            ContactLaw::Literal => literal::add_step(model, self.wall, self.restitution, step),
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Damage states: what each contact costs, and limits on it; the paper's equations (14)-(20).
+
+use super::contact::ImpactSpeed;
+use crate::error::Error;
+use crate::model::{Affine, Family, Model, Variable};
+
+/// What counts as the damage of one contact: the paper's `F_d`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum DamageFunction {
+    /// The speed into the wall, in m/s.
+    #[default]
+    ImpactSpeed,
+}
+
+/// What is asked of the damage. All numbers are in the damage function's unit (m/s for
+/// [`DamageFunction::ImpactSpeed`]).
+///
+/// ```
+/// use carom::hybrid::DamageLimits;
+///
+/// let limits = DamageLimits::default().with_per_impact(2.0).with_cumulative(5.0);
+/// assert!(limits.is_active());
+/// assert!(!DamageLimits::default().is_active());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DamageLimits {
+    /// What counts as damage.
+    pub function: DamageFunction,
+    /// `D_max` of (19), finite and not negative; none when absent.
+    pub per_impact: Option<f64>,
+    /// `D_total,max` of (20), finite and not negative; none when absent.
+    pub cumulative: Option<f64>,
+    /// Weight of `D_total` in the objective, in the objective's unit per unit of damage, finite
+    /// and not negative; default 0.
+    pub weight: f64,
+}
+
+impl DamageLimits {
+    /// Limits each contact's damage.
+    #[must_use]
+    pub fn with_per_impact(mut self, limit: f64) -> Self {
+        self.per_impact = Some(limit);
+        self
+    }
+
+    /// Limits the sum over the horizon.
+    #[must_use]
+    pub fn with_cumulative(mut self, limit: f64) -> Self {
+        self.cumulative = Some(limit);
+        self
+    }
+
+    /// Charges the sum in the objective.
+    #[must_use]
+    pub fn with_weight(mut self, weight: f64) -> Self {
+        self.weight = weight;
+        self
+    }
+
+    /// Whether anything is asked, so that damage states are needed.
+    pub fn is_active(&self) -> bool {
+        self.per_impact.is_some() || self.cumulative.is_some() || self.weight != 0.0
+    }
+
+    /// Refuses numbers that are not finite or are negative.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`], naming the limit.
+    pub fn check(&self) -> Result<(), Error> {
+        let numbers = [
+            ("the damage limit per impact", self.per_impact),
+            ("the cumulative damage limit", self.cumulative),
+            ("the damage weight", Some(self.weight)),
+        ];
+        for (what, value) in numbers {
+            if let Some(value) = value
+                && !(value.is_finite() && value >= 0.0)
+            {
+                let range = "finite and not negative".into();
+                return Err(Error::OutOfRange { what: what.into(), value, range });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The damage states of a horizon, as handles of its model.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Damage {
+    /// D(t), in the damage function's unit.
+    pub values: Family,
+    /// `D_total`, the same unit.
+    pub total: Variable,
+    /// Its share of the objective: weight times `D_total`.
+    pub cost: Affine,
+}
+
+impl Damage {
+    /// Adds the damage states `D[t]` and `D_total` of a horizon to a model.
+    ///
+    /// | statement | says | paper |
+    /// | --- | --- | --- |
+    /// | `damage_off[t]` | ζ(t) = 0 implies D(t) = 0 | (14), (15) |
+    /// | `damage_on[t]` | ζ(t) = 1 implies D(t) = F_d(t) | (16), (17) |
+    /// | `damage_total` | D_total - Σ D(t) = 0 | (18) |
+    /// | upper bound of `D[t]` | D(t) <= D_max | (19), closed |
+    /// | upper bound of `D_total` | D_total <= D_total,max | (20) |
+    ///
+    /// (The paper's source gives the label of (14) to (18) as well.) The strict `>` of (17) and
+    /// its -ε are an equality here: the damage *is* F_d.
+    ///
+    /// # Arguments
+    ///
+    /// * `contacts`: for each step t = 0, 1, ... its contact binary ζ(t) and impact speed, from
+    ///   [`Contact::add_step`](super::Contact::add_step).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] for bad limits, [`Error::NotFinite`] when an impact speed has no
+    /// finite range over the model's bounds, and the errors of [`Model::add`].
+    pub fn add(
+        model: &mut Model,
+        contacts: &[(Variable, ImpactSpeed)],
+        limits: &DamageLimits,
+    ) -> Result<Self, Error> {
+        limits.check()?;
+        let DamageFunction::ImpactSpeed = limits.function;
+        let values = model.continuous_family("D", contacts.len(), 0.0, 0.0)?;
+        let (mut lowest_total, mut highest_total) = (0.0, 0.0);
+        for (t, (_, impact)) in contacts.iter().enumerate() {
+            let range = model.range(&impact.speed)?;
+            let lowest = if impact.never_negative { 0.0 } else { range.lower.min(0.0) };
+            let highest = range.upper.max(0.0).min(limits.per_impact.unwrap_or(f64::INFINITY));
+            for value in [lowest, highest] {
+                if !value.is_finite() {
+                    let name = format!("D[{t}]");
+                    return Err(Error::NotFinite { name, what: "a bound", value });
+                }
+            }
+            model.set_bounds(values[t], lowest, highest)?;
+            lowest_total += lowest;
+            highest_total += highest;
+        }
+        let highest_total = limits.cumulative.unwrap_or(highest_total);
+        let total = model.continuous("D_total", lowest_total, highest_total)?;
+        for (t, ((hit, impact), damage)) in contacts.iter().zip(&values).enumerate() {
+            model.add(("damage_off", t), hit.off().implies(damage.equals(0.0)))?;
+            model.add(("damage_on", t), hit.on().implies(damage.equals(&impact.speed)))?;
+        }
+        let sum: Affine = values.iter().sum();
+        model.add("damage_total", total.equals(sum))?;
+        let cost = limits.weight * total;
+        Ok(Damage { values, total, cost })
+    }
+}

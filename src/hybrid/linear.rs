@@ -1,0 +1,339 @@
+//! Linear time-invariant steps `x⁺ = A x + B u + c`.
+
+use faer::Mat;
+
+use super::exponential::exponential;
+use crate::error::Error;
+use crate::model::{Affine, Constraint, Model};
+
+/// A discrete linear time-invariant system `x⁺ = A x + B u + c`.
+///
+/// With `n` states and `m` inputs, `A` is n x n, `B` is n x m and `c` has n entries. Units are
+/// the modeller's; states are in the frame the modeller chose.
+///
+/// ```
+/// use carom::hybrid::LinearSystem;
+///
+/// let vehicle = LinearSystem::double_integrator(0.5)?;
+/// // From 10 m at rest, half a second at -2 m/s².
+/// assert_eq!(vehicle.step(&[10.0, 0.0], &[-2.0])?, [9.75, -1.0]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Stored", into = "Stored"))]
+pub struct LinearSystem {
+    a: Mat<f64>,
+    b: Mat<f64>,
+    c: Vec<f64>,
+}
+
+impl LinearSystem {
+    /// The system of given matrices.
+    ///
+    /// # Arguments
+    ///
+    /// * `a`: n x n, `b`: n x m, `c`: n entries, for n states and m inputs, `n >= 1`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] when the shapes do not fit, [`Error::NotFinite`] for a NaN or infinite
+    /// entry.
+    pub fn new(a: Mat<f64>, b: Mat<f64>, c: Vec<f64>) -> Result<Self, Error> {
+        let system = LinearSystem { a, b, c };
+        system.check()?;
+        Ok(system)
+    }
+
+    /// A mass on a line: state `[x, v]` (m, m/s), input `[a]` (m/s²), acceleration held over the
+    /// step; the paper's equations (3) and (4).
+    ///
+    /// # Arguments
+    ///
+    /// * `time_step`: Δt in s, finite and positive.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] for another time step.
+    pub fn double_integrator(time_step: f64) -> Result<Self, Error> {
+        check_time_step(time_step)?;
+        let a = faer::mat![[1.0, time_step], [0.0, 1.0]];
+        let b = faer::mat![[0.5 * time_step * time_step], [time_step]];
+        LinearSystem::new(a, b, vec![0.0, 0.0])
+    }
+
+    /// The exact discretisation of `dx/dt = A x + B u + c` with the input held over each step.
+    ///
+    /// The first n rows of `exp(Δt [A B c; 0 0 0; 0 0 0])` are `[A_d B_d c_d]` (C. Van Loan,
+    /// "Computing integrals involving the matrix exponential", IEEE Transactions on Automatic
+    /// Control 23(3), 1978). Entries are exact to about 1e-14 of the matrix's norm.
+    ///
+    /// # Arguments
+    ///
+    /// * `a`: n x n (1/s), `b`: n x m, `c`: n entries, of the continuous system.
+    /// * `time_step`: Δt in s, finite and positive.
+    ///
+    /// ```
+    /// use carom::hybrid::{LinearSystem, Mat};
+    ///
+    /// // dv/dt = -v + u, for one second.
+    /// let (a, b) = (Mat::from_fn(1, 1, |_, _| -1.0), Mat::from_fn(1, 1, |_, _| 1.0));
+    /// let drag = LinearSystem::zero_order_hold(&a, &b, &[0.0], 1.0)?;
+    /// let decay = (-1.0_f64).exp();
+    /// assert!((drag.a()[(0, 0)] - decay).abs() < 1e-15);
+    /// assert!((drag.b()[(0, 0)] - (1.0 - decay)).abs() < 1e-15);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`LinearSystem::new`]; [`Error::OutOfRange`] for another time step, or for one so
+    /// long that the discrete system overflows.
+    pub fn zero_order_hold(
+        a: &Mat<f64>,
+        b: &Mat<f64>,
+        c: &[f64],
+        time_step: f64,
+    ) -> Result<Self, Error> {
+        check_time_step(time_step)?;
+        let continuous = LinearSystem::new(a.clone(), b.clone(), c.to_vec())?;
+        let (n, m) = (continuous.states(), continuous.inputs());
+        let augmented = Mat::from_fn(n + m + 1, n + m + 1, |i, j| {
+            time_step
+                * match (i < n, j) {
+                    (false, _) => 0.0,
+                    (true, j) if j < n => a[(i, j)],
+                    (true, j) if j < n + m => b[(i, j - n)],
+                    (true, _) => c[i],
+                }
+        });
+        let discrete = exponential(&augmented);
+        let system = LinearSystem {
+            a: Mat::from_fn(n, n, |i, j| discrete[(i, j)]),
+            b: Mat::from_fn(n, m, |i, j| discrete[(i, n + j)]),
+            c: (0..n).map(|i| discrete[(i, n + m)]).collect(),
+        };
+        system.check().map_err(|_| Error::OutOfRange {
+            what: "the time step of the zero-order hold".into(),
+            value: time_step,
+            range: "short enough for the discrete system to stay finite".into(),
+        })?;
+        Ok(system)
+    }
+
+    /// The state matrix, n x n.
+    pub fn a(&self) -> &Mat<f64> {
+        &self.a
+    }
+
+    /// The input matrix, n x m.
+    pub fn b(&self) -> &Mat<f64> {
+        &self.b
+    }
+
+    /// The constant part, n entries.
+    pub fn c(&self) -> &[f64] {
+        &self.c
+    }
+
+    /// Number of states, n.
+    pub fn states(&self) -> usize {
+        self.a.nrows()
+    }
+
+    /// Number of inputs, m.
+    pub fn inputs(&self) -> usize {
+        self.b.ncols()
+    }
+
+    /// One step in plain numbers: `A x + B u + c`.
+    ///
+    /// # Arguments
+    ///
+    /// * `state`: n entries, `input`: m entries.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`].
+    pub fn step(&self, state: &[f64], input: &[f64]) -> Result<Vec<f64>, Error> {
+        self.check_lengths(state.len(), input.len())?;
+        Ok((0..self.states())
+            .map(|i| {
+                let from_state = (0..state.len()).map(|j| self.a[(i, j)] * state[j]).sum::<f64>();
+                let from_input = (0..input.len()).map(|j| self.b[(i, j)] * input[j]).sum::<f64>();
+                from_state + from_input + self.c[i]
+            })
+            .collect())
+    }
+
+    /// One step in expressions: the state to which `state` and `input` lead in this mode.
+    ///
+    /// # Arguments
+    ///
+    /// * `state`: n variables or expressions, `input`: m of them, of one model.
+    ///
+    /// # Returns
+    ///
+    /// n expressions. With states that were themselves predicted this gives predictions over
+    /// several steps.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`].
+    pub fn predict<X, U>(&self, state: &[X], input: &[U]) -> Result<Vec<Affine>, Error>
+    where
+        for<'a> Affine: From<&'a X> + From<&'a U>,
+    {
+        self.check_lengths(state.len(), input.len())?;
+        let state: Vec<Affine> = state.iter().map(Affine::from).collect();
+        let input: Vec<Affine> = input.iter().map(Affine::from).collect();
+        Ok((0..self.states())
+            .map(|i| {
+                let mut sum = Affine::constant(self.c[i]);
+                let columns = (0..state.len()).map(|j| (self.a[(i, j)], &state[j]));
+                let columns = columns.chain((0..input.len()).map(|j| (self.b[(i, j)], &input[j])));
+                for (coefficient, expression) in columns.filter(|&(a, _)| a != 0.0) {
+                    sum += coefficient * expression;
+                }
+                sum
+            })
+            .collect())
+    }
+
+    /// Adds the rows `x(t+1) = A x(t) + B u(t) + c` of one step to a model, named
+    /// `dynamics_<state>[t]`.
+    ///
+    /// # Arguments
+    ///
+    /// * `names`: the n states' names.
+    /// * `step`: t.
+    /// * `state`, `next`: n variables or expressions at t and t+1; `input`: m of them at t.
+    ///
+    /// ```
+    /// use carom::hybrid::LinearSystem;
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.continuous_family("x", 2, -1.0, 1.0)?;
+    /// let v = model.continuous_family("v", 2, -1.0, 1.0)?;
+    /// let a = model.continuous("a", -1.0, 1.0)?;
+    /// let vehicle = LinearSystem::double_integrator(2.0)?;
+    /// vehicle.add_dynamics(&mut model, &["x", "v"], 0, &[x[0], v[0]], &[a], &[x[1], v[1]])?;
+    /// assert!(model.to_string().contains("dynamics_x[0]: -x[0] + x[1] - 2 v[0] - 2 a = 0"));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`]; the errors of [`Model::add`].
+    pub fn add_dynamics<X, U>(
+        &self,
+        model: &mut Model,
+        names: &[&str],
+        step: usize,
+        state: &[X],
+        input: &[U],
+        next: &[X],
+    ) -> Result<Vec<Constraint>, Error>
+    where
+        for<'a> Affine: From<&'a X> + From<&'a U>,
+    {
+        self.check_vector("the list of state names", names.len(), self.states())?;
+        self.check_vector("the next state", next.len(), self.states())?;
+        let predicted = self.predict(state, input)?;
+        let rows = names.iter().zip(next).zip(predicted);
+        rows.map(|((name, next), predicted)| {
+            let row = Affine::from(next).equals(predicted);
+            model.add((format!("dynamics_{name}"), step), row)
+        })
+        .collect()
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let n = self.a.nrows();
+        let shape = |what, matrix: &Mat<f64>, expected: String| {
+            let (rows, columns) = (matrix.nrows(), matrix.ncols());
+            Err(Error::Shape { what, rows, columns, expected })
+        };
+        if n == 0 || self.a.ncols() != n {
+            return shape("the state matrix A", &self.a, "square, at least 1x1".into());
+        }
+        if self.b.nrows() != n {
+            return shape("the input matrix B", &self.b, format!("{n} rows"));
+        }
+        self.check_vector("the constant part c", self.c.len(), n)?;
+        let entries = |matrix: &Mat<f64>| {
+            let (rows, columns) = (matrix.nrows(), matrix.ncols());
+            let index = (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
+            let bad = index.map(|index| matrix[index]).find(|entry| !entry.is_finite());
+            bad.map_or(Ok(()), |value| Err(not_finite(value)))
+        };
+        entries(&self.a)?;
+        entries(&self.b)?;
+        self.c.iter().find(|entry| !entry.is_finite()).map_or(Ok(()), |&v| Err(not_finite(v)))
+    }
+
+    fn check_lengths(&self, state: usize, input: usize) -> Result<(), Error> {
+        self.check_vector("the state", state, self.states())?;
+        self.check_vector("the input", input, self.inputs())
+    }
+
+    fn check_vector(&self, what: &'static str, found: usize, wanted: usize) -> Result<(), Error> {
+        if found == wanted {
+            return Ok(());
+        }
+        Err(Error::Shape { what, rows: found, columns: 1, expected: format!("{wanted}x1") })
+    }
+}
+
+fn not_finite(value: f64) -> Error {
+    Error::NotFinite { name: "the linear system".into(), what: "an entry", value }
+}
+
+pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {
+    if time_step.is_finite() && time_step > 0.0 {
+        return Ok(());
+    }
+    let range = "finite and positive".into();
+    Err(Error::OutOfRange { what: "the time step (s)".into(), value: time_step, range })
+}
+
+/// The form of a system in files: rows of numbers.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Stored {
+    a: Vec<Vec<f64>>,
+    b: Vec<Vec<f64>>,
+    c: Vec<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl From<LinearSystem> for Stored {
+    fn from(system: LinearSystem) -> Self {
+        let rows = |m: &Mat<f64>| {
+            (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect()
+        };
+        Stored { a: rows(&system.a), b: rows(&system.b), c: system.c }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Stored> for LinearSystem {
+    type Error = Error;
+
+    fn try_from(stored: Stored) -> Result<Self, Error> {
+        let matrix = |what, rows: &[Vec<f64>]| {
+            let columns = rows.first().map_or(0, Vec::len);
+            match rows.iter().find(|row| row.len() != columns) {
+                Some(row) => {
+                    let expected = format!("{columns} columns in every row");
+                    Err(Error::Shape { what, rows: 1, columns: row.len(), expected })
+                }
+                None => Ok(Mat::from_fn(rows.len(), columns, |i, j| rows[i][j])),
+            }
+        };
+        let a = matrix("the state matrix A", &stored.a)?;
+        let b = matrix("the input matrix B", &stored.b)?;
+        LinearSystem::new(a, b, stored.c)
+    }
+}

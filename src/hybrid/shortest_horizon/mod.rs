@@ -1,0 +1,120 @@
+//! The shortest horizon: the smallest number of steps for which a program is feasible, proved by
+//! refuting the smaller ones.
+//!
+//! The builder of the programs, a [`HorizonModel`], says whether waiting is free. Where it is,
+//! feasibility is monotone (a plan of τ steps gives one of τ+1), so the search gallops and
+//! bisects, and one refutation at τ-1 refutes everything below. Where it is not, every smaller
+//! horizon is refuted, in ascending order.
+//!
+//! The programs' own objectives are not used up to now: any verified point proves a horizon
+//! feasible. A constant objective is the fastest.
+//!
+//! ```
+//! use carom::hybrid::{LinearSystem, HorizonModel, Waiting, shortest_horizon, ShortestOptions};
+//! use carom::prelude::*;
+//!
+//! /// Push a mass by one metre, from rest to rest, with at most 1 m/s².
+//! struct Push;
+//!
+//! impl HorizonModel for Push {
+//!     type Program = Model;
+//!
+//!     fn build(&self, steps: usize) -> Result<Model, Error> {
+//!         let vehicle = LinearSystem::double_integrator(0.1)?;
+//!         let mut model = Model::new("push");
+//!         let x = model.continuous_family("x", steps + 1, -9.0, 9.0)?;
+//!         let v = model.continuous_family("v", steps + 1, -9.0, 9.0)?;
+//!         let a = model.continuous_family("a", steps, -1.0, 1.0)?;
+//!         for t in 0..steps {
+//!             let (now, next) = ([x[t], v[t]], [x[t + 1], v[t + 1]]);
+//!             vehicle.add_dynamics(&mut model, &["x", "v"], t, &now, &[a[t]], &next)?;
+//!         }
+//!         for (variable, value) in [(x[0], 0.0), (v[0], 0.0), (x[steps], 1.0), (v[steps], 0.0)] {
+//!             model.fix(variable, value)?;
+//!         }
+//!         Ok(model)
+//!     }
+//!
+//!     fn waiting(&self) -> Waiting {
+//!         Waiting::Free("the mass can stay at rest where it starts".into())
+//!     }
+//! }
+//!
+//! let mut solver = BranchAndBound::default();
+//! let found = shortest_horizon(&Push, &ShortestOptions::default(), &mut solver)?;
+//! assert_eq!((found.steps, found.refuted_steps), (Some(20), Some(19)));
+//! # Ok::<(), carom::Error>(())
+//! ```
+
+mod outcome;
+mod search;
+
+pub use outcome::{Attempt, Refutation, ShortestHorizon, ShortestStatus, Verdict};
+pub use search::{HorizonEvent, ShortestOptions, shortest_horizon, shortest_horizon_with};
+
+use std::borrow::Borrow;
+
+use crate::error::Error;
+use crate::model::Model;
+
+/// A family of programs over the number of steps.
+pub trait HorizonModel {
+    /// What is built for a horizon: a [`Model`], or something that holds one beside its handles.
+    type Program: Borrow<Model>;
+
+    /// Builds the program of a horizon.
+    ///
+    /// # Arguments
+    ///
+    /// * `steps`: τ, at least 1 and at most
+    ///   [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
+    ///
+    /// # Errors
+    ///
+    /// Whatever building may meet; it ends the search.
+    fn build(&self, steps: usize) -> Result<Self::Program, Error>;
+
+    /// Whether a feasible horizon makes every longer one feasible.
+    fn waiting(&self) -> Waiting;
+
+    /// Where to begin looking, at least 1. A good guess saves solves; nothing is concluded from
+    /// it. Used only where waiting is free.
+    fn lower_hint(&self) -> usize {
+        1
+    }
+
+    /// A number of steps believed feasible. A good guess saves solves; nothing is concluded from
+    /// it. Used only where waiting is free.
+    fn upper_hint(&self) -> Option<usize> {
+        None
+    }
+}
+
+/// Whether waiting is free, with the reason in words.
+///
+/// It is when a plan of τ steps can always be made one of τ+1: the vehicle can hold still where it
+/// starts or at its goal, there is no running cost, and no limit, window or obstacle depends on
+/// the step's number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Waiting {
+    /// Feasibility is monotone in the horizon: bisection is sound.
+    Free(String),
+    /// It may not be: every smaller horizon has to be refuted.
+    NotFree(String),
+}
+
+impl Waiting {
+    /// Whether bisection is sound.
+    pub fn is_free(&self) -> bool {
+        matches!(self, Waiting::Free(_))
+    }
+
+    /// The reason.
+    pub fn reason(&self) -> &str {
+        match self {
+            Waiting::Free(reason) | Waiting::NotFree(reason) => reason,
+        }
+    }
+}

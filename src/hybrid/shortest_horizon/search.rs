@@ -1,0 +1,277 @@
+//! The search: gallop and bisect where waiting is free, ascend where it is not.
+
+use std::borrow::Borrow;
+
+use web_time::{Duration, Instant};
+
+use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
+use super::{HorizonModel, Waiting};
+use crate::error::Error;
+use crate::hybrid::horizon::check_steps;
+use crate::model::Model;
+use crate::solution::{Solution, Termination};
+use crate::solver::{Control, Event, Interrupt, Progress, Solver};
+
+/// Undecided horizons after which a search gives up: each further one would only repeat what
+/// stopped the others.
+const MAX_UNDECIDED: usize = 8;
+
+/// Options of a shortest-horizon search.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ShortestOptions {
+    /// The largest horizon tried, in steps (`1..=`[`MAX_STEPS`](crate::tolerance::MAX_STEPS));
+    /// default 10 000.
+    pub max_steps: usize,
+    /// Wall-clock limit of the whole search; default none. Each solve gets what is left of it.
+    pub time_limit: Option<Duration>,
+    /// Stops the search and the solve that is running.
+    pub interrupt: Interrupt,
+}
+
+impl Default for ShortestOptions {
+    fn default() -> Self {
+        ShortestOptions { max_steps: 10_000, time_limit: None, interrupt: Interrupt::new() }
+    }
+}
+
+impl ShortestOptions {
+    /// Sets the largest horizon tried, in steps.
+    #[must_use]
+    pub fn with_max_steps(mut self, steps: usize) -> Self {
+        self.max_steps = steps;
+        self
+    }
+
+    /// Sets the wall-clock limit of the whole search.
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// Lets a handle stop the search.
+    #[must_use]
+    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
+        self.interrupt = interrupt.clone();
+        self
+    }
+}
+
+/// A progress event of a search.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum HorizonEvent {
+    /// A horizon is about to be solved.
+    Started {
+        /// The horizon, in steps.
+        steps: usize,
+        /// The largest horizon refuted so far, with every smaller one; 0 when there is none.
+        refuted: usize,
+        /// The smallest horizon found feasible so far.
+        feasible: Option<usize>,
+    },
+    /// A sign of life of the solve that is running.
+    Solving {
+        /// The horizon, in steps.
+        steps: usize,
+        /// The solver's figures.
+        progress: Progress,
+    },
+    /// A horizon is solved.
+    Decided(Attempt),
+}
+
+/// Finds the smallest feasible horizon and refutes the smaller ones.
+///
+/// # Errors
+///
+/// [`Error::OutOfRange`] for a bad `max_steps`; errors of building and of the solver.
+pub fn shortest_horizon<B: HorizonModel + ?Sized>(
+    builder: &B,
+    options: &ShortestOptions,
+    solver: &mut dyn Solver,
+) -> Result<ShortestHorizon<B::Program>, Error> {
+    shortest_horizon_with(builder, options, solver, &mut |_| {})
+}
+
+/// As [`shortest_horizon`], with progress events on the calling thread.
+///
+/// A solve that ends without a point and without a proof decides nothing: the horizon counts
+/// neither as feasible nor as refuted, and the search goes on around it while there is something
+/// left to learn.
+///
+/// # Errors
+///
+/// As for [`shortest_horizon`].
+pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
+    builder: &B,
+    options: &ShortestOptions,
+    solver: &mut dyn Solver,
+    progress: &mut dyn FnMut(&HorizonEvent),
+) -> Result<ShortestHorizon<B::Program>, Error> {
+    check_steps("the largest number of steps", options.max_steps)?;
+    let own_limit = solver.options().time_limit;
+    let mut search = Search {
+        builder,
+        options,
+        solver,
+        own_limit,
+        progress,
+        began: Instant::now(),
+        refuted: 0,
+        best: None,
+        undecided: Vec::new(),
+        attempts: Vec::new(),
+    };
+    let status = search.run();
+    search.solver.options_mut().time_limit = own_limit;
+    let status = status?;
+    let time = search.began.elapsed();
+    let (refuted, attempts) = (search.refuted, search.attempts);
+    let (steps, program, solution) = match search.best {
+        Some((steps, program, solution)) => (Some(steps), Some(program), Some(solution)),
+        None => (None, None, None),
+    };
+    let refuted_steps = (refuted > 0).then_some(refuted);
+    Ok(ShortestHorizon { status, steps, refuted_steps, program, solution, attempts, time })
+}
+
+struct Search<'a, B: HorizonModel + ?Sized> {
+    builder: &'a B,
+    options: &'a ShortestOptions,
+    solver: &'a mut dyn Solver,
+    /// The solver's own time limit for each solve.
+    own_limit: Option<Duration>,
+    progress: &'a mut dyn FnMut(&HorizonEvent),
+    began: Instant,
+    /// Every horizon up to this one is refuted.
+    refuted: usize,
+    /// The smallest horizon found feasible, with its program and solution.
+    best: Option<(usize, B::Program, Solution)>,
+    /// Horizons that were tried in vain, with the reason.
+    undecided: Vec<(usize, Termination)>,
+    attempts: Vec<Attempt>,
+}
+
+impl<B: HorizonModel + ?Sized> Search<'_, B> {
+    fn run(&mut self) -> Result<ShortestStatus, Error> {
+        let monotone = matches!(self.builder.waiting(), Waiting::Free(_));
+        loop {
+            let next = if monotone { self.next_probe() } else { self.next_ascending() };
+            let Some(steps) = next else { return Ok(self.status()) };
+            if let Some(reason) = self.reason_to_stop() {
+                return Ok(ShortestStatus::Stopped(reason));
+            }
+            self.attempt(steps)?;
+        }
+    }
+
+    /// What is known when nothing is left to try.
+    fn status(&self) -> ShortestStatus {
+        match &self.best {
+            Some((steps, ..)) if *steps == self.refuted + 1 => ShortestStatus::Found,
+            None if self.refuted == self.options.max_steps => {
+                ShortestStatus::NoneWithin { max_steps: self.refuted }
+            }
+            _ => {
+                let reason = self.undecided.last().map_or(Termination::Stalled, |&(_, why)| why);
+                ShortestStatus::Stopped(reason)
+            }
+        }
+    }
+
+    /// The horizon after the last one tried, until one is feasible.
+    fn next_ascending(&self) -> Option<usize> {
+        let next = self.attempts.last().map_or(1, |attempt| attempt.steps + 1);
+        (self.best.is_none() && next <= self.options.max_steps).then_some(next)
+    }
+
+    /// The next horizon strictly between what is refuted and what is feasible: by galloping while
+    /// nothing is known to be feasible, by bisection afterwards; never one that is undecided.
+    fn next_probe(&self) -> Option<usize> {
+        let max_steps = self.options.max_steps;
+        let low = self.refuted + 1;
+        // A hint that is still above what is refuted stands in for a feasible horizon, and is
+        // solved only when nothing below it turned out to be feasible.
+        let hint = self.builder.upper_hint().filter(|&hint| hint <= max_steps && hint >= low);
+        let high = match (&self.best, hint) {
+            (Some((steps, ..)), _) => steps - 1,
+            (None, Some(hint)) => hint,
+            (None, None) => max_steps,
+        };
+        if low > high {
+            return None;
+        }
+        let known_above = self.best.is_some() || hint.is_some();
+        let first = self.builder.lower_hint().clamp(low, high);
+        let target = if self.attempts.is_empty() {
+            first
+        } else if known_above {
+            low + (high - low) / 2
+        } else {
+            // Galloping: double the distance from where it began.
+            let start = self.attempts[0].steps;
+            let reach = self.attempts.iter().map(|attempt| attempt.steps).max().unwrap_or(start);
+            (2 * reach - start + 1).clamp(low, high)
+        };
+        let free = |steps: &usize| !self.undecided.iter().any(|(tried, _)| tried == steps);
+        // Prefer the target, then what is above it, then what is below.
+        let found = (target..=high).find(free).or_else(|| (low..target).rev().find(free));
+        // The hint was tried in vain: look above it as well.
+        found.or_else(|| {
+            let above = self.best.is_none() && hint.is_some();
+            if above { (high + 1..=max_steps).find(free) } else { None }
+        })
+    }
+
+    fn reason_to_stop(&self) -> Option<Termination> {
+        if self.options.interrupt.is_triggered() {
+            return Some(Termination::Interrupted);
+        }
+        if self.remaining() == Some(Duration::ZERO) {
+            return Some(Termination::TimeLimit);
+        }
+        let last = self.undecided.last().map(|&(_, why)| why);
+        last.filter(|_| self.undecided.len() >= MAX_UNDECIDED)
+    }
+
+    /// What is left of the search's time.
+    fn remaining(&self) -> Option<Duration> {
+        self.options.time_limit.map(|limit| limit.saturating_sub(self.began.elapsed()))
+    }
+
+    /// Solves one horizon and files what it says.
+    fn attempt(&mut self, steps: usize) -> Result<(), Error> {
+        let feasible = self.best.as_ref().map(|(steps, ..)| *steps);
+        (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
+        let program = self.builder.build(steps)?;
+        let model: &Model = program.borrow();
+
+        let limits = [self.own_limit, self.remaining()];
+        self.solver.options_mut().time_limit = limits.into_iter().flatten().min();
+        let progress = &mut *self.progress;
+        let mut relay = |event: &Event| {
+            progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
+        };
+        let interrupt = &self.options.interrupt;
+        let mut control = Control::default().with_progress(&mut relay).with_interrupt(interrupt);
+        let solution = self.solver.solve_with(model, &mut control)?;
+
+        let attempt = Attempt::of(steps, &solution);
+        match attempt.verdict {
+            Verdict::Feasible => self.best = Some((steps, program, solution)),
+            Verdict::Refuted(_) => {
+                // Where waiting is free, everything below is refuted with it; where it is not,
+                // only an unbroken chain from 1 counts.
+                if self.builder.waiting().is_free() || steps == self.refuted + 1 {
+                    self.refuted = self.refuted.max(steps);
+                }
+            }
+            Verdict::Undecided(reason) => self.undecided.push((steps, reason)),
+        }
+        self.attempts.push(attempt);
+        (self.progress)(&HorizonEvent::Decided(attempt));
+        Ok(())
+    }
+}

@@ -1,0 +1,89 @@
+//! Plain simulators, for replaying plans.
+//!
+//! They work in `f64` and share no code with the rows of the contact laws, so that an agreement
+//! between a plan and its replay says something:
+//!
+//! * [`discrete`] runs the same discrete law open loop from the first sample, and decides for
+//!   itself where the contacts are;
+//! * [`continuous`] runs the physics the law stands for: accelerations held over each step, impacts
+//!   located inside it.
+
+pub mod continuous;
+pub mod discrete;
+
+pub use continuous::{ContinuousReplay, replay_continuous};
+pub use discrete::{DiscreteReplay, replay_discrete};
+
+use super::horizon::Horizon;
+use crate::error::Error;
+
+/// The samples of a plan over τ steps, for replaying.
+///
+/// ```
+/// use carom::hybrid::{Contact, Restitution, Samples, Wall, replay_discrete};
+///
+/// // Half a metre above the floor, falling at 2 m/s, for half a second.
+/// let plan = Samples {
+///     time_step: 0.5,
+///     position: &[0.5, 0.25],
+///     velocity: &[-2.0, 1.0],
+///     acceleration: &[0.0],
+///     contact: &[true],
+/// };
+/// let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.5)?);
+/// let replay = replay_discrete(&floor, &plan)?;
+/// assert_eq!(replay.impacts[0].speed_before, 2.0);
+/// assert_eq!(replay.max_position_error, 0.0);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    /// Δt, in s.
+    pub time_step: f64,
+    /// x(0), ..., x(τ), in m.
+    pub position: &'a [f64],
+    /// v(0), ..., v(τ), in m/s.
+    pub velocity: &'a [f64],
+    /// a(0), ..., a(τ-1), in m/s².
+    pub acceleration: &'a [f64],
+    /// ζ(0), ..., ζ(τ-1).
+    pub contact: &'a [bool],
+}
+
+impl Samples<'_> {
+    /// Number of steps, τ.
+    pub fn steps(&self) -> usize {
+        self.acceleration.len()
+    }
+
+    /// Refuses lengths that do not fit, horizons out of range and numbers that are not finite.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`], [`Error::OutOfRange`], [`Error::NotFinite`].
+    pub fn check(&self) -> Result<(), Error> {
+        let steps = Horizon::new(self.steps(), self.time_step)?.steps();
+        let lengths = [
+            ("the positions", self.position.len(), steps + 1),
+            ("the velocities", self.velocity.len(), steps + 1),
+            ("the contacts", self.contact.len(), steps),
+        ];
+        for (what, rows, wanted) in lengths {
+            if rows != wanted {
+                let expected = format!("{wanted}x1");
+                return Err(Error::Shape { what, rows, columns: 1, expected });
+            }
+        }
+        let groups = [
+            ("a position", self.position),
+            ("a velocity", self.velocity),
+            ("an acceleration", self.acceleration),
+        ];
+        for (what, values) in groups {
+            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
+                return Err(Error::NotFinite { name: "the plan".into(), what, value });
+            }
+        }
+        Ok(())
+    }
+}

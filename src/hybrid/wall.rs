@@ -1,0 +1,118 @@
+//! A wall: a half-line that the vehicle cannot enter.
+
+use crate::error::Error;
+use crate::model::Affine;
+
+/// On which side of its wall the vehicle lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum FreeSide {
+    /// Positions `x >= position` are free.
+    Above,
+    /// Positions `x <= position` are free.
+    Below,
+}
+
+/// A wall on a line, at a position (m) and with one free side; the paper's `x_w`, equation (7).
+///
+/// Contact laws are written once, in *gap* and *rate*: the gap is the distance to the wall
+/// (positive on the free side, m), the rate its time derivative (positive when moving away, m/s).
+///
+/// ```
+/// use carom::hybrid::Wall;
+///
+/// let ceiling = Wall::below(3.0)?;
+/// assert_eq!(ceiling.gap(2.5), 0.5);
+/// assert_eq!(ceiling.rate(4.0), -4.0); // upward, towards it
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Wall {
+    position: f64,
+    free: FreeSide,
+}
+
+impl Default for Wall {
+    /// The paper's wall: at 0 m, free above.
+    fn default() -> Self {
+        Wall { position: 0.0, free: FreeSide::Above }
+    }
+}
+
+impl Wall {
+    /// A wall at a position (m, finite) with the given free side.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`].
+    pub fn new(position: f64, free: FreeSide) -> Result<Self, Error> {
+        if position.is_finite() {
+            Ok(Wall { position, free })
+        } else {
+            Err(Error::NotFinite { name: "wall".into(), what: "the position", value: position })
+        }
+    }
+
+    /// A wall whose free side is above it: `x >= position`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Wall::new`].
+    pub fn above(position: f64) -> Result<Self, Error> {
+        Wall::new(position, FreeSide::Above)
+    }
+
+    /// A wall whose free side is below it: `x <= position`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Wall::new`].
+    pub fn below(position: f64) -> Result<Self, Error> {
+        Wall::new(position, FreeSide::Below)
+    }
+
+    /// Its position, in m.
+    pub fn position(&self) -> f64 {
+        self.position
+    }
+
+    /// Its free side.
+    pub fn free(&self) -> FreeSide {
+        self.free
+    }
+
+    /// The outward normal on the line: `+1` when the free side is above, `-1` when it is below.
+    pub fn normal(&self) -> f64 {
+        match self.free {
+            FreeSide::Above => 1.0,
+            FreeSide::Below => -1.0,
+        }
+    }
+
+    /// Distance of a position from the wall, negative inside it, in m.
+    pub fn gap(&self, position: f64) -> f64 {
+        self.normal() * (position - self.position)
+    }
+
+    /// Speed away from the wall, in m/s; also turns accelerations, in m/s².
+    pub fn rate(&self, velocity: f64) -> f64 {
+        self.normal() * velocity
+    }
+
+    /// The position at a gap, in m: the inverse of [`gap`](Wall::gap).
+    pub fn at_gap(&self, gap: f64) -> f64 {
+        self.position + self.normal() * gap
+    }
+
+    /// The gap of a position expression (m).
+    pub fn gap_of(&self, position: &Affine) -> Affine {
+        self.normal() * (position - self.position)
+    }
+
+    /// The rate of a velocity expression (m/s).
+    pub fn rate_of(&self, velocity: &Affine) -> Affine {
+        self.normal() * velocity
+    }
+}

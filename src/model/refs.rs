@@ -1,0 +1,105 @@
+//! Views of a model's variables and statements, for reading.
+
+use super::ids::{Constraint, Indicator, Variable};
+use super::indicator::{BigM, Literal};
+use super::name::Name;
+use super::store::{ConstraintData, IndicatorData, VariableData};
+use super::variable::VariableKind;
+use crate::interval::Interval;
+
+/// A variable of a model, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct VariableRef<'a> {
+    pub(super) id: Variable,
+    pub(super) data: &'a VariableData,
+}
+
+impl<'a> VariableRef<'a> {
+    /// The handle.
+    pub fn id(&self) -> Variable {
+        self.id
+    }
+
+    /// The name.
+    pub fn name(&self) -> &'a Name {
+        &self.data.name
+    }
+
+    /// The kind.
+    pub fn kind(&self) -> VariableKind {
+        self.data.kind
+    }
+
+    /// Current bounds, in the variable's unit.
+    pub fn bounds(&self) -> Interval {
+        Interval::new(self.data.lower, self.data.upper)
+    }
+}
+
+/// A linear row of a model, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct ConstraintRef<'a> {
+    pub(super) id: Constraint,
+    pub(super) data: &'a ConstraintData,
+}
+
+impl<'a> ConstraintRef<'a> {
+    /// The handle.
+    pub fn id(&self) -> Constraint {
+        self.id
+    }
+
+    /// The name.
+    pub fn name(&self) -> &'a Name {
+        &self.data.name
+    }
+
+    /// The terms, sorted by variable.
+    pub fn terms(&self) -> &'a [(Variable, f64)] {
+        &self.data.row.terms
+    }
+
+    /// The limits of the terms' sum.
+    pub fn limits(&self) -> Interval {
+        Interval::new(self.data.row.lower, self.data.row.upper)
+    }
+}
+
+/// An indicator of a model, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct IndicatorRef<'a> {
+    pub(super) id: Indicator,
+    pub(super) data: &'a IndicatorData,
+}
+
+impl<'a> IndicatorRef<'a> {
+    /// The handle.
+    pub fn id(&self) -> Indicator {
+        self.id
+    }
+
+    /// The name.
+    pub fn name(&self) -> &'a Name {
+        &self.data.name
+    }
+
+    /// The condition.
+    pub fn condition(&self) -> Literal {
+        self.data.condition
+    }
+
+    /// The terms of the implied row, sorted by variable.
+    pub fn terms(&self) -> &'a [(Variable, f64)] {
+        &self.data.row.terms
+    }
+
+    /// The limits of the implied row.
+    pub fn limits(&self) -> Interval {
+        Interval::new(self.data.row.lower, self.data.row.upper)
+    }
+
+    /// Where its big-M comes from.
+    pub fn big_m(&self) -> BigM {
+        self.data.big_m
+    }
+}

@@ -1,0 +1,116 @@
+//! Adding, finding and changing rows and indicators.
+
+use super::Model;
+use super::ids::{Constraint, Indicator};
+use super::name::Name;
+use super::refs::{ConstraintRef, IndicatorRef};
+use super::statement::{Statement, limits};
+use super::store::{StatementIndex, foreign};
+use crate::error::Error;
+
+impl Model {
+    /// Adds a [`Row`](super::Row) (returns a [`Constraint`]) or an
+    /// [`Implication`](super::Implication) (returns an [`Indicator`]).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::ForeignHandle`],
+    /// [`Error::NotFinite`], [`Error::CrossedBounds`], [`Error::EmptyRow`],
+    /// [`Error::UnlimitedRow`], [`Error::NotBinary`].
+    pub fn add<S: Statement>(
+        &mut self,
+        name: impl Into<Name>,
+        statement: S,
+    ) -> Result<S::Handle, Error> {
+        let name = name.into();
+        name.check()?;
+        statement.add_to(self, name)
+    }
+
+    /// Number of linear rows, indicators not counted.
+    pub fn constraint_count(&self) -> usize {
+        self.stored.constraints.len()
+    }
+
+    /// Number of indicators.
+    pub fn indicator_count(&self) -> usize {
+        self.stored.indicators.len()
+    }
+
+    /// The linear rows in the order of creation.
+    pub fn constraints(&self) -> impl ExactSizeIterator<Item = ConstraintRef<'_>> {
+        let data = self.stored.constraints.iter().enumerate();
+        data.map(|(i, data)| ConstraintRef { id: Constraint::new(i, self.stored.tag), data })
+    }
+
+    /// The indicators in the order of creation.
+    pub fn indicators(&self) -> impl ExactSizeIterator<Item = IndicatorRef<'_>> {
+        let data = self.stored.indicators.iter().enumerate();
+        data.map(|(i, data)| IndicatorRef { id: Indicator::new(i, self.stored.tag), data })
+    }
+
+    /// The linear row of a name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownName`].
+    pub fn constraint_by_name(&self, name: impl Into<Name>) -> Result<Constraint, Error> {
+        let name = name.into();
+        match self.statement_names.get(&name) {
+            Some(&StatementIndex::Constraint(index)) => {
+                Ok(Constraint { index, tag: self.stored.tag })
+            }
+            _ => Err(Error::UnknownName { name: name.to_string(), kind: "linear row" }),
+        }
+    }
+
+    /// The indicator of a name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownName`].
+    pub fn indicator_by_name(&self, name: impl Into<Name>) -> Result<Indicator, Error> {
+        let name = name.into();
+        match self.statement_names.get(&name) {
+            Some(&StatementIndex::Indicator(index)) => {
+                Ok(Indicator { index, tag: self.stored.tag })
+            }
+            _ => Err(Error::UnknownName { name: name.to_string(), kind: "indicator" }),
+        }
+    }
+
+    /// Changes the limits of a linear row. The limits apply to its terms without the constant,
+    /// as the text form shows them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
+    /// [`Error::UnlimitedRow`].
+    pub fn set_limits(&mut self, row: Constraint, lower: f64, upper: f64) -> Result<(), Error> {
+        if row.tag != self.stored.tag || row.index() >= self.stored.constraints.len() {
+            return Err(foreign("constraint", row.index(), "set_limits"));
+        }
+        let data = &mut self.stored.constraints[row.index()];
+        (data.row.lower, data.row.upper) = limits(lower, upper, &data.name)?;
+        Ok(())
+    }
+
+    /// Changes the limits of an indicator's row.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::set_limits`].
+    pub fn set_indicator_limits(
+        &mut self,
+        indicator: Indicator,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Error> {
+        if indicator.tag != self.stored.tag || indicator.index() >= self.stored.indicators.len() {
+            return Err(foreign("indicator", indicator.index(), "set_indicator_limits"));
+        }
+        let data = &mut self.stored.indicators[indicator.index()];
+        (data.row.lower, data.row.upper) = limits(lower, upper, &data.name)?;
+        Ok(())
+    }
+}

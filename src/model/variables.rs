@@ -1,0 +1,199 @@
+//! Adding, finding and changing variables.
+
+use super::Model;
+use super::ids::Variable;
+use super::name::Name;
+use super::refs::VariableRef;
+use super::statement::bounds;
+use super::store::VariableData;
+use super::variable::{Family, VariableKind};
+use crate::error::Error;
+
+impl Model {
+    /// Adds a continuous variable with bounds, either of which may be infinite.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::CrossedBounds`], and
+    /// [`Error::NotFinite`] for NaN.
+    pub fn continuous(
+        &mut self,
+        name: impl Into<Name>,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Variable, Error> {
+        self.variable(name, VariableKind::Continuous, lower, upper)
+    }
+
+    /// Adds a binary variable.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DuplicateName`] and [`Error::InvalidName`].
+    pub fn binary(&mut self, name: impl Into<Name>) -> Result<Variable, Error> {
+        self.variable(name, VariableKind::Binary, 0.0, 1.0)
+    }
+
+    /// Adds an integer variable with bounds, either of which may be infinite.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::continuous`].
+    pub fn integer(
+        &mut self,
+        name: impl Into<Name>,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Variable, Error> {
+        self.variable(name, VariableKind::Integer, lower, upper)
+    }
+
+    /// Adds a variable of any kind; a binary's bounds must lie within `[0, 1]`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::continuous`]; [`Error::OutOfRange`] for a binary outside `[0, 1]`.
+    pub fn variable(
+        &mut self,
+        name: impl Into<Name>,
+        kind: VariableKind,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Variable, Error> {
+        let name = name.into();
+        name.check()?;
+        let (lower, upper) = variable_bounds(&name, kind, lower, upper)?;
+        let index = self.stored.variables.len();
+        let variable = Variable::new(index, self.stored.tag);
+        if self.variable_names.contains_key(&name) {
+            return Err(Error::DuplicateName { name: name.to_string(), kind: "variable" });
+        }
+        self.variable_names.insert(name.clone(), variable.index);
+        self.stored.variables.push(VariableData { name, kind, lower, upper });
+        Ok(variable)
+    }
+
+    /// Adds continuous variables `name[0] .. name[count - 1]` with the same bounds.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::continuous`].
+    pub fn continuous_family(
+        &mut self,
+        name: &str,
+        count: usize,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Family, Error> {
+        self.family(name, count, VariableKind::Continuous, lower, upper)
+    }
+
+    /// Adds binary variables `name[0] .. name[count - 1]`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::binary`].
+    pub fn binary_family(&mut self, name: &str, count: usize) -> Result<Family, Error> {
+        self.family(name, count, VariableKind::Binary, 0.0, 1.0)
+    }
+
+    /// Adds integer variables `name[0] .. name[count - 1]` with the same bounds.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::continuous`].
+    pub fn integer_family(
+        &mut self,
+        name: &str,
+        count: usize,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Family, Error> {
+        self.family(name, count, VariableKind::Integer, lower, upper)
+    }
+
+    fn family(
+        &mut self,
+        name: &str,
+        count: usize,
+        kind: VariableKind,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Family, Error> {
+        let member = |step| self.variable((name, step), kind, lower, upper);
+        Ok(Family { members: (0..count).map(member).collect::<Result<_, _>>()? })
+    }
+
+    /// Number of variables.
+    pub fn variable_count(&self) -> usize {
+        self.stored.variables.len()
+    }
+
+    /// The variables in the order of creation.
+    pub fn variables(&self) -> impl ExactSizeIterator<Item = VariableRef<'_>> {
+        let data = self.stored.variables.iter().enumerate();
+        data.map(|(i, data)| VariableRef { id: Variable::new(i, self.stored.tag), data })
+    }
+
+    /// Name, kind and bounds of a variable.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`].
+    pub fn variable_ref(&self, variable: Variable) -> Result<VariableRef<'_>, Error> {
+        self.check_variable(variable, "a look-up")?;
+        Ok(VariableRef { id: variable, data: &self.stored.variables[variable.index()] })
+    }
+
+    /// The variable of a name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownName`].
+    pub fn variable_by_name(&self, name: impl Into<Name>) -> Result<Variable, Error> {
+        let name = name.into();
+        match self.variable_names.get(&name) {
+            Some(&index) => Ok(Variable { index, tag: self.stored.tag }),
+            None => Err(Error::UnknownName { name: name.to_string(), kind: "variable" }),
+        }
+    }
+
+    /// Changes the bounds of a variable. Automatic big-Ms follow at the next solve.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
+    /// [`Error::OutOfRange`] for a binary outside `[0, 1]`.
+    pub fn set_bounds(&mut self, variable: Variable, lower: f64, upper: f64) -> Result<(), Error> {
+        self.check_variable(variable, "set_bounds")?;
+        let data = &mut self.stored.variables[variable.index()];
+        (data.lower, data.upper) = variable_bounds(&data.name, data.kind, lower, upper)?;
+        Ok(())
+    }
+
+    /// Fixes a variable to one value; [`set_bounds`](Model::set_bounds) frees it again.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::set_bounds`].
+    pub fn fix(&mut self, variable: Variable, value: f64) -> Result<(), Error> {
+        self.set_bounds(variable, value, value)
+    }
+}
+
+fn variable_bounds(
+    name: &Name,
+    kind: VariableKind,
+    lower: f64,
+    upper: f64,
+) -> Result<(f64, f64), Error> {
+    let (lower, upper) = bounds(lower, upper, name)?;
+    if kind == VariableKind::Binary && (lower < 0.0 || upper > 1.0) {
+        return Err(Error::OutOfRange {
+            what: format!("a bound of the binary `{name}`"),
+            value: if lower < 0.0 { lower } else { upper },
+            range: "within [0, 1]".into(),
+        });
+    }
+    Ok((lower, upper))
+}
