@@ -177,7 +177,7 @@ mod tests {
     fn what_is_too_wide_is_refused() {
         assert_eq!(sum("1e600", "1e-600"), "none");
         assert_eq!(Decimal::parse("1e99999999999"), None);
-        assert_eq!(Decimal::parse("1e-2147483648").and_then(|d| d.plus(&d)).is_some(), true);
+        assert!(Decimal::parse("1e-2147483648").and_then(|d| d.plus(&d)).is_some());
         assert_eq!(Decimal::parse("1.5e-2147483648"), None);
         assert_eq!(Decimal::parse("inf"), None);
         assert_eq!(Decimal::parse("1x"), None);

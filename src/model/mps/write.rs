@@ -9,8 +9,8 @@ use crate::model::ids::Variable;
 use crate::model::indicator::Literal;
 use crate::model::name::Name;
 use crate::model::objective::Sense;
-use crate::model::{Model, VariableRef};
 use crate::model::variable::VariableKind;
+use crate::model::{Model, VariableRef};
 
 /// A row of the file: a linear row or the row of an indicator.
 struct Line<'a> {
