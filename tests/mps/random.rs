@@ -39,13 +39,16 @@ fn name() -> impl Strategy<Value = String> {
     ]
 }
 
+/// Name, terms, limits, condition.
+type RowPlan = (String, Vec<(usize, f64)>, (f64, f64), Option<(usize, bool)>);
+
 #[derive(Debug, Clone)]
 struct Plan {
     name: String,
     maximize: bool,
     constant: f64,
     variables: Vec<(String, u8, (f64, f64), f64)>,
-    rows: Vec<(String, Vec<(usize, f64)>, (f64, f64), Option<(usize, bool)>)>,
+    rows: Vec<RowPlan>,
     squares: Vec<(f64, usize, f64, usize)>,
 }
 
