@@ -6,9 +6,11 @@
 //! program.
 
 mod domain;
+mod probing;
 mod propagation;
 mod reduce;
 
 pub use domain::Domain;
+pub use probing::probe;
 pub use propagation::{Conflict, Propagator};
 pub use reduce::{Compressed, Reduced, Reduction, reduce};

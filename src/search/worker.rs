@@ -7,13 +7,18 @@ use super::node::{Decision, Node};
 use super::tree::Tree;
 use super::unbounded::is_descent_ray;
 use super::{Found, Task, search};
-use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, reduce};
+use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, probe, reduce};
 use crate::program::Program;
 use crate::relaxation::{
     Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, proves_infeasible,
 };
 use crate::solution::Termination;
 use crate::solver::{Control, Event};
+
+/// Trials of probing at the root, and at a node of a program without objective. Each costs a
+/// propagation of the rows it reaches.
+const ROOT_TRIALS: usize = 4000;
+const NODE_TRIALS: usize = 200;
 
 /// One thread of the search, with its own domain and propagation.
 pub(super) struct Worker<'a> {
@@ -22,6 +27,8 @@ pub(super) struct Worker<'a> {
     id: usize,
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
+    /// The integral columns, last one first: the order of probing.
+    late_first: Vec<usize>,
     relaxation: ClarabelRelaxation,
     pub(super) pseudocosts: Pseudocosts,
     /// The decisions that the domain currently reflects.
@@ -31,6 +38,7 @@ pub(super) struct Worker<'a> {
     root_conflict: Option<Conflict>,
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
+    feasibility_problem: bool,
 }
 
 /// What a relaxation, verified, says about a node.
@@ -49,7 +57,13 @@ impl<'a> Worker<'a> {
     pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, id: usize) -> Self {
         let mut domain = Domain::new(task.program);
         let mut propagator = Propagator::new(task.program);
-        let root_conflict = propagator.propagate_all(task.program, &mut domain).err();
+        let late_first: Vec<usize> = task.program.integers.iter().rev().copied().collect();
+        let root_conflict = propagator
+            .propagate_all(task.program, &mut domain)
+            .and_then(|()| {
+                probe(task.program, &mut domain, &mut propagator, &late_first, ROOT_TRIALS)
+            })
+            .err();
         let root = domain.mark();
         Worker {
             task,
@@ -57,12 +71,14 @@ impl<'a> Worker<'a> {
             id,
             domain,
             propagator,
+            late_first,
             relaxation: ClarabelRelaxation::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
             root,
             root_conflict,
             since_rounding: u64::MAX,
+            feasibility_problem: task.program.is_feasibility_problem(),
         }
     }
 
