@@ -1,8 +1,8 @@
 //! Exact sums of decimal numbers, for two-sided rows.
 //!
 //! MPS gives a two-sided row as one limit and the distance to the other. In binary arithmetic the
-//! other limit often cannot be hit: no double `r` makes `1.1 - r` round to the neighbour of
-//! `-1.2` one wants. The file holds decimals, so the sum is formed on the decimals and rounded
+//! other limit often cannot be hit: no double `r` makes `1.1 - r` round to -1.2, and none makes
+//! `-1.2 + r` round to 1.1. The file holds decimals, so the sum is formed on the decimals and rounded
 //! once; then every pair of limits has a distance that leads back to it.
 
 use std::fmt;
