@@ -90,6 +90,7 @@
 mod bounds;
 mod build;
 mod decimal;
+mod names;
 mod read;
 mod token;
 mod write;
