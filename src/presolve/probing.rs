@@ -10,7 +10,8 @@ use crate::program::Program;
 
 /// Probes columns in the given order until a full round changes nothing, or the trials run out.
 ///
-/// Only binary columns (whole values, width 1) are probed; others are passed over.
+/// Only columns with two whole values left are probed; others are passed over. `go_on` is asked
+/// before every trial; what is proved until it says no is kept.
 ///
 /// # Errors
 ///
@@ -21,6 +22,7 @@ pub fn probe(
     propagator: &mut Propagator,
     columns: &[usize],
     mut trials: usize,
+    go_on: &dyn Fn() -> bool,
 ) -> Result<(), Conflict> {
     let open = |domain: &Domain, j: usize| domain.upper(j) - domain.lower(j) == 1.0;
     loop {
@@ -30,7 +32,7 @@ pub fn probe(
                 if !open(domain, j) {
                     break;
                 }
-                if trials == 0 {
+                if trials == 0 || !go_on() {
                     return Ok(());
                 }
                 trials -= 1;

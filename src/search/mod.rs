@@ -25,7 +25,7 @@ use crate::program::Program;
 use crate::solution::{Statistics, Termination};
 use crate::solver::{Control, Options};
 use tree::Tree;
-use worker::Worker;
+use worker::{Root, Worker};
 
 /// A check of a full point against the model it came from; decides whether an incumbent is
 /// accepted.
@@ -66,21 +66,22 @@ pub struct Found {
 /// Searches the tree of a program.
 pub fn search(task: Task<'_>, control: &mut Control<'_>) -> Found {
     let tree = Tree::new(task, control.interrupt().clone());
-    run(task, &tree, control);
+    let root = Root::new(task.program, &tree);
+    run(task, &tree, &root, control);
     tree.into_found()
 }
 
 #[cfg(not(target_family = "wasm"))]
-fn run(task: Task<'_>, tree: &Tree<'_>, control: &mut Control<'_>) {
+fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, control: &mut Control<'_>) {
     std::thread::scope(|scope| {
         for id in 1..task.options.threads {
-            scope.spawn(move || Worker::new(task, tree, id).run(None));
+            scope.spawn(move || Worker::new(task, tree, root, id).run(None));
         }
-        Worker::new(task, tree, 0).run(Some(control));
+        Worker::new(task, tree, root, 0).run(Some(control));
     });
 }
 
 #[cfg(target_family = "wasm")]
-fn run(task: Task<'_>, tree: &Tree<'_>, control: &mut Control<'_>) {
-    Worker::new(task, tree, 0).run(Some(control));
+fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, control: &mut Control<'_>) {
+    Worker::new(task, tree, root, 0).run(Some(control));
 }

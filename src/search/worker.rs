@@ -20,6 +20,33 @@ use crate::solver::{Control, Event};
 const ROOT_TRIALS: usize = 4000;
 const NODE_TRIALS: usize = 200;
 
+/// The root after propagation and probing; every worker starts from it.
+pub(super) struct Root {
+    domain: Domain,
+    conflict: Option<Conflict>,
+}
+
+impl Root {
+    pub(super) fn new(program: &Program, tree: &Tree<'_>) -> Self {
+        let mut domain = Domain::new(program);
+        let mut propagator = Propagator::new(program);
+        let order = late_first(program);
+        let go_on = || tree.limit_reached().is_none();
+        let conflict = propagator
+            .propagate_all(program, &mut domain)
+            .and_then(|()| {
+                probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
+            })
+            .err();
+        Root { domain, conflict }
+    }
+}
+
+/// The integral columns, last one first: the order of probing.
+fn late_first(program: &Program) -> Vec<usize> {
+    program.integers.iter().rev().copied().collect()
+}
+
 /// One thread of the search, with its own domain and propagation.
 pub(super) struct Worker<'a> {
     pub(super) task: Task<'a>,
@@ -27,7 +54,6 @@ pub(super) struct Worker<'a> {
     id: usize,
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
-    /// The integral columns, last one first: the order of probing.
     late_first: Vec<usize>,
     relaxation: ClarabelRelaxation,
     pub(super) pseudocosts: Pseudocosts,
@@ -54,29 +80,20 @@ pub(super) enum Verdict {
 }
 
 impl<'a> Worker<'a> {
-    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, id: usize) -> Self {
-        let mut domain = Domain::new(task.program);
-        let mut propagator = Propagator::new(task.program);
-        let late_first: Vec<usize> = task.program.integers.iter().rev().copied().collect();
-        let root_conflict = propagator
-            .propagate_all(task.program, &mut domain)
-            .and_then(|()| {
-                probe(task.program, &mut domain, &mut propagator, &late_first, ROOT_TRIALS)
-            })
-            .err();
-        let root = domain.mark();
+    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, root: &Root, id: usize) -> Self {
+        let domain = root.domain.clone();
         Worker {
             task,
             tree,
             id,
+            root: domain.mark(),
             domain,
-            propagator,
-            late_first,
+            propagator: Propagator::new(task.program),
+            late_first: late_first(task.program),
             relaxation: ClarabelRelaxation::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
-            root,
-            root_conflict,
+            root_conflict: root.conflict,
             since_rounding: u64::MAX,
             feasibility_problem: task.program.is_feasibility_problem(),
         }
@@ -200,7 +217,13 @@ impl<'a> Worker<'a> {
         for decision in fresh {
             self.domain.apply(decision.column, decision.is_upper, decision.value);
         }
-        let result = self.propagator.propagate_since(self.task.program, &mut self.domain, mark);
+        let program = self.task.program;
+        let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
+        if result.is_ok() && !fresh.is_empty() && self.feasibility_problem {
+            let (domain, propagator) = (&mut self.domain, &mut self.propagator);
+            let go_on = || self.tree.limit_reached().is_none();
+            result = probe(program, domain, propagator, &self.late_first, NODE_TRIALS, &go_on);
+        }
         if result.is_ok() {
             self.path.extend_from_slice(fresh);
         } else {
