@@ -1,4 +1,140 @@
-//! carom
+//! Hybrid-dynamics mixed-integer programs: write a vehicle whose dynamics switch, get back a plan
+//! that is proved optimal.
+//!
+//! `carom` (a billiards stroke that uses the cushion) is for planners of motion with modes and
+//! contacts: a wall may be hit, a mode entered, a budget of damage spent. It holds
+//!
+//! * a [modelling language](model): variables, affine rows, convex quadratic costs, and
+//!   *indicators* ("if this binary is on, that row holds") with automatic, explained big-Ms;
+//! * a trait [`Solver`](solver::Solver) and our own [`BranchAndBound`] over interior-point
+//!   relaxations, which claims nothing that it has not verified;
+//! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators, and the
+//!   search for the shortest horizon;
+//! * one paper's planner, [`collision_tolerant`], built only from these public parts: a vehicle
+//!   that may *choose* to hit a wall, under a damage limit, because that is faster.
+//!
+//! # A plan in ten lines
+//!
+//! The shortest way from 10 m to 0.3 m beside a wall at 0 m. Braking in time takes 52 steps of
+//! 0.05 s; braking against the wall takes 47, and 46 are proved to be too few.
+//!
+//! ```
+//! use carom::collision_tolerant::{PlanningOptions, Scenario, compare};
+//! use carom::prelude::*;
+//!
+//! let scenario = Scenario::paper().with_time_step(0.05);
+//! let mut solver = BranchAndBound::default();
+//! let plans = compare(&scenario, &PlanningOptions::default(), &mut solver)?;
+//! assert_eq!(plans.free.steps, Some(52));
+//! assert_eq!((plans.tolerant.steps, plans.tolerant.refuted_steps), (Some(47), Some(46)));
+//! let plan = plans.tolerant.plan.expect("there is one");
+//! assert_eq!(plan.trajectory.impacts.len(), 1);
+//! assert!(plan.certificate.discrete.max_position_error < 1e-6);
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # A model of your own
+//!
+//! Expressions are plain values with operators; comparisons are the methods `le`, `ge`, `equals`
+//! and `within`. A vehicle that must stay out of an interval says so with two indicators on one
+//! binary per step:
+//!
+//! ```
+//! use carom::prelude::*;
+//!
+//! let steps = 12;
+//! let mut model = Model::new("detour");
+//! let x = model.continuous_family("x", steps + 1, 0.0, 10.0)?;
+//! let y = model.continuous_family("y", steps + 1, 0.0, 4.0)?;
+//! let beside = model.binary_family("beside", steps + 1)?;
+//! model.fix(x[0], 0.0)?;
+//! model.fix(y[0], 0.0)?;
+//! model.add("goal", x[steps].ge(8.0))?;
+//! for t in 0..steps {
+//!     model.add(("advance", t), (x[t + 1] - x[t]).within(0.0, 1.0))?;
+//!     model.add(("sidestep", t), (y[t + 1] - y[t]).within(-1.0, 1.0))?;
+//!     // Either beside the obstacle (y >= 2), or behind it or past it in x: here, behind 3 m.
+//!     model.add(("side", t), beside[t].on().implies(y[t].ge(2.0)))?;
+//!     model.add(("front", t), beside[t].off().implies(x[t].le(3.0)))?;
+//! }
+//! model.minimize(y.iter().map(|y| y.square()).sum::<Quadratic>())?;
+//!
+//! let solution = BranchAndBound::default().solve(&model)?;
+//! assert!(solution.is_optimal());
+//! // Four steps at 2 m, and 1 m on the way up; the last sample is free to come down by 1 m.
+//! assert!(solution.value(x[steps])? >= 8.0 - 1e-6);
+//! assert!(solution.verification().is_some_and(|v| v.holds()));
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # Big-M that can be trusted
+//!
+//! Nobody writes an M. Each one comes from the current bounds of the row's variables, per row and
+//! side, rounded outward; a missing bound is an error that names the variable; the report says
+//! where each M comes from. After solving, indicators are checked as the implications they are.
+//!
+//! ```
+//! use carom::prelude::*;
+//! use carom::reformulate;
+//!
+//! let mut model = Model::new("m");
+//! let speed = model.continuous("speed", 0.0, f64::INFINITY)?;
+//! let near = model.binary("near")?;
+//! model.add("slow_near", near.on().implies(speed.le(1.0)))?;
+//! let error = reformulate::lower(&model).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "indicator `slow_near` needs a big-M for its upper side, but `speed` has no upper bound; \
+//!      give `speed` a finite one"
+//! );
+//!
+//! model.set_bounds(speed, 0.0, 15.0)?;
+//! let lowered = reformulate::lower(&model)?;
+//! assert!(lowered.report().to_string().starts_with("slow_near upper: M = 14"));
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # Answers, statuses, limits
+//!
+//! Why a solver stopped ([`Termination`](solution::Termination)) and what it holds
+//! ([`PrimalStatus`](solution::PrimalStatus)) are separate. Infeasible, unbounded and limits are
+//! statuses; an [`Error`] means misuse and says the mend. A stopped search returns its best
+//! verified point and a valid bound:
+//!
+//! ```
+//! use carom::prelude::*;
+//!
+//! let mut model = Model::new("knapsack");
+//! let weights = [23.0, 31.0, 29.0, 44.0, 53.0, 38.0, 63.0, 85.0, 89.0, 82.0];
+//! let take = model.binary_family("take", weights.len())?;
+//! let load: Affine = take.iter().zip(weights).map(|(t, w)| w * t).sum();
+//! model.add("capacity", load.le(165.0))?;
+//! model.maximize(&load)?;
+//!
+//! let options = Options::default().with_node_limit(1);
+//! let solution = BranchAndBound::new(options).solve(&model)?;
+//! assert!(solution.bound() >= 165.0 - 1e-6);
+//! assert!(solution.objective().is_none_or(|value| value <= 165.0));
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # Modules in the order of the data
+//!
+//! | ground | modelling tower | solving tower |
+//! | --- | --- | --- |
+//! | [`error`], [`tolerance`], [`interval`] | [`hybrid`] | [`reformulate`] |
+//! | [`model`] | [`collision_tolerant`] | [`program`], [`presolve`] |
+//! | [`solution`] | | [`relaxation`], [`search`] |
+//! | [`solver`] | | [`branch_and_bound`] |
+//!
+//! The towers never import each other: planners see a solver only through its trait.
+//!
+//! # Features
+//!
+//! * `serde`: models, options, solutions, plans can be serialised. Off by default.
+//!
+//! No feature needs a C or C++ toolchain or a system library; the crate builds for
+//! `wasm32-unknown-unknown`.
 
 pub mod branch_and_bound;
 pub mod collision_tolerant;

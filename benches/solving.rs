@@ -1,0 +1,91 @@
+//! Speed of the solving tower on the paper's program: lowering and assembly, propagation, probing,
+//! reduction, one relaxation, and the search for the shortest horizon.
+
+use std::hint::black_box;
+
+use carom::collision_tolerant::{
+    Objective, PlanningOptions, Program as Paper, Scenario, compare,
+};
+use carom::prelude::*;
+use carom::presolve::{Domain, Propagator, Reduction, probe, reduce};
+use carom::program::Program;
+use carom::reformulate;
+use carom::relaxation::{ClarabelRelaxation, Effort, Relaxation};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+
+/// The paper's tolerant program, perfectly plastic, at a feasible horizon.
+fn paper(steps: usize) -> Model {
+    match Paper::build(&Scenario::paper(), steps, Objective::Feasibility) {
+        Ok(paper) => paper.model,
+        Err(error) => panic!("the paper's scenario is valid: {error}"),
+    }
+}
+
+fn assembled(model: &Model) -> Program {
+    let lowered = reformulate::lower(model).expect("all variables are bounded");
+    Program::assemble(lowered.model()).expect("no indicators are left")
+}
+
+fn node(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("paper_457");
+    let model = paper(457);
+    group.bench_function("build", |b| b.iter(|| paper(black_box(457))));
+    group.bench_function("lower_and_assemble", |b| b.iter(|| assembled(black_box(&model))));
+
+    let program = assembled(&model);
+    let mut propagator = Propagator::new(&program);
+    let fresh = Domain::new(&program);
+    group.bench_function("propagate_root", |b| {
+        b.iter_batched(
+            || fresh.clone(),
+            |mut domain| propagator.propagate_all(&program, &mut domain),
+            BatchSize::LargeInput,
+        );
+    });
+
+    let mut root = fresh.clone();
+    propagator.propagate_all(&program, &mut root).expect("457 steps are feasible");
+    group.bench_function("probe_root", |b| {
+        b.iter_batched(
+            || root.clone(),
+            |mut domain| {
+                let columns = &program.integers;
+                probe(&program, &mut domain, &mut propagator, columns, 4000, &|| true)
+            },
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function("reduce_root", |b| b.iter(|| reduce(&program, black_box(&root))));
+
+    let Reduction::Reduced(reduced) = reduce(&program, &root) else {
+        panic!("457 steps are feasible");
+    };
+    let effort = Effort {
+        iterations: 60,
+        tolerance: 1e-8,
+        refinements: 1,
+        time: None,
+        interrupt: Interrupt::new(),
+    };
+    let mut relaxation = ClarabelRelaxation::new();
+    group.bench_function("relax_root", |b| b.iter(|| relaxation.solve(&reduced, &effort)));
+    group.finish();
+}
+
+fn search(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("shortest_horizon");
+    group.sample_size(10);
+    for (name, time_step) in [("dt_0.05", 0.05), ("dt_0.02", 0.02), ("dt_0.005", 0.005)] {
+        let scenario = Scenario::paper().with_time_step(time_step);
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let options = PlanningOptions::default();
+                compare(&scenario, &options, &mut BranchAndBound::default())
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, node, search);
+criterion_main!(benches);
