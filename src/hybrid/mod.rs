@@ -37,7 +37,7 @@
 //!         contact: hit[t],
 //!     })?;
 //! }
-//! assert_eq!(model.indicator_count(), 7 * steps);
+//! assert_eq!(model.indicator_count(), 4 * steps);
 //! # Ok::<(), carom::Error>(())
 //! ```
 
