@@ -1,6 +1,6 @@
 //! Models as MPS files, the common language of solvers.
 //!
-//! [`read`] takes free MPS, and fixed MPS as long as no name contains a space. [`write`] makes
+//! [`read()`] takes free MPS, and fixed MPS as long as no name contains a space. [`write()`] makes
 //! free MPS that leads back to the same model: names, order, kinds, limits and coefficients, every
 //! number to the last bit.
 //!
@@ -68,7 +68,7 @@
 //!   0, and the column is empty); an upper bound of 0 leaves it at 0. `MI` leaves the upper bound
 //!   at `inf`.
 //!
-//! [`write`] leaves nothing to these defaults but `[0, inf)` for a continuous column.
+//! [`write()`] leaves nothing to these defaults but `[0, inf)` for a continuous column.
 //!
 //! An integer column whose bounds lie within `[0, 1]` becomes a
 //! [binary](crate::model::VariableKind::Binary). MPS cannot tell the two apart, and only a binary
