@@ -112,6 +112,9 @@ impl Damage {
     /// | upper bound of `D[t]` | D(t) <= D_max | (19), closed |
     /// | upper bound of `D_total` | D_total <= D_total,max | (20) |
     ///
+    /// A law whose impact speed is 0 in flight needs no switch for (16), (17): they hold in both
+    /// modes and are rows.
+    ///
     /// (The paper's source gives the label of (14) to (18) as well.) The strict `>` of (17) and
     /// its -ε are an equality here: the damage *is* F_d.
     ///
@@ -135,7 +138,7 @@ impl Damage {
         let (mut lowest_total, mut highest_total) = (0.0, 0.0);
         for (t, (_, impact)) in contacts.iter().enumerate() {
             let range = model.range(&impact.speed)?;
-            let lowest = if impact.never_negative { 0.0 } else { range.lower.min(0.0) };
+            let lowest = if impact.zero_in_flight { 0.0 } else { range.lower.min(0.0) };
             let highest = range.upper.max(0.0).min(limits.per_impact.unwrap_or(f64::INFINITY));
             for value in [lowest, highest] {
                 if !value.is_finite() {
@@ -151,7 +154,11 @@ impl Damage {
         let total = model.continuous("D_total", lowest_total, highest_total)?;
         for (t, ((hit, impact), damage)) in contacts.iter().zip(&values).enumerate() {
             model.add(("damage_off", t), hit.off().implies(damage.equals(0.0)))?;
-            model.add(("damage_on", t), hit.on().implies(damage.equals(&impact.speed)))?;
+            let on = damage.equals(&impact.speed);
+            match impact.zero_in_flight {
+                true => drop(model.add(("damage_on", t), on)?),
+                false => drop(model.add(("damage_on", t), hit.on().implies(on))?),
+            }
         }
         let sum: Affine = values.iter().sum();
         model.add("damage_total", total.equals(sum))?;

@@ -45,5 +45,5 @@ pub(super) fn add_step(
     model.add(("dynamics_x", t), step.next_position.equals(&step.predicted_position))?;
     model.add(("dynamics_v", t), step.next_velocity.equals(&step.predicted_velocity))?;
 
-    Ok(ImpactSpeed { speed: -wall.rate_of(&step.velocity), never_negative: false })
+    Ok(ImpactSpeed { speed: -wall.rate_of(&step.velocity), zero_in_flight: false })
 }

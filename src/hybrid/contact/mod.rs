@@ -122,13 +122,14 @@ pub struct ContactStep {
     pub contact: Variable,
 }
 
-/// The speed at which a step's contact happens, as far as its law defines it.
+/// The speed at which a step's contact happens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactSpeed {
-    /// The speed into the wall, in m/s; it means something only where ζ(t) = 1.
+    /// The speed into the wall where ζ(t) = 1, in m/s.
     pub speed: Affine,
-    /// Whether the law keeps it from being negative in contact.
-    pub never_negative: bool,
+    /// Whether the law keeps `speed` at 0 where ζ(t) = 0 and never negative. Where it does not,
+    /// the expression means nothing in flight.
+    pub zero_in_flight: bool,
 }
 
 /// A wall, what it is made of, and the law of contact with it.

@@ -6,33 +6,34 @@
 //! * ζ = 0 (flight): `p >= 0`, `g⁺ = p`, `s⁺ = w`;
 //! * ζ = 1 (impact): `p <= 0`, `w <= 0`, `g⁺ = -e p`, `s⁺ = -e w`.
 //!
-//! `w <= 0` rules out an impact on the way out. The impact speed is `-w >= 0`. The gap is never
-//! negative at a sample.
+//! `w <= 0` rules out an impact on the way out. The gap is never negative at a sample.
 //!
-//! Three inequalities hold in both modes: `g⁺ >= p`, `g⁺ >= -e p` and `s⁺ >= w`. They are rows,
-//! not indicators, because interval arithmetic over bounds cannot see them and would give their
-//! sides a big-M that they do not need. Of the equalities `g⁺ = p`, `g⁺ = -e p` and `s⁺ = w` only
-//! the other sides are left to be switched.
+//! # How it is stated
+//!
+//! Stated like that, the four equalities would each be switched by a big-M as large as the range
+//! of a position or velocity. Instead two variables carry what the wall does in the step: the
+//! penetration `h >= 0` (m) by which free flight would end behind the wall, and the impact speed
+//! `f >= 0` (m/s). Then `g⁺ = p + (1+e) h` and `s⁺ = w + (1+e) f` hold in both modes, and only
+//! `h` and `f` are switched: ζ = 0 makes them 0, ζ = 1 makes them `-p` and `-w`. Their bounds
+//! come from the ranges of `p` and `w`, so `h` is at most about one step long: the relaxation
+//! cannot teleport the vehicle for a small fraction of an impact.
 
 use super::{ContactStep, ImpactSpeed, Restitution};
 use crate::error::Error;
 use crate::hybrid::wall::Wall;
-use crate::model::Model;
+use crate::model::{Affine, Model, Variable};
 
-/// Adds the statements of one step.
+/// Adds the variables `penetration[t]` and `impact_speed[t]` and the statements of one step.
 ///
-/// | statement | says |
-/// | --- | --- |
-/// | `free_gap[t]` | ζ = 0 implies p >= 0 |
-/// | `impact_gap[t]` | ζ = 1 implies p <= 0 |
-/// | `impact_rate[t]` | ζ = 1 implies w <= 0 |
-/// | `hull_position[t]` | g⁺ >= p |
-/// | `free_position[t]` | ζ = 0 implies g⁺ <= p |
-/// | `hull_rebound[t]` | g⁺ >= -e p |
-/// | `impact_position[t]` | ζ = 1 implies g⁺ <= -e p |
-/// | `hull_velocity[t]` | s⁺ >= w |
-/// | `free_velocity[t]` | ζ = 0 implies s⁺ <= w |
-/// | `impact_velocity[t]` | ζ = 1 implies s⁺ = -e w |
+/// | statement | says | in flight | in contact |
+/// | --- | --- | --- | --- |
+/// | `position[t]` | g⁺ = p + (1+e) h | g⁺ = p | g⁺ = -e p |
+/// | `velocity[t]` | s⁺ = w + (1+e) f | s⁺ = w | s⁺ = -e w |
+/// | `outside[t]` | h >= -p | p >= 0 | |
+/// | `free_position[t]` | ζ = 0 implies h <= 0 | h = 0 | |
+/// | `free_velocity[t]` | ζ = 0 implies f <= 0 | f = 0 | |
+/// | `impact_position[t]` | ζ = 1 implies h <= -p | | h = -p, p <= 0 |
+/// | `impact_velocity[t]` | ζ = 1 implies f = -w | | f = -w, w <= 0 |
 pub(super) fn add_step(
     model: &mut Model,
     wall: Wall,
@@ -40,24 +41,34 @@ pub(super) fn add_step(
     step: &ContactStep,
 ) -> Result<ImpactSpeed, Error> {
     let t = step.step;
-    let (hit, e) = (step.contact, restitution.value());
+    let hit = step.contact;
+    let e = restitution.value();
+    let reversal = 1.0 + e;
     let gap = wall.gap_of(&step.predicted_position);
     let rate = wall.rate_of(&step.predicted_velocity);
     let next_gap = wall.gap_of(&step.next_position);
     let next_rate = wall.rate_of(&step.next_velocity);
 
-    model.add(("free_gap", t), hit.off().implies(gap.ge(0.0)))?;
-    model.add(("impact_gap", t), hit.on().implies(gap.le(0.0)))?;
-    model.add(("impact_rate", t), hit.on().implies(rate.le(0.0)))?;
-
-    model.add(("hull_position", t), next_gap.ge(&gap))?;
-    model.add(("free_position", t), hit.off().implies(next_gap.le(&gap)))?;
-    model.add(("hull_rebound", t), next_gap.ge(-e * &gap))?;
+    let penetration = add_shortfall(model, "penetration", t, &gap)?;
+    let speed = add_shortfall(model, "impact_speed", t, &rate)?;
+    model.add(("position", t), next_gap.equals(&gap + reversal * penetration))?;
+    model.add(("velocity", t), next_rate.equals(&rate + reversal * speed))?;
+    model.add(("outside", t), (penetration + &gap).ge(0.0))?;
+    model.add(("free_position", t), hit.off().implies(penetration.le(0.0)))?;
+    model.add(("free_velocity", t), hit.off().implies(speed.le(0.0)))?;
     model.add(("impact_position", t), hit.on().implies(next_gap.le(-e * &gap)))?;
-
-    model.add(("hull_velocity", t), next_rate.ge(&rate))?;
-    model.add(("free_velocity", t), hit.off().implies(next_rate.le(&rate)))?;
     model.add(("impact_velocity", t), hit.on().implies(next_rate.equals(-e * &rate)))?;
 
-    Ok(ImpactSpeed { speed: -rate, never_negative: true })
+    Ok(ImpactSpeed { speed: speed.into(), zero_in_flight: true })
+}
+
+/// A variable for how far an expression falls below 0: from 0 to what its range allows.
+fn add_shortfall(
+    model: &mut Model,
+    family: &str,
+    step: usize,
+    expression: &Affine,
+) -> Result<Variable, Error> {
+    let largest = (-model.range(expression)?.lower).max(0.0);
+    model.continuous((family, step), 0.0, largest)
 }
