@@ -3,25 +3,76 @@
 //! Let `d(τ)` be the smallest value that the largest impact speed of a plan over τ steps can have
 //! (infinite when there is no plan). Where waiting is free, `d` does not grow with τ, and τ is the
 //! shortest horizon under the limit `D_max` of equation (19) exactly when
-//! `d(τ) <= D_max < d(τ-1)`. Both ends are optimal values of mixed-integer programs, so each comes
-//! with a proved bound.
+//! `d(τ) <= D_max < d(τ-1)`.
+//!
+//! Each end is enclosed between a plan and a refutation. A plan is softened as far as its own
+//! contacts allow (with the binaries fixed that is a linear program); then a limit a little below
+//! is tried, which either is refuted or gives a better plan. Minimising `max D(t)` over the
+//! binaries at once gives the same ends and takes many times longer: until the binaries are
+//! decided, a relaxation spreads one impact over many steps and its bound is far off.
 
-use super::plan::{PlanOutcome, plan};
-use super::program::Objective;
+use web_time::Duration;
+
+use super::plan::{PlanOutcome, outcome};
+use super::program::{Objective, Program};
 use super::scenario::{Collisions, Scenario};
+use super::trajectory::Trajectory;
 use crate::error::Error;
+use crate::hybrid::Budget;
 use crate::solution::Termination;
-use crate::solver::Solver;
+use crate::solver::{Interrupt, Solver};
 
-/// One end of the interval: an optimal value, enclosed.
+/// Options of [`damage_interval()`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct IntervalOptions {
+    /// How exactly each end is wanted, in m/s (`1e-5..=1e3`); default 1e-3. Finer ones would be
+    /// lost in the feasibility tolerance.
+    pub resolution: f64,
+    /// Wall-clock limit for everything; default none.
+    pub time_limit: Option<Duration>,
+    /// Stops everything.
+    pub interrupt: Interrupt,
+}
+
+impl Default for IntervalOptions {
+    fn default() -> Self {
+        IntervalOptions { resolution: 1e-3, time_limit: None, interrupt: Interrupt::new() }
+    }
+}
+
+impl IntervalOptions {
+    /// Sets how exactly each end is wanted, in m/s.
+    #[must_use]
+    pub fn with_resolution(mut self, resolution: f64) -> Self {
+        self.resolution = resolution;
+        self
+    }
+
+    /// Sets the wall-clock limit.
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// Lets a handle stop the search.
+    #[must_use]
+    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
+        self.interrupt = interrupt.clone();
+        self
+    }
+}
+
+/// One end of the interval, `d` of one horizon, enclosed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct End {
-    /// No plan over the end's horizon gets below this, in m/s; proved.
+    /// The horizon has no plan under this limit, in m/s; refuted by the program. Infinite when it
+    /// has no plan under any limit; 0 when nothing is refuted.
     pub bound: f64,
-    /// The best plan found gets this far down, in m/s; infinite when it is proved that there is no
-    /// plan, or when none was found.
+    /// Largest impact speed of the best plan found, in m/s; infinite when there is none.
     pub attained: f64,
 }
 
@@ -34,20 +85,27 @@ impl End {
 
 /// The limits on the impact speed for which a horizon is the shortest.
 ///
-/// Every limit in `[lower.attained, upper.bound)` makes it so; none below `lower.bound` or from
-/// `upper.attained` on does. Between, the resolution of the ends leaves it open.
+/// Every limit in `[lower.attained, upper.bound]` makes it so; none up to `lower.bound` or from
+/// `upper.attained` on does. In between, the resolution of the ends leaves it open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
 pub struct DamageInterval {
     /// The horizon τ, in steps.
     pub steps: usize,
-    /// The closed lower end, `d(τ)`.
+    /// The lower end, `d(τ)`.
     pub lower: End,
-    /// The open upper end, `d(τ-1)`; infinite when τ-1 is infeasible under any limit.
+    /// The upper end, `d(τ-1)`; infinite when τ-1 is infeasible under any limit.
     pub upper: End,
-    /// Nodes of both solves.
+    /// Why it ended before both ends were known to the resolution, if it did.
+    pub stopped: Option<Termination>,
+    /// Solves, those with fixed binaries included.
+    pub solves: usize,
+    /// Nodes over all solves.
     pub nodes: u64,
+    /// Wall-clock time.
+    pub time: Duration,
 }
 
 impl DamageInterval {
@@ -55,27 +113,59 @@ impl DamageInterval {
     /// when there is none, or when they have no upper end.
     pub fn middle(&self) -> Option<f64> {
         let (lower, upper) = (self.lower.attained, self.upper.bound);
-        (lower < upper && upper.is_finite()).then(|| 0.5 * (lower + upper))
+        (lower <= upper && upper.is_finite()).then(|| 0.5 * (lower + upper))
     }
 }
 
 /// Finds the limits on the impact speed for which a horizon is the shortest one.
 ///
-/// The scenario's own per-impact limit is left out; its other limits stay.
+/// The scenario's own per-impact limit and damage weight are left out; its other limits stay.
+///
+/// ```
+/// use carom::collision_tolerant::{IntervalOptions, Scenario, damage_interval};
+/// use carom::prelude::*;
+///
+/// let scenario = Scenario::paper().with_time_step(0.05);
+/// let mut solver = BranchAndBound::default();
+/// let interval = damage_interval(&scenario, 49, &IntervalOptions::default(), &mut solver)?;
+/// assert!((interval.lower.attained - 5.895).abs() < 2e-3);
+/// assert!((interval.upper.attained - 6.947).abs() < 2e-3);
+/// # Ok::<(), carom::Error>(())
+/// ```
 ///
 /// # Arguments
 ///
-/// * `steps`: the horizon τ, at least 2.
+/// * `steps`: the horizon τ.
 ///
 /// # Errors
 ///
-/// [`Error::Scenario`] when collisions are forbidden or waiting is not free; otherwise as for
-/// [`plan`].
+/// [`Error::Scenario`] when collisions are forbidden or waiting is not free;
+/// [`Error::OutOfRange`] for a resolution out of its range; otherwise as for
+/// [`plan`](super::plan()).
 pub fn damage_interval(
     scenario: &Scenario,
     steps: usize,
+    options: &IntervalOptions,
     solver: &mut dyn Solver,
 ) -> Result<DamageInterval, Error> {
+    check(scenario, options)?;
+    let mut open = *scenario;
+    open.damage.per_impact = None;
+    open.damage.weight = 0.0;
+    let budget = Budget::new(options.time_limit, &options.interrupt);
+    let resolution = options.resolution;
+    let mut search =
+        Search { scenario: open, resolution, solver, budget, stopped: None, solves: 0, nodes: 0 };
+    let lower = search.end(steps)?;
+    let upper = match steps {
+        1 => End { bound: f64::INFINITY, attained: f64::INFINITY },
+        _ => search.end(steps - 1)?,
+    };
+    let Search { stopped, solves, nodes, budget, .. } = search;
+    Ok(DamageInterval { steps, lower, upper, stopped, solves, nodes, time: budget.elapsed() })
+}
+
+fn check(scenario: &Scenario, options: &IntervalOptions) -> Result<(), Error> {
     scenario.check()?;
     let refuse = |reason: &str, mend: &str| {
         Err(Error::Scenario { reason: reason.into(), mend: mend.into() })
@@ -90,36 +180,97 @@ pub fn damage_interval(
             "let it start or end at rest",
         );
     }
-    let mut open = *scenario;
-    open.damage.per_impact = None;
-    open.damage.weight = 0.0;
-    let mut nodes = 0;
-    let lower = end(&open, steps, solver, &mut nodes)?;
-    let upper = end(&open, steps.saturating_sub(1), solver, &mut nodes)?;
-    Ok(DamageInterval { steps, lower, upper, nodes })
+    if !(1e-5..=1e3).contains(&options.resolution) {
+        let (what, range) = ("the resolution (m/s)".into(), "within [1e-5, 1e3]".into());
+        return Err(Error::OutOfRange { what, value: options.resolution, range });
+    }
+    Ok(())
 }
 
-/// Encloses `d(steps)`.
-fn end(
-    scenario: &Scenario,
-    steps: usize,
-    solver: &mut dyn Solver,
-    nodes: &mut u64,
-) -> Result<End, Error> {
-    let answer = plan(scenario, steps, Objective::LargestDamage, solver)?;
-    let (statistics, end) = match &answer {
-        PlanOutcome::Planned(plan) => {
-            let end = End { bound: plan.bound.max(0.0), attained: plan.objective };
-            (plan.statistics, end)
+struct Search<'a> {
+    /// The scenario without a per-impact limit.
+    scenario: Scenario,
+    resolution: f64,
+    solver: &'a mut dyn Solver,
+    budget: Budget,
+    stopped: Option<Termination>,
+    solves: usize,
+    nodes: u64,
+}
+
+/// What a solve said.
+enum Answer {
+    Plan(Trajectory),
+    Refuted,
+    Stopped,
+}
+
+impl Search<'_> {
+    /// Encloses `d(steps)`.
+    fn end(&mut self, steps: usize) -> Result<End, Error> {
+        let mut end = End { bound: 0.0, attained: f64::INFINITY };
+        match self.feasible(steps, None)? {
+            Answer::Plan(plan) => end.attained = self.soften(steps, &plan)?,
+            Answer::Refuted => end.bound = f64::INFINITY,
+            Answer::Stopped => return Ok(end),
         }
-        PlanOutcome::Infeasible(statistics) => {
-            (*statistics, End { bound: f64::INFINITY, attained: f64::INFINITY })
+        // Just below the best plan first; farther below after each success.
+        let mut step = self.resolution;
+        while end.resolution() > self.resolution * 1.000_001 {
+            let below = end.attained - step;
+            let limit = if below > end.bound { below } else { 0.5 * (end.attained + end.bound) };
+            match self.feasible(steps, Some(limit))? {
+                Answer::Plan(plan) => {
+                    end.attained = self.soften(steps, &plan)?;
+                    step *= 4.0;
+                }
+                Answer::Refuted => {
+                    end.bound = limit;
+                    step = self.resolution;
+                }
+                Answer::Stopped => break,
+            }
         }
-        PlanOutcome::Stopped { reason, statistics } => {
-            debug_assert!(*reason != Termination::Optimal);
-            (*statistics, End { bound: 0.0, attained: f64::INFINITY })
+        Ok(end)
+    }
+
+    /// Looks for a plan under a limit.
+    fn feasible(&mut self, steps: usize, limit: Option<f64>) -> Result<Answer, Error> {
+        let mut scenario = self.scenario;
+        scenario.damage.per_impact = limit;
+        let program = Program::build(&scenario, steps, Objective::Feasibility)?;
+        self.solve(&program)
+    }
+
+    /// The smallest largest impact speed with the contacts of a plan, in m/s.
+    fn soften(&mut self, steps: usize, plan: &Trajectory) -> Result<f64, Error> {
+        let mut program = Program::build(&self.scenario, steps, Objective::LargestDamage)?;
+        for (zeta, &contact) in program.contact.iter().flatten().zip(&plan.contact) {
+            program.model.fix(zeta, f64::from(u8::from(contact)))?;
         }
-    };
-    *nodes += statistics.nodes;
-    Ok(end)
+        let found = plan.largest_damage();
+        Ok(match self.solve(&program)? {
+            Answer::Plan(softer) => softer.largest_damage().min(found),
+            // It has at least the plan it came from; that one stands.
+            Answer::Refuted | Answer::Stopped => found,
+        })
+    }
+
+    fn solve(&mut self, program: &Program) -> Result<Answer, Error> {
+        if let Some(reason) = self.budget.exhausted() {
+            self.stopped = Some(reason);
+            return Ok(Answer::Stopped);
+        }
+        let solution = self.budget.solve(self.solver, &program.model, &mut |_| {})?;
+        self.solves += 1;
+        self.nodes += solution.statistics().nodes;
+        Ok(match outcome(&self.scenario, program, &solution)? {
+            PlanOutcome::Planned(plan) => Answer::Plan(plan.trajectory),
+            PlanOutcome::Infeasible(_) => Answer::Refuted,
+            PlanOutcome::Stopped { reason, .. } => {
+                self.stopped = Some(reason);
+                Answer::Stopped
+            }
+        })
+    }
 }

@@ -36,7 +36,7 @@ pub mod shortest;
 pub mod tables;
 pub mod trajectory;
 
-pub use damage_interval::{DamageInterval, damage_interval};
+pub use damage_interval::{DamageInterval, End, IntervalOptions, damage_interval};
 pub use plan::{Certificate, Plan, PlanOutcome, plan, plan_with};
 pub use program::{Objective, Program};
 pub use scenario::{Collisions, Endpoint, Scenario};

@@ -1,16 +1,16 @@
 //! The shortest plan: the smallest feasible horizon, proved, and on it the fewest impacts.
 
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use super::plan::{Plan, PlanOutcome, outcome};
 use super::program::{Objective, Program, Programs};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::{
-    Attempt, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
+    Attempt, Budget, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
 };
 use crate::solution::{Solution, Statistics};
-use crate::solver::{Control, Solver};
+use crate::solver::Solver;
 
 /// Options of a search for the shortest plan.
 #[derive(Debug, Clone)]
@@ -137,8 +137,8 @@ pub fn shortest_plan_with(
     solver: &mut dyn Solver,
     progress: &mut dyn FnMut(&HorizonEvent),
 ) -> Result<ShortestPlan, Error> {
-    let began = Instant::now();
     scenario.check()?;
+    let budget = Budget::new(options.search.time_limit, &options.search.interrupt);
     let programs = Programs { scenario, upper_hint: options.upper_hint };
     let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
     let plan = match (&found.program, &found.solution) {
@@ -156,19 +156,17 @@ pub fn shortest_plan_with(
         time: found.time,
     };
     if options.fewest_impacts && shortest.is_found() && !shortest.fewest_impacts {
-        let mut refinement = Refinement { scenario, options, solver, began };
-        refinement.run(&mut shortest)?;
+        Refinement { scenario, solver, budget: &budget }.run(&mut shortest)?;
     }
-    shortest.time = began.elapsed();
+    shortest.time = budget.elapsed();
     Ok(shortest)
 }
 
 /// Minimises the impacts of a plan on its proved horizon.
 struct Refinement<'a> {
     scenario: &'a Scenario,
-    options: &'a PlanningOptions,
     solver: &'a mut dyn Solver,
-    began: Instant,
+    budget: &'a Budget,
 }
 
 impl Refinement<'_> {
@@ -212,17 +210,10 @@ impl Refinement<'_> {
 
     /// Solves within what is left of the search's time; nothing when nothing is left.
     fn solve(&mut self, program: &Program) -> Result<Option<Solution>, Error> {
-        let search = &self.options.search;
-        let remaining = search.time_limit.map(|limit| limit.saturating_sub(self.began.elapsed()));
-        if remaining == Some(Duration::ZERO) || search.interrupt.is_triggered() {
+        if self.budget.exhausted().is_some() {
             return Ok(None);
         }
-        let own_limit = self.solver.options().time_limit;
-        self.solver.options_mut().time_limit = [own_limit, remaining].into_iter().flatten().min();
-        let mut control = Control::default().with_interrupt(&search.interrupt);
-        let solution = self.solver.solve_with(&program.model, &mut control);
-        self.solver.options_mut().time_limit = own_limit;
-        solution.map(Some)
+        self.budget.solve(self.solver, &program.model, &mut |_| {}).map(Some)
     }
 }
 

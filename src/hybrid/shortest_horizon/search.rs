@@ -2,15 +2,15 @@
 
 use std::borrow::Borrow;
 
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
 use super::{HorizonModel, Waiting};
 use crate::error::Error;
+use crate::hybrid::budget::Budget;
 use crate::hybrid::horizon::check_steps;
-use crate::model::Model;
 use crate::solution::{Solution, Termination};
-use crate::solver::{Control, Event, Interrupt, Progress, Solver};
+use crate::solver::{Event, Interrupt, Progress, Solver};
 
 /// Undecided horizons after which a search gives up: each further one would only repeat what
 /// stopped the others.
@@ -111,23 +111,19 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     progress: &mut dyn FnMut(&HorizonEvent),
 ) -> Result<ShortestHorizon<B::Program>, Error> {
     check_steps("the largest number of steps", options.max_steps)?;
-    let own_limit = solver.options().time_limit;
     let mut search = Search {
         builder,
         options,
         solver,
-        own_limit,
+        budget: Budget::new(options.time_limit, &options.interrupt),
         progress,
-        began: Instant::now(),
         refuted: 0,
         best: None,
         undecided: Vec::new(),
         attempts: Vec::new(),
     };
-    let status = search.run();
-    search.solver.options_mut().time_limit = own_limit;
-    let status = status?;
-    let time = search.began.elapsed();
+    let status = search.run()?;
+    let time = search.budget.elapsed();
     let (refuted, attempts) = (search.refuted, search.attempts);
     let (steps, program, solution) = match search.best {
         Some((steps, program, solution)) => (Some(steps), Some(program), Some(solution)),
@@ -141,10 +137,8 @@ struct Search<'a, B: HorizonModel + ?Sized> {
     builder: &'a B,
     options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
-    /// The solver's own time limit for each solve.
-    own_limit: Option<Duration>,
+    budget: Budget,
     progress: &'a mut dyn FnMut(&HorizonEvent),
-    began: Instant,
     /// Every horizon up to this one is refuted.
     refuted: usize,
     /// The smallest horizon found feasible, with its program and solution.
@@ -226,19 +220,9 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     }
 
     fn reason_to_stop(&self) -> Option<Termination> {
-        if self.options.interrupt.is_triggered() {
-            return Some(Termination::Interrupted);
-        }
-        if self.remaining() == Some(Duration::ZERO) {
-            return Some(Termination::TimeLimit);
-        }
         let last = self.undecided.last().map(|&(_, why)| why);
-        last.filter(|_| self.undecided.len() >= MAX_UNDECIDED)
-    }
-
-    /// What is left of the search's time.
-    fn remaining(&self) -> Option<Duration> {
-        self.options.time_limit.map(|limit| limit.saturating_sub(self.began.elapsed()))
+        let tired = last.filter(|_| self.undecided.len() >= MAX_UNDECIDED);
+        self.budget.exhausted().or(tired)
     }
 
     /// Solves one horizon and files what it says.
@@ -246,17 +230,11 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let feasible = self.best.as_ref().map(|(steps, ..)| *steps);
         (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
         let program = self.builder.build(steps)?;
-        let model: &Model = program.borrow();
-
-        let limits = [self.own_limit, self.remaining()];
-        self.solver.options_mut().time_limit = limits.into_iter().flatten().min();
         let progress = &mut *self.progress;
         let mut relay = |event: &Event| {
             progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
         };
-        let interrupt = &self.options.interrupt;
-        let mut control = Control::default().with_progress(&mut relay).with_interrupt(interrupt);
-        let solution = self.solver.solve_with(model, &mut control)?;
+        let solution = self.budget.solve(self.solver, program.borrow(), &mut relay)?;
 
         let attempt = Attempt::of(steps, &solution);
         match attempt.verdict {
