@@ -3,9 +3,7 @@
 
 use std::hint::black_box;
 
-use carom::collision_tolerant::{
-    Objective, PlanningOptions, Program as Paper, Scenario, compare,
-};
+use carom::collision_tolerant::{Objective, PlanningOptions, Program as Paper, Scenario, compare};
 use carom::prelude::*;
 use carom::presolve::{Domain, Propagator, Reduction, probe, reduce};
 use carom::program::Program;

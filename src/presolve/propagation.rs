@@ -8,13 +8,14 @@
 use std::collections::VecDeque;
 
 use super::domain::Domain;
+use crate::interval::Interval;
 use crate::program::Program;
 use crate::tolerance;
 
 /// Proof of infeasibility by propagation: the row or column at which it surfaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Conflict {
-    /// A row cannot be satisfied within the bounds.
+    /// A row cannot be satisfied within the bounds; the row count stands for the objective's limit.
     Row(usize),
     /// A column's bounds crossed.
     Column(usize),
@@ -25,6 +26,16 @@ pub enum Conflict {
 pub struct Propagator {
     queue: VecDeque<usize>,
     queued: Vec<bool>,
+    /// The linear objective as a row, limited by the cutoff; its number is the row count.
+    objective: Objective,
+}
+
+/// The row `q'x <= limit` of a linear objective; empty for a quadratic or constant one.
+#[derive(Debug, Clone)]
+struct Objective {
+    columns: Vec<usize>,
+    coefficients: Vec<f64>,
+    limit: f64,
 }
 
 /// Smallest or largest activity of a row: the finite part, and how many terms are infinite.
@@ -63,7 +74,26 @@ struct Tightening {
 impl Propagator {
     /// For a program.
     pub fn new(program: &Program) -> Self {
-        Propagator { queue: VecDeque::new(), queued: vec![false; program.row_count()] }
+        let linear = program.quadratic.compute_nnz() == 0;
+        let cost = |j: &usize| linear && program.linear[*j] != 0.0;
+        let columns: Vec<usize> = (0..program.column_count()).filter(cost).collect();
+        let coefficients = columns.iter().map(|&j| program.linear[j]).collect();
+        Propagator {
+            queue: VecDeque::new(),
+            queued: vec![false; program.row_count() + 1],
+            objective: Objective { columns, coefficients, limit: f64::INFINITY },
+        }
+    }
+
+    /// Makes every later propagation look only for points whose (minimised) objective is at most
+    /// `cutoff`, where the objective is linear. What is then refuted is refuted *up to the
+    /// cutoff*. Returns the cutoff in force: infinite for other objectives.
+    pub fn set_cutoff(&mut self, program: &Program, cutoff: f64) -> f64 {
+        if self.objective.columns.is_empty() {
+            return f64::INFINITY;
+        }
+        self.objective.limit = cutoff - program.offset;
+        cutoff
     }
 
     /// Propagates all rows.
@@ -105,6 +135,9 @@ impl Propagator {
                 self.enqueue(row);
             }
         }
+        if self.objective.limit < f64::INFINITY {
+            self.enqueue(program.row_count());
+        }
         self.run(program, domain)
     }
 
@@ -132,7 +165,16 @@ impl Propagator {
                 break;
             }
             budget -= 1;
-            if let Err(conflict) = tighten(program, domain, row, &mut found) {
+            let tightened = if row < program.row_count() {
+                let (columns, coefficients) = program.row(row);
+                let limits = Interval::new(program.row_lower[row], program.row_upper[row]);
+                tighten(program, domain, row, (columns, coefficients), limits, &mut found)
+            } else {
+                let terms = (&self.objective.columns[..], &self.objective.coefficients[..]);
+                let limits = Interval::new(f64::NEG_INFINITY, self.objective.limit);
+                tighten(program, domain, row, terms, limits, &mut found)
+            };
+            if let Err(conflict) = tightened {
                 self.clear();
                 return Err(conflict);
             }
@@ -150,6 +192,11 @@ impl Propagator {
                     if other != row {
                         self.enqueue(other);
                     }
+                }
+                let objective = program.row_count();
+                let limited = self.objective.limit < f64::INFINITY && row != objective;
+                if limited && program.linear[column] != 0.0 {
+                    self.enqueue(objective);
                 }
             }
         }
@@ -178,10 +225,11 @@ fn tighten(
     program: &Program,
     domain: &Domain,
     row: usize,
+    (columns, coefficients): (&[usize], &[f64]),
+    limits: Interval,
     found: &mut Vec<Tightening>,
 ) -> Result<(), Conflict> {
-    let (columns, coefficients) = program.row(row);
-    let (row_lower, row_upper) = (program.row_lower[row], program.row_upper[row]);
+    let (row_lower, row_upper) = (limits.lower, limits.upper);
     let (mut least, mut most, mut scale) = (Activity::default(), Activity::default(), 0.0_f64);
     for (&j, &a) in columns.iter().zip(coefficients) {
         let (low, high) = ends(domain, j, a);

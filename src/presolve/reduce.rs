@@ -186,7 +186,9 @@ impl Work<'_> {
                     (free, single) = (free + 1, k);
                 }
             }
-            let margin = NEGLIGIBLE * scale;
+            // A dropped side may be missed by the margin, so it must not grow with a big-M that the
+            // implied row does not have; rounding of the activity is all that grows.
+            let margin = NEGLIGIBLE.max(4.0 * f64::EPSILON * scale);
             if most <= self.row_upper[row] + margin {
                 self.row_upper[row] = f64::INFINITY;
             }

@@ -5,21 +5,32 @@
 //! `f(x) >= offset - ½ x̂'Px̂ - Σ y_i limit_i + Σ_j g_j x_j`,  `g = q + Px̂ + A'y`,
 //!
 //! over all points that satisfy the rows, and the last sum is smallest at corners of the box. So
-//! every pair `(x̂, y)` proves *some* bound; a good pair proves a tight one. Accumulated rounding is
-//! subtracted. Columns without a finite bound on the side that `g` pulls to need `g_j = 0`: the
-//! multipliers (or `x̂`, where the objective curves) are first corrected to make it so, and what
-//! rounding leaves is charged over [`tolerance::FREE_RADIUS`].
+//! every pair `(x̂, y)` proves *some* bound; a good pair proves a tight one. Sums are formed with
+//! twice the digits of a float, and what rounding may still have lost is subtracted.
 //!
-//! Where `x̂` was moved on columns `F` with `P_FF` positive definite, the gradient `r` that is left
-//! there costs no radius: minimising over `d_F = x_F - x̂_F` for fixed `d_B` gives at least
-//! `-‖r‖ ‖P_FF⁻¹‖ ‖P_FB‖ ‖d_B‖ - ½ ‖r‖² ‖P_FF⁻¹‖`, because the Schur complement of `P_FF` is
-//! positive semidefinite.
+//! A column without a finite bound on the side that `g` pulls to needs `g_j = 0`. There the pair is
+//! corrected first, `x̂` where the objective curves and `y` where rows press, again with twice the
+//! digits, and what is left of `g_j` (about 1e-30) is charged over [`tolerance::FREE_RADIUS`].
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
+use super::extended::Extended;
 use crate::presolve::Reduced;
 use crate::tolerance;
+
+/// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
+const ROUNDING: f64 = 1e-27;
+
+/// Multipliers below this fraction of the largest one (at least 1) probably belong to rows that do
+/// not press.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// Most columns that are corrected together, by a dense factorisation.
+const MOST_CORRECTED: usize = 400;
+
+/// Most rounds of correction; a round gains about ten digits.
+const CORRECTIONS: usize = 8;
 
 /// A proved lower bound on the objective of a reduced program, from a claimed solution.
 /// `-inf` when the pair proves nothing.
@@ -27,9 +38,9 @@ pub fn lower_bound(program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
     if x.iter().chain(y).any(|v| !v.is_finite()) {
         return f64::NEG_INFINITY;
     }
-    let y = clipped(program, y);
-    let pair = Pair { program, x: x.to_vec(), y, objective: true, curved: None };
-    pair.best_bound()
+    let extended = |v: &f64| Extended::from(*v);
+    let (x, y) = (x.iter().map(extended).collect(), clipped(program, y));
+    Pair { program, x, y: y.iter().map(extended).collect(), objective: true }.best_bound()
 }
 
 /// Whether row multipliers prove that a reduced program has no feasible point.
@@ -48,9 +59,9 @@ pub fn proves_infeasible(program: &Reduced, y: &[f64]) -> bool {
             if y[i] == 0.0 { 0.0 } else { y[i].abs() * limit.abs().max(1.0) }
         })
         .sum();
-    let x = vec![0.0; program.columns.len()];
-    let pair = Pair { program, x, y, objective: false, curved: None };
-    pair.best_bound() > 1e-9 * disturbance
+    let x = vec![Extended::default(); program.columns.len()];
+    let y = y.iter().map(|&v| Extended::from(v)).collect();
+    Pair { program, x, y, objective: false }.best_bound() > 1e-9 * disturbance
 }
 
 /// Multipliers without those that press on missing limits.
@@ -63,228 +74,237 @@ fn clipped(program: &Reduced, y: &[f64]) -> Vec<f64> {
 
 struct Pair<'a> {
     program: &'a Reduced,
-    x: Vec<f64>,
-    y: Vec<f64>,
+    x: Vec<Extended>,
+    y: Vec<Extended>,
     /// Whether the objective takes part; certificates of infeasibility leave it out.
     objective: bool,
-    /// The columns on which `x̂` was moved.
-    curved: Option<Curved>,
 }
 
-/// Columns whose remaining gradient is absorbed by curvature.
-struct Curved {
-    member: Vec<bool>,
-    /// `‖P_FF⁻¹‖` in the Frobenius norm.
-    inverse: f64,
-    /// `‖P_FB‖` in the Frobenius norm.
-    coupling: f64,
-}
-
-/// `g` and, per entry, the accumulated magnitude that bounds its rounding error.
+/// `g` and, per entry, the sum of its terms' magnitudes.
 struct Gradient {
-    value: Vec<f64>,
+    value: Vec<Extended>,
     size: Vec<f64>,
 }
 
+impl Gradient {
+    /// By how much rounding may have moved an entry.
+    fn error(&self, j: usize) -> f64 {
+        ROUNDING * self.size[j]
+    }
+}
+
+/// A sum and the sum of its terms' magnitudes.
+#[derive(Default)]
+struct Sum {
+    value: Extended,
+    size: f64,
+}
+
+impl Sum {
+    fn add(&mut self, a: Extended, b: Extended) {
+        self.value = self.value.plus_product(a, b);
+        self.size += (a.high * b.high).abs();
+    }
+}
+
 impl Pair<'_> {
-    fn best_bound(mut self) -> f64 {
-        let mut gradient = self.gradient();
-        let stuck = self.unbounded_columns(&gradient);
-        if !stuck.is_empty() {
-            // All columns with an infinite side are corrected together, or fixing one unsettles
-            // the next.
-            let free: Vec<usize> = (0..self.x.len())
-                .filter(|&j| {
-                    self.program.lower[j].is_infinite() || self.program.upper[j].is_infinite()
-                })
-                .filter(|&j| {
-                    let one_sided =
-                        self.program.lower[j].is_finite() || self.program.upper[j].is_finite();
-                    !one_sided || stuck.contains(&j)
-                })
-                .collect();
-            for _ in 0..3 {
-                if !self.correct(&free, &gradient) {
-                    break;
-                }
-                gradient = self.gradient();
+    fn best_bound(self) -> f64 {
+        let gradient = self.gradient();
+        if self.unbounded_columns(&gradient).is_empty() {
+            return self.bound(&gradient);
+        }
+        // Multipliers of rows that do not press are tiny rather than zero, and no correction can
+        // trade them against large ones. Without them the pair is sometimes better, sometimes not.
+        let size = self.y.iter().fold(1.0_f64, |m, y| m.max(y.high.abs()));
+        let mut plain = Pair { x: self.x.clone(), y: self.y.clone(), ..self };
+        for (i, y) in plain.y.iter_mut().enumerate() {
+            if y.high.abs() <= NEGLIGIBLE * size && !is_equality(self.program, i) {
+                *y = Extended::default();
             }
+        }
+        let same = plain.y == self.y;
+        let bound = plain.corrected_bound();
+        if same { bound } else { bound.max(self.corrected_bound()) }
+    }
+
+    fn corrected_bound(mut self) -> f64 {
+        let mut gradient = self.gradient();
+        let mut corrected: Vec<usize> = Vec::new();
+        for _ in 0..CORRECTIONS {
+            let stuck = self.unbounded_columns(&gradient);
+            if stuck.iter().all(|&j| gradient.value[j].high.abs() <= gradient.error(j)) {
+                break;
+            }
+            // All columns without any bound are corrected together, or fixing one unsettles the
+            // next.
+            let free = |j: &usize| {
+                self.program.lower[*j].is_infinite() && self.program.upper[*j].is_infinite()
+            };
+            corrected.extend(stuck);
+            corrected.extend((0..self.x.len()).filter(free));
+            corrected.sort_unstable();
+            corrected.dedup();
+            if !self.correct(&corrected, &gradient) {
+                break;
+            }
+            gradient = self.gradient();
         }
         self.bound(&gradient)
     }
 
     fn gradient(&self) -> Gradient {
         let program = self.program;
-        let mut value =
-            if self.objective { program.linear.clone() } else { vec![0.0; self.x.len()] };
-        let mut size: Vec<f64> = value.iter().map(|v: &f64| v.abs()).collect();
-        let mut add = |j: usize, term: f64| {
-            value[j] += term;
-            size[j] += term.abs();
+        let n = self.x.len();
+        let mut gradient = Gradient { value: vec![Extended::default(); n], size: vec![0.0; n] };
+        let mut add = |j: usize, a: f64, b: Extended| {
+            gradient.value[j] = gradient.value[j].plus_product(a.into(), b);
+            gradient.size[j] += (a * b.high).abs();
         };
         if self.objective {
-            for j in 0..self.x.len() {
+            for j in 0..n {
+                add(j, program.linear[j], 1.0.into());
                 let (rows, entries) = program.quadratic.vector(j);
                 for (&i, &p) in rows.iter().zip(entries) {
-                    add(i, p * self.x[j]);
+                    add(i, p, self.x[j]);
                     if i != j {
-                        add(j, p * self.x[i]);
+                        add(j, p, self.x[i]);
                     }
                 }
             }
         }
-        for (i, &y) in self.y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+        for (i, &y) in self.y.iter().enumerate().filter(|(_, y)| y.high != 0.0) {
             let (columns, entries) = program.rows.vector(i);
-            columns.iter().zip(entries).for_each(|(&j, &a)| add(j, a * y));
+            columns.iter().zip(entries).for_each(|(&j, &a)| add(j, a, y));
         }
-        Gradient { value, size }
+        gradient
     }
 
-    /// Columns whose gradient pulls towards a missing bound.
+    /// Columns whose gradient, up to its rounding, may pull towards a missing bound.
     fn unbounded_columns(&self, gradient: &Gradient) -> Vec<usize> {
         let pulls = |j: &usize| {
-            let g = gradient.value[*j];
-            (g > 0.0 && self.program.lower[*j].is_infinite())
-                || (g < 0.0 && self.program.upper[*j].is_infinite())
+            let (g, error) = (gradient.value[*j].high, gradient.error(*j));
+            (g + error > 0.0 && self.program.lower[*j].is_infinite())
+                || (g - error < 0.0 && self.program.upper[*j].is_infinite())
         };
         (0..self.x.len()).filter(pulls).collect()
     }
 
     fn bound(&self, gradient: &Gradient) -> f64 {
         let program = self.program;
-        let (mut sum, mut size) = (0.0, 0.0_f64);
-        let mut add = |term: f64| {
-            sum += term;
-            size += term.abs();
-        };
+        let mut sum = Sum::default();
         if self.objective {
-            add(program.offset);
+            sum.add(program.offset.into(), 1.0.into());
             for j in 0..self.x.len() {
                 let (rows, entries) = program.quadratic.vector(j);
                 for (&i, &p) in rows.iter().zip(entries) {
-                    let half = if i == j { 0.5 } else { 1.0 };
-                    add(-half * p * self.x[i] * self.x[j]);
+                    let half = if i == j { -0.5 } else { -1.0 };
+                    let slope = Extended::default().plus_product((half * p).into(), self.x[i]);
+                    sum.add(slope, self.x[j]);
                 }
             }
         }
-        for (i, &y) in self.y.iter().enumerate() {
-            if y != 0.0 {
-                let limit = if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
-                add(-y * limit);
-            }
+        for (i, &y) in self.y.iter().enumerate().filter(|(_, y)| y.high != 0.0) {
+            let limit = if y.high > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
+            sum.add(-y, limit.into());
         }
-        let curved = |j: usize| self.curved.as_ref().is_some_and(|c| c.member[j]);
-        let (mut residual, mut spread) = (0.0_f64, 0.0_f64);
         for j in 0..self.x.len() {
-            // The gradient is known up to its rounding; take the worse end.
-            let g = gradient.value[j];
-            let error = 4.0 * f64::EPSILON * gradient.size[j];
+            let (g, error) = (gradient.value[j], gradient.error(j));
             let reach = |bound: f64| {
                 if bound.is_finite() { bound } else { bound.signum() * tolerance::FREE_RADIUS }
             };
             let (lower, upper) = (reach(program.lower[j]), reach(program.upper[j]));
-            if curved(j) {
-                // The term g_j x̂_j remains; the rest is charged below.
-                add(g * self.x[j]);
-                residual = residual.hypot(g.abs() + error);
-                continue;
+            if g.high.abs() <= error {
+                // The sign is not known; take the worse end of both.
+                let slope = -(2.0 * g.high.abs() + error);
+                sum.add(slope.into(), lower.abs().max(upper.abs()).into());
+            } else {
+                let corner = if g.high > 0.0 { lower } else { upper };
+                sum.add(g, corner.into());
+                sum.add((-error).into(), corner.abs().into());
             }
-            spread = spread.hypot((upper - self.x[j]).abs().max((self.x[j] - lower).abs()));
-            let corner = (g * lower).min(g * upper);
-            add(corner);
-            add(-error * lower.abs().max(upper.abs()));
         }
-        if let Some(Curved { inverse, coupling, .. }) = &self.curved {
-            add(-residual * inverse * (coupling * spread + 0.5 * residual));
-        }
-        let bound = sum - 1e-15 * size * ((self.x.len() + self.y.len()) as f64).sqrt();
+        let bound = (sum.value.high - ROUNDING * sum.size).next_down();
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
     }
 
-    /// Makes the gradient vanish on the given columns: by moving `x̂` where the objective is
-    /// strictly convex there, else by moving the multipliers of rows that press.
-    fn correct(&mut self, free: &[usize], gradient: &Gradient) -> bool {
-        const LARGEST_DENSE: usize = 400;
-        if free.is_empty() || free.len() > LARGEST_DENSE {
+    /// Makes the gradient vanish on the given columns by the least change of `x̂` on them and of
+    /// the multipliers of rows that press.
+    fn correct(&mut self, columns: &[usize], gradient: &Gradient) -> bool {
+        let (program, k) = (self.program, columns.len());
+        if k == 0 || k > MOST_CORRECTED {
             return false;
         }
-        let k = free.len();
-        let target = Mat::from_fn(k, 1, |r, _| -gradient.value[free[r]]);
         let mut position = vec![usize::MAX; self.x.len()];
-        for (r, &j) in free.iter().enumerate() {
-            position[j] = r;
-        }
-        let program = self.program;
+        columns.iter().enumerate().for_each(|(r, &j)| position[j] = r);
+        let within = |j: &usize| position[*j] < k;
+
+        // Each change of one entry of `x̂` or `y` moves the gradient along one of these.
+        let mut levers: Vec<(Lever, f64, Vec<(usize, f64)>)> = Vec::new();
         if self.objective {
-            let (mut curvature, mut coupling) = (Mat::<f64>::zeros(k, k), 0.0_f64);
-            for j in 0..self.x.len() {
+            let mut curvature = vec![Vec::new(); k];
+            for &j in columns {
                 let (rows, entries) = program.quadratic.vector(j);
-                for (&i, &p) in rows.iter().zip(entries) {
-                    let (r, c) = (position[i], position[j]);
-                    if r < k && c < k {
-                        curvature[(r, c)] = p;
-                        curvature[(c, r)] = p;
-                    } else if r < k || c < k {
-                        coupling = coupling.hypot(p);
+                for (&i, &p) in rows.iter().zip(entries).filter(|(i, _)| within(i)) {
+                    curvature[position[j]].push((position[i], p));
+                    if i != j {
+                        curvature[position[i]].push((position[j], p));
                     }
                 }
             }
-            let well_posed = (0..k).all(|r| curvature[(r, r)] > 0.0);
-            if well_posed && let Ok(factor) = curvature.llt(faer::Side::Lower) {
-                let step = factor.solve(&target);
-                let inverse = factor.solve(Mat::<f64>::identity(k, k)).norm_l2();
-                let moved: Vec<f64> = (0..k).map(|r| step[(r, 0)]).collect();
-                if inverse.is_finite() && moved.iter().all(|s| s.is_finite()) {
-                    let member = position.iter().map(|&r| r < k).collect();
-                    self.curved = Some(Curved { member, inverse, coupling });
-                    free.iter().zip(moved).for_each(|(&j, s)| self.x[j] += s);
-                    return true;
-                }
-            }
+            let levers_of = columns.iter().zip(curvature);
+            levers.extend(levers_of.map(|(&j, effect)| (Lever::Point(j), 1.0, effect)));
         }
-        // Least change of the multipliers, weighted so that signs survive.
-        let weight = |i: usize| {
-            if program.row_lower[i] == program.row_upper[i] {
-                1.0
-            } else {
-                self.y[i].abs().min(1.0)
-            }
-        };
-        let mut normal = Mat::<f64>::zeros(k, k);
-        let mut touched = Vec::new();
-        for i in 0..self.y.len() {
+        for (i, y) in self.y.iter().enumerate() {
+            // Multipliers of inequalities move little when they are small, so that signs survive.
+            let weight = if is_equality(program, i) { 1.0 } else { y.high.abs().min(1.0) };
             let (columns, values) = program.rows.vector(i);
-            let part: Vec<(usize, f64)> = columns
-                .iter()
-                .zip(values)
-                .filter(|(j, _)| position[**j] < k)
-                .map(|(&j, &a)| (position[j], a))
-                .collect();
-            let w = weight(i).powi(2);
-            if part.is_empty() || w == 0.0 {
-                continue;
-            }
-            for &(r, a) in &part {
-                for &(c, b) in &part {
-                    normal[(r, c)] += w * a * b;
+            let entries = columns.iter().zip(values).filter(|(j, _)| within(j));
+            let effect = entries.map(|(&j, &a)| (position[j], a)).collect();
+            levers.push((Lever::Multiplier(i), weight, effect));
+        }
+        levers.retain(|(_, weight, effect)| *weight > 0.0 && !effect.is_empty());
+
+        let mut normal = Mat::<f64>::zeros(k, k);
+        for (_, weight, effect) in &levers {
+            for &(r, a) in effect {
+                for &(c, b) in effect {
+                    normal[(r, c)] += weight * weight * a * b;
                 }
             }
-            touched.push((i, w, part));
         }
-        let trace = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
-        for r in 0..k {
-            normal[(r, r)] += 1e-13 * trace;
-        }
+        let largest = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
+        (0..k).for_each(|r| normal[(r, r)] += 1e-13 * largest);
         let Ok(factor) = normal.llt(faer::Side::Lower) else { return false };
-        let solution = factor.solve(&target);
-        for (i, w, part) in touched {
-            let step: f64 = w * part.iter().map(|&(r, a)| a * solution[(r, 0)]).sum::<f64>();
-            let moved = self.y[i] + step;
-            let equality = program.row_lower[i] == program.row_upper[i];
-            if moved.is_finite() && (equality || moved * self.y[i] >= 0.0) {
-                self.y[i] = moved;
+        let target = Mat::from_fn(k, 1, |r, _| -gradient.value[columns[r]].high);
+        let multiplier = factor.solve(&target);
+        for (lever, weight, effect) in levers {
+            let along: f64 = effect.iter().map(|&(r, a)| a * multiplier[(r, 0)]).sum();
+            let step = weight * weight * along;
+            if !step.is_finite() {
+                return false;
+            }
+            match lever {
+                Lever::Point(j) => self.x[j] = self.x[j].plus(step),
+                Lever::Multiplier(i) => {
+                    let moved = self.y[i].plus(step);
+                    let keeps_sign = moved.high * self.y[i].high >= 0.0;
+                    let allowed = keeps_sign || is_equality(program, i);
+                    self.y[i] = if allowed { moved } else { Extended::default() };
+                }
             }
         }
         true
     }
+}
+
+/// What may be moved to change the gradient.
+enum Lever {
+    /// An entry of `x̂`.
+    Point(usize),
+    /// An entry of `y`.
+    Multiplier(usize),
+}
+
+fn is_equality(program: &Reduced, row: usize) -> bool {
+    program.row_lower[row] == program.row_upper[row]
 }

@@ -101,11 +101,21 @@ fn settings(effort: &Effort) -> DefaultSettings<f64> {
     }
 }
 
+/// The power of two by which a row in an unusual unit is multiplied; 1 for all others. Rows with
+/// coefficients of 1e5 next to a curvature of 1 make the backend give up.
+fn row_factor(program: &Reduced, row: usize) -> f64 {
+    let largest = program.rows.vector(row).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    let usual = (1e-3..=1e3).contains(&largest) || largest == 0.0;
+    if usual { 1.0 } else { (-largest.log2().round()).exp2() }
+}
+
 struct Conic {
     matrix: CscMatrix<f64>,
     right: Vec<f64>,
     cones: Vec<SupportedConeT<f64>>,
     sources: Vec<Source>,
+    /// What each row of the program was multiplied by.
+    factors: Vec<f64>,
 }
 
 impl Conic {
@@ -117,15 +127,16 @@ impl Conic {
                 right.push(limit);
             }
         };
+        let factors: Vec<f64> = (0..program.rows.len()).map(|i| row_factor(program, i)).collect();
         let limits = || program.row_lower.iter().zip(&program.row_upper).enumerate();
         let mut equalities = 0;
         for (i, (_, &limit)) in limits().filter(|(_, (l, u))| l == u) {
-            push(Source::Equality(i), limit);
+            push(Source::Equality(i), limit * factors[i]);
             equalities += 1;
         }
         for (i, (&lower, &upper)) in limits().filter(|(_, (l, u))| l != u) {
-            push(Source::Upper(i), upper);
-            push(Source::Lower(i), -lower);
+            push(Source::Upper(i), upper * factors[i]);
+            push(Source::Lower(i), -lower * factors[i]);
         }
         for (j, (&lower, &upper)) in program.lower.iter().zip(&program.upper).enumerate() {
             push(Source::UpperBound(j), upper);
@@ -139,8 +150,8 @@ impl Conic {
         if inequalities > 0 {
             cones.push(SupportedConeT::NonnegativeConeT(inequalities));
         }
-        let matrix = conic_matrix(program, &sources);
-        Conic { matrix, right, cones, sources }
+        let matrix = conic_matrix(program, &sources, &factors);
+        Conic { matrix, right, cones, sources, factors }
     }
 
     /// Multipliers of the program's rows from conic ones, clipped to their cone.
@@ -148,9 +159,9 @@ impl Conic {
         let mut y = vec![0.0; rows];
         for (source, &z) in self.sources.iter().zip(z) {
             match *source {
-                Source::Equality(i) => y[i] = z,
-                Source::Upper(i) => y[i] += z.max(0.0),
-                Source::Lower(i) => y[i] -= z.max(0.0),
+                Source::Equality(i) => y[i] = z * self.factors[i],
+                Source::Upper(i) => y[i] += z.max(0.0) * self.factors[i],
+                Source::Lower(i) => y[i] -= z.max(0.0) * self.factors[i],
                 Source::UpperBound(_) | Source::LowerBound(_) => {}
             }
         }
@@ -159,18 +170,18 @@ impl Conic {
 }
 
 /// The conic matrix by columns; going through the conic rows in order keeps every column sorted.
-fn conic_matrix(program: &Reduced, sources: &[Source]) -> CscMatrix<f64> {
+fn conic_matrix(program: &Reduced, sources: &[Source], factors: &[f64]) -> CscMatrix<f64> {
     let n = program.columns.len();
     let for_each_entry = |visit: &mut dyn FnMut(usize, usize, f64)| {
         for (k, source) in sources.iter().enumerate() {
             match *source {
                 Source::Equality(i) | Source::Upper(i) => {
                     let (columns, values) = program.rows.vector(i);
-                    columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, a));
+                    columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, a * factors[i]));
                 }
                 Source::Lower(i) => {
                     let (columns, values) = program.rows.vector(i);
-                    columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, -a));
+                    columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, -a * factors[i]));
                 }
                 Source::UpperBound(j) => visit(j, k, 1.0),
                 Source::LowerBound(j) => visit(j, k, -1.0),

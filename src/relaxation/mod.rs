@@ -7,6 +7,7 @@
 
 mod bound;
 mod clarabel;
+mod extended;
 mod polish;
 
 pub use bound::{lower_bound, proves_infeasible};

@@ -121,7 +121,7 @@ impl Worker<'_> {
                     child - bound,
                     fraction,
                 );
-                let child = self.tree.strengthen(child);
+                let child = self.tree.strengthen(child.min(self.cutoff));
                 let beyond = child >= self.tree.cutoff();
                 if beyond {
                     self.tree.close(child);

@@ -3,6 +3,7 @@
 use super::worker::{Verdict, Worker};
 use crate::presolve::{Reduced, Reduction, reduce};
 use crate::relaxation::polish;
+use crate::tolerance;
 
 impl Worker<'_> {
     /// Fixes all integers to the rounded values of `point`, solves the rest and offers the
@@ -40,7 +41,13 @@ impl Worker<'_> {
     pub(super) fn offer_leaf(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
         let mut polished = x.to_vec();
         polish(reduced, &mut polished);
+        // Bounds are proved inside a radius only; a point outside must not be measured by them.
+        let open = |j: usize| reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite();
         for candidate in [&polished[..], x] {
+            let far = |(j, v): (usize, &f64)| v.abs() > tolerance::FREE_RADIUS && open(j);
+            if candidate.iter().enumerate().any(far) {
+                continue;
+            }
             let mut point = reduced.lift(candidate);
             for &j in &self.program().integers {
                 point[j] = point[j].round();

@@ -94,7 +94,9 @@ impl<'a> Tree<'a> {
         bound.max(offset + steps * self.granularity)
     }
 
-    /// Nodes with at least this bound cannot improve the incumbent by more than the gap.
+    /// Nodes with at least this bound cannot improve the incumbent by more than the gap, or by
+    /// less than the objective can. A little inside either, so that a bound at the cutoff still
+    /// proves the gap.
     pub(super) fn cutoff(&self) -> f64 {
         self.cutoff_of(&self.lock())
     }
@@ -104,7 +106,8 @@ impl<'a> Tree<'a> {
             None => f64::INFINITY,
             Some((value, _)) => {
                 let options = self.task.options;
-                value - options.absolute_gap.max(options.relative_gap * value.abs())
+                let gap = options.absolute_gap.max(options.relative_gap * value.abs());
+                value - (0.9 * gap).max(0.99 * self.granularity)
             }
         }
     }

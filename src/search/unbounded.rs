@@ -1,6 +1,49 @@
 //! Recession directions: proof that a program has no finite optimum.
 
-use crate::presolve::Reduced;
+use crate::presolve::{Compressed, Reduced};
+use crate::tolerance;
+
+/// The program whose solutions are the steepest recession directions: the rows and bounds without
+/// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
+/// box leaves no direction.
+pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
+    let n = program.columns.len();
+    let cone = |limit: &f64| if limit.is_finite() { 0.0 } else { *limit };
+    let side = |bound: &f64| if bound.is_finite() { 0.0 } else { bound.signum() };
+    let mut directions = Reduced {
+        columns: (0..n).collect(),
+        values: vec![0.0; n],
+        quadratic: Compressed { start: vec![0; n + 1], ..Compressed::default() },
+        linear: program.linear.clone(),
+        offset: 0.0,
+        rows: program.rows.clone(),
+        row_lower: program.row_lower.iter().map(cone).collect(),
+        row_upper: program.row_upper.iter().map(cone).collect(),
+        lower: program.lower.iter().map(side).collect(),
+        upper: program.upper.iter().map(side).collect(),
+    };
+    if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {
+        return None;
+    }
+    let mut curvature = vec![Vec::new(); n];
+    for j in 0..n {
+        let (rows, entries) = program.quadratic.vector(j);
+        for (&i, &p) in rows.iter().zip(entries) {
+            curvature[i].push((j, p));
+            if i != j {
+                curvature[j].push((i, p));
+            }
+        }
+    }
+    for row in curvature.iter().filter(|row| !row.is_empty()) {
+        directions.rows.index.extend(row.iter().map(|(j, _)| j));
+        directions.rows.value.extend(row.iter().map(|(_, p)| p));
+        directions.rows.start.push(directions.rows.index.len());
+        directions.row_lower.push(0.0);
+        directions.row_upper.push(0.0);
+    }
+    Some(directions)
+}
 
 /// Whether `ray` is a direction along which the reduced program stays feasible and its objective
 /// falls without limit.
@@ -16,6 +59,7 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     if cost.is_nan() || cost >= -1e-6 * cost_scale {
         return false;
     }
+    // Along the ray the objective falls at least as far as the radius that bounds are proved for.
     let mut curved = vec![0.0; d.len()];
     for j in 0..d.len() {
         let (rows, entries) = program.quadratic.vector(j);
@@ -26,7 +70,9 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
             }
         }
     }
-    let flat = curved.iter().all(|c| c.abs() <= MARGIN * cost_scale.max(1.0));
+    let bend: f64 = curved.iter().zip(&d).map(|(c, d)| c * d).sum();
+    let flat = bend * tolerance::FREE_RADIUS <= -cost
+        && curved.iter().all(|c| c.abs() <= MARGIN * cost_scale.max(1.0));
     let bounds = d.iter().enumerate().all(|(j, &d)| {
         (d <= MARGIN || program.upper[j].is_infinite())
             && (d >= -MARGIN || program.lower[j].is_infinite())
@@ -34,7 +80,7 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let rows = (0..program.rows.len()).all(|i| {
         let (columns, values) = program.rows.vector(i);
         let change: f64 = columns.iter().zip(values).map(|(&j, &a)| a * d[j]).sum();
-        let scale = values.iter().fold(1.0_f64, |m, a| m.max(a.abs()));
+        let scale = values.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
         (change <= MARGIN * scale || program.row_upper[i].is_infinite())
             && (change >= -MARGIN * scale || program.row_lower[i].is_infinite())
     });

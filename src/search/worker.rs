@@ -5,18 +5,19 @@ use web_time::{Duration, Instant};
 use super::branching::{Pseudocosts, Split};
 use super::node::{Decision, Node};
 use super::tree::Tree;
-use super::unbounded::is_descent_ray;
+use super::unbounded::{is_descent_ray, recession_program};
 use super::{Found, Task, search};
 use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, probe, reduce};
 use crate::program::Program;
 use crate::relaxation::{
-    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, proves_infeasible,
+    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
 };
 use crate::solution::Termination;
 use crate::solver::{Control, Event};
+use crate::tolerance;
 
-/// Trials of probing at the root, and at a node of a program without objective. Each costs a
-/// propagation of the rows it reaches.
+/// Trials of probing at the root and at every other node. Each costs a propagation of the rows it
+/// reaches. Measured: on wall, puck and box programs probing at nodes saves three of four nodes.
 const ROOT_TRIALS: usize = 4000;
 const NODE_TRIALS: usize = 200;
 
@@ -62,9 +63,12 @@ pub(super) struct Worker<'a> {
     /// Trail position after root propagation.
     root: usize,
     root_conflict: Option<Conflict>,
+    /// The cutoff that propagation uses at the current node.
+    pub(super) cutoff: f64,
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
-    feasibility_problem: bool,
+    /// Whether the root, probed before the search, has been processed.
+    root_done: bool,
 }
 
 /// What a relaxation, verified, says about a node.
@@ -94,8 +98,9 @@ impl<'a> Worker<'a> {
             pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
             root_conflict: root.conflict,
+            cutoff: f64::INFINITY,
             since_rounding: u64::MAX,
-            feasibility_problem: task.program.is_feasibility_problem(),
+            root_done: false,
         }
     }
 
@@ -123,21 +128,18 @@ impl<'a> Worker<'a> {
     /// Processes a node; returns the child to plunge into.
     fn process(&mut self, node: Node) -> Option<Node> {
         self.tree.count(|s| s.nodes += 1);
-        let refuted = || self.tree.count(|s| s.refuted_by_propagation += 1);
-        if self.root_conflict.is_some() {
-            refuted();
-            return None;
-        }
-        if self.enter(&node.path).is_err() {
+        let entered = self.root_conflict.is_none() && self.enter(&node.path).is_ok();
+        let reduction = entered.then(|| reduce(self.program(), &self.domain));
+        let Some(Reduction::Reduced(reduced)) = reduction else {
             self.tree.count(|s| s.refuted_by_propagation += 1);
-            return None;
-        }
-        let Reduction::Reduced(reduced) = reduce(self.program(), &self.domain) else {
-            self.tree.count(|s| s.refuted_by_propagation += 1);
+            self.close_refuted();
             return None;
         };
         let (bound, x) = match self.relax(&reduced, node.path.is_empty()) {
-            Verdict::Refuted => return None,
+            Verdict::Refuted => {
+                self.close_refuted();
+                return None;
+            }
             Verdict::Stopped => {
                 let reason = self.tree.limit_reached().unwrap_or(Termination::Interrupted);
                 self.tree.give_back(self.id, node, reason);
@@ -152,7 +154,7 @@ impl<'a> Worker<'a> {
                     let gain = bound - node.bound;
                     self.pseudocosts.learn(last.column, !last.is_upper, gain, node.fraction);
                 }
-                (self.tree.strengthen(bound.max(node.bound)), x)
+                (self.tree.strengthen(bound.min(self.cutoff)).max(node.bound), x)
             }
         };
         if bound >= self.tree.cutoff() {
@@ -177,6 +179,13 @@ impl<'a> Worker<'a> {
         self.branch(node, bound, &point)
     }
 
+    /// A node without a feasible point below the cutoff in force.
+    fn close_refuted(&self) {
+        if self.cutoff < f64::INFINITY {
+            self.tree.close(self.tree.strengthen(self.cutoff));
+        }
+    }
+
     fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
         let split = self.choose_split(point, bound);
         let child = |decision: Decision| {
@@ -190,8 +199,14 @@ impl<'a> Worker<'a> {
             self.domain.lower(d.column).is_finite() && self.domain.upper(d.column).is_finite()
         };
         match split {
-            Split::Nothing => None,
-            Split::One(only) => Some(child(only)),
+            Split::Nothing => {
+                self.close_refuted();
+                None
+            }
+            Split::One(only) => {
+                self.close_refuted();
+                Some(child(only))
+            }
             // Without any bound, splitting an unbounded column would never end.
             Split::Both([first, second]) if bound > f64::NEG_INFINITY || bounded(&first) => {
                 self.tree.push(child(second));
@@ -212,6 +227,7 @@ impl<'a> Worker<'a> {
             self.domain.undo_to(self.root);
             self.path.clear();
         }
+        self.cutoff = self.propagator.set_cutoff(self.task.program, self.tree.cutoff());
         let mark = self.domain.mark();
         let fresh = &path[self.path.len()..];
         for decision in fresh {
@@ -219,11 +235,12 @@ impl<'a> Worker<'a> {
         }
         let program = self.task.program;
         let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
-        if result.is_ok() && !fresh.is_empty() && self.feasibility_problem {
+        if result.is_ok() && self.root_done {
             let (domain, propagator) = (&mut self.domain, &mut self.propagator);
             let go_on = || self.tree.limit_reached().is_none();
             result = probe(program, domain, propagator, &self.late_first, NODE_TRIALS, &go_on);
         }
+        self.root_done = true;
         if result.is_ok() {
             self.path.extend_from_slice(fresh);
         } else {
@@ -232,12 +249,21 @@ impl<'a> Worker<'a> {
         result
     }
 
-    /// Solves a reduced program and verifies the answer, trying harder once.
+    /// Solves a reduced program and verifies the answer, trying harder once. A leaf's point may
+    /// become the answer, so there the gap asked for counts.
     pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
         if reduced.columns.is_empty() {
             return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
         }
         let feasibility_problem = reduced.is_feasibility_problem();
+        let options = self.task.options;
+        let leaf = self.is_leaf();
+        let close = |value: f64| {
+            let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
+            let enough = 1e-6 * value.abs().max(1.0);
+            if leaf { enough.min(wanted) } else { enough }
+        };
+        let mut settled = false;
         let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
         // Iterations are capped: a program infeasible by a hair keeps an interior-point method
         // busy without a verdict.
@@ -272,17 +298,42 @@ impl<'a> Worker<'a> {
                     };
                     let value = reduced.objective(&answer.x);
                     let solved = answer.claim == Claim::Solved;
+                    let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                     if bound >= best.0 || solved {
                         best = (bound.max(best.0), answer.x);
                     }
-                    if solved && value - bound <= 1e-6 * value.abs().max(1.0) {
+                    let near = answer_size <= tolerance::FREE_RADIUS;
+                    settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
+                    if solved && value - bound <= close(value) {
                         break;
                     }
                 }
                 _ => {}
             }
         }
+        if look_for_descent && !settled && self.falls_forever(reduced) {
+            return Verdict::Descent;
+        }
         Verdict::Relaxed { bound: best.0, x: best.1 }
+    }
+
+    /// Looks for a direction of descent without end where the backend named none.
+    fn falls_forever(&mut self, reduced: &Reduced) -> bool {
+        let Some(directions) = recession_program(reduced) else { return false };
+        let effort = Effort {
+            iterations: 200,
+            tolerance: 1e-9,
+            refinements: 10,
+            time: self.tree.time_left(),
+            interrupt: self.tree.interrupt().clone(),
+        };
+        let mut answer = self.relaxation.solve(&directions, &effort);
+        self.tree.count(|s| {
+            s.relaxations += 1;
+            s.iterations += answer.iterations;
+        });
+        polish(&directions, &mut answer.x);
+        is_descent_ray(reduced, &answer.x)
     }
 
     /// A root without a bound below: unbounded if there is any feasible point.

@@ -1,8 +1,8 @@
 //! Exact sums of decimal numbers, for two-sided rows.
 //!
 //! MPS gives a two-sided row as one limit and the distance to the other. In binary arithmetic the
-//! other limit often cannot be hit: no double `r` makes `1.1 - r` round to the neighbour of
-//! `-1.2` one wants. The file holds decimals, so the sum is formed on the decimals and rounded
+//! other limit often cannot be hit: no double `r` makes `1.1 - r` round to -1.2, and none makes
+//! `-1.2 + r` round to 1.1. The file holds decimals, so the sum is formed on the decimals and rounded
 //! once; then every pair of limits has a distance that leads back to it.
 
 use std::fmt;
@@ -177,7 +177,7 @@ mod tests {
     fn what_is_too_wide_is_refused() {
         assert_eq!(sum("1e600", "1e-600"), "none");
         assert_eq!(Decimal::parse("1e99999999999"), None);
-        assert_eq!(Decimal::parse("1e-2147483648").and_then(|d| d.plus(&d)).is_some(), true);
+        assert!(Decimal::parse("1e-2147483648").and_then(|d| d.plus(&d)).is_some());
         assert_eq!(Decimal::parse("1.5e-2147483648"), None);
         assert_eq!(Decimal::parse("inf"), None);
         assert_eq!(Decimal::parse("1x"), None);

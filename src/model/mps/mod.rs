@@ -1,6 +1,6 @@
 //! Models as MPS files, the common language of solvers.
 //!
-//! [`read`] takes free MPS, and fixed MPS as long as no name contains a space. [`write`] makes
+//! [`read()`] takes free MPS, and fixed MPS as long as no name contains a space. [`write()`] makes
 //! free MPS that leads back to the same model: names, order, kinds, limits and coefficients, every
 //! number to the last bit.
 //!
@@ -63,10 +63,12 @@
 //! * A continuous column lies within `[0, inf)`.
 //! * An integer column between markers that no entry of `BOUNDS` mentions lies within `[0, 1]`.
 //!   One entry of any kind cancels this, and the other bound is then 0 or `inf`. Most solvers
-//!   read such columns this way, some older ones take `[0, inf)`; [`write`] leaves nothing to the
-//!   default.
-//! * A negative upper bound makes a lower bound that is not given `-inf`; an upper bound of 0
-//!   leaves it at 0. `MI` leaves the upper bound at `inf`.
+//!   read such columns this way, some take `[0, inf)`.
+//! * A negative upper bound makes a lower bound that is not given `-inf` (some solvers leave it at
+//!   0, and the column is empty); an upper bound of 0 leaves it at 0. `MI` leaves the upper bound
+//!   at `inf`.
+//!
+//! [`write()`] leaves nothing to these defaults but `[0, inf)` for a continuous column.
 //!
 //! An integer column whose bounds lie within `[0, 1]` becomes a
 //! [binary](crate::model::VariableKind::Binary). MPS cannot tell the two apart, and only a binary
@@ -88,6 +90,7 @@
 mod bounds;
 mod build;
 mod decimal;
+mod names;
 mod read;
 mod token;
 mod write;

@@ -1,8 +1,7 @@
 //! Reading: from lines to rows and columns as the file lists them.
 
-use std::collections::HashMap;
-
 use super::bounds::{self, Bounds};
+use super::names::Names;
 use super::token::{self, Token};
 use crate::error::Error;
 use crate::model::name::Name;
@@ -18,9 +17,11 @@ pub(super) struct File<'a> {
     pub(super) objective: Option<usize>,
     pub(super) products: Vec<Product<'a>>,
     pub(super) mirrored: bool,
-    row_index: HashMap<&'a str, usize>,
-    column_index: HashMap<&'a str, usize>,
-    set_names: HashMap<Section, &'a str>,
+    row_names: Names<'a>,
+    column_names: Names<'a>,
+    right_set: Option<&'a str>,
+    range_set: Option<&'a str>,
+    bound_set: Option<&'a str>,
     /// The marker that opened a stretch of integer columns.
     integers: Option<Token<'a>>,
 }
@@ -71,7 +72,7 @@ pub(super) struct Condition<'a> {
     pub(super) place: Token<'a>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Section {
     Start,
     Objsense,
@@ -198,13 +199,11 @@ impl<'a> File<'a> {
                 return Err(kind.error(format!("row kind `{other}` is not one of N, L, G and E")));
             }
         };
-        let index = self.rows.len();
         check_name(&name)?;
-        if let Some(first) = self.row_index.insert(name.text, index) {
-            let line = self.rows[first].name.line();
-            let text = name.text;
-            return Err(name.error(format!("row `{text}` was already declared in line {line}")));
-        }
+        let index = self.row_names.declare(name.text).map_err(|first| {
+            let (text, line) = (name.text, self.rows[first].name.line());
+            name.error(format!("row `{text}` was already declared in line {line}"))
+        })?;
         if kind == RowKind::Objective {
             self.objective = Some(index);
         }
@@ -256,15 +255,13 @@ impl<'a> File<'a> {
     }
 
     fn new_column(&mut self, name: Token<'a>) -> Result<usize, Error> {
-        let index = self.columns.len();
         check_name(&name)?;
-        if let Some(first) = self.column_index.insert(name.text, index) {
-            let line = self.columns[first].name.line();
-            let text = name.text;
-            return Err(name.error(format!(
+        let index = self.column_names.declare(name.text).map_err(|first| {
+            let (text, line) = (name.text, self.columns[first].name.line());
+            name.error(format!(
                 "column `{text}` already began in line {line}; its entries must stand together"
-            )));
-        }
+            ))
+        })?;
         let integer = self.integers.is_some();
         self.columns.push(Column { name, integer, bounds: Bounds::default() });
         Ok(index)
@@ -291,7 +288,11 @@ impl<'a> File<'a> {
         let entries = match tokens.len() % 2 {
             0 => tokens,
             _ => {
-                self.check_set(section, &tokens[0])?;
+                let set = match section {
+                    Section::Ranges => &mut self.range_set,
+                    _ => &mut self.right_set,
+                };
+                check_set(set, &tokens[0])?;
                 &tokens[1..]
             }
         };
@@ -332,7 +333,7 @@ impl<'a> File<'a> {
             }
         };
         if let Some(set) = set {
-            self.check_set(Section::Bounds, set)?;
+            check_set(&mut self.bound_set, set)?;
         }
         let index = self.find_column(column)?;
         let integer = self.columns[index].bounds.take(kind, column, value)?;
@@ -341,8 +342,9 @@ impl<'a> File<'a> {
     }
 
     /// Whether of two words after a kind without value the first is the column.
-    fn is_bare(&self, first: &Token<'a>, second: &Token<'a>) -> bool {
-        !self.column_index.contains_key(second.text) && self.column_index.contains_key(first.text)
+    fn is_bare(&mut self, first: &Token<'a>, second: &Token<'a>) -> bool {
+        self.column_names.find(second.text).is_none()
+            && self.column_names.find(first.text).is_some()
     }
 
     fn product(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
@@ -391,27 +393,25 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Only one right-hand side, one set of ranges and one set of bounds can be meant.
-    fn check_set(&mut self, section: Section, name: &Token<'a>) -> Result<(), Error> {
-        let first = *self.set_names.entry(section).or_insert(name.text);
-        if first == name.text {
-            return Ok(());
-        }
-        Err(name.error(format!(
-            "a second set `{}` beside `{first}`; only one set can be read",
-            name.text
-        )))
-    }
-
-    fn find_row(&self, name: &Token<'a>) -> Result<usize, Error> {
-        let found = self.row_index.get(name.text).copied();
+    fn find_row(&mut self, name: &Token<'a>) -> Result<usize, Error> {
+        let found = self.row_names.find(name.text);
         found.ok_or_else(|| name.error(format!("row `{}` was not declared in ROWS", name.text)))
     }
 
-    fn find_column(&self, name: &Token<'a>) -> Result<usize, Error> {
-        let found = self.column_index.get(name.text).copied();
+    fn find_column(&mut self, name: &Token<'a>) -> Result<usize, Error> {
+        let found = self.column_names.find(name.text);
         found.ok_or_else(|| name.error(format!("column `{}` is not in COLUMNS", name.text)))
     }
+}
+
+/// Only one right-hand side, one set of ranges and one set of bounds can be meant.
+fn check_set<'a>(set: &mut Option<&'a str>, name: &Token<'a>) -> Result<(), Error> {
+    let first = *set.get_or_insert(name.text);
+    if first == name.text {
+        return Ok(());
+    }
+    let text = name.text;
+    Err(name.error(format!("a second set `{text}` beside `{first}`; only one set can be read")))
 }
 
 /// The tokens of a line that must have exactly `N`.

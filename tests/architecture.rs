@@ -1,0 +1,180 @@
+//! The floors of the house: who may import whom, who may name the relaxation's library, and how
+//! long a file may be. See `docs/architecture.md`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What everything stands on, from the bottom up; each module sees those before it.
+const GROUND: [&str; 6] = ["error", "tolerance", "interval", "model", "solution", "solver"];
+
+/// The modelling tower on the ground, from the bottom up.
+const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];
+
+/// The solving tower on the ground, from the bottom up.
+const SOLVING: [&str; 6] =
+    ["reformulate", "program", "presolve", "relaxation", "search", "branch_and_bound"];
+
+/// Files that name everything.
+const EXEMPT: [&str; 2] = ["lib", "prelude"];
+
+/// The longest file, in lines.
+const LONGEST: usize = 500;
+
+struct Source {
+    path: PathBuf,
+    /// Modules from the root of the crate, `["model", "mps", "read"]`.
+    module: Vec<String>,
+    text: String,
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut sources = Vec::new();
+    let mut folders = vec![root.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let module = path.strip_prefix(&root).unwrap().with_extension("");
+                let names = module.iter().map(|name| name.to_string_lossy().into_owned());
+                let module = names.filter(|name| name != "mod").collect();
+                let text = fs::read_to_string(&path).unwrap();
+                sources.push(Source { path, module, text });
+            }
+        }
+    }
+    sources.sort_by(|a, b| a.path.cmp(&b.path));
+    sources
+}
+
+/// The text without line comments; in this crate `//` stands in no string.
+fn code(text: &str) -> String {
+    let lines = text.lines().map(|line| line.split("//").next().unwrap_or(""));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The first names of the paths after each `crate::`, braces opened, in `code`.
+fn after_crate(code: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for (start, _) in code.match_indices("crate::") {
+        let rest = &code[start + "crate::".len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            names.push(first_name(rest));
+            continue;
+        };
+        let (mut depth, mut at_start) = (0_usize, true);
+        for (k, letter) in list.char_indices() {
+            match letter {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => at_start = true,
+                _ if letter.is_whitespace() => {}
+                _ if at_start => {
+                    names.push(first_name(&list[k..]));
+                    at_start = false;
+                }
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+/// Names reached by climbing to the root of the crate with `super::`.
+fn after_super(code: &str, depth: usize) -> Vec<String> {
+    let climb = "super::".repeat(depth);
+    let found = code.match_indices(&climb).map(|(start, _)| &code[start + climb.len()..]);
+    found.map(first_name).filter(|name| is_module(name)).collect()
+}
+
+fn first_name(path: &str) -> String {
+    path.chars().take_while(|&c| c.is_alphanumeric() || c == '_').collect()
+}
+
+fn is_module(name: &str) -> bool {
+    [&GROUND[..], &MODELLING, &SOLVING].concat().contains(&name)
+}
+
+/// What a module may import, or `None` for a module that has no floor yet.
+fn allowed(module: &str) -> Option<Vec<&'static str>> {
+    let below = |tower: &'static [&'static str]| {
+        let floor = tower.iter().position(|name| *name == module)?;
+        Some(tower[..=floor].to_vec())
+    };
+    below(&GROUND).or_else(|| {
+        let tower = below(&MODELLING).or_else(|| below(&SOLVING))?;
+        Some([&GROUND[..], &tower].concat())
+    })
+}
+
+#[test]
+fn imports_run_downward() {
+    let mut wrong = Vec::new();
+    for source in sources() {
+        let module = source.module.first().map(String::as_str).unwrap_or("");
+        if EXEMPT.contains(&module) {
+            continue;
+        }
+        let Some(allowed) = allowed(module) else {
+            wrong.push(format!("{}: no floor for module `{module}`", source.path.display()));
+            continue;
+        };
+        let code = code(&source.text);
+        let mut names = after_crate(&code);
+        names.extend(after_super(&code, source.module.len()));
+        for name in names {
+            // Re-exports at the root count as the module they come from.
+            let target = match name.as_str() {
+                "Error" => "error",
+                "BranchAndBound" => "branch_and_bound",
+                name => name,
+            };
+            if !allowed.contains(&target) {
+                wrong.push(format!("{}: uses `crate::{name}`", source.path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "imports against the floors:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn one_file_names_the_relaxation_library() {
+    let mut naming = Vec::new();
+    for source in sources() {
+        let code = code(&source.text);
+        // The parent module may re-export from its own module of the same name.
+        let code = code.replace("pub use clarabel::ClarabelRelaxation;", "");
+        if code.contains("clarabel::") {
+            naming.push(source.module.join("::"));
+        }
+    }
+    assert_eq!(naming, ["relaxation::clarabel"]);
+}
+
+#[test]
+fn files_stay_short() {
+    let long: Vec<String> = sources()
+        .iter()
+        .filter(|source| source.text.lines().count() > LONGEST)
+        .map(|source| format!("{}: {}", source.path.display(), source.text.lines().count()))
+        .collect();
+    assert!(long.is_empty(), "files over {LONGEST} lines:\n{}", long.join("\n"));
+}
+
+#[test]
+fn the_check_sees_what_it_should() {
+    let code = code(
+        "use crate::error::Error; // crate::search\n/// [`x`](crate::search)\n\
+         use crate::{\n    model::{Model, Name},\n    solution::Solution,\n};\n\
+         fn f() { crate::solver::g() }",
+    );
+    assert_eq!(after_crate(&code), ["error", "model", "solution", "solver"]);
+    assert_eq!(after_super("use super::super::hybrid::Wall;", 2), ["hybrid"]);
+    assert_eq!(allowed("solution").unwrap(), GROUND[..5]);
+    assert!(!allowed("hybrid").unwrap().contains(&"search"));
+    assert!(!allowed("search").unwrap().contains(&"branch_and_bound"));
+    assert_eq!(allowed("cellar"), None);
+}
