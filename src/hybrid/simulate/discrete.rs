@@ -73,8 +73,8 @@ impl DiscreteReplay {
         ];
         for (what, replayed, planned) in groups {
             let errors = replayed.iter().zip(planned).map(|(a, b)| (a - b).abs());
-            // Written so that NaN fails.
-            if let Some((step, error)) = errors.enumerate().find(|(_, e)| !(*e <= allowed)) {
+            let fails = |error: f64| error > allowed || error.is_nan();
+            if let Some((step, error)) = errors.enumerate().find(|&(_, error)| fails(error)) {
                 return failure(what, step, error);
             }
         }
