@@ -102,7 +102,7 @@ pub(crate) fn print_tables(results: &[Solved]) {
             (solved.case, &solved.interval)
         {
             println!(
-                "  e = {restitution}: impact speeds up to {:.4} .. {:.4} m/s (ends known to {:.0e} \
+                "  e = {restitution}: limits from {:.4} to {:.4} m/s (ends known to {:.0e} \
                  and {:.0e} m/s), shown for {:.4} m/s",
                 interval.lower.attained,
                 interval.upper.bound,

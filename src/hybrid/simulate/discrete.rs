@@ -73,8 +73,10 @@ impl DiscreteReplay {
         ];
         for (what, replayed, planned) in groups {
             let errors = replayed.iter().zip(planned).map(|(a, b)| (a - b).abs());
-            let fails = |error: f64| error > allowed || error.is_nan();
-            if let Some((step, error)) = errors.enumerate().find(|&(_, error)| fails(error)) {
+            // NaN fails.
+            if let Some((step, error)) =
+                errors.enumerate().find(|(_, e)| e.is_nan() || *e > allowed)
+            {
                 return failure(what, step, error);
             }
         }
