@@ -15,6 +15,7 @@
 
 use std::error::Error;
 use std::process::ExitCode;
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use carom::model::mps;
@@ -65,10 +66,11 @@ fn arguments() -> Result<(String, Option<String>, Options), Box<dyn Error>> {
         let mut value = || words.next().ok_or(format!("{word} needs a value\n{USAGE}"));
         match word.as_str() {
             "--time-limit" => {
-                options.time_limit = Some(Duration::try_from_secs_f64(value()?.parse()?)?);
+                let seconds = number(&word, &value()?)?;
+                options.time_limit = Some(Duration::try_from_secs_f64(seconds)?);
             }
-            "--threads" => options.threads = value()?.parse()?,
-            "--gap" => options.relative_gap = value()?.parse()?,
+            "--threads" => options.threads = number(&word, &value()?)?,
+            "--gap" => options.relative_gap = number(&word, &value()?)?,
             "--lowered" => lowered = Some(value()?),
             _ if word.starts_with("--") || file.is_some() => {
                 return Err(format!("unexpected `{word}`\n{USAGE}").into());
@@ -77,6 +79,10 @@ fn arguments() -> Result<(String, Option<String>, Options), Box<dyn Error>> {
         }
     }
     Ok((file.ok_or(USAGE)?, lowered, options))
+}
+
+fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| format!("{option} cannot be `{text}`"))
 }
 
 fn status(solution: &Solution) -> &'static str {

@@ -4,14 +4,16 @@ use std::ops::{Add, Mul, Neg};
 
 /// A closed interval `[lower, upper]`, either end possibly infinite.
 ///
-/// Every operation rounds outward by one unit in the last place, so a result always contains the
-/// exact result of the operation on any members of its operands.
+/// Every operation rounds outward by one unit in the last place where it is inexact, so a result
+/// always contains the exact result of the operation on any members of its operands; exact results
+/// stay as they are.
 ///
 /// ```
 /// use carom::interval::Interval;
 ///
-/// let third = Interval::point(1.0) * (1.0 / 3.0);
-/// assert!(third.lower < third.upper && third.contains(1.0 / 3.0));
+/// let tenths = Interval::point(0.1) * 3.0;
+/// assert!(tenths.lower < tenths.upper && tenths.contains(0.1 * 3.0));
+/// assert_eq!(Interval::new(-1.0, 2.0) + Interval::point(0.5), Interval::new(-0.5, 2.5));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -43,7 +45,7 @@ impl Interval {
 
     /// `upper - lower`, rounded up.
     pub fn width(&self) -> f64 {
-        up(self.upper - self.lower)
+        add_up(self.upper, -self.lower)
     }
 
     /// Whether both ends are finite.
@@ -68,20 +70,47 @@ impl Interval {
 }
 
 /// The next float above a finite `value`; infinities and exact zeros of a difference stay.
-pub(crate) fn up(value: f64) -> f64 {
+fn up(value: f64) -> f64 {
     if value.is_finite() { value.next_up() } else { value }
 }
 
 /// The next float below a finite `value`.
-pub(crate) fn down(value: f64) -> f64 {
+fn down(value: f64) -> f64 {
     if value.is_finite() { value.next_down() } else { value }
+}
+
+/// Whether `sum` is exactly `a + b` (Knuth's two-sum).
+fn is_exact_sum(a: f64, b: f64, sum: f64) -> bool {
+    let rest = sum - a;
+    (a - (sum - rest)) + (b - rest) == 0.0
+}
+
+/// Whether `product` is exactly `a * b`; products near underflow count as inexact.
+fn is_exact_product(a: f64, b: f64, product: f64) -> bool {
+    product == 0.0 && (a == 0.0 || b == 0.0)
+        || product.abs() > 1e-250 && a.mul_add(b, -product) == 0.0
+}
+
+/// `a + b`, rounded down where inexact.
+pub(crate) fn add_down(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    if is_exact_sum(a, b, sum) { sum } else { down(sum) }
+}
+
+/// `a + b`, rounded up where inexact.
+pub(crate) fn add_up(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    if is_exact_sum(a, b, sum) { sum } else { up(sum) }
 }
 
 impl Add for Interval {
     type Output = Interval;
 
     fn add(self, other: Interval) -> Interval {
-        Interval { lower: down(self.lower + other.lower), upper: up(self.upper + other.upper) }
+        Interval {
+            lower: add_down(self.lower, other.lower),
+            upper: add_up(self.upper, other.upper),
+        }
     }
 }
 
@@ -92,8 +121,13 @@ impl Mul<f64> for Interval {
         if factor == 0.0 {
             return Interval::point(0.0);
         }
-        let (a, b) = (self.lower * factor, self.upper * factor);
-        Interval { lower: down(a.min(b)), upper: up(a.max(b)) }
+        let (low, high) =
+            if factor > 0.0 { (self.lower, self.upper) } else { (self.upper, self.lower) };
+        let (a, b) = (low * factor, high * factor);
+        Interval {
+            lower: if is_exact_product(low, factor, a) { a } else { down(a) },
+            upper: if is_exact_product(high, factor, b) { b } else { up(b) },
+        }
     }
 }
 

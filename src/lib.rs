@@ -90,7 +90,10 @@
 //!
 //! model.set_bounds(speed, 0.0, 15.0)?;
 //! let lowered = reformulate::lower(&model)?;
-//! assert!(lowered.report().to_string().starts_with("slow_near upper: M = 14"));
+//! assert_eq!(
+//!     lowered.report().to_string(),
+//!     "slow_near upper: M = 14 from bounds (largest share: speed)\n"
+//! );
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!

@@ -297,7 +297,7 @@ fn a_big_m_that_the_bounds_do_not_prove() {
     assert_eq!(
         text(BranchAndBound::default().solve(&model)),
         "the big-M 5 given for the upper side of indicator `r` is too small: the bounds only prove \
-         7.000000000000003; raise it, tighten the bounds of `x`, or mark it `assume_valid`"
+         7; raise it, tighten the bounds of `x`, or mark it `assume_valid`"
     );
     model.set_bounds(x, 0.0, 8.0).unwrap();
     assert!(reformulate::lower(&model).is_ok());

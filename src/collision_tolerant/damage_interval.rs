@@ -113,7 +113,7 @@ impl DamageInterval {
     /// when there is none, or when they have no upper end.
     pub fn middle(&self) -> Option<f64> {
         let (lower, upper) = (self.lower.attained, self.upper.bound);
-        (lower <= upper && upper.is_finite()).then(|| 0.5 * (lower + upper))
+        (lower <= upper && upper.is_finite()).then_some(0.5 * (lower + upper))
     }
 }
 

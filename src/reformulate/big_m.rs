@@ -7,7 +7,7 @@
 
 use super::report::{BigMEntry, BigMReport, BigMSource, Side};
 use crate::error::Error;
-use crate::interval::{Interval, down, up};
+use crate::interval::{Interval, add_down, add_up};
 use crate::model::{BigM, IndicatorRef, Model, Name, StoredRow, Variable};
 
 /// Adds the rows of one indicator to `lowered` and notes them in the report.
@@ -138,9 +138,9 @@ fn switched(
     let condition = indicator.condition();
     let mut row = terms.to_vec();
     let (coefficient, limit) = match (side, condition.is_on()) {
-        (Side::Upper, true) => (big_m, up(limit + big_m)),
+        (Side::Upper, true) => (big_m, add_up(limit, big_m)),
         (Side::Upper, false) => (-big_m, limit),
-        (Side::Lower, true) => (-big_m, down(limit - big_m)),
+        (Side::Lower, true) => (-big_m, add_down(limit, -big_m)),
         (Side::Lower, false) => (big_m, limit),
     };
     let at = row.partition_point(|&(v, _)| v < condition.variable());

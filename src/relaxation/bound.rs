@@ -240,7 +240,7 @@ impl Pair<'_> {
         let within = |j: &usize| position[*j] < k;
 
         // Each change of one entry of `x̂` or `y` moves the gradient along one of these.
-        let mut levers: Vec<(Lever, f64, Vec<(usize, f64)>)> = Vec::new();
+        let mut levers = Vec::new();
         if self.objective {
             let mut curvature = vec![Vec::new(); k];
             for &j in columns {

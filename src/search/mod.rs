@@ -2,10 +2,12 @@
 //!
 //! * `node` - a node as a list of decisions, and the queue of open nodes
 //! * `tree` - what all workers share: queue, incumbent, bounds, limits
+//! * `root` - what holds before the first split: propagation and probing
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
 //! * `rounding` - the round-and-propagate heuristic
+//! * `reporter` - progress events
 //! * `unbounded` - recession directions
 //!
 //! Nothing is pruned on an unverified relaxation, and no incumbent is accepted that the caller's
@@ -14,6 +16,8 @@
 mod branching;
 mod leaf;
 mod node;
+mod reporter;
+mod root;
 mod rounding;
 mod tree;
 mod unbounded;
@@ -24,8 +28,9 @@ use web_time::Instant;
 use crate::program::Program;
 use crate::solution::{Statistics, Termination};
 use crate::solver::{Control, Options};
+use root::Root;
 use tree::Tree;
-use worker::{Root, Worker};
+use worker::Worker;
 
 /// A check of a full point against the model it came from; decides whether an incumbent is
 /// accepted.

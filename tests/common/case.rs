@@ -127,13 +127,13 @@ impl Case {
         }
         for (i, line) in self.lines.iter().enumerate() {
             let excess = line.excess(x, tolerance);
-            if !(excess <= 0.0) {
+            if excess.is_nan() || excess > 0.0 {
                 return Some(format!("row r{i} is missed by {excess} beyond the tolerance"));
             }
         }
         for (i, switch) in self.switches.iter().enumerate() {
             let excess = switch.line.excess(x, tolerance);
-            if (x[switch.binary] > 0.5) == switch.on && !(excess <= 0.0) {
+            if (x[switch.binary] > 0.5) == switch.on && (excess.is_nan() || excess > 0.0) {
                 return Some(format!("i{i} is missed by {excess} beyond the tolerance"));
             }
         }

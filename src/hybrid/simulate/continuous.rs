@@ -134,6 +134,9 @@ fn next_impact(gap: f64, rate: f64, acceleration: f64) -> Option<(f64, f64)> {
 
 /// Replays a plan in continuous time; see the [module page](self).
 ///
+/// In the comparison step by step, impacts within [`tolerance::CONTACT_TIE`] of the wall happen in
+/// the step in which the plan has them.
+///
 /// Under the literal law the accelerations of contact steps stand for the wall's force, which the
 /// replay exerts by itself; there the vehicle's own acceleration counts as 0.
 ///
@@ -151,7 +154,11 @@ pub fn replay_continuous(contact: &Contact, plan: &Samples<'_>) -> Result<Contin
         let acceleration = if literal && touched { 0.0 } else { wall.rate(a) };
         let ((gap, rate), (next_gap, next_rate)) = (state(t), state(t + 1));
 
-        let end = advance(gap, rate, acceleration, dt, e);
+        // An impact at the very end of a step belongs to it or to the next: the plan decides.
+        let tie = if touched { -tolerance::CONTACT_TIE } else { tolerance::CONTACT_TIE };
+        let start = (gap + tie).max(0.0);
+        let mut end = advance(start, rate, acceleration, dt, e);
+        end.gap -= start - gap;
         replay.max_position_error = replay.max_position_error.max((end.gap - next_gap).abs());
         replay.max_speed_error = replay.max_speed_error.max((end.rate - next_rate).abs());
         if literal || !touched {

@@ -73,8 +73,10 @@ impl DiscreteReplay {
         ];
         for (what, replayed, planned) in groups {
             let errors = replayed.iter().zip(planned).map(|(a, b)| (a - b).abs());
-            // Written so that NaN fails.
-            if let Some((step, error)) = errors.enumerate().find(|(_, e)| !(*e <= allowed)) {
+            // NaN fails.
+            if let Some((step, error)) =
+                errors.enumerate().find(|(_, e)| e.is_nan() || *e > allowed)
+            {
                 return failure(what, step, error);
             }
         }

@@ -1,0 +1,136 @@
+//! The paper's cases, and solving them on two threads with a progress bar.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use carom::collision_tolerant::{
+    DamageInterval, IntervalOptions, PlanningOptions, Scenario, ShortestPlan, damage_interval,
+    shortest_plan_with,
+};
+use carom::hybrid::{DamageLimits, HorizonEvent};
+use carom::prelude::*;
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Perfectly plastic, as the paper says, and the restitution that gives the paper's 2.245 s.
+pub(crate) const RESTITUTIONS: [f64; 2] = [0.0, 0.025];
+
+/// The paper's damage-limited plan takes 2.39 s, which is 478 steps.
+pub(crate) const LIMITED_STEPS: usize = 478;
+
+/// The destination study: from the paper's goal away from the wall, past the point where hitting
+/// stops to pay (0.67 m in continuous time).
+const GOALS: [f64; 7] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+
+/// One experiment.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Case {
+    CollisionFree,
+    CollisionTolerant { restitution: f64 },
+    DamageLimited { restitution: f64 },
+    Destination { goal: f64 },
+}
+
+/// A solved experiment.
+pub(crate) struct Solved {
+    pub(crate) case: Case,
+    pub(crate) scenario: Scenario,
+    pub(crate) shortest: ShortestPlan,
+    /// Limited cases: the limits on the impact speed that make 478 steps the shortest horizon.
+    pub(crate) interval: Option<DamageInterval>,
+    /// Destinations: the same goal without collisions.
+    pub(crate) without: Option<ShortestPlan>,
+}
+
+impl Solved {
+    /// Whether hitting the wall pays: the tolerant plan is shorter.
+    pub(crate) fn hits(&self) -> bool {
+        match (&self.without, self.shortest.steps) {
+            (Some(without), Some(steps)) => without.steps.is_none_or(|free| steps < free),
+            _ => false,
+        }
+    }
+
+    /// Duration of the shortest plan, in s.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.shortest.plan.as_ref().map_or(f64::NAN, |plan| plan.trajectory.duration())
+    }
+}
+
+/// Solves every case; the order of the results is that of the tables.
+pub(crate) fn solve_all() -> Result<Vec<Solved>, Error> {
+    let mut cases = vec![Case::CollisionFree];
+    cases.extend(RESTITUTIONS.map(|restitution| Case::CollisionTolerant { restitution }));
+    cases.extend(RESTITUTIONS.map(|restitution| Case::DamageLimited { restitution }));
+    cases.extend(GOALS.map(|goal| Case::Destination { goal }));
+
+    // The bar shows itself on a terminal only.
+    let bar = ProgressBar::new(cases.len() as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    // The long cases first, so that both threads end together.
+    let mut order: Vec<usize> = (0..cases.len()).collect();
+    order.sort_by_key(|&k| !matches!(cases[k], Case::DamageLimited { .. }));
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new((0..cases.len()).map(|_| None).collect::<Vec<_>>());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some(&k) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let solved = solve(cases[k], &bar);
+                    if let Ok(mut results) = results.lock() {
+                        results[k] = Some(solved);
+                    }
+                    bar.inc(1);
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    let results = results.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    results.into_iter().flatten().collect()
+}
+
+fn solve(case: Case, bar: &ProgressBar) -> Result<Solved, Error> {
+    let mut solver = BranchAndBound::default();
+    let paper = Scenario::paper();
+    let (mut interval, mut without) = (None, None);
+    let scenario = match case {
+        Case::CollisionFree => paper.collision_free(),
+        Case::CollisionTolerant { restitution } => paper.with_restitution(restitution)?,
+        Case::DamageLimited { restitution } => {
+            let open = paper.with_restitution(restitution)?;
+            let options = IntervalOptions::default();
+            let found = damage_interval(&open, LIMITED_STEPS, &options, &mut solver)?;
+            let limit = found.middle().unwrap_or(found.lower.attained);
+            interval = Some(found);
+            open.with_damage(DamageLimits::default().with_per_impact(limit))
+        }
+        Case::Destination { goal } => {
+            let there = paper.with_goal_position(goal);
+            without = Some(search(&there.collision_free(), "free", &mut solver, bar)?);
+            there
+        }
+    };
+    let shortest = search(&scenario, "tolerant", &mut solver, bar)?;
+    Ok(Solved { case, scenario, shortest, interval, without })
+}
+
+/// The shortest plan, with what is refuted and what is open shown on the bar.
+fn search(
+    scenario: &Scenario,
+    kind: &str,
+    solver: &mut dyn Solver,
+    bar: &ProgressBar,
+) -> Result<ShortestPlan, Error> {
+    let goal = scenario.goal.position;
+    let mut show = |event: &HorizonEvent| {
+        if let HorizonEvent::Started { steps, refuted, feasible } = event {
+            let open = feasible.map_or(String::from("?"), |steps| steps.to_string());
+            bar.set_message(format!(
+                "{kind} to {goal} m: refuted to {refuted}, feasible {open}, trying {steps}"
+            ));
+        }
+    };
+    shortest_plan_with(scenario, &PlanningOptions::default(), solver, &mut show)
+}

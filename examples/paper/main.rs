@@ -1,0 +1,52 @@
+//! The paper's experiments: solved, proved, plotted, beside the paper's figures.
+//!
+//! `cargo run --release --example paper [-- --csv] [--out FOLDER]`
+//!
+//! * `--csv`: print the rows of a CSV file on standard output and nothing else
+//! * `--out FOLDER`: where the plots go, `plots` by default
+//!
+//! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
+//! planning of autonomous vehicles", arXiv:1611.07608.
+
+mod cases;
+mod plots;
+mod report;
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const USAGE: &str = "usage: paper [--csv] [--out FOLDER]";
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("paper: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let (mut csv, mut folder) = (false, PathBuf::from("plots"));
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--csv" => csv = true,
+            "--out" => folder = words.next().ok_or(USAGE)?.into(),
+            _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
+        }
+    }
+    let results = cases::solve_all()?;
+    let figures = plots::write_all(&results, &folder)?;
+    if csv {
+        report::print_csv(&results);
+    } else {
+        report::print_tables(&results);
+        for figure in figures {
+            println!("wrote {}", figure.display());
+        }
+    }
+    Ok(())
+}

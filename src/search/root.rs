@@ -1,0 +1,37 @@
+//! The root: propagated and probed once, the start of every worker.
+
+use super::tree::Tree;
+use crate::presolve::{Conflict, Domain, Propagator, probe};
+use crate::program::Program;
+
+/// Trials of probing at the root and at every other node. Each costs a propagation of the rows it
+/// reaches. Measured: on wall, puck and box programs probing at nodes saves three of four nodes.
+pub(super) const ROOT_TRIALS: usize = 4000;
+pub(super) const NODE_TRIALS: usize = 200;
+
+/// The root after propagation and probing; every worker starts from it.
+pub(super) struct Root {
+    pub(super) domain: Domain,
+    pub(super) conflict: Option<Conflict>,
+}
+
+impl Root {
+    pub(super) fn new(program: &Program, tree: &Tree<'_>) -> Self {
+        let mut domain = Domain::new(program);
+        let mut propagator = Propagator::new(program);
+        let order = late_first(program);
+        let go_on = || tree.limit_reached().is_none();
+        let conflict = propagator
+            .propagate_all(program, &mut domain)
+            .and_then(|()| {
+                probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
+            })
+            .err();
+        Root { domain, conflict }
+    }
+}
+
+/// The integral columns, last one first: the order of probing.
+pub(super) fn late_first(program: &Program) -> Vec<usize> {
+    program.integers.iter().rev().copied().collect()
+}

@@ -1,0 +1,390 @@
+//! The paper's figures, the scenario's checks, and what a plan promises.
+
+use carom::collision_tolerant::{
+    Collisions, Endpoint, IntervalOptions, Objective, PlanOutcome, PlanningOptions, Program,
+    Scenario, compare, damage_interval, plan, shortest_plan,
+};
+use carom::hybrid::{ContactLaw, DamageLimits, ShortestOptions, ShortestStatus, Verdict, Wall};
+use carom::prelude::*;
+
+fn solver() -> BranchAndBound {
+    BranchAndBound::default()
+}
+
+/// Shortest horizon with the next smaller one refuted, plan certified.
+fn shortest(scenario: &Scenario) -> (usize, usize) {
+    let found = shortest_plan(scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+    assert_eq!(found.status, ShortestStatus::Found);
+    let steps = found.steps.unwrap();
+    assert_eq!(found.refuted_steps, Some(steps - 1));
+    let neighbour = found.attempts.iter().find(|attempt| attempt.steps == steps - 1);
+    assert!(matches!(neighbour.unwrap().verdict, Verdict::Refuted(_)), "refuted, not assumed");
+    let plan = found.plan.expect("a found horizon has a plan");
+    assert!(plan.certificate.verification.holds());
+    assert!(plan.certificate.discrete.max_position_error <= 1e-6);
+    assert!(plan.certificate.discrete.max_velocity_error <= 1e-6);
+    assert!(found.fewest_impacts);
+    (steps, plan.trajectory.impacts.len())
+}
+
+// -- the paper's figures ------------------------------------------------------------------------
+
+#[test]
+fn table_3_is_reproduced() {
+    let paper = Scenario::paper();
+    assert_eq!(shortest(&paper.collision_free()), (510, 0)); // 2.55 s
+    assert_eq!(shortest(&paper), (457, 1)); // plastic: 2.285 s
+    let nearly_plastic = paper.with_restitution(0.025).unwrap();
+    assert_eq!(shortest(&nearly_plastic), (449, 1)); // the printed 2.245 s
+}
+
+#[test]
+fn bouncier_walls_on_coarser_grids() {
+    let bouncy = Scenario::paper().with_restitution(0.5).unwrap();
+    assert_eq!(shortest(&bouncy.with_time_step(0.02)).0, 123);
+    assert_eq!(shortest(&bouncy.with_time_step(0.0125)).0, 195);
+}
+
+#[test]
+fn the_literal_law_never_pays_off() {
+    for e in [0.0, 0.5] {
+        let scenario = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
+        let literal = scenario.with_law(ContactLaw::Literal);
+        let both = compare(&literal, &PlanningOptions::default(), &mut solver()).unwrap();
+        assert!(both.free.is_found() && both.tolerant.is_found());
+        assert_eq!(both.tolerant.steps, both.free.steps);
+        assert_eq!(both.hitting_pays(), Some(false));
+        // The reflecting law does pay off here.
+        let both = compare(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+        assert_eq!(both.hitting_pays(), Some(true));
+    }
+}
+
+#[test]
+fn the_damage_limit_of_table_4_is_an_interval() {
+    let interval =
+        damage_interval(&Scenario::paper(), 478, &IntervalOptions::default(), &mut solver())
+            .unwrap();
+    assert_eq!(interval.stopped, None);
+    assert!(interval.lower.resolution() <= 1.01e-3 && interval.upper.resolution() <= 1.01e-3);
+    assert!((interval.lower.attained - 6.1709).abs() < 2e-3, "{interval:?}");
+    assert!((interval.upper.attained - 6.2704).abs() < 2e-3, "{interval:?}");
+
+    let limit = interval.middle().unwrap();
+    let limited = Scenario::paper().with_damage(DamageLimits::default().with_per_impact(limit));
+    let found = shortest_plan(&limited, &PlanningOptions::default(), &mut solver()).unwrap();
+    assert_eq!((found.steps, found.refuted_steps), (Some(478), Some(477))); // 2.39 s
+    let plan = found.plan.unwrap();
+    assert!(plan.trajectory.largest_damage() <= limit + 1e-6);
+}
+
+#[test]
+fn minimising_the_largest_damage_agrees_with_the_interval() {
+    let scenario = Scenario::paper().with_time_step(0.05);
+    let options = IntervalOptions::default();
+    let interval = damage_interval(&scenario, 49, &options, &mut solver()).unwrap();
+    for (steps, end) in [(49, interval.lower), (48, interval.upper)] {
+        let outcome = plan(&scenario, steps, Objective::LargestDamage, &mut solver()).unwrap();
+        let plan = outcome.plan().unwrap();
+        assert_eq!(plan.termination, Termination::Optimal);
+        assert!(end.bound <= plan.objective + 1e-6 && plan.objective <= end.attained + 1e-6);
+        assert!((plan.trajectory.largest_damage() - plan.objective).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn hitting_stops_paying_for_far_goals() {
+    // In continuous time a plastic stop pays for goals nearer than about 0.67 m.
+    for (goal, pays) in [(0.3, true), (0.5, true), (1.0, false)] {
+        let scenario = Scenario::paper().with_time_step(0.025).with_goal_position(goal);
+        let both = compare(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+        assert_eq!(both.hitting_pays(), Some(pays), "goal at {goal} m");
+        // Where it does not pay, the plan does not hit without need.
+        let impacts = both.tolerant.plan.unwrap().trajectory.impacts.len();
+        assert_eq!(impacts, usize::from(pays));
+    }
+}
+
+// -- invariances --------------------------------------------------------------------------------
+
+#[test]
+fn walls_elsewhere_and_facing_the_other_way_change_nothing() {
+    let (start, goal) = (Endpoint::at_rest(10.0), Endpoint::at_rest(0.3));
+    for e in [0.0, 0.5] {
+        let plain = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
+        let (wanted, impacts) = shortest(&plain);
+        // Erratum 1: the printed row is wrong for walls that are not at 0.
+        let moved = |position: f64, sign: f64| {
+            let place = |end: Endpoint| {
+                Endpoint::at_rest(position + sign * end.position).with_acceleration(0.0)
+            };
+            let wall = if sign > 0.0 { Wall::above(position) } else { Wall::below(position) };
+            plain.with_start(place(start)).with_goal(place(goal)).with_wall(wall.unwrap())
+        };
+        for scenario in [moved(-4.0, 1.0), moved(7.0, 1.0), moved(0.0, -1.0), moved(3.0, -1.0)] {
+            assert_eq!(shortest(&scenario), (wanted, impacts));
+            let literal = scenario.with_law(ContactLaw::Literal);
+            let both = compare(&literal, &PlanningOptions::default(), &mut solver()).unwrap();
+            assert_eq!(both.hitting_pays(), Some(false));
+        }
+    }
+}
+
+#[test]
+fn a_domain_that_no_plan_leaves_changes_nothing() {
+    let plain = Scenario::paper().with_time_step(0.05);
+    assert_eq!(shortest(&plain.with_domain(0.0, 10.0)), shortest(&plain));
+    assert_eq!(shortest(&plain.with_domain(-5.0, 500.0)), shortest(&plain));
+    // One that keeps the vehicle off the wall forbids the hit.
+    let clear = shortest(&plain.with_domain(0.1, 10.0));
+    assert_eq!(clear, shortest(&plain.collision_free()));
+}
+
+// -- waiting ------------------------------------------------------------------------------------
+
+#[test]
+fn waiting_is_free_only_where_the_vehicle_can_rest() {
+    let paper = Scenario::paper();
+    assert!(paper.waiting().is_free());
+    let rest = Endpoint::at_rest(5.0);
+    let moving = rest.with_velocity(-1.0);
+    let pushed = rest.with_acceleration(1.0);
+    assert!(paper.with_start(rest).with_goal(moving).waiting().is_free());
+    assert!(paper.with_start(moving).with_goal(rest).waiting().is_free());
+    // a(0) applies: a start with a push is no equilibrium. a(τ) does not.
+    let no = paper.with_start(pushed).with_goal(moving).waiting();
+    assert!(!no.is_free());
+    assert_eq!(no.reason(), "the vehicle can rest neither at its start nor at its goal");
+    assert!(paper.with_start(moving).with_goal(pushed).waiting().is_free());
+    let thrust = paper.with_acceleration(1.0, 6.0).waiting();
+    assert_eq!(thrust.reason(), "zero acceleration is not admissible");
+}
+
+#[test]
+fn without_waiting_every_smaller_horizon_is_refuted() {
+    let start = Endpoint::at_rest(3.0).with_velocity(-2.0);
+    let goal = Endpoint::at_rest(1.0).with_velocity(2.0);
+    let scenario = Scenario::paper()
+        .with_time_step(0.1)
+        .with_start(start)
+        .with_goal(goal)
+        .with_restitution(0.8)
+        .unwrap();
+    assert!(!scenario.waiting().is_free());
+    let found = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+    let steps = found.steps.unwrap();
+    assert!(found.is_found());
+    let tried: Vec<usize> = found.attempts.iter().map(|attempt| attempt.steps).collect();
+    assert_eq!(tried, (1..=steps).collect::<Vec<_>>());
+
+    let error = damage_interval(&scenario, steps, &IntervalOptions::default(), &mut solver());
+    assert!(error.unwrap_err().to_string().contains("can wait neither at its start"));
+}
+
+// -- fixed horizons -----------------------------------------------------------------------------
+
+#[test]
+fn a_cumulative_budget_and_a_weight_soften_the_plan() {
+    let scenario = Scenario::paper().with_time_step(0.1);
+    let steps = 27;
+    let effort = |scenario: &Scenario| {
+        let outcome = plan(scenario, steps, Objective::Effort, &mut solver()).unwrap();
+        let plan = outcome.into_plan().expect("feasible");
+        assert_eq!(plan.termination, Termination::Optimal);
+        plan
+    };
+    let free = effort(&scenario);
+    assert!((free.trajectory.effort() - free.objective).abs() < 1e-3);
+    let hard = free.trajectory.total_damage();
+    assert!(hard > 2.0);
+
+    let budget = effort(&scenario.with_damage(DamageLimits::default().with_cumulative(2.0)));
+    assert!(budget.trajectory.total_damage() <= 2.0 + 1e-6);
+    assert!(budget.objective > free.objective);
+
+    let charged = effort(&scenario.with_damage(DamageLimits::default().with_weight(5.0)));
+    let damage = charged.trajectory.total_damage();
+    assert!(damage < hard);
+    assert!((charged.trajectory.effort() + 5.0 * damage - charged.objective).abs() < 1e-3);
+}
+
+#[test]
+fn impacts_are_reported_with_their_physics() {
+    let e = 0.5;
+    let scenario = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
+    let outcome = plan(&scenario, 52, Objective::Impacts, &mut solver()).unwrap();
+    assert_eq!(outcome.plan().unwrap().trajectory.impacts.len(), 0); // 52 steps need none
+    let found = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver()).unwrap();
+    let trajectory = found.plan.unwrap().trajectory;
+    let impact = trajectory.impacts[0];
+    let t = impact.step;
+    assert!(trajectory.contact[t]);
+    assert!((trajectory.damage[t] - impact.speed_before).abs() < 1e-9);
+    assert!((trajectory.velocity[t + 1] - impact.speed_after).abs() < 1e-6);
+    assert!((impact.impulse - (1.0 + e) * impact.speed_before).abs() < 1e-9);
+    assert!((impact.energy_lost - 0.375 * impact.speed_before.powi(2)).abs() < 1e-9);
+    assert!(trajectory.time[t] <= impact.time && impact.time <= trajectory.time[t + 1]);
+
+    let csv = trajectory.to_csv();
+    assert!(csv.starts_with("time,position,velocity,acceleration,contact,damage\n0,10,0,"));
+    assert_eq!(csv.lines().count(), trajectory.steps() + 2);
+}
+
+#[test]
+fn end_conditions_pin_the_first_and_the_last_acceleration() {
+    let program = Program::build(&Scenario::paper(), 3, Objective::Feasibility).unwrap();
+    let bounds = |variable| program.model.variable_ref(variable).unwrap().bounds();
+    let fixed = |variable, value: f64| {
+        let found = bounds(variable);
+        (found.lower, found.upper) == (value, value)
+    };
+    assert!(fixed(program.acceleration[0], 0.0) && fixed(program.acceleration[3], 0.0));
+    assert_eq!(bounds(program.acceleration[2]).upper, 6.0);
+    assert!(fixed(program.position[0], 10.0) && fixed(program.position[3], 0.3));
+    // a(τ) is in no row.
+    let last = program.acceleration[3];
+    let rows = program.model.constraints().flat_map(|row| row.terms());
+    let switched = program.model.indicators().flat_map(|indicator| indicator.terms());
+    assert!(rows.chain(switched).all(|&(variable, _)| variable != last));
+}
+
+#[test]
+fn too_short_a_horizon_is_infeasible_and_no_error() {
+    for scenario in [Scenario::paper(), Scenario::paper().collision_free()] {
+        let outcome = plan(&scenario, 1, Objective::Effort, &mut solver()).unwrap();
+        assert!(outcome.is_infeasible() && outcome.plan().is_none());
+    }
+}
+
+#[test]
+fn interrupts_and_limits_are_answers() {
+    let interrupt = Interrupt::new();
+    interrupt.trigger();
+    let options = PlanningOptions::default()
+        .with_search(ShortestOptions::default().with_interrupt(&interrupt));
+    let found = shortest_plan(&Scenario::paper(), &options, &mut solver()).unwrap();
+    assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
+    assert!(found.plan.is_none() && found.refuted_steps.is_none());
+
+    let options = IntervalOptions::default().with_interrupt(&interrupt);
+    let interval = damage_interval(&Scenario::paper(), 478, &options, &mut solver()).unwrap();
+    assert_eq!(interval.stopped, Some(Termination::Interrupted));
+    assert_eq!(interval.middle(), None);
+
+    let mut control = Control::default().with_interrupt(&interrupt);
+    let scenario = Scenario::paper();
+    let outcome = carom::collision_tolerant::plan_with(
+        &scenario,
+        457,
+        Objective::Effort,
+        &mut solver(),
+        &mut control,
+    );
+    match outcome.unwrap() {
+        PlanOutcome::Stopped { reason, .. } => assert_eq!(reason, Termination::Interrupted),
+        other => panic!("{other:?}"),
+    }
+
+    let options =
+        PlanningOptions::default().with_search(ShortestOptions::default().with_max_steps(400));
+    let found = shortest_plan(&Scenario::paper(), &options, &mut solver()).unwrap();
+    assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 400 });
+    assert_eq!(found.refuted_steps, Some(400));
+}
+
+// -- bad input ----------------------------------------------------------------------------------
+
+#[test]
+fn scenarios_that_contradict_themselves_are_refused() {
+    let paper = Scenario::paper();
+    let rest = Endpoint::at_rest;
+    let cases = [
+        (paper.with_start(rest(f64::NAN)), "the position of `start` is NaN; give a finite number"),
+        (
+            paper.with_goal(rest(1.0).with_acceleration(f64::INFINITY)),
+            "the acceleration of `goal` is inf; give a finite number",
+        ),
+        (
+            paper.with_acceleration(6.0, -6.0),
+            "bounds of `acceleration` are crossed: 6 > -6; swap or relax them",
+        ),
+        (
+            paper.with_acceleration(f64::NEG_INFINITY, 6.0),
+            "the lower limit of `acceleration` is -inf; give a finite number",
+        ),
+        (paper.with_max_speed(0.0), "the largest speed (m/s) is 0; it must be finite and positive"),
+        (paper.with_time_step(-0.1), "the time step (s) is -0.1; it must be finite and positive"),
+        (
+            paper.with_start(rest(-0.5)),
+            "the scenario cannot be planned: the start at -0.5 m is inside the wall, whose free \
+             side is above 0 m; move it to the free side, or turn the wall round",
+        ),
+        (
+            paper.with_goal(rest(0.5)).with_wall(Wall::below(0.2).unwrap()),
+            "the scenario cannot be planned: the start at 10 m is inside the wall, whose free \
+             side is below 0.2 m; move it to the free side, or turn the wall round",
+        ),
+        (
+            paper.with_start(rest(10.0).with_velocity(-16.0)),
+            "the scenario cannot be planned: the start speed of 16 m/s is above the largest speed \
+             of 15 m/s; lower it, or raise the largest speed",
+        ),
+        (
+            paper.with_start(rest(10.0).with_acceleration(7.0)),
+            "the scenario cannot be planned: the start acceleration of 7 m/s² is outside [-6, 6] \
+             m/s²; bring it within the limits, or leave it free",
+        ),
+        (
+            paper.with_domain(0.0, 5.0),
+            "the scenario cannot be planned: the start at 10 m is outside the domain [0, 5] m; \
+             move it, or widen the domain",
+        ),
+        (
+            paper.with_damage(DamageLimits::default().with_per_impact(-1.0)),
+            "the damage limit per impact is -1; it must be finite and not negative",
+        ),
+    ];
+    for (scenario, text) in cases {
+        assert_eq!(scenario.check().unwrap_err().to_string(), text);
+        // Every entry checks.
+        assert!(plan(&scenario, 10, Objective::Effort, &mut solver()).is_err());
+        let options = PlanningOptions::default();
+        assert!(shortest_plan(&scenario, &options, &mut solver()).is_err());
+        let options = IntervalOptions::default();
+        assert!(damage_interval(&scenario, 10, &options, &mut solver()).is_err());
+    }
+    for steps in [0, 1_000_000] {
+        let error = plan(&paper, steps, Objective::Effort, &mut solver()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!("the number of steps is {steps}; it must be from 1 to 100000")
+        );
+    }
+    let free = paper.collision_free();
+    assert_eq!(free.collisions, Collisions::Forbidden);
+    let options = IntervalOptions::default();
+    assert!(damage_interval(&free, 478, &options, &mut solver()).is_err());
+    let fine = options.with_resolution(1e-9);
+    assert_eq!(
+        damage_interval(&paper, 478, &fine, &mut solver()).unwrap_err().to_string(),
+        "the resolution (m/s) is 0.000000001; it must be within [1e-5, 1e3]"
+    );
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn scenarios_and_plans_survive_a_file() {
+    let scenario = Scenario::paper().with_time_step(0.1);
+    let text = serde_json::to_string(&scenario).unwrap();
+    assert_eq!(serde_json::from_str::<Scenario>(&text).unwrap(), scenario);
+    let bad = text.replace("\"restitution\":0.0", "\"restitution\":2.0");
+    assert_ne!(bad, text);
+    assert!(serde_json::from_str::<Scenario>(&bad).is_err());
+
+    let outcome = plan(&scenario, 27, Objective::Effort, &mut solver()).unwrap();
+    let plan = outcome.into_plan().unwrap();
+    let text = serde_json::to_string(&plan).unwrap();
+    let read: carom::collision_tolerant::Plan = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.trajectory, plan.trajectory);
+    assert_eq!(read.certificate, plan.certificate);
+}
