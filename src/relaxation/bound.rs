@@ -22,7 +22,7 @@ use crate::tolerance;
 /// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
 const ROUNDING: f64 = 1e-27;
 
-/// Multipliers below this fraction of the largest one (at least 1) probably belong to rows that do
+/// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong to rows that do
 /// not press.
 const NEGLIGIBLE: f64 = 1e-6;
 
@@ -115,10 +115,11 @@ impl Pair<'_> {
         }
         // Multipliers of rows that do not press are tiny rather than zero, and no correction can
         // trade them against large ones. Without them the pair is sometimes better, sometimes not.
-        let size = self.y.iter().fold(1.0_f64, |m, y| m.max(y.high.abs()));
+        let size = |i: usize, y: &Extended| y.high.abs() * largest(self.program, i);
+        let most = self.y.iter().enumerate().map(|(i, y)| size(i, y)).fold(1.0_f64, f64::max);
         let mut plain = Pair { x: self.x.clone(), y: self.y.clone(), ..self };
         for (i, y) in plain.y.iter_mut().enumerate() {
-            if y.high.abs() <= NEGLIGIBLE * size && !is_equality(self.program, i) {
+            if size(i, y) <= NEGLIGIBLE * most && !is_equality(self.program, i) {
                 *y = Extended::default();
             }
         }
@@ -256,7 +257,10 @@ impl Pair<'_> {
         }
         for (i, y) in self.y.iter().enumerate() {
             // Multipliers of inequalities move little when they are small, so that signs survive.
-            let weight = if is_equality(program, i) { 1.0 } else { y.high.abs().min(1.0) };
+            // Measured in the unit of the gradient, so that a row's own unit does not matter.
+            let unit = largest(program, i);
+            let weight =
+                if is_equality(program, i) { 1.0 / unit } else { y.high.abs().min(1.0 / unit) };
             let (columns, values) = program.rows.vector(i);
             let entries = columns.iter().zip(values).filter(|(j, _)| within(j));
             let effect = entries.map(|(&j, &a)| (position[j], a)).collect();
@@ -307,4 +311,9 @@ enum Lever {
 
 fn is_equality(program: &Reduced, row: usize) -> bool {
     program.row_lower[row] == program.row_upper[row]
+}
+
+/// Largest coefficient of a row.
+fn largest(program: &Reduced, row: usize) -> f64 {
+    program.rows.vector(row).1.iter().fold(f64::MIN_POSITIVE, |m, a| m.max(a.abs()))
 }

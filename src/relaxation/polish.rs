@@ -3,8 +3,9 @@
 //! An interior-point answer satisfies rows to about 1e-8 relative; over the hundreds of steps of a
 //! plan such residuals add up, and in rows with large coefficients they are large. The polished
 //! point is the nearest one, in a norm that weighs columns by their distance to the bounds, that
-//! satisfies the equalities and the missed inequalities to rounding. Where that leaves the box by a
-//! hair, clipping and moving alternate, which converges to a point that misses neither.
+//! satisfies the equalities and the missed inequalities to rounding. Columns that would leave the
+//! box are held at their bounds, rows that the move comes to miss are added, and the point is moved
+//! again.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -12,19 +13,20 @@ use faer::{Col, Side};
 
 use crate::presolve::Reduced;
 
-/// A residual below this, in units of the row's largest coefficient, is none.
-const NEGLIGIBLE: f64 = 1e-13;
+/// Most moves.
+const ROUNDS: usize = 8;
 
-/// Most alternations between box and equalities.
-const ALTERNATIONS: usize = 20;
-
-/// Most rounds in which inequalities that the last round came to miss are added.
-const ROUNDS: usize = 4;
+/// Squared weight of a column at its bound, which may still move by rounding, and of one that is
+/// held there.
+const AT_BOUND: f64 = 1e-12;
+const HELD: f64 = 1e-20;
 
 /// Polishes `x` in place: clips it to the box and removes the residuals of equalities and of missed
 /// inequalities. Leaves `x` alone where these are too many or too degenerate to factorise.
 pub fn polish(program: &Reduced, x: &mut [f64]) {
-    clip(program, x);
+    let mut held = vec![false; x.len()];
+    clip(program, x, &mut held);
+    held.fill(false);
     let mut active: Vec<(usize, f64)> = Vec::new();
     let mut is_active = vec![false; program.rows.len()];
     for _ in 0..ROUNDS {
@@ -38,62 +40,43 @@ pub fn polish(program: &Reduced, x: &mut [f64]) {
                 active.push((row, if activity < lower { lower } else { upper }));
             }
         }
-        if active.len() == known || !move_onto(program, &active, x) {
+        let moved = x.to_vec();
+        let left_box = clip(program, x, &mut held);
+        let settled = active.len() == known && !left_box;
+        if settled || !move_onto(program, &active, &held, x) {
+            // Rows before the box: what held columns still moved is rounding.
+            x.copy_from_slice(&moved);
             return;
         }
     }
 }
 
 /// Moves `x` onto the limits of the given rows; `false` where that cannot be computed.
-fn move_onto(program: &Reduced, active: &[(usize, f64)], x: &mut [f64]) -> bool {
-    let scale: Vec<f64> = x
-        .iter()
-        .enumerate()
-        .map(|(j, &v)| {
-            let room = (v - program.lower[j]).min(program.upper[j] - v).clamp(0.0, 1.0);
-            // A column at its bound may still move by rounding.
-            (room * room).max(1e-12)
-        })
-        .collect();
+fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut [f64]) -> bool {
+    let weight = |(j, &v): (usize, &f64)| {
+        let room = (v - program.lower[j]).min(program.upper[j] - v).clamp(0.0, 1.0);
+        if held[j] { HELD } else { (room * room).max(AT_BOUND) }
+    };
+    let scale: Vec<f64> = x.iter().enumerate().map(weight).collect();
     let Some(normal) = normal_matrix(program, active, &scale) else { return false };
     let Ok(factor) = normal.sp_cholesky(Side::Lower) else { return false };
-    let residual = |x: &[f64]| {
+    let mut best = x.to_vec();
+    let mut least = f64::INFINITY;
+    for _ in 0..4 {
         let miss = |e: usize| active[e].1 - activity(program, active[e].0, x);
-        Col::from_fn(active.len(), miss)
-    };
-    let units: Vec<f64> = active.iter().map(|&(i, _)| largest(program, i)).collect();
-    let size = |residual: &Col<f64>| {
-        residual.iter().zip(&units).fold(0.0_f64, |m, (r, unit)| m.max(r.abs() / unit))
-    };
-    let project = |x: &mut [f64], residual: &Col<f64>| {
-        let multiplier = factor.solve(residual);
+        let residual = Col::from_fn(active.len(), miss);
+        let size = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        if size.is_nan() || size >= least {
+            break;
+        }
+        (least, best) = (size, x.to_vec());
+        let multiplier = factor.solve(&residual);
         for (e, &(i, _)) in active.iter().enumerate() {
             let (columns, values) = program.rows.vector(i);
             for (&j, &a) in columns.iter().zip(values) {
                 x[j] += scale[j] * a * multiplier[e];
             }
         }
-    };
-    let mut best = x.to_vec();
-    let mut least = f64::INFINITY;
-    for _ in 0..4 {
-        let residual = residual(x);
-        let size = size(&residual);
-        if size.is_nan() || size >= least {
-            break;
-        }
-        (least, best) = (size, x.to_vec());
-        project(x, &residual);
-    }
-    x.copy_from_slice(&best);
-    // Inside the box as well, if the rows allow it.
-    for _ in 0..ALTERNATIONS {
-        clip(program, x);
-        let residual = residual(x);
-        if size(&residual) <= (2.0 * least).max(NEGLIGIBLE) {
-            return true;
-        }
-        project(x, &residual);
     }
     x.copy_from_slice(&best);
     true
@@ -104,15 +87,17 @@ fn activity(program: &Reduced, row: usize, x: &[f64]) -> f64 {
     columns.iter().zip(values).map(|(&j, &a)| a * x[j]).sum()
 }
 
-/// Largest coefficient of a row.
-fn largest(program: &Reduced, row: usize) -> f64 {
-    program.rows.vector(row).1.iter().fold(f64::MIN_POSITIVE, |m, a| m.max(a.abs()))
-}
-
-fn clip(program: &Reduced, x: &mut [f64]) {
-    for (value, (&lower, &upper)) in x.iter_mut().zip(program.lower.iter().zip(&program.upper)) {
-        *value = value.clamp(lower, upper);
+/// Clips `x` to the box and holds the columns that were outside; `true` when a new one was.
+fn clip(program: &Reduced, x: &mut [f64], held: &mut [bool]) -> bool {
+    let mut new = false;
+    for (j, value) in x.iter_mut().enumerate() {
+        let inside = value.clamp(program.lower[j], program.upper[j]);
+        if inside != *value && !held[j] {
+            (held[j], new) = (true, true);
+        }
+        *value = inside;
     }
+    new
 }
 
 /// `A D A'` over the active rows with a trace of regularisation, or nothing when it would be too
