@@ -288,16 +288,24 @@ impl Work<'_> {
         let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
         for &row in &self.alive {
             let (columns, coefficients) = self.program.row(row);
-            let (begin, mut constant) = (out.rows.index.len(), 0.0);
+            let (begin, mut constant, mut scale) = (out.rows.index.len(), 0.0, 1.0_f64);
             for (&j, &a) in columns.iter().zip(coefficients) {
                 if self.fixed[j] {
                     constant += a * self.lower[j];
+                    scale = scale.max((a * self.lower[j]).abs());
                 } else {
                     out.rows.index.push(position[j]);
                     out.rows.value.push(a);
                 }
             }
             let mut limits = [self.row_lower[row] - constant, self.row_upper[row] - constant];
+            if out.rows.index.len() == begin {
+                // All its columns became fixed in the last sweep, after the row was looked at.
+                if limits[0].max(-limits[1]) > CROSSED * scale {
+                    return Err(Contradiction);
+                }
+                continue;
+            }
             let mut hasher = DefaultHasher::new();
             out.rows.index[begin..].hash(&mut hasher);
             let bucket = seen.entry(hasher.finish()).or_default();
