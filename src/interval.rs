@@ -19,8 +19,10 @@ use std::ops::{Add, Mul, Neg};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Interval {
     /// The smaller end; `-inf` when unbounded below.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub lower: f64,
     /// The larger end; `+inf` when unbounded above.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub upper: f64,
 }
 

@@ -154,6 +154,8 @@ pub mod search;
 pub mod solution;
 pub mod solver;
 pub mod tolerance;
+#[cfg(feature = "serde")]
+mod wire;
 
 pub use branch_and_bound::BranchAndBound;
 pub use error::Error;

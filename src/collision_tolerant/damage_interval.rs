@@ -71,8 +71,10 @@ impl IntervalOptions {
 pub struct End {
     /// The horizon has no plan under this limit, in m/s; refuted by the program. Infinite when it
     /// has no plan under any limit; 0 when nothing is refuted.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub bound: f64,
     /// Largest impact speed of the best plan found, in m/s; infinite when there is none.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub attained: f64,
 }
 

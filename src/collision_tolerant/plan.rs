@@ -36,6 +36,7 @@ pub struct Plan {
     /// Value of the objective, in its unit.
     pub objective: f64,
     /// Proved bound: no plan over this horizon has a smaller objective.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub bound: f64,
     /// Why the solver stopped; [`Termination::Optimal`] when the plan is proved optimal.
     pub termination: Termination,

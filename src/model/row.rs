@@ -12,7 +12,9 @@ use super::ids::Variable;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Row {
     pub(crate) expression: Affine,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(crate) lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(crate) upper: f64,
 }
 

@@ -1,6 +1,8 @@
 //! What can be added to a model: rows and implications.
 
 use super::Model;
+#[cfg(feature = "serde")]
+use super::affine::merge;
 use super::ids::{Constraint, Indicator, Variable};
 use super::indicator::Implication;
 use super::name::Name;
@@ -27,8 +29,25 @@ mod sealed {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StoredRow {
     pub(crate) terms: Vec<(Variable, f64)>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(crate) lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(crate) upper: f64,
+}
+
+#[cfg(feature = "serde")]
+impl StoredRow {
+    /// Checks a row from a file; unlike a new one it may be empty.
+    pub(crate) fn checked(mut self, model: &Model, name: &Name) -> Result<Self, Error> {
+        name.check()?;
+        for &(variable, coefficient) in &self.terms {
+            model.check_variable(variable, name)?;
+            finite(coefficient, "a coefficient", name)?;
+        }
+        merge(&mut self.terms);
+        (self.lower, self.upper) = limits(self.lower, self.upper, name)?;
+        Ok(self)
+    }
 }
 
 impl Statement for Row {

@@ -19,7 +19,7 @@ use crate::tolerance;
 /// A clone accepts the handles of its original.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "Stored", into = "Stored"))]
+#[cfg_attr(feature = "serde", serde(try_from = "Stored", into = "Stored"))]
 pub struct Model {
     pub(super) stored: Stored,
     pub(super) variable_names: HashMap<Name, u32>,
@@ -44,7 +44,9 @@ pub(super) struct Stored {
 pub(super) struct VariableData {
     pub(super) name: Name,
     pub(super) kind: VariableKind,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(super) lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(super) upper: f64,
 }
 
@@ -70,21 +72,31 @@ pub(super) enum StatementIndex {
     Indicator(u32),
 }
 
-impl From<Stored> for Model {
-    fn from(stored: Stored) -> Self {
-        let variable_names = (0u32..).zip(&stored.variables);
-        let variable_names = variable_names.map(|(i, v)| (v.name.clone(), i)).collect();
-        let constraints = (0u32..)
-            .zip(&stored.constraints)
-            .map(|(i, c)| (c.name.clone(), StatementIndex::Constraint(i)));
-        let indicators = (0u32..)
-            .zip(&stored.indicators)
-            .map(|(i, c)| (c.name.clone(), StatementIndex::Indicator(i)));
-        let statement_names = constraints.chain(indicators).collect();
-        Model { stored, variable_names, statement_names }
+/// A model from a file is checked like one that is written by hand.
+#[cfg(feature = "serde")]
+impl TryFrom<Stored> for Model {
+    type Error = Error;
+
+    fn try_from(stored: Stored) -> Result<Self, Error> {
+        let mut model = Model::empty(stored.name, stored.tag);
+        for VariableData { name, kind, lower, upper } in stored.variables {
+            model.variable(name, kind, lower, upper)?;
+        }
+        for ConstraintData { name, row } in stored.constraints {
+            let row = row.checked(&model, &name)?;
+            model.push_constraint(name, row)?;
+        }
+        for IndicatorData { name, condition, row, big_m } in stored.indicators {
+            model.check_variable(condition.variable, &name)?;
+            let row = row.checked(&model, &name)?;
+            model.push_indicator(name, condition, row, big_m)?;
+        }
+        model.set_objective(stored.sense, stored.objective)?;
+        Ok(model)
     }
 }
 
+#[cfg(feature = "serde")]
 impl From<Model> for Stored {
     fn from(model: Model) -> Self {
         model.stored
@@ -94,15 +106,20 @@ impl From<Model> for Stored {
 impl Model {
     /// An empty model: no variables, no rows, objective "minimise 0".
     pub fn new(name: impl Into<String>) -> Self {
-        Model::from(Stored {
-            name: name.into(),
-            tag: ModelTag::fresh(),
+        Model::empty(name.into(), ModelTag::fresh())
+    }
+
+    fn empty(name: String, tag: ModelTag) -> Self {
+        let stored = Stored {
+            name,
+            tag,
             variables: Vec::new(),
             constraints: Vec::new(),
             indicators: Vec::new(),
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
-        })
+        };
+        Model { stored, variable_names: HashMap::new(), statement_names: HashMap::new() }
     }
 
     /// The model's name.

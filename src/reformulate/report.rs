@@ -54,6 +54,7 @@ pub struct BigMEntry {
     /// The M in the lowered row, in the unit of the indicator's row; 0 where there is none.
     pub value: f64,
     /// The smallest M that the bounds prove; infinite where a bound is missing.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub needed: f64,
     /// The variable that contributes most to `needed`.
     pub largest: Option<String>,

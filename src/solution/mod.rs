@@ -24,6 +24,7 @@ pub struct Solution {
     termination: Termination,
     point: Option<Point>,
     objective: Option<f64>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     bound: f64,
     sense: Sense,
     verification: Option<Verification>,

@@ -15,6 +15,7 @@ use super::point::Point;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verification {
     violations: Vec<Violation>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     largest_residual: f64,
     active_implications: usize,
     assumed: Vec<String>,
@@ -29,6 +30,7 @@ pub struct Violation {
     /// The variable or statement.
     pub name: String,
     /// By how much, in the statement's own unit.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub amount: f64,
 }
 

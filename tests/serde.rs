@@ -1,0 +1,116 @@
+//! What is written to JSON and read back is the same: models with infinite bounds, options,
+//! solutions, plans. Handles stay valid, and a damaged file is an error, never a broken model.
+#![cfg(feature = "serde")]
+
+use carom::collision_tolerant::{Objective, Plan, Scenario, plan};
+use carom::model::VariableKind;
+use carom::prelude::*;
+use proptest::prelude::*;
+
+fn copy<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
+    let text = serde_json::to_string(value).expect("everything can be written");
+    serde_json::from_str(&text).expect("what was written can be read")
+}
+
+/// A model with an infinite bound, one-sided rows, an indicator and a quadratic objective.
+fn sample() -> (Model, Variable, Variable) {
+    let mut model = Model::new("sample");
+    let x = model.continuous(("x", 3), 0.0, f64::INFINITY).unwrap();
+    let z = model.binary("z").unwrap();
+    let y = model.continuous("y", -5.0, 5.0).unwrap();
+    model.add("sum", (x + y).ge(1.5)).unwrap();
+    model.add("switch", z.on().implies(y.within(-1.0, 0.5)).big_m(20.0)).unwrap();
+    model.add("choose", z.ge(1.0)).unwrap();
+    model.minimize((x - 0.25).square() + 0.5 * y + 3.0).unwrap();
+    (model, x, y)
+}
+
+#[test]
+fn models_survive_with_their_handles() {
+    let (model, x, y) = sample();
+    let mut again: Model = copy(&model);
+    assert_eq!(again.to_string(), model.to_string());
+    assert_eq!(again.variable_by_name("x[3]"), Ok(x));
+    let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
+    let (before, after) = (solve(&model), solve(&again));
+    assert!(before.is_optimal() && after.is_optimal());
+    for v in [x, y] {
+        assert_eq!(before.value(v), after.value(v));
+    }
+    // The names are known as well: a second `y` is refused.
+    assert!(matches!(again.continuous("y", 0.0, 1.0), Err(Error::DuplicateName { .. })));
+}
+
+#[test]
+fn solutions_survive_with_and_without_a_point() {
+    let (model, x, _) = sample();
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    let again: Solution = copy(&solution);
+    assert_eq!(again.value(x), solution.value(x));
+    assert_eq!(again.bound(), solution.bound());
+    assert_eq!(again.verification(), solution.verification());
+    assert_eq!(again.statistics(), solution.statistics());
+
+    let mut model = Model::new("none");
+    let x = model.continuous("x", 0.0, 1.0).unwrap();
+    model.add("r", x.ge(2.0)).unwrap();
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    assert!(solution.is_infeasible());
+    let again: Solution = copy(&solution);
+    assert_eq!(again.termination(), Termination::Infeasible);
+    assert_eq!(again.bound(), f64::INFINITY);
+}
+
+#[test]
+fn options_survive() {
+    let options = Options::default().with_relative_gap(1e-4).with_threads(2).with_node_limit(7);
+    assert_eq!(copy(&options), options);
+}
+
+#[test]
+fn plans_survive() {
+    let scenario = Scenario::paper().with_time_step(0.1);
+    let outcome = plan(&scenario, 30, Objective::Feasibility, &mut BranchAndBound::default());
+    let plan = outcome.unwrap().into_plan().expect("3 s are enough");
+    let again: Plan = copy(&plan);
+    assert_eq!(again.trajectory, plan.trajectory);
+    assert_eq!(again.certificate, plan.certificate);
+}
+
+#[test]
+fn damaged_models_are_errors() {
+    let (model, ..) = sample();
+    let text = serde_json::to_string(&model).unwrap();
+    let read = |text: &str| serde_json::from_str::<Model>(text).map(|_| ());
+    let error = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from} is not in {text}");
+        read(&text.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    let index = error("{\"index\":2,", "{\"index\":9,");
+    assert!(index.contains("variable number 9"), "{index}");
+    let crossed = error("-5.0", "7.0");
+    assert!(crossed.contains("bounds of `y` are crossed"), "{crossed}");
+    let infinity = error("\"inf\"", "\"endless\"");
+    assert!(infinity.contains("`endless` is not a number"), "{infinity}");
+    let twice = error("\"family\":\"y\"", "\"family\":\"z\"");
+    assert!(twice.contains("`z` is already taken"), "{twice}");
+}
+
+proptest! {
+    /// Numbers come back to the last bit, infinities included.
+    #[test]
+    fn numbers_survive_to_the_last_bit(
+        lower in prop_oneof![Just(f64::NEG_INFINITY), -1e19..0.0_f64],
+        upper in prop_oneof![Just(f64::INFINITY), 0.0..1e19_f64],
+        coefficient in prop::num::f64::NORMAL.prop_filter("finite", |v| v.abs() < 1e19),
+    ) {
+        let mut model = Model::new("numbers");
+        let x = model.variable("x", VariableKind::Continuous, lower, upper).unwrap();
+        model.add("r", (coefficient * x).le(coefficient)).unwrap();
+        let again: Model = copy(&model);
+        prop_assert_eq!(again.variable_ref(x).unwrap().bounds(), model.variable_ref(x).unwrap().bounds());
+        let (a, b) = (again.constraints().next().unwrap(), model.constraints().next().unwrap());
+        prop_assert_eq!(a.terms(), b.terms());
+        prop_assert_eq!(a.limits(), b.limits());
+    }
+}
