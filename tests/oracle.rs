@@ -108,7 +108,7 @@ proptest! {
     }
 }
 
-/// Programs that once were answered wrongly or not at all, smallest form.
+/// Programs that some state of the solver answered wrongly or not at all, in their smallest form.
 mod regressions {
     use super::*;
 
@@ -186,8 +186,11 @@ mod regressions {
     /// The backend names no ray where curvature and a free column meet.
     #[test]
     fn unbounded_beside_curvature() {
-        let solution = solve(&[(-NONE, NONE), (1.0, 3.0)], |m, v| {
-            m.minimize(v[0] + 2.0 * v[1].square() - 5.0 * v[1])
+        let solution = solve(&[(-NONE, NONE)], |m, v| {
+            m.integer("idle", 0.0, 4.0)?;
+            m.binary("idle_too")?;
+            let curved = m.integer("curved", 1.0, 3.0)?;
+            m.minimize(v[0] + 2.0 * curved.square() - 5.0 * curved)
         });
         assert_eq!(solution.termination(), Termination::Unbounded);
         assert_eq!(solution.bound(), -NONE);
@@ -221,9 +224,9 @@ mod regressions {
         let solution = solve(&[(1.0, 1.5), (-1.0, 0.5), (7.0, 7.0), (0.0, NONE)], |m, v| {
             let inner = v[0] + 2.0 * v[1] - 3.0 * v[2] + v[3] + 3.75;
             let rest = 4.5 * v[0].square() + 4.0 * v[1] - 3.0 * v[2] + 10.0 * v[0];
-            m.minimize(2.0 * inner.square() + rest)
+            m.minimize(2.0 * inner.square() + rest + 10.375)
         });
-        assert_optimal(&solution, 4.5 + 10.0 - 4.0 - 21.0);
+        assert_optimal(&solution, -0.125);
     }
 
     /// A row side implied "up to 1e-9 of the big-M" was dropped and then missed.
