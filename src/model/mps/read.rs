@@ -121,6 +121,9 @@ impl<'a> File<'a> {
         let section = match head.text {
             "NAME" => {
                 self.name = line["NAME".len()..].trim();
+                if self.name.chars().any(|c| c.is_control() && c != '\t') {
+                    return Err(head.error("the model's name has a control character"));
+                }
                 return Ok(Section::Start);
             }
             "OBJSENSE" => {

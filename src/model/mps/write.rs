@@ -29,7 +29,7 @@ struct Form {
 
 /// The text of a model as free MPS.
 pub(super) fn text(model: &Model) -> Result<String, Error> {
-    if model.name().chars().any(char::is_control) {
+    if model.name().chars().any(|c| c.is_control() && c != '\t') {
         return Err(Error::InvalidName { name: model.name().to_owned() });
     }
     let lines = lines(model)?;
