@@ -8,9 +8,10 @@
 //! every pair `(x̂, y)` proves *some* bound; a good pair proves a tight one. Sums are formed with
 //! twice the digits of a float, and what rounding may still have lost is subtracted.
 //!
-//! A column without a finite bound on the side that `g` pulls to needs `g_j = 0`. There the pair is
-//! corrected first, `x̂` where the objective curves and `y` where rows press, again with twice the
-//! digits, and what is left of `g_j` (about 1e-30) is charged over [`tolerance::FREE_RADIUS`].
+//! A column without a finite bound (or with a far one) on the side that `g` pulls to needs
+//! `g_j = 0`. There the pair is corrected first, `x̂` where the objective curves and `y` where rows
+//! press, again with twice the digits, and what is left of `g_j` (about 1e-30) is charged over
+//! [`tolerance::FREE_RADIUS`].
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -22,9 +23,13 @@ use crate::tolerance;
 /// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
 const ROUNDING: f64 = 1e-27;
 
-/// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong to rows that do
-/// not press.
+/// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong
+/// to rows that do not press; gradients below this fraction of their terms are slight.
 const NEGLIGIBLE: f64 = 1e-6;
+
+/// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
+/// bound (no unit).
+const FAR: f64 = 1e6;
 
 /// Most columns that are corrected together, by a dense factorisation.
 const MOST_CORRECTED: usize = 400;
@@ -110,8 +115,9 @@ impl Sum {
 impl Pair<'_> {
     fn best_bound(self) -> f64 {
         let gradient = self.gradient();
-        if self.unbounded_columns(&gradient).is_empty() {
-            return self.bound(&gradient);
+        let uncorrected = self.bound(&gradient);
+        if self.loose_columns(&gradient).is_empty() {
+            return uncorrected;
         }
         // Multipliers of rows that do not press are tiny rather than zero, and no correction can
         // trade them against large ones. Without them the pair is sometimes better, sometimes not.
@@ -124,7 +130,7 @@ impl Pair<'_> {
             }
         }
         let same = plain.y == self.y;
-        let bound = plain.corrected_bound();
+        let bound = plain.corrected_bound().max(uncorrected);
         if same { bound } else { bound.max(self.corrected_bound()) }
     }
 
@@ -132,15 +138,13 @@ impl Pair<'_> {
         let mut gradient = self.gradient();
         let mut corrected: Vec<usize> = Vec::new();
         for _ in 0..CORRECTIONS {
-            let stuck = self.unbounded_columns(&gradient);
+            let stuck = self.loose_columns(&gradient);
             if stuck.iter().all(|&j| gradient.value[j].high.abs() <= gradient.error(j)) {
                 break;
             }
             // All columns without any bound are corrected together, or fixing one unsettles the
             // next.
-            let free = |j: &usize| {
-                self.program.lower[*j].is_infinite() && self.program.upper[*j].is_infinite()
-            };
+            let free = |j: &usize| self.program.lower[*j] < -FAR && self.program.upper[*j] > FAR;
             corrected.extend(stuck);
             corrected.extend((0..self.x.len()).filter(free));
             corrected.sort_unstable();
@@ -180,12 +184,15 @@ impl Pair<'_> {
         gradient
     }
 
-    /// Columns whose gradient, up to its rounding, may pull towards a missing bound.
-    fn unbounded_columns(&self, gradient: &Gradient) -> Vec<usize> {
+    /// Columns whose gradient, up to its rounding, may pull towards a missing bound, or pulls
+    /// slightly towards a far one.
+    fn loose_columns(&self, gradient: &Gradient) -> Vec<usize> {
         let pulls = |j: &usize| {
             let (g, error) = (gradient.value[*j].high, gradient.error(*j));
-            (g + error > 0.0 && self.program.lower[*j].is_infinite())
-                || (g - error < 0.0 && self.program.upper[*j].is_infinite())
+            let slight = g.abs() <= NEGLIGIBLE * gradient.size[*j];
+            let loose = |bound: f64| bound.is_infinite() || (slight && bound.abs() > FAR);
+            (g + error > 0.0 && loose(self.program.lower[*j]))
+                || (g - error < 0.0 && loose(self.program.upper[*j]))
         };
         (0..self.x.len()).filter(pulls).collect()
     }

@@ -217,8 +217,8 @@ impl<'a> Worker<'a> {
         result
     }
 
-    /// Solves a reduced program and verifies the answer, trying harder once. A leaf's point may
-    /// become the answer, so there the gap asked for counts.
+    /// Solves a reduced program and verifies the answer, trying harder where it is not good
+    /// enough. A leaf's point may become the answer, so there the gap asked for counts.
     pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
         if reduced.columns.is_empty() {
             return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
@@ -231,11 +231,14 @@ impl<'a> Worker<'a> {
             let enough = 1e-6 * value.abs().max(1.0);
             if leaf { enough.min(wanted) } else { enough }
         };
-        let mut settled = false;
+        let (mut settled, mut nearest) = (false, f64::INFINITY);
         let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
         // Iterations are capped: a program infeasible by a hair keeps an interior-point method
         // busy without a verdict.
-        for (iterations, tolerance, refinements) in [(60, 1e-8, 1), (200, 1e-9, 10)] {
+        let attempts = [(60, 1e-8, 1), (200, 1e-9, 10), (200, 1e-11, 10)];
+        // The backend's gap is relative to an objective without the constant, which may be large.
+        let attempts = &attempts[..if leaf { 3 } else { 2 }];
+        for &(iterations, tolerance, refinements) in attempts {
             let effort = Effort {
                 iterations,
                 tolerance,
@@ -267,8 +270,11 @@ impl<'a> Worker<'a> {
                     let value = reduced.objective(&answer.x);
                     let solved = answer.claim == Claim::Solved;
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-                    if bound >= best.0 || solved {
-                        best = (bound.max(best.0), answer.x);
+                    best.0 = bound.max(best.0);
+                    // The point nearest to the bound; a later attempt wins a tie.
+                    let distance = (value - best.0).abs();
+                    if distance <= nearest {
+                        (nearest, best.1) = (distance, answer.x);
                     }
                     let near = answer_size <= tolerance::FREE_RADIUS;
                     settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
