@@ -105,8 +105,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Processes nodes until the tree is done; the worker on the caller's thread reports.
-    pub(super) fn run(mut self, mut control: Option<&mut Control<'_>>) {
-        let mut reporter = Reporter::new();
+    pub(super) fn run(mut self, mut watch: Option<(&mut Reporter, &mut Control<'_>)>) {
         let mut plunge: Option<Node> = None;
         loop {
             let node = match plunge.take() {
@@ -119,7 +118,7 @@ impl<'a> Worker<'a> {
                 break;
             }
             plunge = self.process(node);
-            if let Some(control) = control.as_deref_mut() {
+            if let Some((reporter, control)) = &mut watch {
                 reporter.report(self.tree, control);
             }
         }
@@ -385,20 +384,20 @@ impl<'a> Worker<'a> {
 }
 
 /// Decides when to send events.
-struct Reporter {
+pub(super) struct Reporter {
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
 }
 
 impl Reporter {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Reporter { root_done: false, incumbent: None, last: Instant::now() }
     }
 
-    fn report(&mut self, tree: &Tree<'_>, control: &mut Control<'_>) {
+    pub(super) fn report(&mut self, tree: &Tree<'_>, control: &mut Control<'_>) {
         let progress = tree.progress();
-        if !self.root_done {
+        if !self.root_done && progress.nodes > 0 {
             self.root_done = true;
             control.report(&Event::Root(progress));
         }
