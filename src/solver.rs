@@ -151,15 +151,18 @@ impl Options {
     ///
     /// [`Error::OutOfRange`], naming the option.
     pub fn check(&self) -> Result<(), Error> {
-        let range = |what: &str, value: f64, low: f64, high: f64| {
-            if value >= low && value <= high {
-                return Ok(());
-            }
-            let range = format!("within [{low}, {high}]");
-            Err(Error::OutOfRange { what: format!("option `{what}`"), value, range })
+        let check = |what: &str, value: f64, holds: bool, range: String| {
+            let error = || Error::OutOfRange { what: format!("option `{what}`"), value, range };
+            if holds { Ok(()) } else { Err(error()) }
         };
-        range("relative_gap", self.relative_gap, 0.0, f64::MAX)?;
-        range("absolute_gap", self.absolute_gap, 0.0, f64::MAX)?;
+        let gap = |what: &str, value: f64| {
+            check(what, value, value.is_finite() && value >= 0.0, "finite and not negative".into())
+        };
+        let range = |what: &str, value: f64, low: f64, high: f64| {
+            check(what, value, (low..=high).contains(&value), format!("within [{low}, {high}]"))
+        };
+        gap("relative_gap", self.relative_gap)?;
+        gap("absolute_gap", self.absolute_gap)?;
         range("feasibility", self.feasibility, 1e-9, 1e-3)?;
         range("integrality", self.integrality, 1e-9, 1e-2)?;
         range("threads", self.threads as f64, 1.0, 256.0)

@@ -28,6 +28,7 @@ use web_time::Instant;
 use crate::program::Program;
 use crate::solution::{Statistics, Termination};
 use crate::solver::{Control, Options};
+use reporter::Reporter;
 use root::Root;
 use tree::Tree;
 use worker::Worker;
@@ -72,21 +73,24 @@ pub struct Found {
 pub fn search(task: Task<'_>, control: &mut Control<'_>) -> Found {
     let tree = Tree::new(task, control.interrupt().clone());
     let root = Root::new(task.program, &tree);
-    run(task, &tree, &root, control);
+    let mut reporter = Reporter::new();
+    run(task, &tree, &root, (&mut reporter, control));
+    // What other threads found while the caller's had nothing to do.
+    reporter.report(&tree, control);
     tree.into_found()
 }
 
 #[cfg(not(target_family = "wasm"))]
-fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, control: &mut Control<'_>) {
+fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, watch: (&mut Reporter, &mut Control<'_>)) {
     std::thread::scope(|scope| {
         for id in 1..task.options.threads {
             scope.spawn(move || Worker::new(task, tree, root, id).run(None));
         }
-        Worker::new(task, tree, root, 0).run(Some(control));
+        Worker::new(task, tree, root, 0).run(Some(watch));
     });
 }
 
 #[cfg(target_family = "wasm")]
-fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, control: &mut Control<'_>) {
-    Worker::new(task, tree, root, 0).run(Some(control));
+fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, watch: (&mut Reporter, &mut Control<'_>)) {
+    Worker::new(task, tree, root, 0).run(Some(watch));
 }

@@ -19,7 +19,7 @@ impl Reporter {
 
     pub(super) fn report(&mut self, tree: &Tree<'_>, control: &mut Control<'_>) {
         let progress = tree.progress();
-        if !self.root_done {
+        if !self.root_done && progress.nodes > 0 {
             self.root_done = true;
             control.report(&Event::Root(progress));
         }

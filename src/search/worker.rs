@@ -73,8 +73,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Processes nodes until the tree is done; the worker on the caller's thread reports.
-    pub(super) fn run(mut self, mut control: Option<&mut Control<'_>>) {
-        let mut reporter = Reporter::new();
+    pub(super) fn run(mut self, mut watch: Option<(&mut Reporter, &mut Control<'_>)>) {
         let mut plunge: Option<Node> = None;
         loop {
             let node = match plunge.take() {
@@ -87,7 +86,7 @@ impl<'a> Worker<'a> {
                 break;
             }
             plunge = self.process(node);
-            if let Some(control) = control.as_deref_mut() {
+            if let Some((reporter, control)) = &mut watch {
                 reporter.report(self.tree, control);
             }
         }
