@@ -29,12 +29,12 @@ pub fn polish(program: &Reduced, x: &mut [f64]) {
     let mut is_active = vec![false; program.rows.len()];
     for _ in 0..ROUNDS {
         let known = active.len();
-        for row in 0..program.rows.len() {
+        for (row, is_active) in is_active.iter_mut().enumerate() {
             let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
             let activity = activity(program, row, x);
             let missed = lower == upper || activity < lower || activity > upper;
-            if missed && !is_active[row] {
-                is_active[row] = true;
+            if missed && !*is_active {
+                *is_active = true;
                 active.push((row, if activity < lower { lower } else { upper }));
             }
         }
