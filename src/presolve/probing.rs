@@ -24,7 +24,8 @@ pub fn probe(
     mut trials: usize,
     go_on: &dyn Fn() -> bool,
 ) -> Result<(), Conflict> {
-    let open = |domain: &Domain, j: usize| domain.upper(j) - domain.lower(j) == 1.0;
+    let open =
+        |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
     loop {
         let before = domain.mark();
         for &j in columns {

@@ -126,7 +126,10 @@ pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
         row_upper: program.row_upper.clone(),
     };
     for j in 0..n {
-        work.fix_if_narrow(j);
+        // Fixes what is narrow and refuses what is crossed.
+        if work.intersect(j, f64::NEG_INFINITY, f64::INFINITY).is_err() {
+            return Reduction::Infeasible;
+        }
     }
     // Singleton rows fix columns, which makes more singleton rows; three rounds catch nearly all.
     for _ in 0..3 {

@@ -143,8 +143,11 @@ fn switched(
         (Side::Lower, true) => (-big_m, add_down(limit, -big_m)),
         (Side::Lower, false) => (big_m, limit),
     };
-    let at = row.partition_point(|&(v, _)| v < condition.variable());
-    row.insert(at, (condition.variable(), coefficient));
+    // An assumed M may be 0, and rows hold no zeros.
+    if coefficient != 0.0 {
+        let at = row.partition_point(|&(v, _)| v < condition.variable());
+        row.insert(at, (condition.variable(), coefficient));
+    }
     (row, limit)
 }
 
