@@ -27,7 +27,10 @@ pub(super) fn apply(
     if let Some(at) = terms.iter().position(|&(v, _)| v == condition.variable()) {
         let (_, coefficient) = terms.remove(at);
         if condition.is_on() {
-            limits = Interval::new(limits.lower - coefficient, limits.upper - coefficient);
+            limits = Interval::new(
+                add_down(limits.lower, -coefficient),
+                add_up(limits.upper, -coefficient),
+            );
         }
     }
 
