@@ -152,7 +152,11 @@ proptest! {
         other.constant *= factor;
         other.linear.iter_mut().for_each(|a| *a *= factor);
         other.squares.iter_mut().for_each(|square| square.weight *= factor);
-        let (a, b) = (answer(&case), answer(&other));
+        // The absolute gap is in the objective's unit, so it is another number in another unit.
+        let gap = factor * Options::default().absolute_gap;
+        let mut solver = BranchAndBound::new(Options::default().with_absolute_gap(gap));
+        let scaled = solver.solve(&other.build().0).expect("a solvable model");
+        let (a, b) = (answer(&case), cost(&scaled, other.sign()));
         let back = (b.0, b.1 / factor);
         prop_assert!(same(a, back), "{a:?}, scaled {back:?}\n{}", case.build().0);
     }
@@ -280,4 +284,20 @@ fn assert_identical(a: &Solution, b: &Solution) -> Result<(), TestCaseError> {
     counts.0.time = counts.1.time;
     prop_assert_eq!(counts.0, counts.1);
     Ok(())
+}
+
+/// Terms of several hundred cancel to an optimum of 0, where the default absolute gap asks for ten
+/// digits of them. Whether the gap is met or not, bound and point must be right.
+#[test]
+fn a_cancelled_optimum_in_a_large_unit() {
+    let mut model = Model::new("cancelled");
+    let x = model.continuous("x", -1.5, f64::INFINITY).unwrap();
+    let y = model.continuous("y", 0.0, f64::INFINITY).unwrap();
+    model.minimize(200.0 * (2.0 * y - 1.0).square() + 300.0 * x + 450.0).unwrap();
+    let solution = solve(&model);
+    let objective = solution.objective().expect("a point");
+    assert!(solution.bound() <= 0.0 && objective.abs() <= AGREEMENT, "{solution:?}");
+    assert!(solution.verification().is_some_and(Verification::holds));
+    let mut in_unit = BranchAndBound::new(Options::default().with_absolute_gap(1e-5));
+    assert!(in_unit.solve(&model).unwrap().is_optimal());
 }
