@@ -158,6 +158,7 @@ fn limited(mut columns: Vec<Column>) -> Vec<Column> {
         if column.kind != VariableKind::Continuous {
             let count = (column.upper.floor() - column.lower.ceil() + 1.0).max(1.0);
             if assignments * count > ASSIGNMENTS {
+                column.lower = column.lower.ceil();
                 column.upper = column.lower;
             } else {
                 assignments *= count;
