@@ -65,6 +65,11 @@ pub const REST_SPEED: f64 = 1e-7;
 /// wall rests there as well: a guard against endless work at huge accelerations (no unit).
 pub const MAX_BOUNCES: usize = 100_000;
 
+/// Default margin of reach sets, in SI units, per unit of the row's [scale](row_scale): by how much
+/// a plan may miss limits, guards and ends and still lie in the sets. A plan that is accepted is
+/// known to [`FEASIBILITY`] row by row and to [`REPLAY`] as a whole; this is twice their sum.
+pub const REACH: f64 = 4e-6;
+
 /// Longest horizon, in steps, for which a model is built. A longer one is refused with an error
 /// before anything is allocated.
 pub const MAX_STEPS: usize = 100_000;

@@ -15,6 +15,7 @@ use web_time::Duration;
 
 use super::plan::{PlanOutcome, outcome};
 use super::program::{Objective, Program};
+use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::Error;
@@ -240,8 +241,11 @@ impl Search<'_> {
     fn feasible(&mut self, steps: usize, limit: Option<f64>) -> Result<Answer, Error> {
         let mut scenario = self.scenario;
         scenario.damage.per_impact = limit;
-        let program = Program::build(&scenario, steps, Objective::Feasibility)?;
-        self.solve(&program)
+        let mut program = Program::build(&scenario, steps, Objective::Feasibility)?;
+        match tighten(&scenario, &mut scenario.reach_sets()?, &mut program)? {
+            true => self.solve(&program),
+            false => Ok(Answer::Refuted),
+        }
     }
 
     /// The smallest largest impact speed with the contacts of a plan, in m/s.

@@ -31,6 +31,7 @@
 pub mod damage_interval;
 pub mod plan;
 pub mod program;
+mod reach;
 pub mod scenario;
 pub mod shortest;
 pub mod tables;

@@ -1,6 +1,7 @@
 //! Planning over a fixed horizon, with a certificate for every plan.
 
 use super::program::{Objective, Program};
+use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::Error;
@@ -87,6 +88,9 @@ impl PlanOutcome {
 
 /// Plans a scenario over a fixed horizon.
 ///
+/// Reach sets come first: they may prove that there is no plan, and they fix contacts and tighten
+/// bounds of the program before it is solved. ([`Program::build`] writes a program without them.)
+///
 /// ```
 /// use carom::collision_tolerant::{Objective, Scenario, plan};
 /// use carom::prelude::*;
@@ -129,7 +133,10 @@ pub fn plan_with(
     solver: &mut dyn Solver,
     control: &mut Control<'_>,
 ) -> Result<PlanOutcome, Error> {
-    let program = Program::build(scenario, steps, objective)?;
+    let mut program = Program::build(scenario, steps, objective)?;
+    if !tighten(scenario, &mut scenario.reach_sets()?, &mut program)? {
+        return Ok(PlanOutcome::Infeasible(Statistics::default()));
+    }
     let solution = solver.solve_with(&program.model, control)?;
     outcome(scenario, &program, &solution)
 }

@@ -1,12 +1,10 @@
 //! The programs of the paper, for one horizon, row by row with their equation numbers.
 
-use std::borrow::Borrow;
+use std::borrow::{Borrow, BorrowMut};
 
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::{
-    ContactLaw, ContactStep, Damage, Horizon, HorizonModel, ImpactSpeed, LinearSystem, Waiting,
-};
+use crate::hybrid::{ContactLaw, ContactStep, Damage, Horizon, ImpactSpeed, LinearSystem};
 use crate::model::{Affine, Family, Model, Quadratic, Variable};
 
 /// What a fixed-horizon plan minimises.
@@ -54,6 +52,12 @@ pub struct Program {
 impl Borrow<Model> for Program {
     fn borrow(&self) -> &Model {
         &self.model
+    }
+}
+
+impl BorrowMut<Model> for Program {
+    fn borrow_mut(&mut self) -> &mut Model {
+        &mut self.model
     }
 }
 
@@ -228,31 +232,4 @@ fn add_states(
         model.fix(a[last], value)?; // (21h)
     }
     Ok([x, v, a])
-}
-
-/// A scenario as a family of feasibility programs over the horizon.
-#[derive(Debug, Clone)]
-pub(super) struct Programs<'a> {
-    pub(super) scenario: &'a Scenario,
-    pub(super) upper_hint: Option<usize>,
-}
-
-impl HorizonModel for Programs<'_> {
-    type Program = Program;
-
-    fn build(&self, steps: usize) -> Result<Program, Error> {
-        Program::build(self.scenario, steps, Objective::Feasibility)
-    }
-
-    fn waiting(&self) -> Waiting {
-        self.scenario.waiting()
-    }
-
-    fn lower_hint(&self) -> usize {
-        self.scenario.lower_hint()
-    }
-
-    fn upper_hint(&self) -> Option<usize> {
-        self.upper_hint
-    }
 }

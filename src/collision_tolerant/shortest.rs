@@ -3,9 +3,11 @@
 use web_time::Duration;
 
 use super::plan::{Plan, PlanOutcome, outcome};
-use super::program::{Objective, Program, Programs};
+use super::program::{Objective, Program};
+use super::reach::Programs;
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
+use crate::hybrid::reach::Tube;
 use crate::hybrid::{
     Attempt, Budget, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
 };
@@ -72,7 +74,10 @@ pub struct ShortestPlan {
     /// Whether no plan over `steps` has fewer impacts (with a damage weight: a smaller sum of
     /// impacts and weighted damage).
     pub fewest_impacts: bool,
-    /// The solves of the search, in order.
+    /// The tube of `steps`: what any plan of that horizon can do at each step, where reach sets
+    /// were used.
+    pub tube: Option<Tube>,
+    /// The horizons that the search decided, in order, each with how.
     pub attempts: Vec<Attempt>,
     /// The solves that came after it, to minimise the impacts.
     pub refinements: Vec<Statistics>,
@@ -139,7 +144,7 @@ pub fn shortest_plan_with(
 ) -> Result<ShortestPlan, Error> {
     scenario.check()?;
     let budget = Budget::new(options.search.time_limit, &options.search.interrupt);
-    let programs = Programs { scenario, upper_hint: options.upper_hint };
+    let programs = Programs { scenario: *scenario, upper_hint: options.upper_hint };
     let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
     let plan = match (&found.program, &found.solution) {
         (Some(program), Some(solution)) => Some(Plan::certify(scenario, program, solution)?),
@@ -151,6 +156,7 @@ pub fn shortest_plan_with(
         refuted_steps: found.refuted_steps,
         plan,
         fewest_impacts: scenario.collisions == Collisions::Forbidden,
+        tube: found.tube,
         attempts: found.attempts,
         refinements: Vec::new(),
         time: found.time,
@@ -173,23 +179,27 @@ impl Refinement<'_> {
     fn run(&mut self, shortest: &mut ShortestPlan) -> Result<(), Error> {
         let (Some(steps), Some(plan)) = (shortest.steps, &shortest.plan) else { return Ok(()) };
         let impacts = plan.trajectory.impacts.len();
-        if impacts == 0 {
+        let proved = shortest.tube.as_ref().and_then(Tube::fewest_events).unwrap_or(0);
+        if impacts == 0 || (impacts <= proved && self.scenario.damage.weight == 0.0) {
             shortest.fewest_impacts = true;
             return Ok(());
         }
         // Without any impact?
-        let careful = self.scenario.collision_free();
-        let program = Program::build(&careful, steps, Objective::Feasibility)?;
-        let Some(solution) = self.solve(&program)? else { return Ok(()) };
-        shortest.refinements.push(*solution.statistics());
-        let needed = match outcome(&careful, &program, &solution)? {
-            PlanOutcome::Planned(plan) => {
-                shortest.plan = Some(*plan);
-                shortest.fewest_impacts = true;
-                return Ok(());
-            }
-            answer => answer.is_infeasible(),
-        };
+        let mut needed = proved > 0;
+        if !needed {
+            let careful = self.scenario.collision_free();
+            let program = Program::build(&careful, steps, Objective::Feasibility)?;
+            let Some(solution) = self.solve(&program)? else { return Ok(()) };
+            shortest.refinements.push(*solution.statistics());
+            needed = match outcome(&careful, &program, &solution)? {
+                PlanOutcome::Planned(plan) => {
+                    shortest.plan = Some(*plan);
+                    shortest.fewest_impacts = true;
+                    return Ok(());
+                }
+                answer => answer.is_infeasible(),
+            };
+        }
         if needed && impacts == 1 && self.scenario.damage.weight == 0.0 {
             shortest.fewest_impacts = true;
             return Ok(());
@@ -198,6 +208,10 @@ impl Refinement<'_> {
         let mut program = Program::build(self.scenario, steps, Objective::Impacts)?;
         if needed {
             program.require_contact()?;
+        }
+        if let Some(tube) = &shortest.tube {
+            let variables = program.horizon_variables(self.scenario);
+            let _report = tube.tighten(&mut program.model, &variables)?;
         }
         let Some(solution) = self.solve(&program)? else { return Ok(()) };
         shortest.refinements.push(*solution.statistics());

@@ -52,7 +52,8 @@ impl Budget {
         solution
     }
 
-    fn remaining(&self) -> Option<Duration> {
+    /// What is left of the time; nothing when it is not limited.
+    pub(crate) fn remaining(&self) -> Option<Duration> {
         self.time_limit.map(|limit| limit.saturating_sub(self.elapsed()))
     }
 }

@@ -47,6 +47,7 @@ pub mod damage;
 mod exponential;
 pub mod horizon;
 pub mod linear;
+pub mod reach;
 pub mod shortest_horizon;
 pub mod simulate;
 pub mod wall;

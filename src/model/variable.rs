@@ -62,6 +62,13 @@ impl Family {
     }
 }
 
+/// Variables of any names, in the order of their steps.
+impl FromIterator<Variable> for Family {
+    fn from_iter<I: IntoIterator<Item = Variable>>(variables: I) -> Self {
+        Family { members: variables.into_iter().collect() }
+    }
+}
+
 impl Index<usize> for Family {
     type Output = Variable;
 

@@ -15,6 +15,8 @@
 
 use super::{ContactStep, ImpactSpeed, Restitution};
 use crate::error::Error;
+use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::reach::{Halfspace, Transition};
 use crate::hybrid::wall::Wall;
 use crate::model::Model;
 
@@ -46,4 +48,27 @@ pub(super) fn add_step(
     model.add(("dynamics_v", t), step.next_velocity.equals(&step.predicted_velocity))?;
 
     Ok(ImpactSpeed { speed: -wall.rate_of(&step.velocity), zero_in_flight: false })
+}
+
+/// The law as transitions of `[x, v]` under `[a]`, the flight and the contact.
+pub(super) fn transitions(
+    wall: Wall,
+    restitution: Restitution,
+    time_step: f64,
+    max_speed: Option<f64>,
+) -> Result<[Transition; 2], Error> {
+    let (n, at, e) = (wall.normal(), wall.normal() * wall.position(), restitution.value());
+    let outside = Halfspace::new("the step begins outside the wall", [-n, 0.0], -at);
+    let flow = LinearSystem::double_integrator(time_step)?;
+    let flight = Transition::new("flight", flow).with_guard(outside);
+    // a = -(1+e) v/Δt, whatever the input.
+    let a = faer::mat![[1.0, 0.5 * time_step * (1.0 - e)], [0.0, -e]];
+    let forced = LinearSystem::new(a, faer::mat![[0.0], [0.0]], vec![0.0, 0.0])?;
+    let inside = Halfspace::new("the step begins inside the wall", [n, 0.0], at);
+    let mut contact = Transition::event("contact", forced).with_guard(inside);
+    if let Some(limit) = max_speed {
+        let limit = Halfspace::new("the limit on the impact speed", [0.0, -n], limit);
+        contact = contact.with_guard(limit);
+    }
+    Ok([flight, contact])
 }

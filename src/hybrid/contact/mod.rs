@@ -13,6 +13,8 @@
 mod literal;
 mod reflecting;
 
+use super::linear::LinearSystem;
+use super::reach::Transition;
 use super::wall::Wall;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -178,6 +180,42 @@ impl Contact {
                 reflecting::add_step(model, self.wall, self.restitution, step)
             }
             ContactLaw::Literal => literal::add_step(model, self.wall, self.restitution, step),
+        }
+    }
+
+    /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for
+    /// [reach sets](super::reach): first the flight, then the contact, which is an event.
+    ///
+    /// # Arguments
+    ///
+    /// * `time_step`: Δt, in s, finite and positive.
+    /// * `max_speed`: limit on the impact speed, in m/s, if there is one.
+    ///
+    /// ```
+    /// use carom::hybrid::{Contact, Restitution, Wall};
+    ///
+    /// let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.5)?);
+    /// let [flight, impact] = floor.transitions(0.01, Some(3.0))?;
+    /// assert!(impact.is_event && !flight.is_event);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] for another time step.
+    pub fn transitions(
+        &self,
+        time_step: f64,
+        max_speed: Option<f64>,
+    ) -> Result<[Transition; 2], Error> {
+        match self.law {
+            ContactLaw::Reflecting => {
+                let flow = LinearSystem::double_integrator(time_step)?;
+                Ok(reflecting::transitions(self.wall, self.restitution, &flow, max_speed))
+            }
+            ContactLaw::Literal => {
+                literal::transitions(self.wall, self.restitution, time_step, max_speed)
+            }
         }
     }
 }

@@ -18,8 +18,12 @@
 //! come from the ranges of `p` and `w`, so `h` is at most about one step long: the relaxation
 //! cannot teleport the vehicle for a small fraction of an impact.
 
+use faer::Mat;
+
 use super::{ContactStep, ImpactSpeed, Restitution};
 use crate::error::Error;
+use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::reach::{Halfspace, Transition};
 use crate::hybrid::wall::Wall;
 use crate::model::{Affine, Model, Variable};
 
@@ -71,4 +75,26 @@ fn add_shortfall(
 ) -> Result<Variable, Error> {
     let largest = (-model.range(expression)?.lower).max(0.0);
     model.continuous((family, step), 0.0, largest)
+}
+
+/// The law as transitions of `[x, v]` under `[a]`, the flight and the impact.
+pub(super) fn transitions(
+    wall: Wall,
+    restitution: Restitution,
+    flow: &LinearSystem,
+    max_speed: Option<f64>,
+) -> [Transition; 2] {
+    let (n, at, e) = (wall.normal(), wall.normal() * wall.position(), restitution.value());
+    let outside = Halfspace::new("the flight ends outside the wall", [-n, 0.0], -at);
+    let flight = Transition::new("flight", flow.clone()).with_prediction_guard(outside);
+    let mut impact = Transition::event("impact", flow.clone())
+        .with_prediction_guard(Halfspace::new("the flight ends behind the wall", [n, 0.0], at))
+        .with_prediction_guard(Halfspace::new("it moves towards the wall", [0.0, n], 0.0));
+    if let Some(limit) = max_speed {
+        let limit = Halfspace::new("the limit on the impact speed", [0.0, -n], limit);
+        impact = impact.with_prediction_guard(limit);
+    }
+    let rebound = Mat::from_fn(2, 2, |i, j| if i == j { -e } else { 0.0 });
+    let impact = impact.with_reset(rebound, vec![(1.0 + e) * wall.position(), 0.0]);
+    [flight, impact]
 }

@@ -46,21 +46,23 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
+mod guess;
 mod outcome;
 mod search;
 
 pub use outcome::{Attempt, Refutation, ShortestHorizon, ShortestStatus, Verdict};
 pub use search::{HorizonEvent, ShortestOptions, shortest_horizon, shortest_horizon_with};
 
-use std::borrow::Borrow;
+use std::borrow::BorrowMut;
 
 use crate::error::Error;
+use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::model::Model;
 
 /// A family of programs over the number of steps.
 pub trait HorizonModel {
     /// What is built for a horizon: a [`Model`], or something that holds one beside its handles.
-    type Program: Borrow<Model>;
+    type Program: BorrowMut<Model>;
 
     /// Builds the program of a horizon.
     ///
@@ -86,6 +88,33 @@ pub trait HorizonModel {
     /// A number of steps believed feasible. A good guess saves solves; nothing is concluded from
     /// it. Used only where waiting is free.
     fn upper_hint(&self) -> Option<usize> {
+        None
+    }
+
+    /// Reach sets of the system that the programs describe, with the programs' start and goal;
+    /// none by default.
+    ///
+    /// They refute most horizons before a program is built, and fix binaries of the others. Every
+    /// solution of a program must be a run of the system.
+    ///
+    /// # Errors
+    ///
+    /// Whatever building them may meet; it ends the search.
+    fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+        Ok(None)
+    }
+
+    /// Which of a program's variables stand for what: needed by [`reach_sets`](Self::reach_sets)
+    /// (states, transitions) and by [`coarser`](Self::coarser) (transitions); none by default.
+    fn variables(&self, program: &Self::Program) -> HorizonVariables {
+        let _ = program;
+        HorizonVariables::default()
+    }
+
+    /// The same task on a coarser grid, if there is one: its shortest plan says around which steps
+    /// the binaries of [`variables`](Self::variables) may be needed. A guess that is right saves
+    /// most of a search; nothing is concluded from one that is wrong.
+    fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Self::Program> + '_>> {
         None
     }
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use web_time::Duration;
 
+use crate::hybrid::reach::{ReachSets, Tube};
 use crate::solution::{Solution, Statistics, Termination};
 
 /// How a horizon was refuted.
@@ -11,6 +12,8 @@ use crate::solution::{Solution, Statistics, Termination};
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Refutation {
+    /// By reach sets: nothing was solved.
+    Sets,
     /// By bound propagation alone: no relaxation was solved.
     Propagation,
     /// With the help of relaxations.
@@ -30,7 +33,7 @@ pub enum Verdict {
     Undecided(Termination),
 }
 
-/// One solve of the search.
+/// What the search learned about one horizon: by reach sets, or by one solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -39,11 +42,25 @@ pub struct Attempt {
     pub steps: usize,
     /// What was found.
     pub verdict: Verdict,
-    /// The solve's counts and time.
+    /// The solve's counts and time; all 0 when nothing was solved.
     pub statistics: Statistics,
+    /// Whether the program was restricted to the mode sequence of a coarser plan. A restricted
+    /// program proves only feasibility.
+    pub restricted: bool,
 }
 
 impl Attempt {
+    /// A horizon that reach sets refuted.
+    pub(super) fn by_sets(steps: usize) -> Self {
+        let (verdict, statistics) = (Verdict::Refuted(Refutation::Sets), Statistics::default());
+        Attempt { steps, verdict, statistics, restricted: false }
+    }
+
+    /// Whether a program was solved.
+    pub fn is_solve(&self) -> bool {
+        self.verdict != Verdict::Refuted(Refutation::Sets)
+    }
+
     /// Reads a solve's answer. A point decides whatever stopped the solver; so does a proof.
     pub(super) fn of(steps: usize, solution: &Solution) -> Self {
         let statistics = *solution.statistics();
@@ -57,7 +74,7 @@ impl Attempt {
         } else {
             Verdict::Undecided(solution.termination())
         };
-        Attempt { steps, verdict, statistics }
+        Attempt { steps, verdict, statistics, restricted: false }
     }
 }
 
@@ -100,13 +117,18 @@ pub struct ShortestHorizon<P> {
     /// [`Found`](ShortestStatus::Found).
     pub steps: Option<usize>,
     /// The largest horizon, in steps, that is proved infeasible together with every smaller one:
-    /// by a solver, the smaller ones one by one or (where waiting is free) by monotonicity.
+    /// by reach sets or by a solver, the smaller ones one by one or (where waiting is free) by
+    /// monotonicity.
     pub refuted_steps: Option<usize>,
-    /// The program of `steps`.
+    /// The program of `steps`, with the bounds that reach sets tightened.
     pub program: Option<P>,
     /// Its solution.
     pub solution: Option<Solution>,
-    /// All solves, in order.
+    /// The reach sets that were used, for asking further.
+    pub sets: Option<ReachSets>,
+    /// The tube of `steps`, where reach sets were used.
+    pub tube: Option<Tube>,
+    /// All horizons that were decided, in order, each with how.
     pub attempts: Vec<Attempt>,
     /// Wall-clock time of the search, building included.
     pub time: Duration,
@@ -118,7 +140,7 @@ impl<P> ShortestHorizon<P> {
         self.status == ShortestStatus::Found
     }
 
-    /// The solves that refuted their horizons, in order.
+    /// The refuted horizons, in the order in which they were refuted.
     pub fn refutations(&self) -> impl Iterator<Item = &Attempt> {
         self.attempts.iter().filter(|attempt| matches!(attempt.verdict, Verdict::Refuted(_)))
     }

@@ -1,20 +1,27 @@
-//! The search: gallop and bisect where waiting is free, ascend where it is not.
+//! The search: reach sets first, then gallop and bisect where waiting is free, or ascend where it
+//! is not.
 
-use std::borrow::Borrow;
+use std::borrow::{Borrow, BorrowMut};
 
 use web_time::Duration;
 
+use super::guess::{Guess, restricted};
 use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
 use super::{HorizonModel, Waiting};
 use crate::error::Error;
 use crate::hybrid::budget::Budget;
 use crate::hybrid::horizon::check_steps;
+use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
+use crate::model::Model;
 use crate::solution::{Solution, Termination};
 use crate::solver::{Event, Interrupt, Progress, Solver};
 
 /// Undecided horizons after which a search gives up: each further one would only repeat what
 /// stopped the others.
 const MAX_UNDECIDED: usize = 8;
+
+/// Open binaries beyond which a coarser grid is asked for a guess: with fewer, a solve is quick.
+const MANY_OPEN: usize = 16;
 
 /// Options of a shortest-horizon search.
 #[derive(Debug, Clone)]
@@ -27,11 +34,22 @@ pub struct ShortestOptions {
     pub time_limit: Option<Duration>,
     /// Stops the search and the solve that is running.
     pub interrupt: Interrupt,
+    /// Whether the builder's reach sets are used (default yes).
+    pub reach_sets: bool,
+    /// Whether the builder's coarser grid is asked for a guess where binaries are left open
+    /// (default yes).
+    pub coarse_guess: bool,
 }
 
 impl Default for ShortestOptions {
     fn default() -> Self {
-        ShortestOptions { max_steps: 10_000, time_limit: None, interrupt: Interrupt::new() }
+        ShortestOptions {
+            max_steps: 10_000,
+            time_limit: None,
+            interrupt: Interrupt::new(),
+            reach_sets: true,
+            coarse_guess: true,
+        }
     }
 }
 
@@ -47,6 +65,20 @@ impl ShortestOptions {
     #[must_use]
     pub fn with_time_limit(mut self, limit: Duration) -> Self {
         self.time_limit = Some(limit);
+        self
+    }
+
+    /// Sets whether reach sets are used.
+    #[must_use]
+    pub fn with_reach_sets(mut self, wanted: bool) -> Self {
+        self.reach_sets = wanted;
+        self
+    }
+
+    /// Sets whether a coarser grid is asked for a guess.
+    #[must_use]
+    pub fn with_coarse_guess(mut self, wanted: bool) -> Self {
+        self.coarse_guess = wanted;
         self
     }
 
@@ -78,7 +110,7 @@ pub enum HorizonEvent {
         /// The solver's figures.
         progress: Progress,
     },
-    /// A horizon is solved.
+    /// A horizon is decided, by reach sets or by a solve.
     Decided(Attempt),
 }
 
@@ -121,16 +153,40 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
         best: None,
         undecided: Vec::new(),
         attempts: Vec::new(),
+        sets: None,
+        guess: Guess::NotAsked,
     };
+    if options.reach_sets {
+        search.sets = builder.reach_sets()?;
+    }
     let status = search.run()?;
     let time = search.budget.elapsed();
-    let (refuted, attempts) = (search.refuted, search.attempts);
-    let (steps, program, solution) = match search.best {
-        Some((steps, program, solution)) => (Some(steps), Some(program), Some(solution)),
-        None => (None, None, None),
+    let (refuted, attempts, sets) = (search.refuted, search.attempts, search.sets);
+    let mut found = ShortestHorizon {
+        status,
+        steps: None,
+        refuted_steps: (refuted > 0).then_some(refuted),
+        program: None,
+        solution: None,
+        sets,
+        tube: None,
+        attempts,
+        time,
     };
-    let refuted_steps = (refuted > 0).then_some(refuted);
-    Ok(ShortestHorizon { status, steps, refuted_steps, program, solution, attempts, time })
+    if let Some(best) = search.best {
+        found.steps = Some(best.steps);
+        (found.program, found.solution, found.tube) =
+            (Some(best.program), Some(best.solution), best.tube);
+    }
+    Ok(found)
+}
+
+/// A feasible horizon.
+struct Feasible<P> {
+    steps: usize,
+    program: P,
+    solution: Solution,
+    tube: Option<Tube>,
 }
 
 struct Search<'a, B: HorizonModel + ?Sized> {
@@ -141,16 +197,21 @@ struct Search<'a, B: HorizonModel + ?Sized> {
     progress: &'a mut dyn FnMut(&HorizonEvent),
     /// Every horizon up to this one is refuted.
     refuted: usize,
-    /// The smallest horizon found feasible, with its program and solution.
-    best: Option<(usize, B::Program, Solution)>,
+    /// The smallest horizon found feasible.
+    best: Option<Feasible<B::Program>>,
     /// Horizons that were tried in vain, with the reason.
     undecided: Vec<(usize, Termination)>,
     attempts: Vec<Attempt>,
+    sets: Option<ReachSets>,
+    guess: Guess,
 }
 
 impl<B: HorizonModel + ?Sized> Search<'_, B> {
     fn run(&mut self) -> Result<ShortestStatus, Error> {
         let monotone = matches!(self.builder.waiting(), Waiting::Free(_));
+        if let Some(reason) = self.ascend_by_sets()? {
+            return Ok(ShortestStatus::Stopped(reason));
+        }
         loop {
             let next = if monotone { self.next_probe() } else { self.next_ascending() };
             let Some(steps) = next else { return Ok(self.status()) };
@@ -161,10 +222,28 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
     }
 
+    /// Refutes horizons in ascending order for as long as the forward sets alone do it. Returns
+    /// why it had to stop, if so.
+    fn ascend_by_sets(&mut self) -> Result<Option<Termination>, Error> {
+        let Some(sets) = &mut self.sets else { return Ok(None) };
+        let mut steps = 1;
+        while steps <= self.options.max_steps && !sets.may_finish(steps)? {
+            if let Some(reason) = self.budget.exhausted() {
+                return Ok(Some(reason));
+            }
+            let attempt = Attempt::by_sets(steps);
+            self.refuted = steps;
+            self.attempts.push(attempt);
+            (self.progress)(&HorizonEvent::Decided(attempt));
+            steps += 1;
+        }
+        Ok(None)
+    }
+
     /// What is known when nothing is left to try.
     fn status(&self) -> ShortestStatus {
         match &self.best {
-            Some((steps, ..)) if *steps == self.refuted + 1 => ShortestStatus::Found,
+            Some(best) if best.steps == self.refuted + 1 => ShortestStatus::Found,
             None if self.refuted == self.options.max_steps => {
                 ShortestStatus::NoneWithin { max_steps: self.refuted }
             }
@@ -190,7 +269,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         // solved only when nothing below it turned out to be feasible.
         let hint = self.builder.upper_hint().filter(|&hint| hint <= max_steps && hint >= low);
         let high = match (&self.best, hint) {
-            (Some((steps, ..)), _) => steps - 1,
+            (Some(best), _) => best.steps - 1,
             (None, Some(hint)) => hint,
             (None, None) => max_steps,
         };
@@ -198,15 +277,18 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             return None;
         }
         let known_above = self.best.is_some() || hint.is_some();
-        let first = self.builder.lower_hint().clamp(low, high);
-        let target = if self.attempts.is_empty() {
+        let begin = if self.sets.is_some() { low } else { self.builder.lower_hint() };
+        let first = begin.clamp(low, high);
+        let mut tried = self.attempts.iter().filter(|attempt| attempt.is_solve());
+        let started = tried.next().map(|attempt| attempt.steps);
+        let target = if started.is_none() {
             first
         } else if known_above {
             low + (high - low) / 2
         } else {
             // Galloping: double the distance from where it began.
-            let start = self.attempts[0].steps;
-            let reach = self.attempts.iter().map(|attempt| attempt.steps).max().unwrap_or(start);
+            let start = started.unwrap_or(first);
+            let reach = tried.map(|attempt| attempt.steps).fold(start, usize::max);
             (2 * reach - start + 1).clamp(low, high)
         };
         let free = |steps: &usize| !self.undecided.iter().any(|(tried, _)| tried == steps);
@@ -225,20 +307,88 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         self.budget.exhausted().or(tired)
     }
 
-    /// Solves one horizon and files what it says.
+    /// Decides one horizon, by its tube or by a solve, and files what that says.
     fn attempt(&mut self, steps: usize) -> Result<(), Error> {
-        let feasible = self.best.as_ref().map(|(steps, ..)| *steps);
+        let feasible = self.best.as_ref().map(|best| best.steps);
         (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
-        let program = self.builder.build(steps)?;
+        let tube = match &mut self.sets {
+            Some(sets) => Some(sets.tube(steps)?),
+            None => None,
+        };
+        if tube.as_ref().is_some_and(|tube| tube.is_empty()) {
+            self.file(Attempt::by_sets(steps), None);
+            return Ok(());
+        }
+        let mut program = self.builder.build(steps)?;
+        let variables = self.builder.variables(&program);
+        let mut open = variables.binaries().map(|family| family.len()).sum();
+        if let Some(tube) = &tube {
+            let report = tube.tighten(program.borrow_mut(), &variables)?;
+            if report.infeasible {
+                self.file(Attempt::by_sets(steps), None);
+                return Ok(());
+            }
+            open = report.open;
+        }
+        if open > MANY_OPEN
+            && let Some(solution) =
+                self.solve_restricted(steps, program.borrow_mut(), &variables)?
+        {
+            let attempt = Attempt { restricted: true, ..Attempt::of(steps, &solution) };
+            self.file(attempt, Some(Feasible { steps, program, solution, tube }));
+            return Ok(());
+        }
+        let solution = self.solve(steps, program.borrow())?;
+        let attempt = Attempt::of(steps, &solution);
+        self.file(attempt, Some(Feasible { steps, program, solution, tube }));
+        Ok(())
+    }
+
+    fn solve(&mut self, steps: usize, model: &Model) -> Result<Solution, Error> {
         let progress = &mut *self.progress;
         let mut relay = |event: &Event| {
             progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
         };
-        let solution = self.budget.solve(self.solver, program.borrow(), &mut relay)?;
+        self.budget.solve(self.solver, model, &mut relay)
+    }
 
-        let attempt = Attempt::of(steps, &solution);
+    /// Solves with the binaries restricted to the neighbourhood of a coarser plan's; returns a
+    /// solution only when it holds a point.
+    fn solve_restricted(
+        &mut self,
+        steps: usize,
+        model: &mut Model,
+        variables: &HorizonVariables,
+    ) -> Result<Option<Solution>, Error> {
+        if !self.options.coarse_guess {
+            return Ok(None);
+        }
+        if let Guess::NotAsked = self.guess {
+            self.guess = Guess::ask(self.builder, self.options, self.solver, &self.budget)?;
+        }
+        let Guess::Modes(modes) = &self.guess else { return Ok(None) };
+        let Some(freed) = restricted(modes, model, variables)? else { return Ok(None) };
+        let solution = self.solve(steps, model)?;
+        for (variable, bounds) in freed {
+            model.set_bounds(variable, bounds.lower, bounds.upper)?;
+        }
+        if solution.point().is_some() {
+            return Ok(Some(solution));
+        }
+        // It cost something, and showed only that the guess does not fit this horizon.
+        self.attempts.push(Attempt {
+            restricted: true,
+            verdict: Verdict::Undecided(solution.termination()),
+            ..Attempt::of(steps, &solution)
+        });
+        Ok(None)
+    }
+
+    /// Files what is known about a horizon.
+    fn file(&mut self, attempt: Attempt, solved: Option<Feasible<B::Program>>) {
+        let steps = attempt.steps;
         match attempt.verdict {
-            Verdict::Feasible => self.best = Some((steps, program, solution)),
+            Verdict::Feasible => self.best = solved,
             Verdict::Refuted(_) => {
                 // Where waiting is free, everything below is refuted with it; where it is not,
                 // only an unbroken chain from 1 counts.
@@ -250,6 +400,5 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         self.attempts.push(attempt);
         (self.progress)(&HorizonEvent::Decided(attempt));
-        Ok(())
     }
 }

@@ -1,0 +1,151 @@
+//! A scenario as a hybrid system, and as a family of programs over the horizon.
+
+use super::program::{Objective, Program};
+use super::scenario::{Collisions, Endpoint, Scenario};
+use crate::error::Error;
+use crate::hybrid::reach::{HorizonVariables, HybridSystem, ReachSets, SetOptions};
+use crate::hybrid::{ContactLaw, Horizon, HorizonModel, Waiting};
+use crate::interval::Interval;
+use crate::model::{Family, Model};
+use crate::tolerance;
+
+/// How much longer the steps of the coarser grid are, and from how many steps on it is worth it.
+const COARSER: (f64, usize) = (8.0, 160);
+
+impl Scenario {
+    /// The scenario as a hybrid system with the states `x` (m) and `v` (m/s), the input `a` (m/s²)
+    /// and the transitions 0, the flight, and 1, the contact, where collisions are tolerated.
+    ///
+    /// A limit on the cumulative damage counts as a limit on each contact.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scenario::check`].
+    pub fn hybrid_system(&self) -> Result<HybridSystem, Error> {
+        self.check()?;
+        let longest = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
+        let system = HybridSystem::new()
+            .with_state("x", self.positions(&longest))
+            .with_state("v", Interval::new(-self.max_speed, self.max_speed))
+            .with_input("a", self.acceleration);
+        let limits = [self.damage.per_impact, self.damage.cumulative];
+        let limit = limits.into_iter().flatten().reduce(f64::min);
+        let [flight, contact] = self.contact.transitions(self.time_step, limit)?;
+        Ok(match self.collisions {
+            Collisions::Forbidden => system.with_transition(flight),
+            Collisions::Tolerated => system.with_transition(flight).with_transition(contact),
+        })
+    }
+
+    /// Reach sets of the scenario: forward from its start, backward from its goal.
+    ///
+    /// ```
+    /// use carom::collision_tolerant::Scenario;
+    ///
+    /// // The paper's scenario at e = 0.5: 484 steps are refuted without solving anything.
+    /// let mut sets = Scenario::paper().with_restitution(0.5)?.reach_sets()?;
+    /// assert!(sets.tube(484)?.is_empty());
+    /// let tube = sets.tube(485)?;
+    /// assert_eq!((0..485).filter(|&t| tube.is_possible(t, 1)).count(), 1);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scenario::check`].
+    pub fn reach_sets(&self) -> Result<ReachSets, Error> {
+        let system = self.hybrid_system()?;
+        let ends = |end: &Endpoint| [Interval::point(end.position), Interval::point(end.velocity)];
+        let (start, goal) = (ends(&self.start), ends(&self.goal));
+        let sets = ReachSets::new(&system, &start, &goal, SetOptions::default())?;
+        match self.start.acceleration {
+            Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
+            None => Ok(sets),
+        }
+    }
+}
+
+impl Program {
+    /// Which variables stand for what in [`Scenario::hybrid_system`].
+    pub fn horizon_variables(&self, scenario: &Scenario) -> HorizonVariables {
+        let states = [self.position.clone(), self.velocity.clone()];
+        let variables = HorizonVariables::new(states);
+        let Some(zeta) = &self.contact else { return variables };
+        let variables = variables.with_transition(1, zeta.clone());
+        if scenario.contact.law == ContactLaw::Literal {
+            return variables;
+        }
+        // What the wall does in a step is 0 in flight and the mirrored prediction in contact.
+        let wall = scenario.contact.wall;
+        let n = wall.normal();
+        let flight = (vec![0.0, 0.0], 0.0);
+        let depth = (vec![-n, 0.0], n * wall.position());
+        let speed = (vec![0.0, -n], 0.0);
+        let family = |name: &str| -> Option<Family> {
+            let member = |t| self.model.variable_by_name((name, t)).ok();
+            (0..self.horizon.steps()).map(member).collect()
+        };
+        let mut variables = variables;
+        for (name, contact) in [("penetration", depth), ("impact_speed", speed)] {
+            if let Some(family) = family(name) {
+                variables = variables.with_quantity(family, [flight.clone(), contact]);
+            }
+        }
+        variables
+    }
+}
+
+/// A scenario as a family of feasibility programs over the horizon.
+#[derive(Debug, Clone)]
+pub(super) struct Programs {
+    pub(super) scenario: Scenario,
+    pub(super) upper_hint: Option<usize>,
+}
+
+impl HorizonModel for Programs {
+    type Program = Program;
+
+    fn build(&self, steps: usize) -> Result<Program, Error> {
+        Program::build(&self.scenario, steps, Objective::Feasibility)
+    }
+
+    fn waiting(&self) -> Waiting {
+        self.scenario.waiting()
+    }
+
+    fn lower_hint(&self) -> usize {
+        self.scenario.lower_hint()
+    }
+
+    fn upper_hint(&self) -> Option<usize> {
+        self.upper_hint
+    }
+
+    fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+        self.scenario.reach_sets().map(Some)
+    }
+
+    fn variables(&self, program: &Program) -> HorizonVariables {
+        program.horizon_variables(&self.scenario)
+    }
+
+    fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Program> + '_>> {
+        let (factor, worth) = COARSER;
+        let scenario = self.scenario.with_time_step(factor * self.scenario.time_step);
+        let can = scenario.collisions == Collisions::Tolerated && self.lower_hint() >= worth;
+        can.then(|| Box::new(Programs { scenario, upper_hint: None }) as Box<_>)
+    }
+}
+
+/// The model of a program whose horizon's tube has been written into it; `false` when the tube
+/// proves that there is no plan.
+pub(super) fn tighten(
+    scenario: &Scenario,
+    sets: &mut ReachSets,
+    program: &mut Program,
+) -> Result<bool, Error> {
+    let tube = sets.tube(program.horizon.steps())?;
+    let variables = program.horizon_variables(scenario);
+    let model: &mut Model = &mut program.model;
+    Ok(!tube.tighten(model, &variables)?.infeasible)
+}

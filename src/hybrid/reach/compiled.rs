@@ -1,0 +1,240 @@
+//! A hybrid system taken apart: blocks of states that do not touch each other, and for each block
+//! the maps, generators and limits of every transition.
+
+use faer::Mat;
+
+use super::rounding::EPSILON;
+use super::shape::{Geometry, Map, Matrix, Shape};
+use super::system::{Halfspace, HybridSystem};
+use super::template::Template;
+use crate::interval::Interval;
+use crate::tolerance::row_scale;
+
+/// States whose sets are kept together: nothing links them to the others.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    /// Numbers of the states, ascending.
+    pub(super) states: Vec<usize>,
+    pub(super) geometry: Geometry,
+    /// Domains and limits at every sample.
+    pub(super) limits: Vec<Cut>,
+    /// The set that the limits leave.
+    pub(super) domain: Shape,
+    /// One per transition.
+    pub(super) steps: Vec<Step>,
+}
+
+/// A half-space of a block, margin included.
+#[derive(Debug, Clone)]
+pub(super) struct Cut {
+    pub(super) name: String,
+    pub(super) normal: Vec<f64>,
+    pub(super) limit: f64,
+    /// The limit as it was given, for reports.
+    pub(super) given: f64,
+}
+
+/// A transition within a block.
+#[derive(Debug, Clone)]
+pub(super) struct Step {
+    pub(super) before: Vec<Cut>,
+    pub(super) flow: Map,
+    /// What the inputs add: segments from `-g` to `g`.
+    pub(super) generators: Vec<Vec<f64>>,
+    /// What rounding of the inputs' middles may have lost.
+    pub(super) slack: Vec<f64>,
+    pub(super) after: Vec<Cut>,
+    pub(super) reset: Option<Map>,
+    /// A bounded set that holds every prediction.
+    pub(super) predictions: Shape,
+}
+
+/// A hybrid system, compiled for one range of its inputs.
+#[derive(Debug, Clone)]
+pub(super) struct Compiled {
+    pub(super) blocks: Vec<Block>,
+    pub(super) states: Vec<(String, Interval)>,
+    /// Name, and whether it is an event, of every transition.
+    pub(super) transitions: Vec<(String, bool)>,
+}
+
+impl Compiled {
+    /// Takes a checked system apart.
+    ///
+    /// # Arguments
+    ///
+    /// * `inputs`: their ranges.
+    /// * `margin`: by how much every limit may be missed, per unit of the row's scale.
+    /// * `sizes`: magnitudes of the states, for that scale.
+    /// * `further`: template directions beside the axes and the limits' own.
+    pub(super) fn new(
+        system: &HybridSystem,
+        inputs: &[Interval],
+        margin: f64,
+        sizes: &[f64],
+        further: &[Vec<f64>],
+    ) -> Self {
+        let groups = groups(system);
+        let blocks =
+            groups.iter().map(|states| block(system, inputs, margin, sizes, further, states));
+        let transitions = system.transitions.iter().map(|t| (t.name.clone(), t.is_event));
+        Compiled {
+            blocks: blocks.collect(),
+            states: system.states.clone(),
+            transitions: transitions.collect(),
+        }
+    }
+}
+
+/// The connected parts of the states under flows, resets, guards and limits. Inputs do not
+/// connect: where two blocks share one, each takes it as it likes, which can only enlarge sets.
+fn groups(system: &HybridSystem) -> Vec<Vec<usize>> {
+    let n = system.states.len();
+    let mut parent: Vec<usize> = (0..n).collect();
+    fn root(parent: &[usize], mut k: usize) -> usize {
+        while parent[k] != k {
+            k = parent[k];
+        }
+        k
+    }
+    let mut link = |i: usize, j: usize| {
+        let (i, j) = (root(&parent, i), root(&parent, j));
+        parent[i.max(j)] = i.min(j);
+    };
+    let mut link_matrix = |matrix: &Mat<f64>| {
+        for i in 0..n {
+            for j in 0..n {
+                if matrix[(i, j)] != 0.0 {
+                    link(i, j);
+                }
+            }
+        }
+    };
+    for transition in &system.transitions {
+        link_matrix(transition.flow.a());
+        if let Some(reset) = &transition.reset {
+            link_matrix(&reset.matrix);
+        }
+    }
+    let guards =
+        system.transitions.iter().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
+    for halfspace in system.limits.iter().chain(guards) {
+        let touched: Vec<usize> = (0..n).filter(|&i| halfspace.normal[i] != 0.0).collect();
+        touched.windows(2).for_each(|pair| link(pair[0], pair[1]));
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); n];
+    for state in 0..n {
+        groups[root(&parent, state)].push(state);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+fn block(
+    system: &HybridSystem,
+    inputs: &[Interval],
+    margin: f64,
+    sizes: &[f64],
+    further: &[Vec<f64>],
+    states: &[usize],
+) -> Block {
+    let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
+    let domains: Vec<Interval> = states.iter().map(|&i| system.states[i].1).collect();
+    let cut = |halfspace: &Halfspace| -> Option<Cut> {
+        let normal = local(&halfspace.normal);
+        let terms = halfspace.normal.iter().zip(sizes).map(|(n, size)| (n * size).abs());
+        let largest = terms.fold(0.0, f64::max);
+        let limit = halfspace.limit + margin * row_scale(largest, halfspace.limit);
+        let touches = normal.iter().any(|&n| n != 0.0);
+        let name = halfspace.name.clone();
+        touches.then_some(Cut { name, normal, limit, given: halfspace.limit })
+    };
+    let cuts = |halfspaces: &[Halfspace]| halfspaces.iter().filter_map(cut).collect::<Vec<_>>();
+
+    let mut limits = Vec::new();
+    for (k, &state) in states.iter().enumerate() {
+        let (name, domain) = &system.states[state];
+        for (sign, limit, word) in [(1.0, domain.upper, "upper"), (-1.0, -domain.lower, "lower")] {
+            let mut normal = vec![0.0; states.len()];
+            normal[k] = sign;
+            let wide = limit + margin * row_scale(sizes[state], limit);
+            let name = format!("the {word} limit of {name}");
+            limits.push(Cut { name, normal, limit: wide, given: limit });
+        }
+    }
+    limits.extend(cuts(&system.limits));
+
+    let geometry = geometry(system, further, states);
+    let reach =
+        |k: usize, d: &Interval| (-limits[2 * k + 1].limit, limits[2 * k].limit.max(d.lower));
+    let (low, high): (Vec<f64>, Vec<f64>) =
+        domains.iter().enumerate().map(|(k, d)| reach(k, d)).unzip();
+    let mut domain = Shape::from_box(&geometry, &low, &high);
+    for cut in &limits[2 * states.len()..] {
+        domain.clip(&geometry, &cut.normal, cut.limit);
+    }
+
+    let steps = system.transitions.iter().map(|transition| {
+        let matrix = part(transition.flow.a(), states, states);
+        let gains = part(transition.flow.b(), states, &(0..inputs.len()).collect::<Vec<_>>());
+        let mut shift = local(transition.flow.c());
+        let mut slack = vec![0.0; states.len()];
+        let mut generators = Vec::new();
+        for (j, range) in inputs.iter().enumerate() {
+            let size = range.magnitude();
+            let half = 0.5 * (range.upper - range.lower)
+                + margin * row_scale(size, 0.0)
+                + 4.0 * EPSILON * size;
+            let middle = 0.5 * range.lower + 0.5 * range.upper;
+            let generator: Vec<f64> = gains.iter().map(|row| row[j] * half).collect();
+            for (i, row) in gains.iter().enumerate() {
+                shift[i] += row[j] * middle;
+                slack[i] += 8.0 * EPSILON * (row[j].abs() * size + shift[i].abs());
+            }
+            if generator.iter().any(|&g| g != 0.0) {
+                generators.push(generator);
+            }
+        }
+        let flow = Map::new(matrix, shift, &geometry);
+        let reset = transition.reset.as_ref().map(|reset| {
+            Map::new(part(&reset.matrix, states, states), local(&reset.offset), &geometry)
+        });
+        let mut predictions = domain.map(&geometry, &flow).add_segments(&geometry, &generators);
+        predictions.widen(&geometry, &slack);
+        let (before, after) = (cuts(&transition.guards), cuts(&transition.prediction_guards));
+        Step { before, flow, generators, slack, after, reset, predictions }
+    });
+    let steps = steps.collect();
+    Block { states: states.to_vec(), geometry, limits, domain, steps }
+}
+
+/// Exact polygons for two states; otherwise a template of the axes, the limits' normals, the
+/// user's directions and, in small blocks, the diagonals.
+fn geometry(system: &HybridSystem, further: &[Vec<f64>], states: &[usize]) -> Geometry {
+    if states.len() == 2 {
+        return Geometry::Plane;
+    }
+    let guards =
+        system.transitions.iter().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
+    let own = system.limits.iter().chain(guards).map(|halfspace| &halfspace.normal);
+    let local = |normal: &Vec<f64>| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
+    let mut directions: Vec<Vec<f64>> = own.chain(further).map(local).collect();
+    if states.len() <= 4 {
+        for i in 0..states.len() {
+            for j in i + 1..states.len() {
+                for sign in [1.0, -1.0] {
+                    let mut diagonal = vec![0.0; states.len()];
+                    (diagonal[i], diagonal[j]) = (1.0, sign);
+                    directions.push(diagonal);
+                }
+            }
+        }
+    }
+    let template = Template::new(states.len(), &directions);
+    let own = template.directions().iter().map(|d| template.combinations(d)).collect();
+    Geometry::Template(template, own)
+}
+
+fn part(matrix: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Matrix {
+    rows.iter().map(|&i| columns.iter().map(|&j| matrix[(i, j)]).collect()).collect()
+}

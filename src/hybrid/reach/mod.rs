@@ -1,0 +1,19 @@
+//! Reach sets.
+
+mod compiled;
+mod polygon;
+mod rounding;
+mod set;
+mod sets;
+mod shape;
+mod step;
+mod system;
+mod template;
+mod tighten;
+mod tube;
+
+pub use set::ReachSet;
+pub use sets::{ReachSets, SetOptions};
+pub use system::{Halfspace, HybridSystem, Transition};
+pub use tighten::{Change, HorizonVariables, Quantity, Reason, TighteningReport};
+pub use tube::Tube;

@@ -1,0 +1,409 @@
+//! Convex polygons with outward rounding: exact sets of two states.
+//!
+//! A polygon stands for `hull(vertices) + [-r₀, r₀] x [-r₁, r₁]`. Every operation computes its
+//! vertices in floating point and adds what rounding may have lost to the margin `r`, so the set
+//! always contains the exact result of the operation on the exact operands.
+
+use super::rounding::{EPSILON, magnitude};
+
+/// A point of the plane.
+pub(super) type Point = [f64; 2];
+
+/// A convex set of the plane: a polygon, a segment, a point, or nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Polygon {
+    /// Counter-clockwise; empty for the empty set.
+    vertices: Vec<Point>,
+    /// How far beyond the hull of the vertices the set may reach, along each axis.
+    margin: Point,
+}
+
+/// The directions of the axes.
+const AXES: [Point; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+
+/// A line that leaves two sets on different sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Separation {
+    /// Normal of the line.
+    pub(super) normal: Point,
+    /// Largest value of `normal . z` over the first set.
+    pub(super) first: f64,
+    /// Smallest value over the second one; larger than `first`.
+    pub(super) second: f64,
+}
+
+pub(super) fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn plus(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+/// Positive when `b` points to the left of `a`.
+fn cross(a: Point, b: Point) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl Polygon {
+    /// The box `[low, high]`, whose sides may have no length.
+    pub(super) fn from_box(low: Point, high: Point) -> Self {
+        let corners = vec![low, [high[0], low[1]], high, [low[0], high[1]]];
+        Polygon::hull_of(corners, [0.0, 0.0])
+    }
+
+    /// The convex hull of points that already carry a margin.
+    pub(super) fn hull_of(mut points: Vec<Point>, margin: Point) -> Self {
+        let mut polygon = Polygon { vertices: Vec::new(), margin };
+        let order = |a: &Point, b: &Point| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
+        // Stable sorting takes linear time on the few sorted runs that polygons consist of.
+        points.sort_by(order);
+        points.dedup();
+        if points.len() <= 2 {
+            polygon.vertices = points;
+            return polygon;
+        }
+        let mut doubtful = 0_usize;
+        let mut hull: Vec<Point> = Vec::with_capacity(points.len() + 1);
+        let lower = points.iter().copied();
+        let upper = points.iter().rev().copied();
+        extend_chain(&mut hull, lower, 0, &mut doubtful);
+        let base = hull.len() - 1;
+        extend_chain(&mut hull, upper.skip(1), base, &mut doubtful);
+        hull.pop();
+        polygon.vertices = hull;
+        polygon.loosen(8 + doubtful);
+        polygon
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    pub(super) fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    pub(super) fn margin(&self) -> Point {
+        self.margin
+    }
+
+    /// The sum with the box `[-by, by]`.
+    pub(super) fn widen(&mut self, by: Point) {
+        for (margin, by) in self.margin.iter_mut().zip(by) {
+            *margin = (*margin + by).next_up();
+        }
+    }
+
+    /// Adds `count` roundings of the coordinates to the margin.
+    fn loosen(&mut self, count: usize) {
+        for axis in 0..2 {
+            let largest = magnitude(self.vertices.iter().map(|v| v[axis]));
+            self.margin[axis] += count as f64 * EPSILON * largest;
+        }
+    }
+
+    /// The image under `z -> M z + c`.
+    pub(super) fn map(&self, matrix: [Point; 2], offset: Point) -> Self {
+        let apply = |z: &Point| plus([dot(matrix[0], *z), dot(matrix[1], *z)], offset);
+        let vertices: Vec<Point> = self.vertices.iter().map(apply).collect();
+        let mut margin = [0.0; 2];
+        for axis in 0..2 {
+            let row = [matrix[axis][0].abs(), matrix[axis][1].abs()];
+            let largest = self
+                .vertices
+                .iter()
+                .map(|z| dot(row, [z[0].abs(), z[1].abs()]))
+                .fold(offset[axis].abs(), f64::max);
+            margin[axis] = dot(row, self.margin) * (1.0 + 4.0 * EPSILON) + 4.0 * EPSILON * largest;
+        }
+        let determinant = cross(matrix[0], matrix[1]);
+        let size = dot(matrix[0], matrix[0]).max(dot(matrix[1], matrix[1]));
+        if vertices.len() < 3 || determinant.abs() <= 1e-9 * size {
+            // Flattened: the order of the vertices means nothing any more.
+            return Polygon::hull_of(vertices, margin);
+        }
+        let mut image = Polygon { vertices, margin };
+        if determinant < 0.0 {
+            image.vertices.reverse();
+        }
+        image
+    }
+
+    /// The sum with the segment from `-generator` to `generator`.
+    pub(super) fn add_segment(&self, generator: Point) -> Self {
+        if generator == [0.0, 0.0] || self.is_empty() {
+            return self.clone();
+        }
+        let n = self.vertices.len();
+        if n < 3 {
+            let both = |v: &Point| [minus(*v, generator), plus(*v, generator)];
+            let points = self.vertices.iter().flat_map(both).collect();
+            return Polygon::hull_of(points, self.margin);
+        }
+        // To the right of the generator everything moves with it, to the left against it.
+        let sides: Vec<f64> = self.vertices.iter().map(|&v| cross(generator, v)).collect();
+        let (mut right, mut left) = (0, 0);
+        for k in 1..n {
+            if sides[k] < sides[right] {
+                right = k;
+            }
+            if sides[k] > sides[left] {
+                left = k;
+            }
+        }
+        let mut vertices = Vec::with_capacity(n + 2);
+        vertices.push(minus(self.vertices[right], generator));
+        let mut k = right;
+        loop {
+            vertices.push(plus(self.vertices[k], generator));
+            if k == left {
+                break;
+            }
+            k = (k + 1) % n;
+        }
+        vertices.push(minus(self.vertices[left], generator));
+        let mut k = (left + 1) % n;
+        while k != right {
+            vertices.push(minus(self.vertices[k], generator));
+            k = (k + 1) % n;
+        }
+        let mut sum = Polygon { vertices, margin: self.margin };
+        sum.loosen(8);
+        sum
+    }
+
+    /// Keeps the part with `normal . z <= limit`. When nothing is left, returns the smallest value
+    /// that the left side had.
+    pub(super) fn clip(&mut self, normal: Point, limit: f64) -> Option<f64> {
+        if self.is_empty() {
+            return None;
+        }
+        let size = [normal[0].abs(), normal[1].abs()];
+        let largest = magnitude(self.vertices.iter().map(|v| dot(size, [v[0].abs(), v[1].abs()])));
+        let limit = limit + dot(size, self.margin);
+        let limit = limit + 16.0 * EPSILON * (largest + limit.abs());
+        let excess: Vec<f64> = self.vertices.iter().map(|&v| dot(normal, v) - limit).collect();
+        if excess.iter().all(|&e| e <= 0.0) {
+            return None;
+        }
+        if excess.iter().all(|&e| e > 0.0) {
+            let nearest = -self.support([-normal[0], -normal[1]]);
+            self.vertices.clear();
+            return Some(nearest);
+        }
+        let n = self.vertices.len();
+        let mut kept = Vec::with_capacity(n + 2);
+        for k in 0..n {
+            let next = (k + 1) % n;
+            if excess[k] <= 0.0 {
+                kept.push(self.vertices[k]);
+            }
+            // A segment has one edge, not two.
+            let is_edge = n > 2 || (n == 2 && k == 0);
+            if is_edge && (excess[k] <= 0.0) != (excess[next] <= 0.0) {
+                let share = (excess[k] / (excess[k] - excess[next])).clamp(0.0, 1.0);
+                let edge = minus(self.vertices[next], self.vertices[k]);
+                kept.push(plus(self.vertices[k], [share * edge[0], share * edge[1]]));
+            }
+        }
+        kept.dedup();
+        // Rounding of the new vertices is measured on the old ones, which are larger.
+        self.loosen(4);
+        self.vertices = kept;
+        None
+    }
+
+    /// The convex hull of both.
+    pub(super) fn join(&self, other: &Polygon) -> Self {
+        if self.is_empty() {
+            return other.clone();
+        }
+        if other.is_empty() {
+            return self.clone();
+        }
+        let points = self.vertices.iter().chain(&other.vertices).copied().collect();
+        let widest = |axis: usize| self.margin[axis].max(other.margin[axis]);
+        Polygon::hull_of(points, [widest(0), widest(1)])
+    }
+
+    /// Largest value of `direction . z`; minus infinity for the empty set.
+    pub(super) fn support(&self, direction: Point) -> f64 {
+        let size = [direction[0].abs(), direction[1].abs()];
+        let mut best = f64::NEG_INFINITY;
+        let mut largest = 0.0_f64;
+        for &v in &self.vertices {
+            best = best.max(dot(direction, v));
+            largest = largest.max(dot(size, [v[0].abs(), v[1].abs()]));
+        }
+        best + dot(size, self.margin) + 4.0 * EPSILON * largest
+    }
+
+    /// Outward normals of the edges, each with a vertex of its edge.
+    fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
+        let n = self.vertices.len();
+        let edge = move |k: usize| {
+            let (from, to) = (self.vertices[k], self.vertices[(k + 1) % n]);
+            ([to[1] - from[1], from[0] - to[0]], from)
+        };
+        (0..n).map(edge).filter(|(normal, _)| *normal != [0.0, 0.0])
+    }
+
+    /// Limits `normal . z <= limit` whose common part is this set, with its margin.
+    pub(super) fn halfplanes(&self) -> Vec<(Point, f64)> {
+        let normals = self.edges().map(|(normal, _)| normal).chain(AXES);
+        normals.map(|normal| (normal, self.support(normal))).collect()
+    }
+
+    /// Whether every point of another set certainly lies in this one.
+    pub(super) fn covers(&self, other: &Polygon) -> bool {
+        let edges = self.edges().map(|(normal, _)| normal);
+        let mut normals = AXES.into_iter().chain(edges);
+        normals.all(|normal| other.support(normal) <= self.support(normal))
+    }
+
+    /// A line between two sets that are not empty; nothing when none was found, which is certain
+    /// when they have a common point.
+    pub(super) fn separation(&self, other: &Polygon) -> Option<Separation> {
+        let forward = one_sided(self, other);
+        forward.or_else(|| {
+            // Seen from the other side.
+            one_sided(other, self).map(|s| Separation {
+                normal: [-s.normal[0], -s.normal[1]],
+                first: -s.second,
+                second: -s.first,
+            })
+        })
+    }
+
+    /// Replaces short edges by longer neighbours, outward, until at most `most` vertices are left
+    /// (where that is possible).
+    pub(super) fn simplify(&mut self, most: usize) {
+        let most = most.max(8);
+        while self.vertices.len() > most {
+            let before = self.vertices.len();
+            let target = most - most / 4;
+            self.drop_edges(before - target);
+            if self.vertices.len() == before {
+                break;
+            }
+        }
+    }
+
+    /// Drops up to `count` edges, no two of them neighbours, smallest added area first.
+    fn drop_edges(&mut self, count: usize) {
+        let n = self.vertices.len();
+        let at = |k: usize| self.vertices[k % n];
+        let mut candidates: Vec<(f64, usize, Point)> = Vec::with_capacity(n);
+        for k in 0..n {
+            // The edge from b to c goes; the lines through a, b and through c, d meet in q.
+            let (a, b, c, d) = (at(k + n - 1), at(k), at(k + 1), at(k + 2));
+            let (before, edge, after) = (minus(b, a), minus(c, b), minus(d, c));
+            let turn = cross(before, after);
+            let size = dot(before, before).max(dot(after, after));
+            if turn <= 1e-12 * size {
+                continue;
+            }
+            let reach = cross(edge, after) / turn;
+            let q = plus(b, [reach * before[0], reach * before[1]]);
+            let area = cross(minus(c, b), minus(b, q)).abs();
+            // What rounding made of q must still leave b and c inside.
+            let slack = 4.0 * EPSILON * (q[0].abs() + q[1].abs() + b[0].abs() + b[1].abs());
+            let covers = |from: Point, to: Point, p: Point| {
+                let side = minus(to, from);
+                cross(side, minus(p, from)) >= -slack * (side[0].abs() + side[1].abs())
+            };
+            if reach >= 0.0 && area.is_finite() && covers(a, q, b) && covers(q, d, c) {
+                candidates.push((area, k, q));
+            }
+        }
+        candidates.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let mut apex: Vec<Option<Point>> = vec![None; n];
+        let mut dropped = 0;
+        for (_, k, q) in candidates {
+            // Not beside an edge that goes already: each apex needs its neighbours' lines.
+            let near = [k + n - 2, k + n - 1, k, k + 1, k + 2];
+            if dropped < count && near.iter().all(|&i| apex[i % n].is_none()) {
+                apex[k] = Some(q);
+                dropped += 1;
+            }
+        }
+        let mut vertices = Vec::with_capacity(n);
+        for k in 0..n {
+            match apex[k] {
+                Some(q) => vertices.push(q),
+                None if apex[(k + n - 1) % n].is_some() => {}
+                None => vertices.push(self.vertices[k]),
+            }
+        }
+        self.vertices = vertices;
+        self.loosen(16);
+    }
+}
+
+/// Adds a sorted run to a hull, keeping left turns only; `doubtful` counts the points that were
+/// dropped although rounding hides on which side they lie.
+fn extend_chain(
+    hull: &mut Vec<Point>,
+    points: impl Iterator<Item = Point>,
+    base: usize,
+    doubtful: &mut usize,
+) {
+    for point in points {
+        while hull.len() >= base + 2 {
+            let (a, b) = (hull[hull.len() - 2], hull[hull.len() - 1]);
+            let (first, second) = (minus(b, a), minus(point, a));
+            let turn = cross(first, second);
+            if turn > 0.0 {
+                break;
+            }
+            let noise = (first[0] * second[1]).abs() + (first[1] * second[0]).abs();
+            if turn >= -4.0 * EPSILON * noise {
+                *doubtful += 1;
+            }
+            hull.pop();
+        }
+        hull.push(point);
+    }
+}
+
+/// Looks for a separating line along the edges of `first` and along the axes.
+fn one_sided(first: &Polygon, second: &Polygon) -> Option<Separation> {
+    let separates = |normal: Point| {
+        let edge = first.support(normal);
+        let against = -second.support([-normal[0], -normal[1]]);
+        (against > edge).then_some(Separation { normal, first: edge, second: against })
+    };
+    if let Some(found) = AXES.into_iter().find_map(separates) {
+        return Some(found);
+    }
+    let count = second.vertices.len();
+    let mut at = 0;
+    for (normal, on_edge) in first.edges() {
+        // The vertex of the second set that is farthest against the normal moves round with the
+        // normals. Stopping too early could only find less; a find is checked on all vertices.
+        let value = |k: usize| dot(normal, second.vertices[k % count]);
+        for _ in 0..count {
+            if value(at + 1) > value(at) {
+                break;
+            }
+            at = (at + 1) % count;
+        }
+        for _ in 0..count {
+            if value(at + count - 1) >= value(at) {
+                break;
+            }
+            at = (at + count - 1) % count;
+        }
+        if value(at) > dot(normal, on_edge)
+            && let Some(found) = separates(normal)
+        {
+            return Some(found);
+        }
+    }
+    None
+}

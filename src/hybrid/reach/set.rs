@@ -1,0 +1,228 @@
+//! Sets of states, for asking: support, containment, intersection, bounding box, outline.
+
+use std::sync::Arc;
+
+use super::compiled::{Compiled, Cut};
+use super::shape::{Geometry, Shape};
+use super::system::check_range;
+use crate::error::Error;
+use crate::interval::Interval;
+
+/// A set of states: the product of its blocks' sets.
+///
+/// The set is closed and contains every state it stands for; it may contain a little more (see
+/// [`SetOptions`](super::SetOptions) for the stated margin, and the module for what is exact).
+#[derive(Debug, Clone)]
+pub struct ReachSet {
+    pub(super) system: Arc<Compiled>,
+    /// One per block, none of them empty.
+    pub(super) shapes: Vec<Shape>,
+}
+
+/// What emptied a set: the first limit that no state could keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Emptied {
+    pub(super) block: usize,
+    pub(super) place: Place,
+    /// The smallest value of the limit's left side that could be had.
+    pub(super) nearest: f64,
+}
+
+/// Which list of limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    Limit(usize),
+    Guard(usize, usize),
+    Prediction(usize, usize),
+    /// The shape of the set itself.
+    Shape,
+}
+
+impl ReachSet {
+    /// The box of given intervals, within the system's limits.
+    pub(super) fn from_box(
+        system: &Arc<Compiled>,
+        ranges: &[Interval],
+        margin: f64,
+    ) -> Result<Option<Self>, Error> {
+        for ((name, _), range) in system.states.iter().zip(ranges) {
+            check_range(name, *range)?;
+        }
+        let wide = |i: &usize| {
+            let range = ranges[*i];
+            let margin = margin * crate::tolerance::row_scale(range.magnitude(), 0.0);
+            (range.lower - margin, range.upper + margin)
+        };
+        let mut shapes = Vec::with_capacity(system.blocks.len());
+        for (b, block) in system.blocks.iter().enumerate() {
+            let (low, high): (Vec<f64>, Vec<f64>) = block.states.iter().map(wide).unzip();
+            let mut shape = Shape::from_box(&block.geometry, &low, &high);
+            if cut(&mut shape, &block.geometry, &block.limits, b, Place::Limit).is_err() {
+                return Ok(None);
+            }
+            shapes.push(shape);
+        }
+        Ok(Some(ReachSet { system: Arc::clone(system), shapes }))
+    }
+
+    /// Largest value of `direction . state` over the set, rounded up, in the product's unit.
+    ///
+    /// # Arguments
+    ///
+    /// * `direction`: one factor per state.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`].
+    pub fn support(&self, direction: &[f64]) -> Result<f64, Error> {
+        self.check_length("the direction", direction.len())?;
+        let blocks = self.system.blocks.iter().zip(&self.shapes);
+        Ok(blocks
+            .map(|(block, shape)| {
+                let local: Vec<f64> = block.states.iter().map(|&i| direction[i]).collect();
+                shape.support(&block.geometry, &local)
+            })
+            .fold(0.0, crate::interval::add_up))
+    }
+
+    /// Whether a state lies in the set. States that do not lie in the exact set may be taken for
+    /// members when they are within the margin of it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`]; [`Error::NotFinite`] for a state that is not finite.
+    pub fn contains(&self, state: &[f64]) -> Result<bool, Error> {
+        self.check_length("the state", state.len())?;
+        for ((name, _), &value) in self.system.states.iter().zip(state) {
+            check_range(name, Interval::point(value))?;
+        }
+        Ok(self.system.blocks.iter().zip(&self.shapes).all(|(block, shape)| {
+            let point: Vec<f64> = block.states.iter().map(|&i| state[i]).collect();
+            let point = Shape::from_box(&block.geometry, &point, &point);
+            shape.separation(&block.geometry, &point).is_none()
+        }))
+    }
+
+    /// Whether the sets may have a common state: `false` is certain.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for sets of systems with different blocks.
+    pub fn intersects(&self, other: &ReachSet) -> Result<bool, Error> {
+        let blocks = |set: &ReachSet| -> Vec<Vec<usize>> {
+            set.system.blocks.iter().map(|block| block.states.clone()).collect()
+        };
+        if blocks(self) != blocks(other) {
+            let (rows, columns) = (other.system.states.len(), other.system.blocks.len());
+            let expected = "the states and blocks of the first set".into();
+            return Err(Error::Shape { what: "the second set", rows, columns, expected });
+        }
+        Ok(self.meets(other))
+    }
+
+    /// As [`intersects`](ReachSet::intersects), for sets of one system.
+    pub(super) fn meets(&self, other: &ReachSet) -> bool {
+        let pairs = self.shapes.iter().zip(&other.shapes).zip(&self.system.blocks);
+        let mut pairs = pairs.map(|((a, b), block)| a.separation(&block.geometry, b));
+        pairs.all(|separation| separation.is_none())
+    }
+
+    /// Whether every state of this set certainly lies in another one of the same system.
+    pub(super) fn lies_in(&self, other: &ReachSet) -> bool {
+        let blocks = self.shapes.iter().zip(&other.shapes);
+        let mut blocks = blocks.zip(&self.system.blocks);
+        blocks.all(|((inner, outer), block)| match (inner, outer, &block.geometry) {
+            (Shape::Planar(inner), Shape::Planar(outer), _) => outer.covers(inner),
+            (Shape::Template(inner), Shape::Template(outer), Geometry::Template(..)) => {
+                inner.limits.iter().zip(&outer.limits).all(|(a, b)| a <= b)
+            }
+            _ => false,
+        })
+    }
+
+    /// The smallest box around the set: one interval per state, rounded outward.
+    pub fn bounding_box(&self) -> Vec<Interval> {
+        bounding_box(&self.system, &self.shapes)
+    }
+
+    /// The corners of the set's shadow on two states, counter-clockwise, for drawing: the exact
+    /// polygon where the two states make up a block, their bounding box otherwise. One corner is a
+    /// point, two are a segment.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] for states that do not exist or are the same.
+    pub fn outline(&self, first: usize, second: usize) -> Result<Vec<[f64; 2]>, Error> {
+        let n = self.system.states.len();
+        for state in [first, second] {
+            if state >= n || first == second {
+                let what = "the number of a state to draw".into();
+                let range = format!("two different ones below {n}");
+                return Err(Error::OutOfRange { what, value: state as f64, range });
+            }
+        }
+        for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {
+            if let Shape::Planar(polygon) = shape {
+                if block.states == [first, second] {
+                    return Ok(polygon.vertices().to_vec());
+                }
+                if block.states == [second, first] {
+                    let swapped = polygon.vertices().iter().rev().map(|v| [v[1], v[0]]);
+                    return Ok(swapped.collect());
+                }
+            }
+        }
+        let ranges = self.bounding_box();
+        let (x, y) = (ranges[first], ranges[second]);
+        Ok(vec![[x.lower, y.lower], [x.upper, y.lower], [x.upper, y.upper], [x.lower, y.upper]])
+    }
+
+    /// The smallest set of its kind that holds both.
+    pub(super) fn join(&self, other: &ReachSet) -> ReachSet {
+        let shapes = self.shapes.iter().zip(&other.shapes).map(|(a, b)| a.join(b)).collect();
+        ReachSet { system: Arc::clone(&self.system), shapes }
+    }
+
+    pub(super) fn simplify(&mut self, most: usize) {
+        self.shapes.iter_mut().for_each(|shape| shape.simplify(most));
+    }
+
+    fn check_length(&self, what: &'static str, rows: usize) -> Result<(), Error> {
+        let wanted = self.system.states.len();
+        if rows == wanted {
+            return Ok(());
+        }
+        Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") })
+    }
+}
+
+/// The smallest box around a product of shapes.
+pub(super) fn bounding_box(system: &Compiled, shapes: &[Shape]) -> Vec<Interval> {
+    let mut ranges = vec![Interval::REALS; system.states.len()];
+    for (block, shape) in system.blocks.iter().zip(shapes) {
+        for (k, &state) in block.states.iter().enumerate() {
+            let mut axis = vec![0.0; block.states.len()];
+            axis[k] = 1.0;
+            let upper = shape.support(&block.geometry, &axis);
+            axis[k] = -1.0;
+            ranges[state] = Interval::new(-shape.support(&block.geometry, &axis), upper);
+        }
+    }
+    ranges
+}
+
+/// Applies limits one by one.
+pub(super) fn cut(
+    shape: &mut Shape,
+    geometry: &Geometry,
+    cuts: &[Cut],
+    block: usize,
+    place: impl Fn(usize) -> Place,
+) -> Result<(), Emptied> {
+    for (k, cut) in cuts.iter().enumerate() {
+        if let Some(nearest) = shape.clip(geometry, &cut.normal, cut.limit) {
+            return Err(Emptied { block, place: place(k), nearest });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,375 @@
+//! Layered reach sets, forward from the starts and backward from the goals.
+
+use std::sync::Arc;
+
+use super::compiled::Compiled;
+use super::set::{Emptied, ReachSet};
+use super::step::{predecessors, successors};
+use super::system::{HybridSystem, check_range};
+use crate::error::Error;
+use crate::hybrid::horizon::check_steps;
+use crate::interval::Interval;
+use crate::tolerance;
+
+/// Options of reach sets.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SetOptions {
+    /// Layers: states are kept apart by the number of events so far (or to come) up to this
+    /// number, and states with this many or more events share the last layer; `0..=64`,
+    /// default 3.
+    pub events: usize,
+    /// Vertices of a polygon beyond which short edges are merged outward; at least 8, default
+    /// 256.
+    pub vertices: usize,
+    /// By how much a plan may miss its start, its goal, and every limit, guard and input range,
+    /// per unit of the [row's scale](tolerance::row_scale), and still lie in the sets;
+    /// default [`tolerance::REACH`], from 0 to 1.
+    pub margin: f64,
+    /// Directions along which sets of other than two states are limited, beside the axes, the
+    /// diagonals of small blocks and the normals of the limits; one factor per state.
+    pub directions: Vec<Vec<f64>>,
+}
+
+impl Default for SetOptions {
+    fn default() -> Self {
+        SetOptions { events: 3, vertices: 256, margin: tolerance::REACH, directions: Vec::new() }
+    }
+}
+
+impl SetOptions {
+    /// Sets the number of events that are told apart.
+    #[must_use]
+    pub fn with_events(mut self, events: usize) -> Self {
+        self.events = events;
+        self
+    }
+
+    /// Sets the number of vertices beyond which polygons are simplified.
+    #[must_use]
+    pub fn with_vertices(mut self, vertices: usize) -> Self {
+        self.vertices = vertices;
+        self
+    }
+
+    /// Sets the margin.
+    #[must_use]
+    pub fn with_margin(mut self, margin: f64) -> Self {
+        self.margin = margin;
+        self
+    }
+
+    /// Adds a template direction.
+    #[must_use]
+    pub fn with_direction(mut self, direction: impl Into<Vec<f64>>) -> Self {
+        self.directions.push(direction.into());
+        self
+    }
+
+    fn check(&self, states: usize) -> Result<(), Error> {
+        let refuse = |what: &str, value: f64, range: &str| {
+            Err(Error::OutOfRange { what: what.into(), value, range: range.into() })
+        };
+        if self.events > 64 {
+            return refuse(
+                "the number of events of reach sets",
+                self.events as f64,
+                "within [0, 64]",
+            );
+        }
+        if self.vertices < 8 {
+            return refuse(
+                "the number of vertices of reach sets",
+                self.vertices as f64,
+                "at least 8",
+            );
+        }
+        if !(0.0..=1.0).contains(&self.margin) {
+            return refuse("the margin of reach sets", self.margin, "within [0, 1]");
+        }
+        for direction in &self.directions {
+            if direction.len() != states {
+                let (what, rows) = ("a template direction", direction.len());
+                return Err(Error::Shape {
+                    what,
+                    rows,
+                    columns: 1,
+                    expected: format!("{states}x1"),
+                });
+            }
+            if let Some(&value) = direction.iter().find(|x| !x.is_finite()) {
+                let (name, what) = ("a template direction".into(), "an entry");
+                return Err(Error::NotFinite { name, what, value });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The sets of one sample, by the number of events; the last layer is "this many or more".
+pub(super) type Layers = Vec<Option<ReachSet>>;
+
+/// Layers that several holders read.
+pub(super) type Shared = Arc<Layers>;
+
+/// Reach sets of a hybrid system: forward from a set of starts, by the number of steps done, and
+/// backward from a set of goals, by the number of steps to go.
+///
+/// Forward sets do not depend on the horizon and backward sets only on the time to go, so one
+/// object serves every horizon. Sets are computed when they are first asked for.
+///
+/// ```
+/// use carom::hybrid::LinearSystem;
+/// use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions, Transition};
+/// use carom::interval::Interval;
+///
+/// // One metre from rest to rest with at most 1 m/s², in steps of 0.1 s.
+/// let push = HybridSystem::new()
+///     .with_state("x", Interval::new(-9.0, 9.0))
+///     .with_state("v", Interval::new(-9.0, 9.0))
+///     .with_input("a", Interval::new(-1.0, 1.0))
+///     .with_transition(Transition::new("flight", LinearSystem::double_integrator(0.1)?));
+/// let at_rest = |x| [Interval::point(x), Interval::point(0.0)];
+/// let mut sets = ReachSets::new(&push, &at_rest(0.0), &at_rest(1.0), SetOptions::default())?;
+///
+/// assert!(!sets.may_finish(19)?); // proved: 19 steps are too few
+/// assert!(sets.may_finish(20)?);
+/// let halfway = sets.forward(10)?.remove(0).expect("there is always a state without an event");
+/// assert!((halfway.support(&[1.0, 0.0])? - 0.5).abs() < 1e-4);
+/// assert!(!halfway.contains(&[0.6, 0.0])?);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ReachSets {
+    pub(super) system: Arc<Compiled>,
+    /// The same with the first step's inputs, where they are special.
+    first: Option<Arc<Compiled>>,
+    source: HybridSystem,
+    /// Magnitudes of the states at the start and the goal.
+    sizes: Vec<f64>,
+    pub(super) options: SetOptions,
+    forward: Vec<Shared>,
+    backward: Vec<Shared>,
+    /// From this step on the forward sets grow no more.
+    settled: Option<usize>,
+    /// What emptied the sets of a step last.
+    pub(super) emptied: Option<(usize, usize, Emptied)>,
+}
+
+impl ReachSets {
+    /// Prepares the sets of a system.
+    ///
+    /// # Arguments
+    ///
+    /// * `start`, `goal`: one interval per state, in the state's unit.
+    ///
+    /// # Errors
+    ///
+    /// [`HybridSystem::check`]; [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]
+    /// for a bad start or goal; [`Error::OutOfRange`] for bad options.
+    pub fn new(
+        system: &HybridSystem,
+        start: &[Interval],
+        goal: &[Interval],
+        options: SetOptions,
+    ) -> Result<Self, Error> {
+        system.check()?;
+        let states = system.states.len();
+        options.check(states)?;
+        for (what, ends) in [("the start", start), ("the goal", goal)] {
+            if ends.len() != states {
+                let (rows, expected) = (ends.len(), format!("{states}x1"));
+                return Err(Error::Shape { what, rows, columns: 1, expected });
+            }
+        }
+        let inputs: Vec<Interval> = system.inputs.iter().map(|(_, range)| *range).collect();
+        let sizes = start.iter().zip(goal).map(|(a, b)| a.magnitude().max(b.magnitude()));
+        let sizes: Vec<f64> = sizes.collect();
+        let (margin, further) = (options.margin, &options.directions);
+        let compiled = Arc::new(Compiled::new(system, &inputs, margin, &sizes, further));
+        let end = |ends| -> Result<Layers, Error> {
+            let set = ReachSet::from_box(&compiled, ends, options.margin)?;
+            let mut layers = vec![None; options.events + 1];
+            layers[0] = set;
+            Ok(layers)
+        };
+        let (forward, backward) = (vec![Arc::new(end(start)?)], vec![Arc::new(end(goal)?)]);
+        Ok(ReachSets {
+            system: compiled,
+            first: None,
+            source: system.clone(),
+            sizes,
+            options,
+            forward,
+            backward,
+            settled: None,
+            emptied: None,
+        })
+    }
+
+    /// Restricts the inputs of the first step, for starts whose input is given.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`].
+    pub fn with_first_inputs(mut self, inputs: &[Interval]) -> Result<Self, Error> {
+        let wanted = self.source.inputs.len();
+        if inputs.len() != wanted {
+            let (what, rows) = ("the first step's inputs", inputs.len());
+            return Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") });
+        }
+        for ((name, _), range) in self.source.inputs.iter().zip(inputs) {
+            check_range(name, *range)?;
+        }
+        let (margin, further) = (self.options.margin, &self.options.directions);
+        let compiled = Compiled::new(&self.source, inputs, margin, &self.sizes, further);
+        self.first = Some(Arc::new(compiled));
+        self.forward.truncate(1);
+        self.settled = None;
+        Ok(self)
+    }
+
+    /// The system the sets belong to.
+    pub fn system(&self) -> &HybridSystem {
+        &self.source
+    }
+
+    /// The options in force.
+    pub fn options(&self) -> &SetOptions {
+        &self.options
+    }
+
+    /// The states that can be reached in exactly `steps` steps, by the number of events on the
+    /// way; the last layer holds those with [`SetOptions::events`] or more. `None` is empty.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] for more than [`tolerance::MAX_STEPS`] steps.
+    pub fn forward(&mut self, steps: usize) -> Result<Vec<Option<ReachSet>>, Error> {
+        Ok(self.forward_layers(steps)?.clone())
+    }
+
+    /// The states from which the goal can be reached in exactly `steps` steps, by the number of
+    /// events on the way.
+    ///
+    /// # Errors
+    ///
+    /// As for [`forward`](ReachSets::forward).
+    pub fn backward(&mut self, steps: usize) -> Result<Vec<Option<ReachSet>>, Error> {
+        Ok(self.backward_layers(steps)?.clone())
+    }
+
+    /// Whether the goal may be reached in exactly `steps` steps, as far as the forward sets tell:
+    /// `false` is a proof.
+    ///
+    /// # Errors
+    ///
+    /// As for [`forward`](ReachSets::forward).
+    pub fn may_finish(&mut self, steps: usize) -> Result<bool, Error> {
+        let goal = self.backward[0][0].clone();
+        let Some(goal) = goal else { return Ok(false) };
+        let layers = self.forward_layers(steps)?;
+        Ok(layers.iter().flatten().any(|set| set.meets(&goal)))
+    }
+
+    /// The number of steps from which on the forward sets are known to grow no more: what cannot
+    /// be reached in so many steps will never be.
+    pub fn settled(&self) -> Option<usize> {
+        self.settled
+    }
+
+    pub(super) fn forward_layers(&mut self, steps: usize) -> Result<&Layers, Error> {
+        check_steps("the number of steps of reach sets", steps.max(1))?;
+        while self.forward.len() <= steps && self.settled.is_none() {
+            self.extend_forward();
+        }
+        let at = steps.min(self.forward.len() - 1);
+        Ok(&self.forward[at])
+    }
+
+    pub(super) fn backward_layers(&mut self, steps: usize) -> Result<&Layers, Error> {
+        check_steps("the number of steps of reach sets", steps.max(1))?;
+        while self.backward.len() <= steps {
+            self.extend_backward();
+        }
+        Ok(&self.backward[steps])
+    }
+
+    /// The sets of the start.
+    pub(super) fn first_layers(&self) -> Shared {
+        Arc::clone(&self.forward[0])
+    }
+
+    /// The sets with up to `steps` steps to go, which must have been computed.
+    pub(super) fn backward_sets(&self, steps: usize) -> Vec<Shared> {
+        self.backward[..=steps].to_vec()
+    }
+
+    /// The system of a step: the first one may have inputs of its own.
+    pub(super) fn system_at(&self, step: usize) -> &Arc<Compiled> {
+        match &self.first {
+            Some(first) if step == 0 => first,
+            _ => &self.system,
+        }
+    }
+
+    fn extend_forward(&mut self) {
+        let step = self.forward.len() - 1;
+        let system = Arc::clone(self.system_at(step));
+        let most = self.options.vertices;
+        let now = &self.forward[step];
+        let mut next: Layers = vec![None; now.len()];
+        let mut emptied = None;
+        for (events, set) in now.iter().enumerate() {
+            let Some(set) = set else { continue };
+            for (transition, (_, is_event)) in system.transitions.iter().enumerate() {
+                let target = (events + usize::from(*is_event)).min(self.options.events);
+                match successors(&system, transition, set) {
+                    Ok(image) => add(&mut next[target], image),
+                    Err(reason) => emptied = emptied.or(Some((step, transition, reason))),
+                }
+            }
+        }
+        next.iter_mut().flatten().for_each(|set| set.simplify(most));
+        let stands = next.iter().zip(now.iter()).all(|(next, now)| match (next, now) {
+            (None, _) => true,
+            (Some(next), Some(now)) => next.lies_in(now),
+            (Some(_), None) => false,
+        });
+        if step > 0 && stands {
+            // Nothing new: by monotonicity nothing new will ever come.
+            self.settled = Some(step);
+        }
+        if next.iter().all(Option::is_none) && self.emptied.is_none() {
+            self.emptied = emptied;
+        }
+        self.forward.push(Arc::new(next));
+    }
+
+    fn extend_backward(&mut self) {
+        let system = Arc::clone(&self.system);
+        let now = &self.backward[self.backward.len() - 1];
+        let mut next: Layers = vec![None; now.len()];
+        for (events, set) in now.iter().enumerate() {
+            let Some(set) = set else { continue };
+            for (transition, (_, is_event)) in system.transitions.iter().enumerate() {
+                let target = (events + usize::from(*is_event)).min(self.options.events);
+                if let Ok(before) = predecessors(&system, transition, set) {
+                    add(&mut next[target], before);
+                }
+            }
+        }
+        let most = self.options.vertices;
+        next.iter_mut().flatten().for_each(|set| set.simplify(most));
+        self.backward.push(Arc::new(next));
+    }
+}
+
+/// Joins a set to a layer.
+pub(super) fn add(layer: &mut Option<ReachSet>, set: ReachSet) {
+    *layer = Some(match layer.take() {
+        Some(present) => present.join(&set),
+        None => set,
+    });
+}

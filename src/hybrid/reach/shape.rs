@@ -1,0 +1,380 @@
+//! A set within one block of states, and the maps between such sets.
+
+use super::polygon::Polygon;
+use super::rounding::{EPSILON, magnitude};
+use super::template::{Combinations, Polyhedron, Template};
+
+/// How sets of a block are represented.
+#[derive(Debug, Clone)]
+pub(super) enum Geometry {
+    /// Two states: exact polygons.
+    Plane,
+    /// Another number of states: limits along fixed directions, and each direction's own
+    /// combinations.
+    Template(Template, Vec<Combinations>),
+}
+
+/// A set of a block's states.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Shape {
+    Planar(Polygon),
+    Template(Polyhedron),
+}
+
+/// A dense matrix by rows.
+pub(super) type Matrix = Vec<Vec<f64>>;
+
+/// `z -> M z + c` with what the geometry needs to apply it, and to undo it.
+#[derive(Debug, Clone)]
+pub(super) struct Map {
+    matrix: Matrix,
+    offset: Vec<f64>,
+    /// Per template direction d, the combinations of `Mᵀ d`.
+    pull: Vec<Combinations>,
+    inverse: Option<Inverse>,
+}
+
+#[derive(Debug, Clone)]
+struct Inverse {
+    matrix: Matrix,
+    /// Bound of `|M⁻¹ - matrix| |z|` per unit of `|z|`, entry by entry.
+    error: Matrix,
+    pull: Vec<Combinations>,
+}
+
+pub(super) fn apply(matrix: &Matrix, z: &[f64]) -> Vec<f64> {
+    matrix.iter().map(|row| row.iter().zip(z).map(|(a, b)| a * b).sum()).collect()
+}
+
+fn transposed(matrix: &Matrix, z: &[f64]) -> Vec<f64> {
+    let column = |j: usize| matrix.iter().zip(z).map(|(row, v)| row[j] * v).sum();
+    (0..matrix.len()).map(column).collect()
+}
+
+fn product(a: &Matrix, b: &Matrix, size: impl Fn(f64) -> f64) -> Matrix {
+    let n = a.len();
+    let entry = |i: usize, j: usize| (0..n).map(|k| size(a[i][k]) * size(b[k][j])).sum();
+    (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
+impl Map {
+    pub(super) fn new(matrix: Matrix, offset: Vec<f64>, geometry: &Geometry) -> Self {
+        let pull = pull_back(&matrix, geometry);
+        let inverse = invert(&matrix).map(|(inverse, error)| {
+            let pull = pull_back(&inverse, geometry);
+            Inverse { matrix: inverse, error, pull }
+        });
+        Map { matrix, offset, pull, inverse }
+    }
+}
+
+fn pull_back(matrix: &Matrix, geometry: &Geometry) -> Vec<Combinations> {
+    match geometry {
+        Geometry::Plane => Vec::new(),
+        Geometry::Template(template, _) => {
+            let directions = template.directions().iter();
+            directions.map(|d| template.combinations(&transposed(matrix, d))).collect()
+        }
+    }
+}
+
+/// The inverse and a bound of its error, or nothing for a matrix too close to a singular one.
+fn invert(matrix: &Matrix) -> Option<(Matrix, Matrix)> {
+    let n = matrix.len();
+    let mut work: Matrix = (0..n)
+        .map(|i| {
+            let unit = (0..n).map(|j| f64::from(u8::from(i == j)));
+            matrix[i].iter().copied().chain(unit).collect()
+        })
+        .collect();
+    let size = magnitude(matrix.iter().flatten().copied());
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| work[i][k].abs().total_cmp(&work[j][k].abs()))?;
+        work.swap(k, pivot);
+        let head = work[k][k];
+        if head.abs() <= 1e-7 * size {
+            return None;
+        }
+        work[k].iter_mut().for_each(|entry| *entry /= head);
+        let pivot_row = work[k].clone();
+        for (i, row) in work.iter_mut().enumerate() {
+            let factor = row[k];
+            if i != k && factor != 0.0 {
+                row.iter_mut().zip(&pivot_row).for_each(|(x, y)| *x -= factor * y);
+            }
+        }
+    }
+    let inverse: Matrix = work.into_iter().map(|row| row[n..].to_vec()).collect();
+    // M⁻¹ - X = M⁻¹ (I - M X): with |M⁻¹| at most twice |X|, bounded entry by entry.
+    let mut rest = product(matrix, &inverse, |x| x);
+    let sizes = product(matrix, &inverse, f64::abs);
+    for (i, row) in rest.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            let unit = f64::from(u8::from(i == j));
+            *entry = (*entry - unit).abs() + 2.0 * n as f64 * EPSILON * (sizes[i][j] + unit);
+        }
+    }
+    if magnitude(rest.iter().flatten().copied()) * n as f64 > 1e-3 {
+        return None;
+    }
+    let error = product(&inverse, &rest, |x| 2.0_f64.sqrt() * x.abs());
+    Some((inverse, error))
+}
+
+impl Shape {
+    pub(super) fn from_box(geometry: &Geometry, low: &[f64], high: &[f64]) -> Self {
+        match geometry {
+            Geometry::Plane => {
+                Shape::Planar(Polygon::from_box([low[0], low[1]], [high[0], high[1]]))
+            }
+            Geometry::Template(template, _) => {
+                Shape::Template(Polyhedron::from_box(template, low, high))
+            }
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        match self {
+            Shape::Planar(polygon) => polygon.is_empty(),
+            Shape::Template(set) => set.is_empty(),
+        }
+    }
+
+    /// Keeps the part with `normal . z <= limit`. When nothing is left, returns the smallest value
+    /// that the left side had.
+    pub(super) fn clip(&mut self, geometry: &Geometry, normal: &[f64], limit: f64) -> Option<f64> {
+        match (self, geometry) {
+            (Shape::Planar(polygon), _) => polygon.clip([normal[0], normal[1]], limit),
+            (Shape::Template(set), Geometry::Template(template, own)) => {
+                let (direction, factor) = template.multiple(normal)?;
+                // Opposite directions stand side by side.
+                let nearest = -set.limits.get(direction ^ 1)? * factor;
+                let limit = limit / factor;
+                set.lower(direction, limit + 2.0 * EPSILON * limit.abs());
+                set.settle(own);
+                set.is_empty().then_some(nearest)
+            }
+            (Shape::Template(_), Geometry::Plane) => None,
+        }
+    }
+
+    /// The image under a map.
+    pub(super) fn map(&self, geometry: &Geometry, map: &Map) -> Shape {
+        match (self, geometry) {
+            (Shape::Planar(polygon), _) => {
+                let m = &map.matrix;
+                let rows = [[m[0][0], m[0][1]], [m[1][0], m[1][1]]];
+                Shape::Planar(polygon.map(rows, [map.offset[0], map.offset[1]]))
+            }
+            (Shape::Template(set), Geometry::Template(template, own)) => {
+                let mut image = pulled(set, template, &map.pull, &map.offset);
+                image.settle(own);
+                Shape::Template(image)
+            }
+            (Shape::Template(_), Geometry::Plane) => self.clone(),
+        }
+    }
+
+    /// The part of `whole` that a map takes into this set.
+    pub(super) fn preimage(&self, geometry: &Geometry, map: &Map, whole: &Shape) -> Shape {
+        if self.is_empty() {
+            return self.clone();
+        }
+        match &map.inverse {
+            Some(inverse) => self.unmap(geometry, map, inverse),
+            None => self.restrict(geometry, map, whole),
+        }
+    }
+
+    fn unmap(&self, geometry: &Geometry, map: &Map, inverse: &Inverse) -> Shape {
+        let back: Vec<f64> = map.offset.iter().map(|c| -c).collect();
+        match (self, geometry) {
+            (Shape::Planar(polygon), _) => {
+                let moved = polygon.map([[1.0, 0.0], [0.0, 1.0]], [back[0], back[1]]);
+                let reach = |axis: usize| {
+                    let (v, r) = (moved.vertices().iter().map(|v| v[axis]), moved.margin()[axis]);
+                    magnitude(v) + r
+                };
+                let error = apply(&inverse.error, &[reach(0), reach(1)]);
+                let m = &inverse.matrix;
+                let rows = [[m[0][0], m[0][1]], [m[1][0], m[1][1]]];
+                let mut image = moved.map(rows, [0.0, 0.0]);
+                image.widen([error[0], error[1]]);
+                Shape::Planar(image)
+            }
+            (Shape::Template(set), Geometry::Template(template, own)) => {
+                let mut moved = set.clone();
+                for (limit, direction) in moved.limits.iter_mut().zip(template.directions()) {
+                    let terms: Vec<f64> = direction.iter().zip(&back).map(|(d, c)| d * c).collect();
+                    let size = terms.iter().map(|t| t.abs()).sum::<f64>() + limit.abs();
+                    *limit += terms.iter().sum::<f64>() + 8.0 * EPSILON * size;
+                }
+                let n = template.states();
+                let reach: Vec<f64> = (0..n)
+                    .map(|i| moved.limits[2 * i].abs().max(moved.limits[2 * i + 1].abs()))
+                    .collect();
+                let error = apply(&inverse.error, &reach);
+                let mut image = pulled(&moved, template, &inverse.pull, &vec![0.0; n]);
+                for (limit, direction) in image.limits.iter_mut().zip(template.directions()) {
+                    *limit += direction.iter().zip(&error).map(|(d, e)| d.abs() * e).sum::<f64>();
+                }
+                image.settle(own);
+                Shape::Template(image)
+            }
+            (Shape::Template(_), Geometry::Plane) => self.clone(),
+        }
+    }
+
+    /// The preimage under a map that flattens: this set's limits, pulled back one by one.
+    fn restrict(&self, geometry: &Geometry, map: &Map, whole: &Shape) -> Shape {
+        if map.matrix.iter().flatten().all(|&entry| entry == 0.0) {
+            // Everything goes to one point.
+            let point = Shape::from_box(geometry, &map.offset, &map.offset);
+            let misses = self.separation(geometry, &point).is_some();
+            return if misses { self.nothing() } else { whole.clone() };
+        }
+        let mut part = whole.clone();
+        let mut limits: Vec<(Vec<f64>, f64)> = Vec::new();
+        match (self, geometry) {
+            (Shape::Planar(polygon), _) => {
+                let halfplanes = polygon.halfplanes().into_iter();
+                limits.extend(halfplanes.map(|(normal, limit)| (normal.to_vec(), limit)));
+            }
+            (Shape::Template(set), Geometry::Template(template, _)) => {
+                let directions = template.directions().iter().cloned();
+                limits.extend(directions.zip(set.limits.iter().copied()));
+            }
+            (Shape::Template(_), Geometry::Plane) => {}
+        }
+        for (normal, limit) in limits {
+            let pulled = transposed(&map.matrix, &normal);
+            let shift: f64 = normal.iter().zip(&map.offset).map(|(n, c)| n * c).sum();
+            let terms = normal.iter().zip(&map.offset).map(|(n, c)| (n * c).abs());
+            let rest = limit - shift + 8.0 * EPSILON * (limit.abs() + terms.sum::<f64>());
+            if magnitude(pulled.iter().copied()) > 0.0 {
+                part.clip(geometry, &pulled, rest);
+            } else if rest < 0.0 {
+                return part.nothing();
+            }
+        }
+        part
+    }
+
+    fn nothing(&self) -> Shape {
+        match self {
+            Shape::Planar(_) => Shape::Planar(Polygon::hull_of(Vec::new(), [0.0, 0.0])),
+            Shape::Template(_) => Shape::Template(Polyhedron::empty()),
+        }
+    }
+
+    /// The sum with the segments from `-g` to `g`.
+    pub(super) fn add_segments(&self, geometry: &Geometry, generators: &[Vec<f64>]) -> Shape {
+        let mut sum = self.clone();
+        if self.is_empty() {
+            return sum;
+        }
+        match (&mut sum, geometry) {
+            (Shape::Planar(polygon), _) => {
+                for g in generators {
+                    *polygon = polygon.add_segment([g[0], g[1]]);
+                }
+            }
+            (Shape::Template(set), Geometry::Template(template, _)) => {
+                for (limit, direction) in set.limits.iter_mut().zip(template.directions()) {
+                    let along = |g: &Vec<f64>| -> f64 {
+                        direction.iter().zip(g).map(|(d, x)| d * x).sum::<f64>().abs()
+                    };
+                    let growth: f64 = generators.iter().map(along).sum();
+                    *limit += growth + 8.0 * EPSILON * (growth + limit.abs());
+                }
+            }
+            (Shape::Template(_), Geometry::Plane) => {}
+        }
+        sum
+    }
+
+    /// The sum with the box `[-r, r]`.
+    pub(super) fn widen(&mut self, geometry: &Geometry, by: &[f64]) {
+        match (self, geometry) {
+            (Shape::Planar(polygon), _) => polygon.widen([by[0], by[1]]),
+            (Shape::Template(set), Geometry::Template(template, _)) => {
+                for (limit, direction) in set.limits.iter_mut().zip(template.directions()) {
+                    *limit += direction.iter().zip(by).map(|(d, r)| d.abs() * r).sum::<f64>();
+                }
+            }
+            (Shape::Template(_), Geometry::Plane) => {}
+        }
+    }
+
+    pub(super) fn join(&self, other: &Shape) -> Shape {
+        match (self, other) {
+            (Shape::Planar(a), Shape::Planar(b)) => Shape::Planar(a.join(b)),
+            (Shape::Template(a), Shape::Template(b)) => Shape::Template(a.join(b)),
+            _ => self.clone(),
+        }
+    }
+
+    pub(super) fn simplify(&mut self, most: usize) {
+        if let Shape::Planar(polygon) = self {
+            polygon.simplify(most);
+        }
+    }
+
+    /// Largest value of `direction . z`, rounded up.
+    pub(super) fn support(&self, geometry: &Geometry, direction: &[f64]) -> f64 {
+        if self.is_empty() {
+            return f64::NEG_INFINITY;
+        }
+        match (self, geometry) {
+            (Shape::Planar(polygon), _) => polygon.support([direction[0], direction[1]]),
+            (Shape::Template(set), Geometry::Template(template, _)) => {
+                template.combinations(direction).bound(set)
+            }
+            (Shape::Template(_), Geometry::Plane) => f64::INFINITY,
+        }
+    }
+
+    /// A direction with the largest value over this set and the smallest over another, smaller
+    /// than it: the sets have no common point. Nothing when that is not certain.
+    pub(super) fn separation(
+        &self,
+        geometry: &Geometry,
+        other: &Shape,
+    ) -> Option<(Vec<f64>, f64, f64)> {
+        if self.is_empty() || other.is_empty() {
+            return None;
+        }
+        match (self, other, geometry) {
+            (Shape::Planar(a), Shape::Planar(b), _) => {
+                a.separation(b).map(|s| (s.normal.to_vec(), s.first, s.second))
+            }
+            (Shape::Template(a), Shape::Template(b), Geometry::Template(template, _)) => {
+                (0..a.limits.len()).find_map(|k| {
+                    // Opposite directions stand side by side.
+                    let (high, low) = (a.limits[k], -b.limits[k ^ 1]);
+                    (high < low).then(|| (template.directions()[k].clone(), high, low))
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The limits of `{M z + c}` along every template direction, for z in a set.
+fn pulled(
+    set: &Polyhedron,
+    template: &Template,
+    pull: &[Combinations],
+    offset: &[f64],
+) -> Polyhedron {
+    if set.is_empty() {
+        return Polyhedron::empty();
+    }
+    let limit = |(direction, combinations): (&Vec<f64>, &Combinations)| {
+        let bound = combinations.bound(set);
+        let terms: Vec<f64> = direction.iter().zip(offset).map(|(d, c)| d * c).collect();
+        let size = terms.iter().map(|t| t.abs()).sum::<f64>() + bound.abs();
+        bound + terms.iter().sum::<f64>() + 8.0 * EPSILON * size
+    };
+    Polyhedron { limits: template.directions().iter().zip(pull).map(limit).collect() }
+}

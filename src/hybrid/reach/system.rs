@@ -1,0 +1,275 @@
+//! Hybrid systems as reach sets see them: linear steps with bounded input, guards and resets.
+
+use faer::Mat;
+
+use crate::error::Error;
+use crate::hybrid::linear::LinearSystem;
+use crate::interval::Interval;
+
+/// A named half-space `normal . state <= limit`.
+///
+/// ```
+/// use carom::hybrid::reach::Halfspace;
+///
+/// // x + 0.5 v <= 3.
+/// let brake = Halfspace::new("braking distance", [1.0, 0.5], 3.0);
+/// assert_eq!(brake.limit, 3.0);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Halfspace {
+    /// What it stands for, in words: it is quoted when it empties a set.
+    pub name: String,
+    /// One factor per state, in the limit's unit per unit of the state.
+    pub normal: Vec<f64>,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl Halfspace {
+    /// `normal . state <= limit`.
+    pub fn new(name: impl Into<String>, normal: impl Into<Vec<f64>>, limit: f64) -> Self {
+        Halfspace { name: name.into(), normal: normal.into(), limit }
+    }
+}
+
+/// What happens when a transition's flow has been followed: `x⁺ = R y + r`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Reset {
+    pub(super) matrix: Mat<f64>,
+    pub(super) offset: Vec<f64>,
+}
+
+/// One way of getting from a sample to the next: a mode, a contact.
+///
+/// A step in this transition starts in a state that satisfies its guards, follows the flow
+/// `y = A x + B u + c` under an admissible input, arrives at a prediction `y` that satisfies the
+/// guards on the prediction, and is reset to `x⁺ = R y + r`.
+///
+/// ```
+/// use carom::hybrid::{LinearSystem, Mat};
+/// use carom::hybrid::reach::{Halfspace, Transition};
+///
+/// // A ball that meets the floor at 0 m rebounds with half its speed.
+/// let fall = LinearSystem::double_integrator(0.1)?;
+/// let bounce = Transition::event("bounce", fall)
+///     .with_prediction_guard(Halfspace::new("at the floor", [1.0, 0.0], 0.0))
+///     .with_prediction_guard(Halfspace::new("moving down", [0.0, 1.0], 0.0))
+///     .with_reset(Mat::from_fn(2, 2, |i, j| if i == j { -0.5 } else { 0.0 }), vec![0.0, 0.0]);
+/// assert!(bounce.is_event);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Transition {
+    /// Its name, for reports.
+    pub name: String,
+    /// The flow.
+    pub flow: LinearSystem,
+    /// Limits on the state at the step's start.
+    pub guards: Vec<Halfspace>,
+    /// Limits on the flow's result, before the reset.
+    pub prediction_guards: Vec<Halfspace>,
+    pub(super) reset: Option<Reset>,
+    /// Whether taking it counts as an event, for the layers of the sets.
+    pub is_event: bool,
+}
+
+impl Transition {
+    /// A transition that is no event: a mode that may last.
+    pub fn new(name: impl Into<String>, flow: LinearSystem) -> Self {
+        Transition {
+            name: name.into(),
+            flow,
+            guards: Vec::new(),
+            prediction_guards: Vec::new(),
+            reset: None,
+            is_event: false,
+        }
+    }
+
+    /// A transition that is an event: an impact, a switch.
+    pub fn event(name: impl Into<String>, flow: LinearSystem) -> Self {
+        Transition { is_event: true, ..Transition::new(name, flow) }
+    }
+
+    /// Limits the state at the step's start.
+    #[must_use]
+    pub fn with_guard(mut self, guard: Halfspace) -> Self {
+        self.guards.push(guard);
+        self
+    }
+
+    /// Limits the flow's result, before the reset.
+    #[must_use]
+    pub fn with_prediction_guard(mut self, guard: Halfspace) -> Self {
+        self.prediction_guards.push(guard);
+        self
+    }
+
+    /// Sets the reset `x⁺ = matrix . y + offset`, for n states n x n and n entries.
+    #[must_use]
+    pub fn with_reset(mut self, matrix: Mat<f64>, offset: Vec<f64>) -> Self {
+        self.reset = Some(Reset { matrix, offset });
+        self
+    }
+}
+
+/// A discrete-time hybrid system with bounded states and inputs.
+///
+/// The state at every sample lies in its domain and satisfies the limits; each step takes one of
+/// the transitions, with every input within its range.
+///
+/// ```
+/// use carom::hybrid::LinearSystem;
+/// use carom::hybrid::reach::{HybridSystem, Transition};
+/// use carom::interval::Interval;
+///
+/// let push = HybridSystem::new()
+///     .with_state("x", Interval::new(-9.0, 9.0))
+///     .with_state("v", Interval::new(-9.0, 9.0))
+///     .with_input("a", Interval::new(-1.0, 1.0))
+///     .with_transition(Transition::new("flight", LinearSystem::double_integrator(0.1)?));
+/// push.check()?;
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+pub struct HybridSystem {
+    /// Names and domains (finite) of the states.
+    pub states: Vec<(String, Interval)>,
+    /// Names and ranges (finite) of the inputs.
+    pub inputs: Vec<(String, Interval)>,
+    /// Limits at every sample, beside the domains.
+    pub limits: Vec<Halfspace>,
+    /// What a step can do, at least one.
+    pub transitions: Vec<Transition>,
+}
+
+impl HybridSystem {
+    /// A system without states, inputs and transitions; add them.
+    pub fn new() -> Self {
+        HybridSystem::default()
+    }
+
+    /// Adds a state with its domain: it never leaves it.
+    #[must_use]
+    pub fn with_state(mut self, name: impl Into<String>, domain: Interval) -> Self {
+        self.states.push((name.into(), domain));
+        self
+    }
+
+    /// Adds an input with its range.
+    #[must_use]
+    pub fn with_input(mut self, name: impl Into<String>, range: Interval) -> Self {
+        self.inputs.push((name.into(), range));
+        self
+    }
+
+    /// Adds a limit that holds at every sample.
+    #[must_use]
+    pub fn with_limit(mut self, limit: Halfspace) -> Self {
+        self.limits.push(limit);
+        self
+    }
+
+    /// Adds a transition.
+    #[must_use]
+    pub fn with_transition(mut self, transition: Transition) -> Self {
+        self.transitions.push(transition);
+        self
+    }
+
+    /// Refuses systems whose parts do not fit together.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`] and, for a system without
+    /// states or transitions, [`Error::OutOfRange`].
+    pub fn check(&self) -> Result<(), Error> {
+        let counts = [("states", self.states.len()), ("transitions", self.transitions.len())];
+        for (what, count) in counts {
+            if count == 0 {
+                let what = format!("the number of {what} of the hybrid system");
+                return Err(Error::OutOfRange { what, value: 0.0, range: "at least 1".into() });
+            }
+        }
+        for (name, range) in self.states.iter().chain(&self.inputs) {
+            check_range(name, *range)?;
+        }
+        let n = self.states.len();
+        for limit in &self.limits {
+            check_halfspace(limit, n)?;
+        }
+        for transition in &self.transitions {
+            transition.check(n, self.inputs.len())?;
+        }
+        Ok(())
+    }
+}
+
+impl Transition {
+    fn check(&self, states: usize, inputs: usize) -> Result<(), Error> {
+        let shape =
+            |what, rows, columns, expected| Err(Error::Shape { what, rows, columns, expected });
+        let (n, m) = (self.flow.states(), self.flow.inputs());
+        if n != states || m != inputs {
+            let expected = format!("{states} states and {inputs} inputs");
+            return shape("the flow of a transition", n, m, expected);
+        }
+        for guard in self.guards.iter().chain(&self.prediction_guards) {
+            check_halfspace(guard, states)?;
+        }
+        let Some(Reset { matrix, offset }) = &self.reset else { return Ok(()) };
+        let (rows, columns) = (matrix.nrows(), matrix.ncols());
+        if rows != states || columns != states {
+            return shape("the matrix of a reset", rows, columns, format!("{states}x{states}"));
+        }
+        if offset.len() != states {
+            return shape("the offset of a reset", offset.len(), 1, format!("{states}x1"));
+        }
+        let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
+        match entries.chain(offset.iter().copied()).find(|entry| !entry.is_finite()) {
+            None => Ok(()),
+            Some(value) => {
+                let (name, what) = (self.name.clone(), "an entry of the reset");
+                Err(Error::NotFinite { name, what, value })
+            }
+        }
+    }
+}
+
+fn check_halfspace(halfspace: &Halfspace, states: usize) -> Result<(), Error> {
+    let rows = halfspace.normal.len();
+    if rows != states {
+        let expected = format!("{states}x1");
+        return Err(Error::Shape {
+            what: "the normal of a half-space",
+            rows,
+            columns: 1,
+            expected,
+        });
+    }
+    let numbers = halfspace.normal.iter().chain([&halfspace.limit]);
+    match numbers.copied().find(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(value) => {
+            let (name, what) = (halfspace.name.clone(), "a number");
+            Err(Error::NotFinite { name, what, value })
+        }
+    }
+}
+
+pub(super) fn check_range(name: &str, range: Interval) -> Result<(), Error> {
+    let Interval { lower, upper } = range;
+    for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
+        if !value.is_finite() {
+            return Err(Error::NotFinite { name: name.into(), what, value });
+        }
+    }
+    if lower > upper {
+        return Err(Error::CrossedBounds { name: name.into(), lower, upper });
+    }
+    Ok(())
+}

@@ -1,0 +1,229 @@
+//! Template polyhedra: outer approximations of sets of any number of states.
+//!
+//! A template is a fixed list of directions; a set is the list of its limits along them. The
+//! limit of an image along `d` is the set's support along `Mᵀ d`, and that is bounded by every
+//! way of writing `Mᵀ d` as a combination of template directions with factors that are not
+//! negative (linear programming duality). The combinations are found once for each map, so a
+//! step costs no linear program. For one state the sets are exact; so are boxes under diagonal
+//! maps.
+
+use super::rounding::{EPSILON, magnitude};
+
+/// Most template directions among which combinations of three are looked for.
+const MOST_TRIPLES: usize = 40;
+
+/// The directions of a template; the axes' come first, `+` before `-`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Template {
+    directions: Vec<Vec<f64>>,
+}
+
+/// A set: its limits along the template's directions; nothing at all when `limits` is empty.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Polyhedron {
+    pub(super) limits: Vec<f64>,
+}
+
+/// Ways of writing one direction as a combination of template directions.
+#[derive(Debug, Clone)]
+pub(super) struct Combinations {
+    ways: Vec<Vec<(usize, f64)>>,
+    /// What each way misses, times the state: bounded with the set's box.
+    rests: Vec<Vec<f64>>,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+impl Template {
+    /// The axes, and further directions.
+    pub(super) fn new(states: usize, further: &[Vec<f64>]) -> Self {
+        let mut template = Template { directions: Vec::new() };
+        for axis in 0..states {
+            for sign in [1.0, -1.0] {
+                let mut direction = vec![0.0; states];
+                direction[axis] = sign;
+                template.directions.push(direction);
+            }
+        }
+        for direction in further {
+            for sign in [1.0, -1.0] {
+                let signed: Vec<f64> = direction.iter().map(|x| sign * x).collect();
+                if magnitude(signed.iter().copied()) > 0.0 && template.multiple(&signed).is_none() {
+                    template.directions.push(signed);
+                }
+            }
+        }
+        template
+    }
+
+    pub(super) fn states(&self) -> usize {
+        self.directions[0].len()
+    }
+
+    pub(super) fn directions(&self) -> &[Vec<f64>] {
+        &self.directions
+    }
+
+    /// The template direction of which `normal` is a positive multiple, with the factor.
+    pub(super) fn multiple(&self, normal: &[f64]) -> Option<(usize, f64)> {
+        let size = dot(normal, normal);
+        if size == 0.0 {
+            return None;
+        }
+        self.directions.iter().enumerate().find_map(|(k, direction)| {
+            let factor = dot(normal, direction) / dot(direction, direction);
+            let rest = normal.iter().zip(direction).map(|(n, d)| n - factor * d);
+            (factor > 0.0 && magnitude(rest) == 0.0).then_some((k, factor))
+        })
+    }
+
+    /// The combinations that give a direction.
+    pub(super) fn combinations(&self, target: &[f64]) -> Combinations {
+        let mut found = Combinations { ways: Vec::new(), rests: Vec::new() };
+        // Along the axes: always there.
+        let axes = target.iter().enumerate().filter(|(_, t)| **t != 0.0);
+        let along = axes.map(|(i, t)| (2 * i + usize::from(*t < 0.0), t.abs())).collect();
+        self.keep(&mut found, target, along);
+        if let Some(one) = self.multiple(target) {
+            self.keep(&mut found, target, vec![one]);
+        }
+        let count = self.directions.len();
+        for first in 0..count {
+            for second in first + 1..count {
+                self.solve(&mut found, target, &[first, second]);
+                if count <= MOST_TRIPLES && self.states() > 2 {
+                    for third in second + 1..count {
+                        self.solve(&mut found, target, &[first, second, third]);
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    fn keep(&self, found: &mut Combinations, target: &[f64], way: Vec<(usize, f64)>) {
+        let mut rest = target.to_vec();
+        for &(k, factor) in &way {
+            for (r, d) in rest.iter_mut().zip(&self.directions[k]) {
+                *r -= factor * d;
+            }
+        }
+        let size = magnitude(target.iter().copied());
+        if magnitude(rest.iter().copied()) <= 1e-12 * size && !found.ways.contains(&way) {
+            // The subtraction itself rounds, so the rest is taken a little larger.
+            found.rests.push(rest.iter().map(|r| r.abs() + 8.0 * EPSILON * size).collect());
+            found.ways.push(way);
+        }
+    }
+
+    /// Keeps the combination of a few directions, if there is one without negative factors.
+    fn solve(&self, found: &mut Combinations, target: &[f64], chosen: &[usize]) {
+        // Normal equations of at most three unknowns, by elimination with pivots.
+        let n = chosen.len();
+        let mut rows = [[0.0_f64; 4]; 3];
+        for (row, &p) in rows.iter_mut().zip(chosen) {
+            for (entry, &q) in row.iter_mut().zip(chosen) {
+                *entry = dot(&self.directions[p], &self.directions[q]);
+            }
+            row[3] = dot(&self.directions[p], target);
+        }
+        for k in 0..n {
+            let pivot = (k..n).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()));
+            let Some(pivot) = pivot else { return };
+            rows.swap(k, pivot);
+            if rows[k][k].abs() < 1e-9 {
+                return;
+            }
+            for i in 0..n {
+                if i != k {
+                    let factor = rows[i][k] / rows[k][k];
+                    let above = rows[k];
+                    rows[i].iter_mut().zip(above).for_each(|(x, y)| *x -= factor * y);
+                }
+            }
+        }
+        let factors = (0..n).map(|k| rows[k][3] / rows[k][k]);
+        let way: Vec<(usize, f64)> = chosen.iter().copied().zip(factors).collect();
+        if way.iter().all(|&(_, factor)| factor > 0.0) {
+            self.keep(found, target, way);
+        }
+    }
+}
+
+impl Combinations {
+    /// An upper bound of the direction over a set.
+    pub(super) fn bound(&self, set: &Polyhedron) -> f64 {
+        let mut best = f64::INFINITY;
+        for (way, rest) in self.ways.iter().zip(&self.rests) {
+            let mut sum = 0.0;
+            let mut size = 0.0;
+            for &(k, factor) in way {
+                sum += factor * set.limits[k];
+                size += (factor * set.limits[k]).abs();
+            }
+            for (i, r) in rest.iter().enumerate() {
+                sum += r * set.limits[2 * i].abs().max(set.limits[2 * i + 1].abs());
+            }
+            best = best.min(sum + 8.0 * EPSILON * size);
+        }
+        best
+    }
+}
+
+impl Polyhedron {
+    pub(super) fn empty() -> Self {
+        Polyhedron { limits: Vec::new() }
+    }
+
+    /// The box `[low, high]`.
+    pub(super) fn from_box(template: &Template, low: &[f64], high: &[f64]) -> Self {
+        let limit = |direction: &Vec<f64>| {
+            let ends = direction.iter().zip(low.iter().zip(high));
+            let terms: Vec<f64> = ends.map(|(d, (l, h))| (d * l).max(d * h)).collect();
+            terms.iter().sum::<f64>() + 8.0 * EPSILON * terms.iter().map(|t| t.abs()).sum::<f64>()
+        };
+        Polyhedron { limits: template.directions.iter().map(limit).collect() }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.limits.is_empty()
+    }
+
+    /// Lowers the limit along a template direction.
+    pub(super) fn lower(&mut self, direction: usize, limit: f64) {
+        if let Some(current) = self.limits.get_mut(direction) {
+            *current = current.min(limit);
+        }
+    }
+
+    /// Carries every limit over to the others; the empty set is recognised by crossed limits of
+    /// opposite directions.
+    pub(super) fn settle(&mut self, own: &[Combinations]) {
+        if self.is_empty() {
+            return;
+        }
+        for (k, combinations) in own.iter().enumerate() {
+            let bound = combinations.bound(self);
+            self.limits[k] = self.limits[k].min(bound);
+        }
+        // Opposite directions stand side by side.
+        let crossed = self.limits.chunks(2).any(|pair| pair.len() == 2 && pair[0] + pair[1] < 0.0);
+        if crossed {
+            self.limits.clear();
+        }
+    }
+
+    /// The smallest set of the template that holds both.
+    pub(super) fn join(&self, other: &Polyhedron) -> Self {
+        if self.is_empty() {
+            return other.clone();
+        }
+        if other.is_empty() {
+            return self.clone();
+        }
+        let limits = self.limits.iter().zip(&other.limits).map(|(a, b)| a.max(*b)).collect();
+        Polyhedron { limits }
+    }
+}

@@ -1,0 +1,341 @@
+//! Horizon presolve: what a tube says about the variables of a program.
+
+use std::fmt;
+
+use super::tube::Tube;
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Affine, Family, Model, Name, Variable};
+use crate::tolerance;
+
+/// Which variables of a program stand for what in the hybrid system of its reach sets.
+///
+/// ```
+/// use carom::hybrid::reach::HorizonVariables;
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("m");
+/// let x = model.continuous_family("x", 11, 0.0, 9.0)?;
+/// let v = model.continuous_family("v", 11, -5.0, 5.0)?;
+/// let hit = model.binary_family("hit", 10)?;
+/// // States in the system's order; `hit` says whether transition 1 is taken.
+/// let variables = HorizonVariables::new([x, v]).with_transition(1, hit);
+/// assert_eq!(variables.states.len(), 2);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct HorizonVariables {
+    /// One family per state, in the system's order, each over the samples 0, ..., τ.
+    pub states: Vec<Family>,
+    /// Transitions by number, with binaries over the steps 0, ..., τ-1 that are 1 exactly in the
+    /// steps that take them.
+    pub transitions: Vec<(usize, Family)>,
+    /// Variables that are functions of the predictions.
+    pub quantities: Vec<Quantity>,
+}
+
+/// Variables over the steps that are, in each transition, an affine function of the prediction:
+/// an impact speed, a penetration, a damage.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Quantity {
+    /// The variables over the steps 0, ..., τ-1.
+    pub family: Family,
+    /// Per transition, one factor per state and a constant.
+    pub values: Vec<(Vec<f64>, f64)>,
+}
+
+impl HorizonVariables {
+    /// The states' families, in the system's order.
+    pub fn new(states: impl Into<Vec<Family>>) -> Self {
+        HorizonVariables { states: states.into(), ..HorizonVariables::default() }
+    }
+
+    /// Binaries that say in which steps a transition (by its number) is taken.
+    #[must_use]
+    pub fn with_transition(mut self, transition: usize, binaries: Family) -> Self {
+        self.transitions.push((transition, binaries));
+        self
+    }
+
+    /// Variables with a value that follows from the prediction: per transition, in the system's
+    /// order, factors for the states and a constant.
+    #[must_use]
+    pub fn with_quantity(
+        mut self,
+        family: Family,
+        values: impl Into<Vec<(Vec<f64>, f64)>>,
+    ) -> Self {
+        self.quantities.push(Quantity { family, values: values.into() });
+        self
+    }
+
+    /// The steps' binaries, all families.
+    pub(crate) fn binaries(&self) -> impl Iterator<Item = &Family> {
+        self.transitions.iter().map(|(_, family)| family)
+    }
+}
+
+/// Why a variable was fixed or its bounds were tightened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Reason {
+    /// No plan takes the transition (by its number) in this step.
+    Impossible(usize),
+    /// Every plan takes the transition in this step.
+    OnlyWay(usize),
+    /// Every plan's state at this sample lies in the tube.
+    Tube,
+    /// The predictions from which the quantity follows are bounded.
+    Predictions,
+}
+
+/// One change that reach sets made to a program.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Change {
+    /// The variable.
+    pub variable: Variable,
+    /// Its name.
+    pub name: Name,
+    /// The step or sample.
+    pub step: usize,
+    /// Its bounds before.
+    pub from: Interval,
+    /// Its bounds now.
+    pub to: Interval,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// What reach sets said about a program.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct TighteningReport {
+    /// The horizon, in steps.
+    pub steps: usize,
+    /// Whether it is proved that the program has no solution; the model is then as it was.
+    pub infeasible: bool,
+    /// Binaries that were fixed.
+    pub fixed: Vec<Change>,
+    /// Bounds of other variables that were tightened.
+    pub tightened: Vec<Change>,
+    /// Binaries of transitions that are still open.
+    pub open: usize,
+    /// Names of the rows that were added.
+    pub rows: Vec<Name>,
+}
+
+impl fmt::Display for TighteningReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.infeasible {
+            return write!(f, "{} steps: no plan", self.steps);
+        }
+        write!(
+            f,
+            "{} steps: {} binaries fixed, {} open, {} bounds tightened, {} rows added",
+            self.steps,
+            self.fixed.len(),
+            self.open,
+            self.tightened.len(),
+            self.rows.len()
+        )
+    }
+}
+
+impl Tube {
+    /// Writes what the tube says into a program over the same horizon: binaries are fixed, bounds
+    /// tightened (so that the big-Ms of each step become its own), and, where the number of
+    /// events is limited, the row `events` added. No solution is lost.
+    ///
+    /// # Arguments
+    ///
+    /// * `model`: the program; it is left as it was when the tube is empty.
+    /// * `variables`: its variables; see [`HorizonVariables`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for families of other lengths, [`Error::OutOfRange`] for transitions that
+    /// do not exist, [`Error::ForeignHandle`] for variables of another model.
+    pub fn tighten(
+        &self,
+        model: &mut Model,
+        variables: &HorizonVariables,
+    ) -> Result<TighteningReport, Error> {
+        self.check_variables(model, variables)?;
+        let mut report = TighteningReport {
+            steps: self.steps(),
+            infeasible: self.is_empty(),
+            fixed: Vec::new(),
+            tightened: Vec::new(),
+            open: 0,
+            rows: Vec::new(),
+        };
+        if report.infeasible {
+            return Ok(report);
+        }
+        let changes = self.changes(model, variables)?;
+        let Some(changes) = changes else {
+            report.infeasible = true;
+            return Ok(report);
+        };
+        for change in changes {
+            model.set_bounds(change.variable, change.to.lower, change.to.upper)?;
+            match change.reason {
+                Reason::Impossible(_) | Reason::OnlyWay(_) => report.fixed.push(change),
+                Reason::Tube | Reason::Predictions => report.tightened.push(change),
+            }
+        }
+        for family in variables.binaries() {
+            for variable in family {
+                let bounds = model.variable_ref(variable)?.bounds();
+                report.open += usize::from(bounds.lower < bounds.upper);
+            }
+        }
+        report.rows.extend(self.limit_events(model, variables, report.open)?);
+        Ok(report)
+    }
+
+    fn check_variables(&self, model: &Model, variables: &HorizonVariables) -> Result<(), Error> {
+        let states = self.system.states.len();
+        let shape = |what, rows, wanted: usize| -> Result<(), Error> {
+            if rows == wanted {
+                return Ok(());
+            }
+            Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") })
+        };
+        shape("the list of state families", variables.states.len(), states)?;
+        for family in &variables.states {
+            shape("a state family of the horizon", family.len(), self.steps() + 1)?;
+        }
+        let count = self.system.transitions.len();
+        for (number, family) in &variables.transitions {
+            if *number >= count {
+                let (what, value) = ("the number of a transition".into(), *number as f64);
+                return Err(Error::OutOfRange { what, value, range: format!("below {count}") });
+            }
+            shape("a transition family of the horizon", family.len(), self.steps())?;
+        }
+        for quantity in &variables.quantities {
+            shape("a quantity family of the horizon", quantity.family.len(), self.steps())?;
+            shape("the values of a quantity", quantity.values.len(), count)?;
+            for (factors, _) in &quantity.values {
+                shape("the factors of a quantity", factors.len(), states)?;
+            }
+        }
+        let quantities = variables.quantities.iter().map(|quantity| &quantity.family);
+        let families = variables.states.iter().chain(variables.binaries()).chain(quantities);
+        for variable in families.flatten() {
+            model.variable_ref(variable)?;
+        }
+        Ok(())
+    }
+
+    /// All changes, or nothing when one of them leaves a variable no value.
+    fn changes(
+        &self,
+        model: &Model,
+        variables: &HorizonVariables,
+    ) -> Result<Option<Vec<Change>>, Error> {
+        let mut changes = Vec::new();
+        for t in 0..self.steps() {
+            let taken = |m: &usize| self.is_possible(t, *m);
+            let mut possible = (0..self.system.transitions.len()).filter(taken);
+            let only = possible.next().filter(|_| possible.next().is_none());
+            for (m, family) in &variables.transitions {
+                let (value, reason) = match (self.is_possible(t, *m), only) {
+                    (false, _) => (0.0, Reason::Impossible(*m)),
+                    (true, Some(_)) => (1.0, Reason::OnlyWay(*m)),
+                    (true, None) => continue,
+                };
+                let to = Interval::point(value);
+                if !offer(model, &mut changes, family[t], t, to, reason)? {
+                    return Ok(None);
+                }
+            }
+            for quantity in &variables.quantities {
+                let Some(range) = self.quantity(t, quantity) else { continue };
+                let reason = Reason::Predictions;
+                if !offer(model, &mut changes, quantity.family[t], t, range, reason)? {
+                    return Ok(None);
+                }
+            }
+        }
+        for t in 0..=self.steps() {
+            let Some(bounds) = self.bounds(t) else { continue };
+            for (family, range) in variables.states.iter().zip(bounds) {
+                if !offer(model, &mut changes, family[t], t, *range, Reason::Tube)? {
+                    return Ok(None);
+                }
+            }
+        }
+        Ok(Some(changes))
+    }
+
+    /// The range of a quantity in a step, over the transitions that are possible there.
+    fn quantity(&self, step: usize, quantity: &Quantity) -> Option<Interval> {
+        let one = |(m, (factors, constant)): (usize, &(Vec<f64>, f64))| {
+            let predictions = self.predictions(step, m)?;
+            let terms = factors.iter().zip(predictions).map(|(f, range)| *range * *f);
+            Some(terms.fold(Interval::point(*constant), |sum, term| sum + term))
+        };
+        quantity.values.iter().enumerate().filter_map(one).reduce(|a, b| a.hull(b))
+    }
+
+    /// Limits the number of events, where every event has its binary and more than one is open.
+    fn limit_events(
+        &self,
+        model: &mut Model,
+        variables: &HorizonVariables,
+        open: usize,
+    ) -> Result<Option<Name>, Error> {
+        let events =
+            || (0..self.system.transitions.len()).filter(|&m| self.system.transitions[m].1);
+        let families: Vec<&Family> = events()
+            .filter_map(|m| variables.transitions.iter().find(|(k, _)| *k == m))
+            .map(|(_, family)| family)
+            .collect();
+        let fewest = self.fewest_events().unwrap_or(0);
+        let says_nothing = fewest == 0 && self.most_events().is_none();
+        if open < 2 || families.len() < events().count() || says_nothing {
+            return Ok(None);
+        }
+        let total: Affine = families.into_iter().flatten().sum();
+        let most = self.most_events().map_or(f64::INFINITY, |most| most as f64);
+        let name: Name = "events".into();
+        match model.add(name.clone(), total.within(fewest as f64, most)) {
+            Ok(_) => Ok(Some(name)),
+            // The user has a statement of this name; the row is only a help.
+            Err(Error::DuplicateName { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// Notes the part of a range that is new; `false` when it leaves the variable no value.
+fn offer(
+    model: &Model,
+    changes: &mut Vec<Change>,
+    variable: Variable,
+    step: usize,
+    range: Interval,
+    reason: Reason,
+) -> Result<bool, Error> {
+    let reference = model.variable_ref(variable)?;
+    let from = reference.bounds();
+    let to = from.intersection(range);
+    if to.lower > to.upper {
+        // Ranges carry the sets' margin, so bounds that miss them are not met by a hair.
+        return Ok(false);
+    }
+    // Tiny gains are not worth a change, as in propagation.
+    let width = if from.is_bounded() { from.upper - from.lower } else { 0.0 };
+    let worth = tolerance::PROPAGATION_GAIN * width;
+    if to.lower - from.lower > worth || from.upper - to.upper > worth {
+        let name = reference.name().clone();
+        changes.push(Change { variable, name, step, from, to, reason });
+    }
+    Ok(true)
+}

@@ -1,0 +1,84 @@
+//! Coarse to fine: the mode sequence of a plan on a coarser grid as a guess.
+
+use std::borrow::BorrowMut;
+
+use super::search::ShortestOptions;
+use super::{HorizonModel, shortest_horizon};
+use crate::error::Error;
+use crate::hybrid::budget::Budget;
+use crate::hybrid::reach::HorizonVariables;
+use crate::interval::Interval;
+use crate::model::{Model, Variable};
+use crate::solver::Solver;
+
+/// The share of what is left of a search's time that the coarser search may take.
+const SHARE: u32 = 4;
+
+/// What is known from the coarser grid.
+pub(super) enum Guess {
+    NotAsked,
+    /// There is no coarser grid, or nothing was found on it.
+    Nothing,
+    /// Per family of binaries, their values over the coarser plan's steps.
+    Modes(Vec<Vec<bool>>),
+}
+
+impl Guess {
+    /// Searches the coarser grid, if there is one, in a part of the time that is left.
+    pub(super) fn ask<B: HorizonModel + ?Sized>(
+        builder: &B,
+        options: &ShortestOptions,
+        solver: &mut dyn Solver,
+        budget: &Budget,
+    ) -> Result<Guess, Error> {
+        let Some(coarser) = builder.coarser() else { return Ok(Guess::Nothing) };
+        let mut options = options.clone();
+        options.time_limit = budget.remaining().map(|left| left / SHARE);
+        let found = shortest_horizon(&*coarser, &options, solver)?;
+        let (Some(program), Some(solution)) = (&found.program, &found.solution) else {
+            return Ok(Guess::Nothing);
+        };
+        let mut modes = Vec::new();
+        for family in coarser.variables(program).binaries() {
+            let values = family.iter().map(|z| Ok(solution.value(z)? > 0.5));
+            modes.push(values.collect::<Result<Vec<bool>, Error>>()?);
+        }
+        let fits = !modes.is_empty() && modes.iter().all(|values| !values.is_empty());
+        Ok(if fits { Guess::Modes(modes) } else { Guess::Nothing })
+    }
+}
+
+/// Fixes the binaries at the coarser plan's values, except around its changes. Returns the bounds
+/// to put back; nothing when the guess does not fit the program.
+pub(super) fn restricted(
+    modes: &[Vec<bool>],
+    model: &mut Model,
+    variables: &HorizonVariables,
+) -> Result<Option<Vec<(Variable, Interval)>>, Error> {
+    let mut fixings = Vec::new();
+    if variables.binaries().count() != modes.len() {
+        return Ok(None);
+    }
+    for (family, coarse) in variables.binaries().zip(modes) {
+        for (t, variable) in family.iter().enumerate() {
+            let at = t * coarse.len() / family.len();
+            let near = at.saturating_sub(1)..=(at + 1).min(coarse.len() - 1);
+            if near.clone().any(|s| coarse[s] != coarse[at]) {
+                continue;
+            }
+            let (value, bounds) = (f64::from(u8::from(coarse[at])), model.variable_ref(variable)?);
+            let bounds = bounds.bounds();
+            if !bounds.contains(value) {
+                return Ok(None);
+            }
+            if bounds.lower < bounds.upper {
+                fixings.push((variable, bounds, value));
+            }
+        }
+    }
+    let model: &mut Model = model.borrow_mut();
+    for &(variable, _, value) in &fixings {
+        model.fix(variable, value)?;
+    }
+    Ok(Some(fixings.into_iter().map(|(variable, bounds, _)| (variable, bounds)).collect()))
+}
