@@ -280,13 +280,13 @@ impl Tube {
     /// The states that can be reached from the start and may still lead to the goal, by events so
     /// far, before they are cut with what leads to the goal; for drawing.
     pub fn reached(&self, sample: usize) -> impl Iterator<Item = &ReachSet> {
-        self.forward.get(sample).into_iter().flatten().flatten()
+        self.forward.get(sample).into_iter().flat_map(|layers| layers.iter().flatten())
     }
 
     /// The states at a sample from which the goal can be reached in the steps that are left.
     pub fn to_go(&self, sample: usize) -> impl Iterator<Item = &ReachSet> {
         let to_go = self.steps.checked_sub(sample).and_then(|s| self.backward.get(s));
-        to_go.into_iter().flatten().flatten()
+        to_go.into_iter().flat_map(|layers| layers.iter().flatten())
     }
 
     /// Fewest events of a plan: a proof that fewer are not enough. Nothing where the tube is
