@@ -40,6 +40,7 @@ pub mod trajectory;
 pub use damage_interval::{DamageInterval, End, IntervalOptions, damage_interval};
 pub use plan::{Certificate, Plan, PlanOutcome, plan, plan_with};
 pub use program::{Objective, Program};
+pub use reach::explain;
 pub use scenario::{Collisions, Endpoint, Scenario};
 pub use shortest::{
     Comparison, PlanningOptions, ShortestPlan, compare, shortest_plan, shortest_plan_with,

@@ -3,7 +3,7 @@
 use super::program::{Objective, Program};
 use super::scenario::{Collisions, Endpoint, Scenario};
 use crate::error::Error;
-use crate::hybrid::reach::{HorizonVariables, HybridSystem, ReachSets, SetOptions};
+use crate::hybrid::reach::{Explanation, HorizonVariables, HybridSystem, ReachSets, SetOptions};
 use crate::hybrid::{ContactLaw, Horizon, HorizonModel, Waiting};
 use crate::interval::Interval;
 use crate::model::{Family, Model};
@@ -135,6 +135,16 @@ impl HorizonModel for Programs {
         let can = scenario.collisions == Collisions::Tolerated && self.lower_hint() >= worth;
         can.then(|| Box::new(Programs { scenario, upper_hint: None }) as Box<_>)
     }
+}
+
+/// Why no plan of a scenario has exactly `steps` steps, in words; nothing where reach sets do not
+/// exclude one.
+///
+/// # Errors
+///
+/// Those of [`Scenario::check`] and of [`Horizon::new`].
+pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<Explanation>, Error> {
+    scenario.reach_sets()?.explain(steps)
 }
 
 /// The model of a program whose horizon's tube has been written into it; `false` when the tube

@@ -67,7 +67,7 @@ pub(super) fn transitions(
     let inside = Halfspace::new("the step begins inside the wall", [n, 0.0], at);
     let mut contact = Transition::event("contact", forced).with_guard(inside);
     if let Some(limit) = max_speed {
-        let limit = Halfspace::new("the limit on the impact speed", [0.0, -n], limit);
+        let limit = Halfspace::limit("the limit on the impact speed", [0.0, -n], limit);
         contact = contact.with_guard(limit);
     }
     Ok([flight, contact])

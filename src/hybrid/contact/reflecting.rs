@@ -91,7 +91,7 @@ pub(super) fn transitions(
         .with_prediction_guard(Halfspace::new("the flight ends behind the wall", [n, 0.0], at))
         .with_prediction_guard(Halfspace::new("it moves towards the wall", [0.0, n], 0.0));
     if let Some(limit) = max_speed {
-        let limit = Halfspace::new("the limit on the impact speed", [0.0, -n], limit);
+        let limit = Halfspace::limit("the limit on the impact speed", [0.0, -n], limit);
         impact = impact.with_prediction_guard(limit);
     }
     let rebound = Mat::from_fn(2, 2, |i, j| if i == j { -e } else { 0.0 });

@@ -1,6 +1,7 @@
 //! Reach sets.
 
 mod compiled;
+mod explain;
 mod polygon;
 mod rounding;
 mod set;
@@ -12,6 +13,7 @@ mod template;
 mod tighten;
 mod tube;
 
+pub use explain::{Explanation, Finding, Obstacle};
 pub use set::ReachSet;
 pub use sets::{ReachSets, SetOptions};
 pub use system::{Halfspace, HybridSystem, Transition};

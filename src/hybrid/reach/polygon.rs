@@ -16,10 +16,15 @@ pub(super) struct Polygon {
     vertices: Vec<Point>,
     /// How far beyond the hull of the vertices the set may reach, along each axis.
     margin: Point,
+    /// Bounds of the vertices' magnitudes along each axis, for the size of rounding errors.
+    size: Point,
 }
 
 /// The directions of the axes.
 const AXES: [Point; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+
+/// The support of the empty set.
+const NOWHERE: f64 = f64::NEG_INFINITY;
 
 /// A line that leaves two sets on different sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +63,8 @@ impl Polygon {
 
     /// The convex hull of points that already carry a margin.
     pub(super) fn hull_of(mut points: Vec<Point>, margin: Point) -> Self {
-        let mut polygon = Polygon { vertices: Vec::new(), margin };
+        let size = sizes(&points);
+        let mut polygon = Polygon { vertices: Vec::new(), margin, size };
         let order = |a: &Point, b: &Point| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
         // Stable sorting takes linear time on the few sorted runs that polygons consist of.
         points.sort_by(order);
@@ -94,7 +100,7 @@ impl Polygon {
 
     /// The sum with the box `[-by, by]`.
     pub(super) fn widen(&mut self, by: Point) {
-        for (margin, by) in self.margin.iter_mut().zip(by) {
+        for (margin, by) in self.margin.iter_mut().zip(by).filter(|(_, by)| *by > 0.0) {
             *margin = (*margin + by).next_up();
         }
     }
@@ -102,8 +108,7 @@ impl Polygon {
     /// Adds `count` roundings of the coordinates to the margin.
     fn loosen(&mut self, count: usize) {
         for axis in 0..2 {
-            let largest = magnitude(self.vertices.iter().map(|v| v[axis]));
-            self.margin[axis] += count as f64 * EPSILON * largest;
+            self.margin[axis] += count as f64 * EPSILON * self.size[axis];
         }
     }
 
@@ -111,23 +116,20 @@ impl Polygon {
     pub(super) fn map(&self, matrix: [Point; 2], offset: Point) -> Self {
         let apply = |z: &Point| plus([dot(matrix[0], *z), dot(matrix[1], *z)], offset);
         let vertices: Vec<Point> = self.vertices.iter().map(apply).collect();
-        let mut margin = [0.0; 2];
+        let (mut margin, mut size) = ([0.0; 2], [0.0; 2]);
         for axis in 0..2 {
             let row = [matrix[axis][0].abs(), matrix[axis][1].abs()];
-            let largest = self
-                .vertices
-                .iter()
-                .map(|z| dot(row, [z[0].abs(), z[1].abs()]))
-                .fold(offset[axis].abs(), f64::max);
-            margin[axis] = dot(row, self.margin) * (1.0 + 4.0 * EPSILON) + 4.0 * EPSILON * largest;
+            size[axis] = (dot(row, self.size) + offset[axis].abs()) * (1.0 + 4.0 * EPSILON);
+            margin[axis] =
+                dot(row, self.margin) * (1.0 + 4.0 * EPSILON) + 4.0 * EPSILON * size[axis];
         }
         let determinant = cross(matrix[0], matrix[1]);
-        let size = dot(matrix[0], matrix[0]).max(dot(matrix[1], matrix[1]));
-        if vertices.len() < 3 || determinant.abs() <= 1e-9 * size {
+        let scale = dot(matrix[0], matrix[0]).max(dot(matrix[1], matrix[1]));
+        if vertices.len() < 3 || determinant.abs() <= 1e-9 * scale {
             // Flattened: the order of the vertices means nothing any more.
             return Polygon::hull_of(vertices, margin);
         }
-        let mut image = Polygon { vertices, margin };
+        let mut image = Polygon { vertices, margin, size };
         if determinant < 0.0 {
             image.vertices.reverse();
         }
@@ -172,7 +174,8 @@ impl Polygon {
             vertices.push(minus(self.vertices[k], generator));
             k = (k + 1) % n;
         }
-        let mut sum = Polygon { vertices, margin: self.margin };
+        let size = [self.size[0] + generator[0].abs(), self.size[1] + generator[1].abs()];
+        let mut sum = Polygon { vertices, margin: self.margin, size };
         sum.loosen(8);
         sum
     }
@@ -183,14 +186,14 @@ impl Polygon {
         if self.is_empty() {
             return None;
         }
-        let size = [normal[0].abs(), normal[1].abs()];
-        let largest = magnitude(self.vertices.iter().map(|v| dot(size, [v[0].abs(), v[1].abs()])));
-        let limit = limit + dot(size, self.margin);
-        let limit = limit + 16.0 * EPSILON * (largest + limit.abs());
-        let excess: Vec<f64> = self.vertices.iter().map(|&v| dot(normal, v) - limit).collect();
-        if excess.iter().all(|&e| e <= 0.0) {
+        let factors = [normal[0].abs(), normal[1].abs()];
+        let limit = limit + dot(factors, self.margin);
+        let limit = limit + 16.0 * EPSILON * (dot(factors, self.size) + limit.abs());
+        let excess = |v: &Point| dot(normal, *v) - limit;
+        if self.vertices.iter().all(|v| excess(v) <= 0.0) {
             return None;
         }
+        let excess: Vec<f64> = self.vertices.iter().map(excess).collect();
         if excess.iter().all(|&e| e > 0.0) {
             let nearest = -self.support([-normal[0], -normal[1]]);
             self.vertices.clear();
@@ -212,7 +215,6 @@ impl Polygon {
             }
         }
         kept.dedup();
-        // Rounding of the new vertices is measured on the old ones, which are larger.
         self.loosen(4);
         self.vertices = kept;
         None
@@ -233,14 +235,9 @@ impl Polygon {
 
     /// Largest value of `direction . z`; minus infinity for the empty set.
     pub(super) fn support(&self, direction: Point) -> f64 {
-        let size = [direction[0].abs(), direction[1].abs()];
-        let mut best = f64::NEG_INFINITY;
-        let mut largest = 0.0_f64;
-        for &v in &self.vertices {
-            best = best.max(dot(direction, v));
-            largest = largest.max(dot(size, [v[0].abs(), v[1].abs()]));
-        }
-        best + dot(size, self.margin) + 4.0 * EPSILON * largest
+        let factors = [direction[0].abs(), direction[1].abs()];
+        let best = self.vertices.iter().map(|&v| dot(direction, v)).fold(NOWHERE, f64::max);
+        best + dot(factors, self.margin) + 4.0 * EPSILON * dot(factors, self.size)
     }
 
     /// Outward normals of the edges, each with a vertex of its edge.
@@ -340,9 +337,16 @@ impl Polygon {
                 None => vertices.push(self.vertices[k]),
             }
         }
+        self.size = sizes(&vertices);
         self.vertices = vertices;
         self.loosen(16);
     }
+}
+
+/// The largest magnitudes along each axis.
+fn sizes(points: &[Point]) -> Point {
+    let along = |axis: usize| magnitude(points.iter().map(|v| v[axis]));
+    [along(0), along(1)]
 }
 
 /// Adds a sorted run to a hull, keeping left turns only; `doubtful` counts the points that were

@@ -39,12 +39,12 @@ pub(super) enum Place {
 }
 
 impl ReachSet {
-    /// The box of given intervals, within the system's limits.
+    /// The box of given intervals, within the system's limits, or the limit that excludes it.
     pub(super) fn from_box(
         system: &Arc<Compiled>,
         ranges: &[Interval],
         margin: f64,
-    ) -> Result<Option<Self>, Error> {
+    ) -> Result<Result<Self, Emptied>, Error> {
         for ((name, _), range) in system.states.iter().zip(ranges) {
             check_range(name, *range)?;
         }
@@ -57,12 +57,27 @@ impl ReachSet {
         for (b, block) in system.blocks.iter().enumerate() {
             let (low, high): (Vec<f64>, Vec<f64>) = block.states.iter().map(wide).unzip();
             let mut shape = Shape::from_box(&block.geometry, &low, &high);
-            if cut(&mut shape, &block.geometry, &block.limits, b, Place::Limit).is_err() {
-                return Ok(None);
+            if let Err(emptied) = cut(&mut shape, &block.geometry, &block.limits, b, Place::Limit) {
+                return Ok(Err(emptied));
             }
             shapes.push(shape);
         }
-        Ok(Some(ReachSet { system: Arc::clone(system), shapes }))
+        Ok(Ok(ReachSet { system: Arc::clone(system), shapes }))
+    }
+
+    /// Keeps the states with one of them within a range; `false` when nothing is left.
+    pub(super) fn keep(&mut self, state: usize, range: Interval) -> bool {
+        for (block, shape) in self.system.blocks.iter().zip(&mut self.shapes) {
+            let Some(k) = block.states.iter().position(|&i| i == state) else { continue };
+            for (sign, limit) in [(1.0, range.upper), (-1.0, -range.lower)] {
+                let mut normal = vec![0.0; block.states.len()];
+                normal[k] = sign;
+                if shape.clip(&block.geometry, &normal, limit).is_some() {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Largest value of `direction . state` over the set, rounded up, in the product's unit.

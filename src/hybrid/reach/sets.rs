@@ -148,6 +148,8 @@ pub struct ReachSets {
     source: HybridSystem,
     /// Magnitudes of the states at the start and the goal.
     sizes: Vec<f64>,
+    ends: (Vec<Interval>, Vec<Interval>),
+    first_inputs: Option<Vec<Interval>>,
     pub(super) options: SetOptions,
     forward: Vec<Shared>,
     backward: Vec<Shared>,
@@ -191,7 +193,7 @@ impl ReachSets {
         let end = |ends| -> Result<Layers, Error> {
             let set = ReachSet::from_box(&compiled, ends, options.margin)?;
             let mut layers = vec![None; options.events + 1];
-            layers[0] = set;
+            layers[0] = set.ok();
             Ok(layers)
         };
         let (forward, backward) = (vec![Arc::new(end(start)?)], vec![Arc::new(end(goal)?)]);
@@ -200,6 +202,8 @@ impl ReachSets {
             first: None,
             source: system.clone(),
             sizes,
+            ends: (start.to_vec(), goal.to_vec()),
+            first_inputs: None,
             options,
             forward,
             backward,
@@ -225,6 +229,7 @@ impl ReachSets {
         let (margin, further) = (self.options.margin, &self.options.directions);
         let compiled = Compiled::new(&self.source, inputs, margin, &self.sizes, further);
         self.first = Some(Arc::new(compiled));
+        self.first_inputs = Some(inputs.to_vec());
         self.forward.truncate(1);
         self.settled = None;
         Ok(self)
@@ -296,14 +301,31 @@ impl ReachSets {
         Ok(&self.backward[steps])
     }
 
-    /// The sets of the start.
-    pub(super) fn first_layers(&self) -> Shared {
-        Arc::clone(&self.forward[0])
+    /// The forward sets of the samples 0, ..., `steps`.
+    pub(super) fn forward_sets(&mut self, steps: usize) -> Result<Vec<Shared>, Error> {
+        self.forward_layers(steps)?;
+        let last = self.forward.len() - 1;
+        Ok((0..=steps).map(|t| Arc::clone(&self.forward[t.min(last)])).collect())
     }
 
-    /// The sets with up to `steps` steps to go, which must have been computed.
-    pub(super) fn backward_sets(&self, steps: usize) -> Vec<Shared> {
-        self.backward[..=steps].to_vec()
+    /// The start and the goal, as they were given.
+    pub(super) fn ends(&self) -> (&[Interval], &[Interval]) {
+        (&self.ends.0, &self.ends.1)
+    }
+
+    /// The same task for another system.
+    pub(super) fn of_system(&self, system: &HybridSystem) -> Result<ReachSets, Error> {
+        let (start, goal) = self.ends();
+        let sets = ReachSets::new(system, start, goal, self.options.clone())?;
+        match &self.first_inputs {
+            Some(inputs) => sets.with_first_inputs(inputs),
+            None => Ok(sets),
+        }
+    }
+
+    /// The sets of the goal.
+    pub(super) fn goal_layers(&self) -> Shared {
+        Arc::clone(&self.backward[0])
     }
 
     /// The system of a step: the first one may have inputs of its own.

@@ -25,12 +25,20 @@ pub struct Halfspace {
     pub normal: Vec<f64>,
     /// The limit.
     pub limit: f64,
+    /// Whether it is a wish that could be given up, rather than the system's nature: an
+    /// [explanation](super::Explanation) then says whether giving it up would help.
+    pub is_limit: bool,
 }
 
 impl Halfspace {
     /// `normal . state <= limit`.
     pub fn new(name: impl Into<String>, normal: impl Into<Vec<f64>>, limit: f64) -> Self {
-        Halfspace { name: name.into(), normal: normal.into(), limit }
+        Halfspace { name: name.into(), normal: normal.into(), limit, is_limit: false }
+    }
+
+    /// `normal . state <= limit`, a wish that could be given up.
+    pub fn limit(name: impl Into<String>, normal: impl Into<Vec<f64>>, limit: f64) -> Self {
+        Halfspace { is_limit: true, ..Halfspace::new(name, normal, limit) }
     }
 }
 

@@ -10,7 +10,7 @@
 use super::rounding::{EPSILON, magnitude};
 
 /// Most template directions among which combinations of three are looked for.
-const MOST_TRIPLES: usize = 40;
+const MOST_TRIPLES: usize = 20;
 
 /// The directions of a template; the axes' come first, `+` before `-`.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,7 +12,7 @@ use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
 
 /// Sweeps over the horizon, forward and backward in turn, while they still exclude something.
-const MOST_SWEEPS: usize = 6;
+const MOST_SWEEPS: usize = 4;
 
 /// What a plan over exactly τ steps can do, as far as reach sets tell.
 ///
@@ -47,9 +47,9 @@ const MOST_SWEEPS: usize = 6;
 pub struct Tube {
     pub(super) system: Arc<Compiled>,
     steps: usize,
-    /// Sets of the samples that were reached before the sweep died, by events.
+    /// Sets of the samples, by events so far.
     pub(super) forward: Vec<Shared>,
-    /// Sets of the samples to go, by events; `backward[s]` has `s` steps to go.
+    /// Sets by the steps to go, by events to come; as far as they were found before the tube died.
     pub(super) backward: Vec<Shared>,
     /// Per step and transition, whether it is possible.
     possible: Vec<Vec<bool>>,
@@ -63,6 +63,7 @@ pub struct Tube {
 
 /// Which edges of the graph of (step, events so far, transition) are left; and the same by events
 /// to go.
+#[derive(Clone)]
 struct Edges {
     transitions: usize,
     layers: usize,
@@ -78,8 +79,10 @@ impl Edges {
         (step * self.layers + layer) * self.transitions + transition
     }
 
-    fn count(&self) -> usize {
-        self.alive.iter().filter(|&&alive| alive).count()
+    /// The edges of a step.
+    fn row(&self, step: usize) -> &[bool] {
+        let width = self.layers * self.transitions;
+        &self.alive[step * width..(step + 1) * width]
     }
 
     /// Whether a transition is alive in a step, in any layer.
@@ -97,33 +100,49 @@ impl ReachSets {
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
         check_steps("the number of steps of a tube", steps)?;
-        self.backward_layers(steps)?;
         let transitions = self.system.transitions.len();
         let layers = self.options.events + 1;
         let mut tube = Tube {
             system: Arc::clone(&self.system),
             steps,
-            forward: Vec::new(),
-            backward: self.backward_sets(steps),
+            forward: self.forward_sets(steps)?,
+            backward: vec![self.goal_layers()],
             possible: Vec::new(),
-            predictions: Vec::new(),
+            predictions: vec![vec![None; transitions]; steps],
             boxes: Vec::new(),
             died: None,
         };
         let mut ahead = Edges::all(steps, layers, transitions);
         let mut back = Edges::all(steps, layers, transitions);
-        for sweep in 0..MOST_SWEEPS {
-            let before = ahead.count();
-            if !self.sweep_forward(&mut tube, &mut ahead, &back) {
+        if !self.may_finish(steps)? {
+            tube.died = Some(steps);
+            return Ok(tube);
+        }
+        // A sweep begins at the first step that the other direction has changed since.
+        let mut to = steps;
+        for sweep in 1..=MOST_SWEEPS {
+            let before = back.clone();
+            if !self.sweep_backward(&mut tube, &mut back, &ahead, to) {
                 break;
             }
-            let excluded = before - ahead.count();
-            let events = self.open_events(&ahead, steps);
-            // The first sweep nearly always says everything about plans without a choice.
-            if events <= 1 || (sweep > 0 && excluded == 0) || sweep + 1 == MOST_SWEEPS {
+            let from = match sweep {
+                1 => 0,
+                _ => match (0..steps).find(|&t| before.row(t) != back.row(t)) {
+                    Some(first) => first,
+                    None => break,
+                },
+            };
+            let before = ahead.clone();
+            // A plan without a choice is what it is.
+            if !self.sweep_forward(&mut tube, &mut ahead, &back, from)
+                || self.open_events(&ahead, steps) <= 1
+            {
                 break;
             }
-            self.sweep_backward(&mut tube, &mut back, &ahead);
+            match (0..steps).rfind(|&t| before.row(t) != ahead.row(t)) {
+                Some(last) => to = last + 1,
+                None => break,
+            }
         }
         tube.finish(&ahead);
         Ok(tube)
@@ -137,14 +156,14 @@ impl ReachSets {
     }
 
     /// Carries the start forward along the living edges, keeping those that meet the backward
-    /// sets. Returns whether the goal is reached.
-    fn sweep_forward(&self, tube: &mut Tube, ahead: &mut Edges, back: &Edges) -> bool {
+    /// sets, from a step on before which nothing has changed. Returns whether the goal is reached.
+    fn sweep_forward(&self, tube: &mut Tube, ahead: &mut Edges, back: &Edges, from: usize) -> bool {
         let most = self.options.vertices;
         let last_layer = self.options.events;
-        let mut forward: Vec<Shared> = vec![self.first_layers()];
-        tube.predictions = vec![vec![None; ahead.transitions]; tube.steps];
-        tube.died = None;
-        for t in 0..tube.steps {
+        let mut forward = std::mem::take(&mut tube.forward);
+        forward.truncate(from + 1);
+        for t in from..tube.steps {
+            tube.predictions[t].fill(None);
             let system = Arc::clone(self.system_at(t));
             let mut next: Layers = vec![None; last_layer + 1];
             for (layer, set) in forward[t].iter().enumerate() {
@@ -180,12 +199,14 @@ impl ReachSets {
         true
     }
 
-    /// Carries the goal backward along the edges that are alive in both directions.
-    fn sweep_backward(&self, tube: &mut Tube, back: &mut Edges, ahead: &Edges) {
+    /// Carries the goal backward along the edges that are alive in both directions, through the
+    /// steps below one beyond which nothing has changed. Returns whether the start is reached.
+    fn sweep_backward(&self, tube: &mut Tube, back: &mut Edges, ahead: &Edges, to: usize) -> bool {
         let most = self.options.vertices;
         let last_layer = self.options.events;
-        let mut backward: Vec<Shared> = vec![Arc::clone(&tube.backward[0])];
-        for to_go in 1..=tube.steps {
+        let mut backward = std::mem::take(&mut tube.backward);
+        backward.truncate(tube.steps - to + 1);
+        for to_go in tube.steps - to + 1..=tube.steps {
             let t = tube.steps - to_go;
             let system = Arc::clone(self.system_at(t));
             let mut next: Layers = vec![None; last_layer + 1];
@@ -205,9 +226,15 @@ impl ReachSets {
                 }
             }
             next.iter_mut().flatten().for_each(|set| set.simplify(most));
+            if next.iter().all(Option::is_none) {
+                tube.died = Some(t);
+                tube.backward = backward;
+                return false;
+            }
             backward.push(Arc::new(next));
         }
         tube.backward = backward;
+        true
     }
 }
 

@@ -1,0 +1,324 @@
+//! Why there is no plan, in words.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::set::{Emptied, Place, ReachSet};
+use super::sets::ReachSets;
+use super::step::predecessors;
+use super::system::{Halfspace, HybridSystem};
+use super::tube::Tube;
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::tolerance::row_scale;
+
+/// By how many widths a domain is enlarged to find out whether it stands in the way.
+const LIFTED_WIDTHS: f64 = 1e3;
+
+/// Why there is no plan over a horizon, as the reach sets see it.
+///
+/// ```
+/// use carom::collision_tolerant::{Endpoint, Scenario, explain};
+///
+/// let slow = Scenario::paper().with_time_step(0.1).with_max_speed(2.0).collision_free();
+/// let reason = explain(&slow, 40)?.expect("4 s are not enough at 2 m/s");
+/// let text = reason.to_string();
+/// assert!(text.starts_with("no plan has 40 steps: at the end, "), "{text}");
+/// assert!(text.contains("without the lower limit of v"), "{text}");
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Explanation {
+    /// The horizon, in steps.
+    pub steps: usize,
+    /// The sample at which no state is left.
+    pub sample: usize,
+    /// What stands in the way, for every number of events that leads so far.
+    pub findings: Vec<Finding>,
+    /// What alone would make a plan possible, in words, as far as the sets tell.
+    pub remedies: Vec<String>,
+}
+
+/// What stands in the way of plans with a number of events.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Finding {
+    /// Events up to the sample; nothing where the number does not matter.
+    pub events: Option<usize>,
+    /// Whether more events than these are meant as well.
+    pub or_more: bool,
+    /// What stands in the way.
+    pub obstacle: Obstacle,
+}
+
+/// What empties a set.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Obstacle {
+    /// A limit that no state can keep.
+    Limit {
+        /// Its name.
+        name: String,
+        /// The transition whose guard it is, where it is one.
+        transition: Option<String>,
+        /// The limit.
+        limit: f64,
+        /// The smallest value that can be had.
+        nearest: f64,
+    },
+    /// The values that a state can have, and those that are needed.
+    Range {
+        /// The state's name.
+        state: String,
+        /// What can be reached.
+        reached: Interval,
+        /// What is needed.
+        needed: Interval,
+        /// Other states that are as needed already.
+        given: Vec<(String, Interval)>,
+    },
+    /// A combination of states: none of them is out of range alone.
+    Combination {
+        /// Names and factors.
+        factors: Vec<(String, f64)>,
+        /// The largest value that can be reached.
+        reached: f64,
+        /// The smallest value that is needed.
+        needed: f64,
+    },
+}
+
+impl ReachSets {
+    /// Why no plan has exactly `steps` steps; nothing where the sets do not exclude one.
+    ///
+    /// # Errors
+    ///
+    /// As for [`tube`](ReachSets::tube).
+    pub fn explain(&mut self, steps: usize) -> Result<Option<Explanation>, Error> {
+        let tube = self.tube(steps)?;
+        let Some(sample) = tube.died() else { return Ok(None) };
+        let (sample, findings) = match self.missing_end() {
+            Some((at_start, obstacle)) => {
+                let finding = Finding { events: None, or_more: false, obstacle };
+                (if at_start { 0 } else { steps }, vec![finding])
+            }
+            None => self.findings(&tube, sample),
+        };
+        let remedies = self.remedies(steps)?;
+        Ok(Some(Explanation { steps, sample, findings, remedies }))
+    }
+
+    /// The limit that excludes the start or the goal itself.
+    fn missing_end(&self) -> Option<(bool, Obstacle)> {
+        let names = |emptied: &Emptied| self.obstacle(emptied);
+        let (start, goal) = self.ends();
+        let ends = [(true, start), (false, goal)];
+        ends.into_iter().find_map(|(at_start, end)| {
+            let emptied = ReachSet::from_box(&self.system, end, self.options.margin).ok()?.err()?;
+            Some((at_start, names(&emptied)?))
+        })
+    }
+
+    /// The obstacle behind an emptied set.
+    fn obstacle(&self, emptied: &Emptied) -> Option<Obstacle> {
+        let block = &self.system.blocks[emptied.block];
+        let (cut, transition) = match emptied.place {
+            Place::Limit(k) => (block.limits.get(k)?, None),
+            Place::Guard(m, k) => (block.steps.get(m)?.before.get(k)?, Some(m)),
+            Place::Prediction(m, k) => (block.steps.get(m)?.after.get(k)?, Some(m)),
+            Place::Shape => return None,
+        };
+        Some(Obstacle::Limit {
+            name: cut.name.clone(),
+            transition: transition.map(|m| self.system.transitions[m].0.clone()),
+            limit: cut.given,
+            nearest: emptied.nearest,
+        })
+    }
+
+    fn findings(&self, tube: &Tube, sample: usize) -> (usize, Vec<Finding>) {
+        if tube.reached(sample).next().is_none() {
+            // The forward sets died on their own.
+            let Some((step, _, emptied)) = &self.emptied else { return (sample, Vec::new()) };
+            let obstacle = self.obstacle(emptied);
+            let finding = |obstacle| Finding { events: None, or_more: false, obstacle };
+            return (step + 1, obstacle.map(finding).into_iter().collect());
+        }
+        let needed = self.needed(tube, sample);
+        let last = self.options.events;
+        let layers = tube.forward[sample].iter().enumerate();
+        let findings = layers.filter_map(|(events, set)| {
+            let set = set.as_ref()?;
+            let obstacle = needed.iter().find_map(|goal| between(set, goal))?;
+            Some(Finding { events: Some(events), or_more: events == last, obstacle })
+        });
+        (sample, findings.collect())
+    }
+
+    /// The sets that lead on to the goal from a sample at which no plan can be.
+    fn needed(&self, tube: &Tube, sample: usize) -> Vec<ReachSet> {
+        let to_go = tube.steps() - sample;
+        if to_go == 0 {
+            return tube.to_go(sample).cloned().collect();
+        }
+        let system = self.system_at(sample);
+        let after = tube.to_go(sample + 1);
+        let before = after.flat_map(|set| {
+            (0..system.transitions.len()).filter_map(|m| predecessors(system, m, set).ok())
+        });
+        before.collect()
+    }
+
+    /// Changes of the system that let the sets reach the goal, each on its own.
+    fn remedies(&self, steps: usize) -> Result<Vec<String>, Error> {
+        let system = self.system();
+        let mut changes: Vec<(String, HybridSystem)> = Vec::new();
+        for (j, (name, range)) in system.inputs.iter().enumerate() {
+            let mut changed = system.clone();
+            changed.inputs[j].1 = range.hull(*range * 2.0);
+            changes.push((format!("with twice the range of {name}"), changed));
+        }
+        for (i, (name, domain)) in system.states.iter().enumerate() {
+            let far = LIFTED_WIDTHS * domain.width().max(1.0);
+            for (word, is_upper) in [("upper", true), ("lower", false)] {
+                let mut changed = system.clone();
+                let range = &mut changed.states[i].1;
+                if is_upper {
+                    range.upper += far
+                } else {
+                    range.lower -= far
+                }
+                let limit = if is_upper { domain.upper } else { domain.lower };
+                let text = format!("without the {word} limit of {name} ({})", number(limit));
+                changes.push((text, changed));
+            }
+        }
+        let mut drop_each =
+            |count: usize, list: &dyn Fn(&mut HybridSystem) -> &mut Vec<Halfspace>| {
+                for k in 0..count {
+                    let mut changed = system.clone();
+                    let dropped = list(&mut changed).remove(k);
+                    if dropped.is_limit {
+                        let text = format!("without {} ({})", dropped.name, number(dropped.limit));
+                        changes.push((text, changed));
+                    }
+                }
+            };
+        drop_each(system.limits.len(), &|system| &mut system.limits);
+        for (m, transition) in system.transitions.iter().enumerate() {
+            drop_each(transition.guards.len(), &|system| &mut system.transitions[m].guards);
+            let count = transition.prediction_guards.len();
+            drop_each(count, &|system| &mut system.transitions[m].prediction_guards);
+        }
+        let mut remedies = Vec::new();
+        for (text, changed) in changes {
+            if !self.of_system(&changed)?.tube(steps)?.is_empty() {
+                remedies.push(text);
+            }
+        }
+        Ok(remedies)
+    }
+}
+
+/// What keeps two sets of one system apart.
+fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
+    let system = Arc::clone(&reached.system);
+    let mut rest = reached.clone();
+    let goal = needed.bounding_box();
+    let mut given = Vec::new();
+    for (i, (name, _)) in system.states.iter().enumerate() {
+        let range = rest.bounding_box()[i];
+        if range.lower > goal[i].upper || range.upper < goal[i].lower {
+            let (state, needed) = (name.clone(), goal[i]);
+            return Some(Obstacle::Range { state, reached: range, needed, given });
+        }
+        if !rest.keep(i, goal[i]) {
+            break;
+        }
+        given.push((name.clone(), goal[i]));
+    }
+    let blocks = reached.shapes.iter().zip(&needed.shapes).zip(&system.blocks);
+    blocks.into_iter().find_map(|((a, b), block)| {
+        let (normal, first, second) = a.separation(&block.geometry, b)?;
+        let size = normal.iter().fold(0.0_f64, |size, n| size.max(n.abs()));
+        let named = block.states.iter().zip(&normal).filter(|(_, n)| **n != 0.0);
+        let factors = named.map(|(&i, n)| (system.states[i].0.clone(), n / size)).collect();
+        Some(Obstacle::Combination { factors, reached: first / size, needed: second / size })
+    })
+}
+
+/// A number as people write it.
+fn number(value: f64) -> String {
+    let text = format!("{value:.5}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
+/// "0.3", or "between 0.2 and 0.4".
+fn range(range: &Interval) -> String {
+    let middle = 0.5 * (range.lower + range.upper);
+    if range.upper - range.lower <= 2e-5 * row_scale(range.magnitude(), 0.0) {
+        return number(middle);
+    }
+    format!("between {} and {}", number(range.lower), number(range.upper))
+}
+
+impl fmt::Display for Obstacle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Obstacle::Limit { name, transition: None, limit, nearest } => {
+                write!(f, "{name} is missed by at least {}", number(nearest - limit))
+            }
+            Obstacle::Limit { name, transition: Some(transition), limit, nearest } => {
+                let miss = number(nearest - limit);
+                write!(f, "no {transition}: \"{name}\" fails by at least {miss}")
+            }
+            Obstacle::Range { state, reached, needed, given } => {
+                let given = given.iter().map(|(name, at)| format!("{name} is {}", range(at)));
+                let given: Vec<String> = given.collect();
+                if !given.is_empty() {
+                    write!(f, "where {}, ", given.join(" and "))?;
+                }
+                write!(f, "{state} can only be {}, and {} is needed", range(reached), range(needed))
+            }
+            Obstacle::Combination { factors, reached, needed } => {
+                let terms =
+                    factors.iter().map(|(name, factor)| format!("{} {name}", number(*factor)));
+                let sum = terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ");
+                let (reached, needed) = (number(*reached), number(*needed));
+                write!(f, "{sum} can be at most {reached}, and at least {needed} is needed")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "no plan has {} steps: ", self.steps)?;
+        match self.sample {
+            0 => write!(f, "at the start")?,
+            sample if sample == self.steps => write!(f, "at the end")?,
+            sample => write!(f, "after {sample} steps")?,
+        }
+        for (k, finding) in self.findings.iter().enumerate() {
+            f.write_str(if k == 0 { ", " } else { "; " })?;
+            let more = if finding.or_more { " or more" } else { "" };
+            match finding.events {
+                None => {}
+                Some(0) if finding.or_more => {}
+                Some(0) => f.write_str("without an event, ")?,
+                Some(1) if !finding.or_more => f.write_str("with 1 event, ")?,
+                Some(events) => write!(f, "with {events}{more} events, ")?,
+            }
+            write!(f, "{}", finding.obstacle)?;
+        }
+        if self.findings.is_empty() {
+            f.write_str(", no state is left")?;
+        }
+        if !self.remedies.is_empty() {
+            write!(f, ". It might be possible {}", self.remedies.join(", or "))?;
+        }
+        Ok(())
+    }
+}
