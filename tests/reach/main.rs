@@ -1,4 +1,9 @@
 //! Reach sets: what they contain, what they exclude, and what they say about programs.
+
 mod exact;
+mod programs;
+mod refusals;
+mod rounding;
 mod runs;
+mod searches;
 mod systems;

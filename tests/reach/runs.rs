@@ -57,7 +57,7 @@ fn check_tube(tube: &Tube, start: &[f64], run: &[Step]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 160, ..ProptestConfig::default() })]
 
     #[test]
     fn random_runs_stay_in_the_sets(

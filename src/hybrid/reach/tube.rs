@@ -40,7 +40,7 @@ const MOST_SWEEPS: usize = 4;
 /// assert!(sets.tube(45)?.is_empty()); // no plan has 45 steps
 /// let tube = sets.tube(46)?;
 /// let steps: Vec<usize> = (0..46).filter(|&t| tube.is_possible(t, 1)).collect();
-/// assert_eq!(steps, [36, 37]); // when it may hit the wall
+/// assert_eq!(steps, [36]); // the only step in which it may hit the wall
 /// # Ok::<(), carom::Error>(())
 /// ```
 #[derive(Debug, Clone)]
