@@ -140,19 +140,30 @@ impl Shape {
         }
     }
 
+    /// Carries the limits of a template over to each other, after some of them were lowered.
+    pub(super) fn settle(&mut self, geometry: &Geometry) {
+        if let (Shape::Template(set), Geometry::Template(_, own)) = (self, geometry) {
+            set.settle(own);
+        }
+    }
+
     /// Keeps the part with `normal . z <= limit`. When nothing is left, returns the smallest value
-    /// that the left side had.
+    /// that the left side had. Other limits of a template follow when it is
+    /// [settled](Shape::settle).
     pub(super) fn clip(&mut self, geometry: &Geometry, normal: &[f64], limit: f64) -> Option<f64> {
         match (self, geometry) {
             (Shape::Planar(polygon), _) => polygon.clip([normal[0], normal[1]], limit),
-            (Shape::Template(set), Geometry::Template(template, own)) => {
+            (Shape::Template(set), Geometry::Template(template, _)) => {
                 let (direction, factor) = template.multiple(normal)?;
                 // Opposite directions stand side by side.
-                let nearest = -set.limits.get(direction ^ 1)? * factor;
+                let nearest = -set.limits.get(direction ^ 1)?;
                 let limit = limit / factor;
                 set.lower(direction, limit + 2.0 * EPSILON * limit.abs());
-                set.settle(own);
-                set.is_empty().then_some(nearest)
+                if set.limits[direction] >= nearest {
+                    return None;
+                }
+                set.limits.clear();
+                Some(nearest * factor)
             }
             (Shape::Template(_), Geometry::Plane) => None,
         }
@@ -166,10 +177,8 @@ impl Shape {
                 let rows = [[m[0][0], m[0][1]], [m[1][0], m[1][1]]];
                 Shape::Planar(polygon.map(rows, [map.offset[0], map.offset[1]]))
             }
-            (Shape::Template(set), Geometry::Template(template, own)) => {
-                let mut image = pulled(set, template, &map.pull, &map.offset);
-                image.settle(own);
-                Shape::Template(image)
+            (Shape::Template(set), Geometry::Template(template, _)) => {
+                Shape::Template(pulled(set, template, &map.pull, &map.offset))
             }
             (Shape::Template(_), Geometry::Plane) => self.clone(),
         }
@@ -202,7 +211,7 @@ impl Shape {
                 image.widen([error[0], error[1]]);
                 Shape::Planar(image)
             }
-            (Shape::Template(set), Geometry::Template(template, own)) => {
+            (Shape::Template(set), Geometry::Template(template, _)) => {
                 let mut moved = set.clone();
                 for (limit, direction) in moved.limits.iter_mut().zip(template.directions()) {
                     let terms: Vec<f64> = direction.iter().zip(&back).map(|(d, c)| d * c).collect();
@@ -218,7 +227,6 @@ impl Shape {
                 for (limit, direction) in image.limits.iter_mut().zip(template.directions()) {
                     *limit += direction.iter().zip(&error).map(|(d, e)| d.abs() * e).sum::<f64>();
                 }
-                image.settle(own);
                 Shape::Template(image)
             }
             (Shape::Template(_), Geometry::Plane) => self.clone(),

@@ -28,7 +28,7 @@ pub(super) fn predict(
         check(&flown, b)?;
         let guard = |k| Place::Prediction(transition, k);
         cut(&mut flown, &block.geometry, &step.after, b, guard)?;
-        Ok(flown)
+        settled(flown, block, b)
     });
     parts.collect()
 }
@@ -47,7 +47,7 @@ pub(super) fn arrive(
         };
         check(&next, b)?;
         cut(&mut next, &block.geometry, &block.limits, b, Place::Limit)?;
-        Ok(next)
+        settled(next, block, b)
     });
     let shapes = parts.collect::<Result<_, Emptied>>()?;
     Ok(ReachSet { system: Arc::clone(system), shapes })
@@ -69,11 +69,7 @@ pub(super) fn predecessors(
     set: &ReachSet,
 ) -> Result<ReachSet, Emptied> {
     let blocks = system.blocks.iter().zip(&set.shapes).enumerate();
-    let parts = blocks.map(|(b, (block, shape))| {
-        let before = predecessors_in(block, transition, shape, b)?;
-        check(&before, b)?;
-        Ok(before)
-    });
+    let parts = blocks.map(|(b, (block, shape))| predecessors_in(block, transition, shape, b));
     let shapes = parts.collect::<Result<_, Emptied>>()?;
     Ok(ReachSet { system: Arc::clone(system), shapes })
 }
@@ -98,7 +94,14 @@ fn predecessors_in(
     check(&start, b)?;
     cut(&mut start, geometry, &step.before, b, |k| Place::Guard(transition, k))?;
     cut(&mut start, geometry, &block.limits, b, Place::Limit)?;
-    Ok(start)
+    settled(start, block, b)
+}
+
+/// The shape once its limits agree with each other.
+fn settled(mut shape: Shape, block: &Block, number: usize) -> Result<Shape, Emptied> {
+    shape.settle(&block.geometry);
+    check(&shape, number)?;
+    Ok(shape)
 }
 
 fn check(shape: &Shape, block: usize) -> Result<(), Emptied> {
