@@ -249,6 +249,23 @@ fn end_conditions_pin_the_first_and_the_last_acceleration() {
 }
 
 #[test]
+fn limits_that_exclude_zero_acceleration_hold() {
+    // Nothing here hovers: at 1 m/s² and more it leaves, and comes back never.
+    let rest = Endpoint::at_rest(0.5);
+    let scenario = Scenario::paper().with_start(rest).with_goal(rest).with_time_step(0.1);
+    let pushed = scenario.with_acceleration(1.0, 2.0);
+    for scenario in [pushed, pushed.collision_free()] {
+        let program = Program::build(&scenario, 3, Objective::Feasibility).unwrap();
+        for a in &program.acceleration {
+            let bounds = program.model.variable_ref(a).unwrap().bounds();
+            assert_eq!((bounds.lower, bounds.upper), (1.0, 2.0));
+        }
+        let outcome = plan(&scenario, 3, Objective::Effort, &mut solver()).unwrap();
+        assert!(outcome.is_infeasible());
+    }
+}
+
+#[test]
 fn too_short_a_horizon_is_infeasible_and_no_error() {
     for scenario in [Scenario::paper(), Scenario::paper().collision_free()] {
         let outcome = plan(&scenario, 1, Objective::Effort, &mut solver()).unwrap();

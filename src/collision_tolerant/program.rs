@@ -210,14 +210,14 @@ fn add_states(
     let v = model.continuous_family("v", samples, -scenario.max_speed, scenario.max_speed)?;
     // (5), (6), (21i), (21j). The literal law's forced acceleration goes beyond them.
     let limits = scenario.acceleration;
-    let forced = match (scenario.contact.law, scenario.collisions) {
+    let (lowest, highest) = match (scenario.contact.law, scenario.collisions) {
         (ContactLaw::Literal, Collisions::Tolerated) => {
             let e = scenario.contact.restitution.value();
-            (1.0 + e) * scenario.max_speed / scenario.time_step
+            let forced = (1.0 + e) * scenario.max_speed / scenario.time_step;
+            (limits.lower.min(-forced), limits.upper.max(forced))
         }
-        _ => 0.0,
+        _ => (limits.lower, limits.upper),
     };
-    let (lowest, highest) = (limits.lower.min(-forced), limits.upper.max(forced));
     let a = model.continuous_family("a", samples, lowest, highest)?;
     model.set_bounds(a[last], limits.lower, limits.upper)?;
 
