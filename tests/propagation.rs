@@ -607,3 +607,20 @@ proptest! {
         prop_assert!(after <= before + 1e-9, "{} became {}: {:?}, {:?}", before, after, x, polished);
     }
 }
+
+#[test]
+fn narrow_columns_contradict_nothing_that_their_width_allows() {
+    // x is nearly fixed; its middle would ask v = 5e-7, which is more than v may be.
+    for at in [250.0, 1e3, 1e4] {
+        let mut model = Model::new("narrow");
+        let x = model.continuous("x", at, at + 2.475e-7).unwrap();
+        let v = model.continuous("v", 0.0, 1e-8).unwrap();
+        let y = model.continuous("y", -1.0, 1.0).unwrap();
+        model.add("tied", (x - 0.25 * v).equals(at)).unwrap();
+        model.add("cap", (y + v).le(0.5)).unwrap();
+        model.maximize(y).unwrap();
+        let solution = BranchAndBound::default().solve(&model).unwrap();
+        assert!(solution.is_optimal(), "{} at {at}", solution.termination());
+        assert!((solution.value(y).unwrap() - 0.5).abs() < 1e-6);
+    }
+}

@@ -121,6 +121,7 @@ pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
         lower: (0..n).map(|j| domain.lower(j)).collect(),
         upper: (0..n).map(|j| domain.upper(j)).collect(),
         fixed: vec![false; n],
+        slack: vec![0.0; n],
         alive: (0..program.row_count()).collect(),
         row_lower: program.row_lower.clone(),
         row_upper: program.row_upper.clone(),
@@ -152,6 +153,9 @@ struct Work<'a> {
     lower: Vec<f64>,
     upper: Vec<f64>,
     fixed: Vec<bool>,
+    /// How far a fixed column's value may be from the values it could have had: rows it is put into
+    /// are loosened by that much.
+    slack: Vec<f64>,
     alive: Vec<usize>,
     row_lower: Vec<f64>,
     row_upper: Vec<f64>,
@@ -162,12 +166,19 @@ impl Work<'_> {
         let (lower, upper) = (self.lower[j], self.upper[j]);
         let scale = lower.abs().max(upper.abs()).max(1.0);
         let bounded = scale.is_finite() && !self.program.integral[j];
-        let narrow = bounded && upper - lower <= NEGLIGIBLE * scale;
-        if lower == upper || narrow {
+        let narrow = bounded && upper - lower <= NEGLIGIBLE.max(4.0 * f64::EPSILON * scale);
+        if lower == upper {
             self.fixed[j] = true;
-            let value = if lower == upper { lower } else { 0.5 * (lower + upper) };
-            (self.lower[j], self.upper[j]) = (value, value);
+        } else if narrow {
+            self.fix_at_middle(j, lower, upper);
         }
+    }
+
+    fn fix_at_middle(&mut self, j: usize, one: f64, other: f64) {
+        let middle = 0.5 * (one + other);
+        (self.lower[j], self.upper[j]) = (middle, middle);
+        self.slack[j] = self.slack[j].max((one - middle).abs().max((other - middle).abs()));
+        self.fixed[j] = true;
     }
 
     /// Drops implied rows and turns singletons into bounds; `true` when a column became fixed.
@@ -177,13 +188,14 @@ impl Work<'_> {
         for row in alive {
             let (columns, coefficients) = self.program.row(row);
             let (mut least, mut most, mut scale) = (0.0, 0.0, 1.0_f64);
-            let (mut free, mut single, mut constant) = (0, 0, 0.0);
+            let (mut free, mut single, mut constant, mut slack) = (0, 0, 0.0, 0.0);
             for (k, (&j, &a)) in columns.iter().zip(coefficients).enumerate() {
                 let (p, q) = (a * self.lower[j], a * self.upper[j]);
                 least += p.min(q);
                 most += p.max(q);
                 if self.fixed[j] {
                     constant += p;
+                    slack += a.abs() * self.slack[j];
                     scale = scale.max(p.abs());
                 } else {
                     (free, single) = (free + 1, k);
@@ -205,13 +217,13 @@ impl Work<'_> {
             match free {
                 0 => {
                     let miss = (l - constant).max(constant - u);
-                    if miss > CROSSED * scale {
+                    if miss > CROSSED * scale + slack {
                         return Err(Contradiction);
                     }
                 }
                 1 => {
                     let (j, a) = (columns[single], coefficients[single]);
-                    let (p, q) = ((l - constant) / a, (u - constant) / a);
+                    let (p, q) = ((l - constant - slack) / a, (u - constant + slack) / a);
                     self.intersect(j, p.min(q), p.max(q))?;
                     changed |= self.fixed[j];
                 }
@@ -228,12 +240,11 @@ impl Work<'_> {
             return Err(Contradiction);
         }
         if l > u {
-            let middle = 0.5 * (l + u);
-            (self.lower[j], self.upper[j]) = (middle, middle);
+            self.fix_at_middle(j, l, u);
         } else {
             (self.lower[j], self.upper[j]) = (l, u);
+            self.fix_if_narrow(j);
         }
-        self.fix_if_narrow(j);
         Ok(())
     }
 
@@ -291,17 +302,20 @@ impl Work<'_> {
         let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
         for &row in &self.alive {
             let (columns, coefficients) = self.program.row(row);
-            let (begin, mut constant, mut scale) = (out.rows.index.len(), 0.0, 1.0_f64);
+            let begin = out.rows.index.len();
+            let (mut constant, mut slack, mut scale) = (0.0, 0.0, 1.0_f64);
             for (&j, &a) in columns.iter().zip(coefficients) {
                 if self.fixed[j] {
                     constant += a * self.lower[j];
+                    slack += a.abs() * self.slack[j];
                     scale = scale.max((a * self.lower[j]).abs());
                 } else {
                     out.rows.index.push(position[j]);
                     out.rows.value.push(a);
                 }
             }
-            let mut limits = [self.row_lower[row] - constant, self.row_upper[row] - constant];
+            let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
+            let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.
                 if limits[0].max(-limits[1]) > CROSSED * scale {

@@ -157,6 +157,18 @@ fn a_task_without_any_plan_is_refuted_without_a_solve() {
 }
 
 #[test]
+fn a_goal_a_hair_beside_the_wall_is_on_the_wall() {
+    // A plastic impact ends at 0 m; the solver cannot tell that from the goal.
+    let goal = Endpoint::at_rest(6.938893903907228e-18);
+    let scenario =
+        Scenario::paper().with_time_step(0.1).with_start(Endpoint::at_rest(0.02)).with_goal(goal);
+    for sets in [true, false] {
+        let found = search(&scenario, sets, 10);
+        assert_eq!((found.is_found(), found.steps), (true, Some(1)), "sets: {sets}");
+    }
+}
+
+#[test]
 fn a_coarser_plan_guesses_the_contacts() {
     let scenario = Scenario::paper().with_time_step(0.01);
     let find = |coarse| {

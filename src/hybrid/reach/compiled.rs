@@ -45,6 +45,9 @@ pub(super) struct Step {
     pub(super) slack: Vec<f64>,
     pub(super) after: Vec<Cut>,
     pub(super) reset: Option<Map>,
+    /// The margin once more after a reset, which may have shrunk it: an accepted plan may miss the
+    /// reset itself as well.
+    pub(super) reset_slack: Vec<f64>,
     /// A bounded set that holds every prediction.
     pub(super) predictions: Shape,
 }
@@ -199,10 +202,15 @@ fn block(
         let reset = transition.reset.as_ref().map(|reset| {
             Map::new(part(&reset.matrix, states, states), local(&reset.offset), &geometry)
         });
+        let size = |&i: &usize| match transition.reset {
+            Some(_) => margin * row_scale(sizes[i], 0.0),
+            None => 0.0,
+        };
+        let reset_slack = states.iter().map(size).collect();
         let mut predictions = domain.map(&geometry, &flow).add_segments(&geometry, &generators);
         predictions.widen(&geometry, &slack);
         let (before, after) = (cuts(&transition.guards), cuts(&transition.prediction_guards));
-        Step { before, flow, generators, slack, after, reset, predictions }
+        Step { before, flow, generators, slack, after, reset, reset_slack, predictions }
     });
     let steps = steps.collect();
     Block { states: states.to_vec(), geometry, limits, domain, steps }

@@ -41,10 +41,12 @@ pub(super) fn arrive(
 ) -> Result<ReachSet, Emptied> {
     let blocks = system.blocks.iter().zip(predictions).enumerate();
     let parts = blocks.map(|(b, (block, shape))| {
-        let mut next = match &block.steps[transition].reset {
+        let step = &block.steps[transition];
+        let mut next = match &step.reset {
             Some(reset) => shape.map(&block.geometry, reset),
             None => shape.clone(),
         };
+        next.widen(&block.geometry, &step.reset_slack);
         check(&next, b)?;
         cut(&mut next, &block.geometry, &block.limits, b, Place::Limit)?;
         settled(next, block, b)
@@ -82,7 +84,11 @@ fn predecessors_in(
 ) -> Result<Shape, Emptied> {
     let (geometry, step) = (&block.geometry, &block.steps[transition]);
     let mut predicted = match &step.reset {
-        Some(reset) => shape.preimage(geometry, reset, &step.predictions),
+        Some(reset) => {
+            let mut wide = shape.clone();
+            wide.widen(geometry, &step.reset_slack);
+            wide.preimage(geometry, reset, &step.predictions)
+        }
         None => shape.clone(),
     };
     check(&predicted, b)?;
