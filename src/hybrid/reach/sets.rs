@@ -21,7 +21,7 @@ pub struct SetOptions {
     /// default 3.
     pub events: usize,
     /// Vertices of a polygon beyond which short edges are merged outward; at least 8, default
-    /// 256.
+    /// 512.
     pub vertices: usize,
     /// By how much a plan may miss its start, its goal, and every limit, guard and input range,
     /// per unit of the [row's scale](tolerance::row_scale), and still lie in the sets;
@@ -34,7 +34,7 @@ pub struct SetOptions {
 
 impl Default for SetOptions {
     fn default() -> Self {
-        SetOptions { events: 3, vertices: 256, margin: tolerance::REACH, directions: Vec::new() }
+        SetOptions { events: 3, vertices: 512, margin: tolerance::REACH, directions: Vec::new() }
     }
 }
 

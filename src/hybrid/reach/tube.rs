@@ -14,6 +14,9 @@ use crate::interval::Interval;
 /// Sweeps over the horizon, forward and backward in turn, while they still exclude something.
 const MOST_SWEEPS: usize = 4;
 
+/// Steps after which a sweep asks whether to give up.
+const STOP_EVERY: usize = 64;
+
 /// What a plan over exactly τ steps can do, as far as reach sets tell.
 ///
 /// Forward sets and backward sets are brought together at every step: a transition is possible in
@@ -99,6 +102,31 @@ impl ReachSets {
     /// [`Error::OutOfRange`] for no steps or more than
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
+        let tube = self.tube_unless(steps, &|| false)?;
+        // It is never stopped.
+        let stopped = || Error::Backend { message: "the sweep of a tube stopped by itself".into() };
+        tube.ok_or_else(stopped)
+    }
+
+    /// As [`tube`](ReachSets::tube), but gives up when asked to; that is checked every few dozen
+    /// steps.
+    ///
+    /// # Arguments
+    ///
+    /// * `stop`: whether to give up, for a time limit or an interrupt.
+    ///
+    /// # Returns
+    ///
+    /// Nothing when it gave up.
+    ///
+    /// # Errors
+    ///
+    /// As for [`tube`](ReachSets::tube).
+    pub fn tube_unless(
+        &mut self,
+        steps: usize,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Option<Tube>, Error> {
         check_steps("the number of steps of a tube", steps)?;
         let transitions = self.system.transitions.len();
         let layers = self.options.events + 1;
@@ -116,14 +144,16 @@ impl ReachSets {
         let mut back = Edges::all(steps, layers, transitions);
         if !self.may_finish(steps)? {
             tube.died = Some(steps);
-            return Ok(tube);
+            return Ok(Some(tube));
         }
         // A sweep begins at the first step that the other direction has changed since.
         let mut to = steps;
         for sweep in 1..=MOST_SWEEPS {
             let before = back.clone();
-            if !self.sweep_backward(&mut tube, &mut back, &ahead, to) {
-                break;
+            match self.sweep_backward(&mut tube, &mut back, &ahead, to, stop) {
+                Some(true) => {}
+                Some(false) => break,
+                None => return Ok(None),
             }
             let from = match sweep {
                 1 => 0,
@@ -133,11 +163,11 @@ impl ReachSets {
                 },
             };
             let before = ahead.clone();
-            // A plan without a choice is what it is.
-            if !self.sweep_forward(&mut tube, &mut ahead, &back, from)
-                || self.open_events(&ahead, steps) <= 1
-            {
-                break;
+            match self.sweep_forward(&mut tube, &mut ahead, &back, from, stop) {
+                // A plan without a choice is what it is.
+                Some(true) if self.open_events(&ahead, steps) > 1 => {}
+                Some(_) => break,
+                None => return Ok(None),
             }
             match (0..steps).rfind(|&t| before.row(t) != ahead.row(t)) {
                 Some(last) => to = last + 1,
@@ -145,7 +175,7 @@ impl ReachSets {
             }
         }
         tube.finish(&ahead);
-        Ok(tube)
+        Ok(Some(tube))
     }
 
     /// Steps in which an event is possible.
@@ -156,13 +186,24 @@ impl ReachSets {
     }
 
     /// Carries the start forward along the living edges, keeping those that meet the backward
-    /// sets, from a step on before which nothing has changed. Returns whether the goal is reached.
-    fn sweep_forward(&self, tube: &mut Tube, ahead: &mut Edges, back: &Edges, from: usize) -> bool {
+    /// sets, from a step on before which nothing has changed. Returns whether the goal is reached;
+    /// nothing when it gave up.
+    fn sweep_forward(
+        &self,
+        tube: &mut Tube,
+        ahead: &mut Edges,
+        back: &Edges,
+        from: usize,
+        stop: &dyn Fn() -> bool,
+    ) -> Option<bool> {
         let most = self.options.vertices;
         let last_layer = self.options.events;
         let mut forward = std::mem::take(&mut tube.forward);
         forward.truncate(from + 1);
         for t in from..tube.steps {
+            if t % STOP_EVERY == 0 && stop() {
+                return None;
+            }
             tube.predictions[t].fill(None);
             let system = Arc::clone(self.system_at(t));
             let mut next: Layers = vec![None; last_layer + 1];
@@ -191,23 +232,34 @@ impl ReachSets {
                 tube.died = Some(t + 1);
                 ahead.alive[(t + 1) * ahead.layers * ahead.transitions..].fill(false);
                 tube.forward = forward;
-                return false;
+                return Some(false);
             }
             forward.push(Arc::new(next));
         }
         tube.forward = forward;
-        true
+        Some(true)
     }
 
     /// Carries the goal backward along the edges that are alive in both directions, through the
-    /// steps below one beyond which nothing has changed. Returns whether the start is reached.
-    fn sweep_backward(&self, tube: &mut Tube, back: &mut Edges, ahead: &Edges, to: usize) -> bool {
+    /// steps below one beyond which nothing has changed. Returns whether the start is reached;
+    /// nothing when it gave up.
+    fn sweep_backward(
+        &self,
+        tube: &mut Tube,
+        back: &mut Edges,
+        ahead: &Edges,
+        to: usize,
+        stop: &dyn Fn() -> bool,
+    ) -> Option<bool> {
         let most = self.options.vertices;
         let last_layer = self.options.events;
         let mut backward = std::mem::take(&mut tube.backward);
         backward.truncate(tube.steps - to + 1);
         for to_go in tube.steps - to + 1..=tube.steps {
             let t = tube.steps - to_go;
+            if t % STOP_EVERY == 0 && stop() {
+                return None;
+            }
             let system = Arc::clone(self.system_at(t));
             let mut next: Layers = vec![None; last_layer + 1];
             for (layer, set) in backward[to_go - 1].iter().enumerate() {
@@ -229,12 +281,12 @@ impl ReachSets {
             if next.iter().all(Option::is_none) {
                 tube.died = Some(t);
                 tube.backward = backward;
-                return false;
+                return Some(false);
             }
             backward.push(Arc::new(next));
         }
         tube.backward = backward;
-        true
+        Some(true)
     }
 }
 

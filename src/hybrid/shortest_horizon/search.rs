@@ -311,8 +311,14 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     fn attempt(&mut self, steps: usize) -> Result<(), Error> {
         let feasible = self.best.as_ref().map(|best| best.steps);
         (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
+        let budget = &self.budget;
         let tube = match &mut self.sets {
-            Some(sets) => Some(sets.tube(steps)?),
+            Some(sets) => {
+                let tube = sets.tube_unless(steps, &|| budget.exhausted().is_some())?;
+                // The loop of the search notices why it was stopped.
+                let Some(tube) = tube else { return Ok(()) };
+                Some(tube)
+            }
             None => None,
         };
         if tube.as_ref().is_some_and(|tube| tube.is_empty()) {
