@@ -12,6 +12,7 @@ mod grid;
 mod picture;
 
 use std::error::Error;
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -59,12 +60,12 @@ fn run() -> Result<(), Box<dyn Error>> {
     let seconds = start.elapsed().as_secs_f64();
     let path = folder.join("map.svg");
     picture::draw(&map, &path).map_err(|error| format!("{}: {error}", path.display()))?;
-    if csv {
-        print_csv(&map);
+    let text = if csv {
+        rows(&map)
     } else {
-        print_summary(&map, seconds);
-        println!("wrote {}", path.display());
-    }
+        format!("{}wrote {}\n", summary(&map, seconds), path.display())
+    };
+    std::io::stdout().write_all(text.as_bytes())?;
     Ok(())
 }
 
@@ -72,34 +73,36 @@ fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
     text.parse().map_err(|_| format!("{option} cannot be `{text}`"))
 }
 
-/// One row a cell; a number that was not found is left out.
-fn print_csv(map: &Map) {
-    println!("goal,restitution,steps_free,steps_tolerant,hit");
+/// The CSV file: one row a cell; a number that was not found is left out.
+fn rows(map: &Map) -> String {
+    let mut text = String::from("goal,restitution,steps_free,steps_tolerant,hit\n");
     let number = |steps: Option<usize>| steps.map_or(String::new(), |steps| steps.to_string());
     for cell in &map.cells {
         let (free, tolerant) = (number(cell.free), number(cell.tolerant));
-        println!("{},{},{free},{tolerant},{}", cell.goal, cell.restitution, cell.hits());
+        let hit = cell.hits();
+        text += &format!("{},{},{free},{tolerant},{hit}\n", cell.goal, cell.restitution);
     }
+    text
 }
 
 /// One paragraph.
-fn print_summary(map: &Map, seconds: f64) {
+fn summary(map: &Map, seconds: f64) -> String {
     let hit = map.cells.iter().filter(|cell| cell.hits()).count();
     let all = map.cells.len();
-    println!(
+    let mut text = format!(
         "Destinations from {} to {} m, restitutions from 0 to 1, steps of {} s: hitting the wall \
-         pays in {hit} of {all} cells ({:.1} %).",
+         pays in {hit} of {all} cells ({:.1} %).\n",
         map.goals[0],
         map.goals[map.goals.len() - 1],
         map.time_step,
         100.0 * hit as f64 / all as f64,
     );
-    let best = map.cells.iter().max_by(|a, b| a.saving().total_cmp(&b.saving()));
-    if let Some(best) = best.filter(|cell| cell.hits()) {
+    let best = map.cells.iter().filter(|cell| cell.hits());
+    if let Some(best) = best.max_by(|a, b| a.saving().total_cmp(&b.saving())) {
         let steps = |steps: Option<usize>| steps.unwrap_or(0);
-        println!(
+        text += &format!(
             "It saves most at {:.3} m and e = {:.3}: {} steps instead of {}, {:.1} % of the time \
-             without collisions.",
+             without collisions.\n",
             best.goal,
             best.restitution,
             steps(best.tolerant),
@@ -107,20 +110,20 @@ fn print_summary(map: &Map, seconds: f64) {
             best.saving(),
         );
     }
-    let unproved = map.unproved();
-    let proofs = if unproved == 0 {
-        "Every cell is proved".into()
-    } else {
-        format!("{unproved} cells are NOT proved, the others are")
+    text += &match map.unproved() {
+        0 => "Every cell is proved".into(),
+        unproved => format!("{unproved} of {all} cells are NOT proved"),
     };
-    println!(
-        "{proofs}: {} of {} refuted horizons by reach sets alone. {} searches took {seconds:.1} s \
-         on {} threads, {:.1} ms each and {:.1} ms at most.",
-        map.effort.by_sets,
-        map.effort.refuted,
-        map.effort.searches,
+    let effort = &map.effort;
+    text += &format!(
+        "; reach sets alone refuted {} of {} horizons. {} searches took {seconds:.1} s on {} \
+         threads, {:.1} ms each and {:.1} ms at most.\n",
+        effort.by_sets,
+        effort.refuted,
+        effort.searches,
         map.threads,
-        1e3 * map.effort.seconds / map.effort.searches as f64,
-        1e3 * map.effort.longest,
+        1e3 * effort.seconds / effort.searches as f64,
+        1e3 * effort.longest,
     );
+    text
 }
