@@ -85,10 +85,19 @@ fn print(points: &[Point], csv: bool) {
             );
         }
     }
-    if let (Some(first), Some(last), false) = (points.first(), points.last(), csv) {
-        let growth = (last.seconds / first.seconds).ln() / (first.time_step / last.time_step).ln();
-        println!("\n  From the first to the last, the time grows as (1/dt)^{growth:.2}.");
+    if !csv {
+        println!("\n  Fitted over all of them, the time grows as (1/dt)^{:.2}.", growth(points));
     }
+}
+
+/// The exponent of the power of 1/Δt that fits the times best: the slope between logarithms.
+fn growth(points: &[Point]) -> f64 {
+    let logarithms = || points.iter().map(|point| (-point.time_step.ln(), point.seconds.ln()));
+    let count = points.len() as f64;
+    let (x, y) = logarithms().fold((0.0, 0.0), |(x, y), (a, b)| (x + a / count, y + b / count));
+    let covariance: f64 = logarithms().map(|(a, b)| (a - x) * (b - y)).sum();
+    let variance: f64 = logarithms().map(|(a, _)| (a - x).powi(2)).sum();
+    covariance / variance
 }
 
 /// Time over 1/Δt, both logarithmic, beside a straight line through the first point.
