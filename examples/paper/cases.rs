@@ -7,12 +7,16 @@ use carom::collision_tolerant::{
     DamageInterval, IntervalOptions, PlanningOptions, Scenario, ShortestPlan, damage_interval,
     shortest_plan_with,
 };
-use carom::hybrid::{DamageLimits, HorizonEvent};
+use carom::hybrid::{DamageLimits, HorizonEvent, Refutation, Verdict};
 use carom::prelude::*;
-use indicatif::{ProgressBar, ProgressStyle};
+
+use super::progress::{Bars, Line};
 
 /// Perfectly plastic, as the paper says, and the restitution that gives the paper's 2.245 s.
-pub(crate) const RESTITUTIONS: [f64; 2] = [0.0, 0.025];
+pub(crate) const PAPER_RESTITUTIONS: [f64; 2] = [0.0, 0.025];
+
+/// From a soft wall to a perfectly elastic one.
+pub(crate) const FURTHER_RESTITUTIONS: [f64; 4] = [0.3, 0.5, 0.8, 1.0];
 
 /// The paper's damage-limited plan takes 2.39 s, which is 478 steps.
 pub(crate) const LIMITED_STEPS: usize = 478;
@@ -30,6 +34,18 @@ pub(crate) enum Case {
     Destination { goal: f64 },
 }
 
+impl Case {
+    /// Its name in a table.
+    pub(crate) fn label(self) -> String {
+        match self {
+            Case::CollisionFree => "no collision".into(),
+            Case::CollisionTolerant { restitution } => format!("collision, e = {restitution}"),
+            Case::DamageLimited { restitution } => format!("damage limited, e = {restitution}"),
+            Case::Destination { goal } => format!("to {goal} m, e = 0"),
+        }
+    }
+}
+
 /// A solved experiment.
 pub(crate) struct Solved {
     pub(crate) case: Case,
@@ -42,7 +58,7 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
-    /// Whether hitting the wall pays: the tolerant plan is shorter.
+    /// Whether hitting the wall pays: the tolerant plan is shorter than that without collisions.
     pub(crate) fn hits(&self) -> bool {
         match (&self.without, self.shortest.steps) {
             (Some(without), Some(steps)) => without.steps.is_none_or(|free| steps < free),
@@ -54,44 +70,59 @@ impl Solved {
     pub(crate) fn seconds(&self) -> f64 {
         self.shortest.plan.as_ref().map_or(f64::NAN, |plan| plan.trajectory.duration())
     }
+
+    /// Impacts of the shortest plan.
+    pub(crate) fn impacts(&self) -> Option<usize> {
+        self.shortest.plan.as_ref().map(|plan| plan.trajectory.impacts.len())
+    }
+
+    /// The number of horizons that were refuted one by one in a certain way.
+    pub(crate) fn refuted_by(&self, way: Refutation) -> usize {
+        let refuted = Verdict::Refuted(way);
+        self.shortest.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
+    }
+
+    /// The number of programs that the search for the shortest horizon solved.
+    pub(crate) fn solves(&self) -> usize {
+        self.shortest.attempts.iter().filter(|attempt| attempt.is_solve()).count()
+    }
 }
 
 /// Solves every case; the order of the results is that of the tables.
 pub(crate) fn solve_all() -> Result<Vec<Solved>, Error> {
+    let tolerant = |restitution| Case::CollisionTolerant { restitution };
     let mut cases = vec![Case::CollisionFree];
-    cases.extend(RESTITUTIONS.map(|restitution| Case::CollisionTolerant { restitution }));
-    cases.extend(RESTITUTIONS.map(|restitution| Case::DamageLimited { restitution }));
+    cases.extend(PAPER_RESTITUTIONS.map(tolerant));
+    cases.extend(FURTHER_RESTITUTIONS.map(tolerant));
+    cases.extend(PAPER_RESTITUTIONS.map(|restitution| Case::DamageLimited { restitution }));
     cases.extend(GOALS.map(|goal| Case::Destination { goal }));
 
-    // The bar shows itself on a terminal only.
-    let bar = ProgressBar::new(cases.len() as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {elapsed} {msg}") {
-        bar.set_style(style);
-    }
     // The long cases first, so that both threads end together.
     let mut order: Vec<usize> = (0..cases.len()).collect();
     order.sort_by_key(|&k| !matches!(cases[k], Case::DamageLimited { .. }));
     let next = AtomicUsize::new(0);
     let results = Mutex::new((0..cases.len()).map(|_| None).collect::<Vec<_>>());
+    let bars = Bars::new(cases.len());
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
+                let line = bars.line();
                 while let Some(&k) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let solved = solve(cases[k], &bar);
+                    let solved = solve(cases[k], &line);
                     if let Ok(mut results) = results.lock() {
                         results[k] = Some(solved);
                     }
-                    bar.inc(1);
+                    bars.done_one();
                 }
             });
         }
     });
-    bar.finish_and_clear();
+    bars.clear();
     let results = results.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     results.into_iter().flatten().collect()
 }
 
-fn solve(case: Case, bar: &ProgressBar) -> Result<Solved, Error> {
+fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
     let mut solver = BranchAndBound::default();
     let paper = Scenario::paper();
     let (mut interval, mut without) = (None, None);
@@ -99,6 +130,7 @@ fn solve(case: Case, bar: &ProgressBar) -> Result<Solved, Error> {
         Case::CollisionFree => paper.collision_free(),
         Case::CollisionTolerant { restitution } => paper.with_restitution(restitution)?,
         Case::DamageLimited { restitution } => {
+            line.say(&format!("{}: which limits give {LIMITED_STEPS} steps?", case.label()));
             let open = paper.with_restitution(restitution)?;
             let options = IntervalOptions::default();
             let found = damage_interval(&open, LIMITED_STEPS, &options, &mut solver)?;
@@ -108,29 +140,23 @@ fn solve(case: Case, bar: &ProgressBar) -> Result<Solved, Error> {
         }
         Case::Destination { goal } => {
             let there = paper.with_goal_position(goal);
-            without = Some(search(&there.collision_free(), "free", &mut solver, bar)?);
+            let label = format!("to {goal} m, no collision");
+            without = Some(search(&there.collision_free(), label, &mut solver, line)?);
             there
         }
     };
-    let shortest = search(&scenario, "tolerant", &mut solver, bar)?;
+    let shortest = search(&scenario, case.label(), &mut solver, line)?;
     Ok(Solved { case, scenario, shortest, interval, without })
 }
 
-/// The shortest plan, with what is refuted and what is open shown on the bar.
+/// The shortest plan, with what is refuted and what is open shown on a line of its own.
 fn search(
     scenario: &Scenario,
-    kind: &str,
+    label: String,
     solver: &mut dyn Solver,
-    bar: &ProgressBar,
+    line: &Line,
 ) -> Result<ShortestPlan, Error> {
-    let goal = scenario.goal.position;
-    let mut show = |event: &HorizonEvent| {
-        if let HorizonEvent::Started { steps, refuted, feasible } = event {
-            let open = feasible.map_or(String::from("?"), |steps| steps.to_string());
-            bar.set_message(format!(
-                "{kind} to {goal} m: refuted to {refuted}, feasible {open}, trying {steps}"
-            ));
-        }
-    };
+    let mut horizons = line.search(label, scenario.waiting().is_free());
+    let mut show = |event: &HorizonEvent| horizons.note(event);
     shortest_plan_with(scenario, &PlanningOptions::default(), solver, &mut show)
 }

@@ -1,22 +1,26 @@
 //! The paper's experiments: solved, proved, plotted, beside the paper's figures.
 //!
-//! `cargo run --release --example paper [-- --csv] [--out FOLDER]`
+//! `cargo run --release --example paper [-- --csv] [--out FOLDER] [--scaling]`
 //!
 //! * `--csv`: print the rows of a CSV file on standard output and nothing else
 //! * `--out FOLDER`: where the plots go, `plots` by default
+//! * `--scaling`: instead of the experiments, the time of one search over finer and finer steps
 //!
 //! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
 //! planning of autonomous vehicles", arXiv:1611.07608.
 
 mod cases;
 mod plots;
+mod progress;
 mod report;
+mod scaling;
+mod tube;
 
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: paper [--csv] [--out FOLDER]";
+const USAGE: &str = "usage: paper [--csv] [--out FOLDER] [--scaling]";
 
 fn main() -> ExitCode {
     match run() {
@@ -29,14 +33,18 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
-    let (mut csv, mut folder) = (false, PathBuf::from("plots"));
+    let (mut csv, mut scaling, mut folder) = (false, false, PathBuf::from("plots"));
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--csv" => csv = true,
+            "--scaling" => scaling = true,
             "--out" => folder = words.next().ok_or(USAGE)?.into(),
             _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
         }
+    }
+    if scaling {
+        return scaling::run(csv, &folder);
     }
     let results = cases::solve_all()?;
     let figures = plots::write_all(&results, &folder)?;

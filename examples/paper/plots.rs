@@ -7,7 +7,8 @@ use carom::collision_tolerant::Trajectory;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::cases::{Case, Solved};
+use super::cases::{Case, PAPER_RESTITUTIONS, Solved};
+use super::tube;
 
 const COLOURS: [RGBColor; 7] = [
     RGBColor(31, 119, 180),
@@ -27,15 +28,21 @@ pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf
     let curve = |solved: &'_ Solved, label: String| -> Option<(String, Trajectory)> {
         Some((label, solved.shortest.plan.as_ref()?.trajectory.clone()))
     };
-    let (mut comparison, mut damage, mut destinations) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut comparison, mut restitutions) = (Vec::new(), Vec::new());
+    let (mut damage, mut destinations) = (Vec::new(), Vec::new());
     for solved in results {
         match solved.case {
             Case::CollisionFree => {
                 comparison.extend(curve(solved, "no collision".into()));
+                restitutions.extend(curve(solved, "no collision".into()));
                 damage.extend(curve(solved, "no collision".into()));
             }
             Case::CollisionTolerant { restitution } => {
-                comparison.extend(curve(solved, format!("collision, e = {restitution}")));
+                let hit = if solved.impacts() == Some(0) { ", no hit" } else { "" };
+                restitutions.extend(curve(solved, format!("e = {restitution}{hit}")));
+                if PAPER_RESTITUTIONS.contains(&restitution) {
+                    comparison.extend(curve(solved, format!("collision, e = {restitution}")));
+                }
                 if restitution == 0.0 {
                     damage.extend(curve(solved, "no limit, e = 0".into()));
                 }
@@ -53,6 +60,7 @@ pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf
     }
     let figures = [
         ("collision_tolerant.svg", "Shortest plans with and without collisions", comparison),
+        ("restitutions.svg", "Shortest plans beside walls of several restitutions", restitutions),
         ("damage_limited.svg", "Shortest plans under a limit on the impact speed", damage),
         ("destinations.svg", "Shortest plans to several goals, e = 0", destinations),
     ];
@@ -62,6 +70,10 @@ pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf
         let curves: Vec<Curve<'_>> = curves.iter().map(|(l, t)| (l.clone(), t)).collect();
         figure(&path, title, &curves)?;
         written.push(path);
+    }
+    let shown = Case::CollisionTolerant { restitution: tube::RESTITUTION };
+    if let Some(solved) = results.iter().find(|solved| solved.case == shown) {
+        written.extend(tube::write(&solved.shortest, folder)?);
     }
     Ok(written)
 }

@@ -1,8 +1,9 @@
 //! The tables, and the CSV rows.
 
-use carom::collision_tolerant::Saving;
+use carom::collision_tolerant::{Plan, Saving};
+use carom::hybrid::Refutation;
 
-use super::cases::{Case, LIMITED_STEPS, Solved};
+use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, Solved};
 
 /// Prints the CSV header and one row a case.
 pub(crate) fn print_csv(results: &[Solved]) {
@@ -25,14 +26,13 @@ pub(crate) fn print_csv(results: &[Solved]) {
         };
         let shortest = &solved.shortest;
         let number = |value: Option<usize>| value.map_or(String::new(), |v| v.to_string());
-        let impacts = shortest.plan.as_ref().map(|plan| plan.trajectory.impacts.len());
         println!(
             "{name},{restitution},{limit},{},{},{},{:.3},{},{},{:.6}",
             solved.scenario.goal.position,
             number(shortest.steps),
             number(shortest.refuted_steps),
             solved.seconds(),
-            number(impacts),
+            number(solved.impacts()),
             shortest.nodes(),
             shortest.time.as_secs_f64(),
         );
@@ -79,6 +79,8 @@ pub(crate) fn print_tables(results: &[Solved]) {
          \"refuted\": every horizon up to this many steps is proved to have no plan."
     );
 
+    print_further(free, &FURTHER_RESTITUTIONS.map(tolerant));
+
     heading("Table 4: a limit on the impact speed");
     row("collision intolerant", free, "2.55 s");
     for solved in results {
@@ -86,7 +88,7 @@ pub(crate) fn print_tables(results: &[Solved]) {
             row(&format!("tolerant with damage, e = {restitution}"), solved, "2.39 s, 6.27 %");
         }
     }
-    for restitution in super::cases::RESTITUTIONS {
+    for restitution in PAPER_RESTITUTIONS {
         if let Some(solved) = tolerant(restitution) {
             let paper = if restitution > 0.0 { "2.25 s, 12.03 %" } else { "" };
             row(&format!("collision tolerant, e = {restitution}"), solved, paper);
@@ -113,6 +115,33 @@ pub(crate) fn print_tables(results: &[Solved]) {
         }
     }
 
+    print_destinations(results);
+    print_proofs(results);
+    print_replays(results);
+}
+
+/// Walls that give back more of the speed than the paper's.
+fn print_further(free: &Solved, tolerant: &[Option<&Solved>]) {
+    println!("\nFurther restitutions: where the wall gives back more");
+    println!(
+        "  {:>5} {:>6} {:>8} {:>9} {:>12} {:>8}",
+        "e", "steps", "refuted", "time", "of baseline", "impacts"
+    );
+    let own = |value: Option<usize>| value.map_or("-".into(), |v: usize| v.to_string());
+    for solved in tolerant.iter().flatten() {
+        println!(
+            "  {:>5} {:>6} {:>8} {:>7.3} s {:>10.2} % {:>8}",
+            solved.scenario.contact.restitution.value(),
+            own(solved.shortest.steps),
+            own(solved.shortest.refuted_steps),
+            solved.seconds(),
+            Saving::new(free.seconds(), solved.seconds()).of_baseline,
+            own(solved.impacts()),
+        );
+    }
+}
+
+fn print_destinations(results: &[Solved]) {
     println!("\nDestinations: collisions considered, but not necessarily pursued (e = 0)");
     println!("  {:>6} {:>12} {:>12} {:>8} {:>8}", "goal", "without", "tolerant", "impacts", "");
     for solved in results {
@@ -120,20 +149,43 @@ pub(crate) fn print_tables(results: &[Solved]) {
             let seconds = |steps: Option<usize>| {
                 steps.map_or(f64::NAN, |steps| steps as f64 * solved.scenario.time_step)
             };
-            let impacts = solved.shortest.plan.as_ref().map_or(0, |p| p.trajectory.impacts.len());
             println!(
-                "  {goal:>4} m {:>10.3} s {:>10.3} s {impacts:>8} {:>8}",
+                "  {goal:>4} m {:>10.3} s {:>10.3} s {:>8} {:>8}",
                 seconds(without.steps),
                 seconds(solved.shortest.steps),
+                solved.impacts().unwrap_or(0),
                 if solved.hits() { "hit" } else { "no hit" },
             );
         }
     }
     println!("  In continuous time a plastic stop at the wall pays for goals nearer than 0.67 m.");
+}
 
+/// How the shorter horizons were refuted, one by one.
+fn print_proofs(results: &[Solved]) {
+    println!("\nProofs: the shorter horizons, by what refuted them");
+    println!(
+        "  {:<28} {:>8} {:>8} {:>12} {:>11} {:>8} {:>9}",
+        "test", "refuted", "by sets", "propagation", "relaxation", "solves", "all in"
+    );
+    for solved in results {
+        println!(
+            "  {:<28} {:>8} {:>8} {:>12} {:>11} {:>8} {:>6.0} ms",
+            solved.case.label(),
+            solved.shortest.refuted_steps.map_or("-".into(), |steps| steps.to_string()),
+            solved.refuted_by(Refutation::Sets),
+            solved.refuted_by(Refutation::Propagation),
+            solved.refuted_by(Refutation::Relaxation),
+            solved.solves(),
+            1e3 * solved.shortest.time.as_secs_f64(),
+        );
+    }
+    println!("  Where waiting is free, a horizon refutes every shorter one with it.");
+}
+
+fn print_replays(results: &[Solved]) {
     let plans = || results.iter().filter_map(|solved| solved.shortest.plan.as_ref());
-    let worst =
-        |value: fn(&carom::collision_tolerant::Plan) -> f64| plans().map(value).fold(0.0, f64::max);
+    let worst = |value: fn(&Plan) -> f64| plans().map(value).fold(0.0, f64::max);
     println!(
         "\nEvery plan is replayed. Through the same law: off by at most {:.1e} m and {:.1e} m/s.\n\
          In continuous time: up to {:.1e} m into the wall between samples, impact speeds off by \

@@ -1,0 +1,129 @@
+//! A map of when hitting the wall pays: the shortest horizon with and without collisions, proved,
+//! for every pair of a destination and a restitution. The other numbers are the paper's.
+//!
+//! `cargo run --release --example map [-- --csv] [--out FOLDER] [--size N] [--time-step S]`
+//!
+//! * `--csv`: print the rows of a CSV file on standard output and nothing else
+//! * `--out FOLDER`: where the picture `map.svg` goes, `plots` by default
+//! * `--size N`: N destinations times N restitutions, 50 by default
+//! * `--time-step S`: length of a step in s, 0.01 by default
+
+mod grid;
+mod picture;
+
+use std::error::Error;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::str::FromStr;
+use std::time::Instant;
+
+use grid::Map;
+
+const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S]";
+
+/// The sizes that a map can have: below there is nothing to see, above it would take hours.
+const SIZES: std::ops::RangeInclusive<usize> = 2..=500;
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("map: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let (mut csv, mut folder) = (false, PathBuf::from("plots"));
+    let (mut size, mut time_step) = (50, 0.01);
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value\n{USAGE}"));
+        match word.as_str() {
+            "--csv" => csv = true,
+            "--out" => folder = value()?.into(),
+            "--size" => size = number(&word, &value()?)?,
+            "--time-step" => time_step = number(&word, &value()?)?,
+            _ => return Err(format!("unexpected `{word}`\n{USAGE}").into()),
+        }
+    }
+    if !SIZES.contains(&size) {
+        return Err(format!("--size is from {} to {}", SIZES.start(), SIZES.end()).into());
+    }
+    // Whatever is wrong with the folder shows before the work, not after it.
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+
+    let start = Instant::now();
+    let map = Map::solve(size, time_step)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let path = folder.join("map.svg");
+    picture::draw(&map, &path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let text = if csv {
+        rows(&map)
+    } else {
+        format!("{}wrote {}\n", summary(&map, seconds), path.display())
+    };
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| format!("{option} cannot be `{text}`"))
+}
+
+/// The CSV file: one row a cell; a number that was not found is left out.
+fn rows(map: &Map) -> String {
+    let mut text = String::from("goal,restitution,steps_free,steps_tolerant,hit\n");
+    let number = |steps: Option<usize>| steps.map_or(String::new(), |steps| steps.to_string());
+    for cell in &map.cells {
+        let (free, tolerant) = (number(cell.free), number(cell.tolerant));
+        let hit = cell.hits();
+        text += &format!("{},{},{free},{tolerant},{hit}\n", cell.goal, cell.restitution);
+    }
+    text
+}
+
+/// One paragraph.
+fn summary(map: &Map, seconds: f64) -> String {
+    let hit = map.cells.iter().filter(|cell| cell.hits()).count();
+    let all = map.cells.len();
+    let mut text = format!(
+        "Destinations from {} to {} m, restitutions from 0 to 1, steps of {} s: hitting the wall \
+         pays in {hit} of {all} cells ({:.1} %).\n",
+        map.goals[0],
+        map.goals[map.goals.len() - 1],
+        map.time_step,
+        100.0 * hit as f64 / all as f64,
+    );
+    let best = map.cells.iter().filter(|cell| cell.hits());
+    if let Some(best) = best.max_by(|a, b| a.saving().total_cmp(&b.saving())) {
+        let steps = |steps: Option<usize>| steps.unwrap_or(0);
+        text += &format!(
+            "It saves most at {:.3} m and e = {:.3}: {} steps instead of {}, {:.1} % of the time \
+             without collisions.\n",
+            best.goal,
+            best.restitution,
+            steps(best.tolerant),
+            steps(best.free),
+            best.saving(),
+        );
+    }
+    text += &match map.unproved() {
+        0 => "Every cell is proved".into(),
+        unproved => format!("{unproved} of {all} cells are NOT proved"),
+    };
+    let effort = &map.effort;
+    text += &format!(
+        "; reach sets alone refuted {} of {} horizons. {} searches took {seconds:.1} s on {} \
+         threads, {:.1} ms each and {:.1} ms at most.\n",
+        effort.by_sets,
+        effort.refuted,
+        effort.searches,
+        map.threads,
+        1e3 * effort.seconds / effort.searches as f64,
+        1e3 * effort.longest,
+    );
+    text
+}

@@ -1,0 +1,118 @@
+//! What is going on, on a terminal: a bar over all cases, and under it a line for each thread with
+//! the horizons that are refuted and those that are open.
+
+use carom::hybrid::{HorizonEvent, Verdict};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+/// The bar and the lines; they show themselves on a terminal only.
+pub(crate) struct Bars {
+    all: MultiProgress,
+    cases: ProgressBar,
+}
+
+impl Bars {
+    pub(crate) fn new(cases: usize) -> Self {
+        let all = MultiProgress::new();
+        let cases = all.add(ProgressBar::new(cases as u64));
+        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} cases, {elapsed}") {
+            cases.set_style(style);
+        }
+        Bars { all, cases }
+    }
+
+    /// A line for a thread.
+    pub(crate) fn line(&self) -> Line {
+        let bar = self.all.add(ProgressBar::new_spinner());
+        if let Ok(style) = ProgressStyle::with_template("  {wide_msg}") {
+            bar.set_style(style);
+        }
+        Line(bar)
+    }
+
+    pub(crate) fn done_one(&self) {
+        self.cases.inc(1);
+    }
+
+    /// Leaves the terminal as it was; a terminal that is gone is no harm.
+    pub(crate) fn clear(&self) {
+        let _ = self.all.clear();
+    }
+}
+
+/// The line of one thread.
+pub(crate) struct Line(ProgressBar);
+
+impl Line {
+    pub(crate) fn say(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+
+    /// Begins to show a search. Where waiting is free, a refuted horizon refutes every smaller
+    /// one.
+    pub(crate) fn search(&self, label: String, waiting_is_free: bool) -> Horizons<'_> {
+        Horizons {
+            line: self,
+            label,
+            waiting_is_free,
+            refuted: 0,
+            feasible: None,
+            by_sets: 0,
+            solves: 0,
+        }
+    }
+}
+
+/// The refuted and the open horizons of one search.
+pub(crate) struct Horizons<'a> {
+    line: &'a Line,
+    label: String,
+    waiting_is_free: bool,
+    /// Every horizon up to this one is refuted.
+    refuted: usize,
+    /// The smallest horizon found feasible.
+    feasible: Option<usize>,
+    by_sets: usize,
+    solves: usize,
+}
+
+impl Horizons<'_> {
+    /// Takes an event in, and shows where the search is.
+    pub(crate) fn note(&mut self, event: &HorizonEvent) {
+        match event {
+            HorizonEvent::Started { refuted, feasible, .. } => {
+                (self.refuted, self.feasible) = (*refuted, *feasible);
+            }
+            HorizonEvent::Decided(attempt) => {
+                if attempt.is_solve() {
+                    self.solves += 1;
+                } else {
+                    self.by_sets += 1;
+                }
+                match attempt.verdict {
+                    Verdict::Feasible => self.feasible = Some(attempt.steps),
+                    Verdict::Refuted(_)
+                        if self.waiting_is_free || attempt.steps == self.refuted + 1 =>
+                    {
+                        self.refuted = self.refuted.max(attempt.steps);
+                    }
+                    _ => {}
+                }
+            }
+            _ => return,
+        }
+        self.line.say(&self.text());
+    }
+
+    fn text(&self) -> String {
+        let low = self.refuted + 1;
+        let open = match self.feasible {
+            Some(feasible) if feasible == low => format!("shortest {feasible}"),
+            Some(feasible) => format!("open {low} to {}, feasible {feasible}", feasible - 1),
+            None => format!("open from {low}"),
+        };
+        format!(
+            "{}: refuted to {} (sets {}, solves {}), {open}",
+            self.label, self.refuted, self.by_sets, self.solves
+        )
+    }
+}

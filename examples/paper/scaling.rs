@@ -1,0 +1,166 @@
+//! How the time of a whole search grows with finer steps: measured, on one thread.
+
+use std::error::Error;
+use std::path::Path;
+
+use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::prelude::*;
+use indicatif::{ProgressBar, ProgressStyle};
+use plotters::prelude::*;
+
+const RESTITUTION: f64 = 0.5;
+
+/// Lengths of a step, in s.
+const TIME_STEPS: [f64; 8] = [0.05, 0.025, 0.0125, 0.01, 0.005, 0.0025, 0.002, 0.001];
+
+/// Searches for each length of a step, of which the median counts.
+const REPEATS: usize = 3;
+
+/// One length of a step.
+struct Point {
+    time_step: f64,
+    steps: usize,
+    seconds: f64,
+}
+
+/// Measures, prints the table (or its CSV rows) and writes the picture.
+pub(crate) fn run(csv: bool, folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(folder)?;
+    let bar = ProgressBar::new((TIME_STEPS.len() * REPEATS) as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    let points = TIME_STEPS.iter().map(|&time_step| measure(time_step, &bar));
+    let points = points.collect::<Result<Vec<Point>, Box<dyn Error>>>()?;
+    bar.finish_and_clear();
+    print(&points, csv);
+    let path = folder.join("scaling.svg");
+    draw(&points, &path)?;
+    if !csv {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}
+
+fn measure(time_step: f64, bar: &ProgressBar) -> Result<Point, Box<dyn Error>> {
+    let scenario = Scenario::paper().with_time_step(time_step).with_restitution(RESTITUTION)?;
+    bar.set_message(format!("steps of {time_step} s"));
+    let (mut steps, mut times) = (None, Vec::new());
+    for _ in 0..REPEATS {
+        let mut solver = BranchAndBound::default();
+        let shortest = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
+        steps = shortest.steps.filter(|_| shortest.is_found());
+        times.push(shortest.time.as_secs_f64());
+        bar.inc(1);
+    }
+    let steps = steps.ok_or(format!("no proved plan with steps of {time_step} s"))?;
+    times.sort_by(f64::total_cmp);
+    Ok(Point { time_step, steps, seconds: times[REPEATS / 2] })
+}
+
+fn print(points: &[Point], csv: bool) {
+    if csv {
+        println!("dt,steps,seconds,seconds_per_step,ratio");
+    } else {
+        println!(
+            "The whole search for the shortest plan, e = {RESTITUTION}, all shorter horizons \
+             refuted; one thread, median of {REPEATS}:\n"
+        );
+        println!(
+            "  {:>8} {:>6} {:>10} {:>14} {:>14} {:>14}",
+            "dt", "steps", "time", "time per step", "time / first", "steps / first"
+        );
+    }
+    for Point { time_step, steps, seconds } in points {
+        let per_step = seconds / *steps as f64;
+        let ratio = seconds / points[0].seconds;
+        if csv {
+            println!("{time_step},{steps},{seconds:.6},{per_step:.9},{ratio:.3}");
+        } else {
+            let more_steps = *steps as f64 / points[0].steps as f64;
+            println!(
+                "  {time_step:>6} s {steps:>6} {:>7.1} ms {:>11.1} µs {ratio:>14.2} {more_steps:>14.2}",
+                1e3 * seconds,
+                1e6 * per_step,
+            );
+        }
+    }
+    if !csv {
+        println!("\n  Fitted over all of them, the time grows as (1/dt)^{:.2}.", growth(points));
+    }
+}
+
+/// The exponent of the power of 1/Δt that fits the times best: the slope between logarithms.
+fn growth(points: &[Point]) -> f64 {
+    let logarithms = || points.iter().map(|point| (-point.time_step.ln(), point.seconds.ln()));
+    let count = points.len() as f64;
+    let (x, y) = logarithms().fold((0.0, 0.0), |(x, y), (a, b)| (x + a / count, y + b / count));
+    let covariance: f64 = logarithms().map(|(a, b)| (a - x) * (b - y)).sum();
+    let variance: f64 = logarithms().map(|(a, _)| (a - x).powi(2)).sum();
+    covariance / variance
+}
+
+/// Time over 1/Δt, both logarithmic, beside a straight line through the first point.
+fn draw(points: &[Point], path: &Path) -> Result<(), Box<dyn Error>> {
+    let root = SVGBackend::new(path, (760, 560)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let rate = |point: &Point| 1.0 / point.time_step;
+    let linear = |point: &Point| points[0].seconds * rate(point) / rate(&points[0]);
+    let times = || points.iter().flat_map(|point| [point.seconds, linear(point)]);
+    let low = times().fold(f64::INFINITY, f64::min);
+    let high = times().fold(0.0, f64::max);
+    let fastest = points.iter().map(rate).fold(0.0, f64::max);
+    // From a power of ten on, because there the grid lines begin.
+    let rates = decade(0.8 * rate(&points[0]))..1.25 * fastest;
+    let times = decade(0.9 * low)..1.6 * high;
+    let title = format!("Time of the whole search for the shortest plan, e = {RESTITUTION}");
+    let mut chart = ChartBuilder::on(&root)
+        .caption(title, ("sans-serif", 20))
+        .margin(10)
+        .x_label_area_size(44)
+        .y_label_area_size(70)
+        .build_cartesian_2d(rates.log_scale(), times.log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("steps a second, 1/Δt (1/s)")
+        .y_desc("time of the search on one thread (s)")
+        .x_labels(30)
+        .y_labels(30)
+        .x_label_formatter(&label)
+        .y_label_formatter(&label)
+        .label_style(("sans-serif", 15))
+        .light_line_style(WHITE)
+        .draw()?;
+    let (blue, grey) = (RGBColor(31, 119, 180), RGBColor(120, 120, 120));
+    chart
+        .draw_series(LineSeries::new(points.iter().map(|p| (rate(p), linear(p))), grey))?
+        .label("linear in 1/Δt")
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], grey));
+    let measured = || points.iter().map(|point| (rate(point), point.seconds));
+    chart
+        .draw_series(LineSeries::new(measured(), blue.stroke_width(2)))?
+        .label(format!("measured, median of {REPEATS}"))
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], blue.stroke_width(2)));
+    chart.draw_series(measured().map(|point| Circle::new(point, 4, blue.filled())))?;
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .label_font(("sans-serif", 15))
+        .border_style(BLACK.mix(0.4))
+        .background_style(WHITE.mix(0.9))
+        .draw()?;
+    root.present()?;
+    Ok(())
+}
+
+/// A label at 1, 2 and 5 of every decade, so that labels do not run into each other.
+fn label(value: &f64) -> String {
+    let leading = value / decade(*value);
+    let shown = [1.0, 2.0, 5.0].iter().any(|wanted| (leading - wanted).abs() < 1e-6);
+    if shown { format!("{}", (value * 1e6).round() / 1e6) } else { String::new() }
+}
+
+/// The power of ten at or below a number.
+fn decade(value: f64) -> f64 {
+    10_f64.powf((value.log10() + 1e-9).floor())
+}
