@@ -1,8 +1,8 @@
 //! The modelling language: what a program says, before anyone decides how to solve it.
 //!
-//! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication) and one
-//! objective. Expressions are plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`],
-//! [`Constraint`], [`Indicator`]) are `Copy` and are checked: a handle of another model is an
+//! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication),
+//! [logic](Logic) and one objective. Expressions are plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`],
+//! [`Constraint`], [`Indicator`], [`LogicalConstraint`]) are `Copy` and are checked: a handle of another model is an
 //! error, never a wrong answer. Solving borrows a model, so bounds and limits may be changed
 //! afterwards and the model solved again.
 //!
@@ -31,6 +31,7 @@ mod convexity;
 mod display;
 mod ids;
 mod indicator;
+mod logic;
 pub mod mps;
 mod name;
 mod objective;
@@ -45,16 +46,18 @@ mod variable;
 mod variables;
 
 pub use affine::Affine;
-pub use ids::{Constraint, Indicator, Variable};
-pub use indicator::{BigM, Implication, Literal};
+pub use ids::{Constraint, Indicator, LogicalConstraint, Variable};
+pub use indicator::{BigM, Consequent, Implication, Implications, Literal, Reification, Reified};
+pub use logic::{Logic, at_least, at_most, exactly};
 pub use name::Name;
 pub use objective::Sense;
 pub use quadratic::Quadratic;
-pub use refs::{ConstraintRef, IndicatorRef, VariableRef};
+pub use refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef, VariableRef};
 pub use row::Row;
 pub use statement::Statement;
 pub use store::Model;
 pub use variable::{Family, VariableKind};
 
 pub(crate) use ids::ModelTag;
+pub(crate) use logic::Formula;
 pub(crate) use statement::StoredRow;

@@ -1,8 +1,8 @@
-//! From what is meant to plain rows: a model with indicators becomes one without.
+//! From what is meant to plain rows: a model with indicators and logic becomes one without.
 //!
-//! Each reformulation is a file of its own. It takes a [`Model`] and returns an equivalent model
-//! over the same variables (or more), so handles and solutions carry over; text forms before and
-//! after can be compared, and the lowered model can be written as MPS for any other solver.
+//! Each reformulation is a file of its own. Together they make an equivalent model over the same
+//! variables, and auxiliary ones after them, so handles carry over; text forms before and after
+//! can be compared, and the lowered model can be written as MPS for any other solver.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -19,23 +19,29 @@
 //! ```
 
 mod big_m;
+mod clauses;
+mod logic;
+mod lowering;
 mod report;
 
 pub use report::{BigMEntry, BigMReport, BigMSource, Side};
 
 use crate::error::Error;
 use crate::model::Model;
+use lowering::Lowering;
 
-/// A model without indicators, and where its big-Ms come from.
+/// A model of rows only, and where its big-Ms come from.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct Lowered {
     model: Model,
     report: BigMReport,
+    original: usize,
 }
 
 impl Lowered {
-    /// The lowered model. Handles of the original are valid in it.
+    /// The lowered model. Handles of the original are valid in it; auxiliary variables come after
+    /// the original ones.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -44,19 +50,29 @@ impl Lowered {
     pub fn report(&self) -> &BigMReport {
         &self.report
     }
+
+    /// From a point of the lowered model, one value per variable, to the point of the original
+    /// that it stands for.
+    pub fn restore(&self, values: &[f64]) -> Vec<f64> {
+        values.iter().take(self.original).copied().collect()
+    }
 }
 
-/// Replaces every indicator by big-M rows, with each M from the *current* bounds.
+/// Replaces every indicator by big-M rows, with each M from the *current* bounds, and every logic
+/// statement by its rows.
 ///
 /// # Errors
 ///
 /// [`Error::UnboundedIndicator`] naming the variable whose bound is missing,
 /// [`Error::UnsafeBigM`] for a user's M that the bounds do not prove.
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
-    let mut lowered = model.without_indicators();
-    let mut report = BigMReport::default();
+    let mut lowering = Lowering::new(model);
     for indicator in model.indicators() {
-        big_m::apply(&indicator, &mut lowered, &mut report)?;
+        big_m::apply(&indicator, &mut lowering)?;
     }
-    Ok(Lowered { model: lowered, report })
+    for statement in model.logical_constraints() {
+        logic::apply(&statement, &mut lowering)?;
+    }
+    let Lowering { model: lowered, report, .. } = lowering;
+    Ok(Lowered { model: lowered, report, original: model.variable_count() })
 }

@@ -2,7 +2,7 @@
 //!
 //! It shares no code with lowering, presolve or search: it reads the model's own statements and
 //! evaluates them. Indicators are checked as implications on the binaries' values, so a big-M
-//! that leaks cannot hide.
+//! that leaks cannot hide, and logic by the truth of its formulas.
 
 use crate::interval::Interval;
 use crate::model::{BigM, Model, Variable};
@@ -47,10 +47,12 @@ pub enum ViolationKind {
     Row,
     /// An indicator whose condition holds and whose row does not.
     Implication,
+    /// A logic statement that is false; the amount is 1.
+    Logic,
 }
 
 impl Verification {
-    /// Checks a point: bounds, integrality, rows, implications.
+    /// Checks a point: bounds, integrality, rows, implications, logic.
     ///
     /// # Arguments
     ///
@@ -81,14 +83,17 @@ impl Verification {
             let name = || row.name().to_string();
             check.note(ViolationKind::Row, amount, feasibility * scale, name);
         }
+        let on = |variable: Variable| values[variable.index()].round() == 1.0;
+        for logical in model.logical_constraints() {
+            let amount = f64::from(u8::from(!logical.logic().evaluate(on)));
+            check.note(ViolationKind::Logic, amount, 0.0, || logical.name().to_string());
+        }
         for indicator in model.indicators() {
             let name = || indicator.name().to_string();
             if let BigM::Assumed(_) = indicator.big_m() {
                 check.assumed.push(name());
             }
-            let condition = indicator.condition();
-            let on = values[condition.variable().index()].round() == 1.0;
-            if on == condition.is_on() {
+            if indicator.condition().evaluate(on) {
                 check.active_implications += 1;
                 let (amount, scale) = residual(indicator.terms(), indicator.limits(), values);
                 check.note(ViolationKind::Implication, amount, feasibility * scale, name);
