@@ -90,6 +90,30 @@ pub enum Error {
         /// The statement.
         place: String,
     },
+    /// A product with a continuous factor.
+    #[error(
+        "`{name}` is continuous; the factor of the product `{place}` must be a binary or integer \
+         variable"
+    )]
+    NotIntegral {
+        /// The factor.
+        name: String,
+        /// The product.
+        place: String,
+    },
+    /// A function that needs a bound of its argument, which has none.
+    #[error(
+        "`{function}` cannot be written as rows, for `{variable}` has no {bound} bound; give \
+         `{variable}` a finite one"
+    )]
+    UnboundedFunction {
+        /// The variable that is the function.
+        function: String,
+        /// The unbounded variable.
+        variable: String,
+        /// `lower` or `upper`: the missing bound.
+        bound: &'static str,
+    },
     /// A logic formula without any variable.
     #[error(
         "the logic of `{name}` has no binary in it; drop the statement, or check the list it was \

@@ -360,7 +360,7 @@ impl Tree {
 }
 
 proptest! {
-    #![proptest_config(config(400, "tests/regressions/logic.txt"))]
+    #![proptest_config(config(1000, "tests/regressions/logic.txt"))]
 
     #[test]
     fn rows_are_the_truth_set(tree in tree()) {

@@ -9,7 +9,7 @@ use super::variable::VariableKind;
 use crate::interval::Interval;
 
 impl fmt::Display for Model {
-    /// Objective, rows, indicators, logic and bounds, with names; one statement a line.
+    /// Objective, rows, indicators, logic, functions and bounds, with names; one statement a line.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -51,6 +51,10 @@ impl fmt::Display for Model {
         }
         for logical in self.logical_constraints() {
             writeln!(f, "  {}: {}", logical.name(), logical.logic().text(&|v| self.name_of(v)))?;
+        }
+        for function in self.functions() {
+            let text = function.function().text(&|v| self.name_of(v));
+            writeln!(f, "  {} = {text}", function.name())?;
         }
         writeln!(f, "where")?;
         for variable in self.variables() {

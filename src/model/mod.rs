@@ -1,7 +1,7 @@
 //! The modelling language: what a program says, before anyone decides how to solve it.
 //!
 //! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication),
-//! [logic](Logic) and one objective. Expressions are plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`],
+//! [logic](Logic), [functions](Function) of other variables, and one objective. Expressions are plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`],
 //! [`Constraint`], [`Indicator`], [`LogicalConstraint`]) are `Copy` and are checked: a handle of another model is an
 //! error, never a wrong answer. Solving borrows a model, so bounds and limits may be changed
 //! afterwards and the model solved again.
@@ -29,6 +29,8 @@
 mod affine;
 mod convexity;
 mod display;
+mod function;
+mod functions;
 mod ids;
 mod indicator;
 mod logic;
@@ -36,6 +38,7 @@ pub mod mps;
 mod name;
 mod objective;
 mod operators;
+mod piecewise;
 mod quadratic;
 mod refs;
 mod row;
@@ -46,13 +49,15 @@ mod variable;
 mod variables;
 
 pub use affine::Affine;
+pub use function::Function;
 pub use ids::{Constraint, Indicator, LogicalConstraint, Variable};
 pub use indicator::{BigM, Consequent, Implication, Implications, Literal, Reification, Reified};
 pub use logic::{Logic, at_least, at_most, exactly};
 pub use name::Name;
 pub use objective::Sense;
+pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;
-pub use refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef, VariableRef};
+pub use refs::{ConstraintRef, FunctionRef, IndicatorRef, LogicalConstraintRef, VariableRef};
 pub use row::Row;
 pub use statement::Statement;
 pub use store::Model;

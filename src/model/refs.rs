@@ -1,10 +1,11 @@
 //! Views of a model's variables and statements, for reading.
 
+use super::function::Function;
 use super::ids::{Constraint, Indicator, LogicalConstraint, Variable};
 use super::indicator::BigM;
 use super::logic::Logic;
 use super::name::Name;
-use super::store::{ConstraintData, IndicatorData, LogicalData, VariableData};
+use super::store::{ConstraintData, FunctionData, IndicatorData, LogicalData, VariableData};
 use super::variable::VariableKind;
 use crate::interval::Interval;
 
@@ -126,5 +127,29 @@ impl<'a> LogicalConstraintRef<'a> {
     /// What must hold.
     pub fn logic(&self) -> &'a Logic {
         &self.data.logic
+    }
+}
+
+/// A variable of a model that is a function of others, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct FunctionRef<'a> {
+    pub(super) variable: &'a VariableData,
+    pub(super) data: &'a FunctionData,
+}
+
+impl<'a> FunctionRef<'a> {
+    /// The variable.
+    pub fn result(&self) -> Variable {
+        self.data.result
+    }
+
+    /// The variable's name.
+    pub fn name(&self) -> &'a Name {
+        &self.variable.name
+    }
+
+    /// What the variable equals.
+    pub fn function(&self) -> &'a Function {
+        &self.data.function
     }
 }

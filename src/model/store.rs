@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::affine::Affine;
+use super::function::Function;
 use super::ids::{Constraint, Indicator, LogicalConstraint, ModelTag, Variable};
 use super::indicator::BigM;
 use super::logic::Logic;
@@ -37,6 +38,7 @@ pub(super) struct Stored {
     pub(super) constraints: Vec<ConstraintData>,
     pub(super) indicators: Vec<IndicatorData>,
     pub(super) logic: Vec<LogicalData>,
+    pub(super) functions: Vec<FunctionData>,
     pub(super) sense: Sense,
     pub(super) objective: Quadratic,
 }
@@ -75,6 +77,13 @@ pub(super) struct LogicalData {
     pub(super) logic: Logic,
 }
 
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct FunctionData {
+    pub(super) result: Variable,
+    pub(super) function: Function,
+}
+
 #[derive(Debug, Clone, Copy)]
 pub(super) enum StatementIndex {
     Constraint(u32),
@@ -103,6 +112,9 @@ impl TryFrom<Stored> for Model {
         for LogicalData { name, logic } in stored.logic {
             model.add(name, logic)?;
         }
+        for FunctionData { result, function } in stored.functions {
+            model.push_stored_function(result, function)?;
+        }
         model.set_objective(stored.sense, stored.objective)?;
         Ok(model)
     }
@@ -129,6 +141,7 @@ impl Model {
             constraints: Vec::new(),
             indicators: Vec::new(),
             logic: Vec::new(),
+            functions: Vec::new(),
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
         };
@@ -246,6 +259,7 @@ impl Model {
         for logical in model.stored.logic.drain(..) {
             model.statement_names.remove(&logical.name);
         }
+        model.stored.functions.clear();
         model
     }
 

@@ -37,6 +37,10 @@ impl Lowering {
         self.named = 0;
     }
 
+    pub(super) fn statement(&self) -> &Name {
+        &self.statement
+    }
+
     /// Adds a row under the statement's name, `name`, `name_2`, ...
     pub(super) fn row(
         &mut self,

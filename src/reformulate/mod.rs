@@ -1,4 +1,5 @@
-//! From what is meant to plain rows: a model with indicators and logic becomes one without.
+//! From what is meant to plain rows: a model with indicators, logic and functions becomes one
+//! without.
 //!
 //! Each reformulation is a file of its own. Together they make an equivalent model over the same
 //! variables, and auxiliary ones after them, so handles carry over; text forms before and after
@@ -20,14 +21,20 @@
 
 mod big_m;
 mod clauses;
+mod direction;
+mod extremum;
+mod functions;
 mod logic;
 mod lowering;
+mod piecewise;
+mod product;
 mod report;
 
 pub use report::{BigMEntry, BigMReport, BigMSource, Side};
 
 use crate::error::Error;
-use crate::model::Model;
+use crate::model::{Function, Model, Variable};
+use direction::Tie;
 use lowering::Lowering;
 
 /// A model of rows only, and where its big-Ms come from.
@@ -37,6 +44,7 @@ pub struct Lowered {
     model: Model,
     report: BigMReport,
     original: usize,
+    relaxed: Vec<(Variable, Function, Tie)>,
 }
 
 impl Lowered {
@@ -52,21 +60,40 @@ impl Lowered {
     }
 
     /// From a point of the lowered model, one value per variable, to the point of the original
-    /// that it stands for.
+    /// that it stands for: auxiliary variables are dropped, and the variables of functions that
+    /// were relaxed to one side are moved onto them, which harms nothing.
     pub fn restore(&self, values: &[f64]) -> Vec<f64> {
-        values.iter().take(self.original).copied().collect()
+        let mut values: Vec<f64> = values.iter().take(self.original).copied().collect();
+        if values.len() == self.original {
+            for (variable, function, tie) in &self.relaxed {
+                direction::restore(*variable, function, *tie, &mut values);
+            }
+        }
+        values
     }
 }
 
 /// Replaces every indicator by big-M rows, with each M from the *current* bounds, and every logic
-/// statement by its rows.
+/// statement and function by its rows.
+///
+/// A function whose variable the model only pushes towards its convex (or concave) side is
+/// relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`] leads back.
 ///
 /// # Errors
 ///
-/// [`Error::UnboundedIndicator`] naming the variable whose bound is missing,
-/// [`Error::UnsafeBigM`] for a user's M that the bounds do not prove.
+/// [`Error::UnboundedIndicator`] and [`Error::UnboundedFunction`] naming the variable whose bound
+/// is missing, [`Error::UnsafeBigM`] for a user's M that the bounds do not prove,
+/// [`Error::OutOfRange`] for an integer factor with a wide range.
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
     let mut lowering = Lowering::new(model);
+    let mut relaxed = Vec::new();
+    // First, for they bound their variables; and in this order, for younger ones build on older.
+    for (function, tie) in model.functions().zip(direction::ties(model)?) {
+        functions::apply(&function, tie, &mut lowering)?;
+        if tie != Tie::Exact {
+            relaxed.push((function.result(), function.function().clone(), tie));
+        }
+    }
     for indicator in model.indicators() {
         big_m::apply(&indicator, &mut lowering)?;
     }
@@ -74,5 +101,5 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
         logic::apply(&statement, &mut lowering)?;
     }
     let Lowering { model: lowered, report, .. } = lowering;
-    Ok(Lowered { model: lowered, report, original: model.variable_count() })
+    Ok(Lowered { model: lowered, report, original: model.variable_count(), relaxed })
 }

@@ -61,6 +61,9 @@ fn lines(model: &Model) -> Result<Vec<Line<'_>>, Error> {
     if let Some(logical) = model.logical_constraints().next() {
         return Err(not_in_file("the logic of", logical.name()));
     }
+    if let Some(function) = model.functions().next() {
+        return Err(not_in_file("the function", function.name()));
+    }
     rows.chain(switched)
         .map(|line| {
             let (name, terms, limits, condition) = line?;
