@@ -159,7 +159,7 @@ fn auxiliaries_where_they_are_needed() {
     // Three conjunctions of three: 27 clauses, or two one-sided auxiliary binaries.
     let model = assert_table(
         9,
-        |v| Logic::any(v.chunks(3).map(|of| Logic::all(of))),
+        |v| Logic::any(v.chunks(3).map(Logic::all)),
         |b| twos(b).contains(&true),
     );
     assert_eq!((model.variable_count(), model.constraint_count()), (11, 9));

@@ -141,7 +141,7 @@ impl Affine {
         let _ = write_terms(&mut text, &terms, name);
         match self.constant {
             c if terms.is_empty() => c.to_string(),
-            c if c == 0.0 => text,
+            0.0 => text,
             c if c < 0.0 => format!("{text} - {}", -c),
             c => format!("{text} + {c}"),
         }

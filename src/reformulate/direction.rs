@@ -54,6 +54,9 @@ impl Harm {
 
 /// The tie of each function, in the order of the model.
 pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
+    if model.function_count() == 0 {
+        return Ok(Vec::new());
+    }
     let count = model.variable_count();
     let mut harm = Harm { lowering: vec![false; count], raising: vec![false; count] };
     let objective = model.objective();
