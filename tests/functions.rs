@@ -84,6 +84,11 @@ fn kind() -> impl Strategy<Value = Kind> {
 impl Kind {
     /// A model over `n` (a binary or integer), `x` in `[-1, 1]`, `y` in `[0, 1]` and `w`.
     fn model(&self) -> (Model, [Variable; 4]) {
+        self.model_over(-1.0, 1.0)
+    }
+
+    /// The same over other bounds of `x`.
+    fn model_over(&self, lower: f64, upper: f64) -> (Model, [Variable; 4]) {
         let mut model = Model::new("m");
         let n = match self {
             Kind::Integer(_, low, high) => {
@@ -91,7 +96,7 @@ impl Kind {
             }
             _ => model.binary("n").unwrap(),
         };
-        let x = model.continuous("x", -1.0, 1.0).unwrap();
+        let x = model.continuous("x", lower, upper).unwrap();
         let y = model.continuous("y", 0.0, 1.0).unwrap();
         let lines = |of: &[Line]| of.iter().map(|line| line.of(x, y)).collect::<Vec<_>>();
         let w = match self {
@@ -195,6 +200,85 @@ proptest! {
                 let verification = Verification::of(&model, &point, 1e-6);
                 prop_assert_eq!(verification.holds(), expected, "{:?}", verification);
             }
+        }
+    }
+
+    /// Rows, indicators and costs on `w` that push it any way: the answer is that of a model in
+    /// which it cannot be relaxed.
+    #[test]
+    fn relaxing_one_side_changes_nothing(
+        kind in kind(),
+        rows in prop::collection::vec((-2..=2_i32, -2..=2_i32, -4..=4_i32, 0..6_u8), 0..=3),
+        cost in (-2..=2_i32, -2..=2_i32, -2..=2_i32),
+        bounds in prop_oneof![Just(None), (-4..=2_i32, 0..=6_i32).prop_map(Some)],
+    ) {
+        let (mut model, [_, x, y, w]) = kind.model();
+        if let Some((lower, width)) = bounds {
+            model.set_bounds(w, f64::from(lower), f64::from(lower + width)).unwrap();
+        }
+        let z = model.binary("z").unwrap();
+        for (k, (p, q, limit, side)) in rows.into_iter().enumerate() {
+            let sum = f64::from(p) * w + f64::from(q) * x + 0.25 * y;
+            let limit = 0.5 * f64::from(limit);
+            if sum.terms().is_empty() {
+                continue;
+            }
+            let row = match side % 3 {
+                0 => sum.le(limit),
+                1 => sum.ge(limit),
+                _ => sum.within(limit - 1.0, limit + 1.0),
+            };
+            if side < 3 {
+                model.add(("r", k), row).unwrap();
+            } else {
+                model.add(("r", k), z.on().implies(row)).unwrap();
+                model.add(("s", k), z.off().implies((w - x).ge(limit))).unwrap();
+            }
+        }
+        let mut pinned = model.clone();
+        pin(&mut pinned, w);
+        let cost = f64::from(cost.0) * w + f64::from(cost.1) * x + f64::from(cost.2) * y + 0.5 * z;
+        for sense in [Sense::Minimize, Sense::Maximize] {
+            model.set_objective(sense, &cost).unwrap();
+            pinned.set_objective(sense, &cost).unwrap();
+            let results = [&model, &pinned].map(|model| BranchAndBound::default().solve(model));
+            let [Ok(free), Ok(exact)] = &results else {
+                // A big-M may need a bound that only the function's rows would give.
+                prop_assert!(false, "{:?}\n{}", results, model);
+                return Ok(());
+            };
+            prop_assert_eq!(free.termination(), exact.termination(), "{}", model);
+            prop_assert_eq!(free.point().is_some(), exact.point().is_some());
+            if let (Some(a), Some(b)) = (free.objective(), exact.objective()) {
+                prop_assert!((a - b).abs() < 2e-5, "{} {}\n{}", a, b, model);
+                prop_assert!(free.verification().unwrap().holds());
+            }
+        }
+    }
+
+    /// Lowering follows the bounds of the moment, leaves no trace in the model, and what it makes
+    /// survives a file.
+    #[test]
+    fn rows_follow_the_bounds(kind in kind(), x_bounds in (-3..=0_i32, 1..=4_i32)) {
+        let (mut model, [_, x, _, w]) = kind.model();
+        pin(&mut model, w);
+        let text = |model: &Model| reformulate::lower(model).unwrap().model().to_string();
+        let before = text(&model);
+        let (lower, upper) = (f64::from(x_bounds.0), f64::from(x_bounds.1));
+        model.set_bounds(x, lower, upper).unwrap();
+        let moved = text(&model);
+        let (mut fresh, [.., w]) = kind.model_over(lower, upper);
+        pin(&mut fresh, w);
+        prop_assert_eq!(text(&fresh), moved.clone());
+        model.set_bounds(x, -1.0, 1.0).unwrap();
+        prop_assert_eq!(text(&model), before);
+        model.set_bounds(x, lower, upper).unwrap();
+        prop_assert_eq!(text(&model), moved.clone());
+        // A file has no integers within [0, 1] that are not binary.
+        if !matches!(kind, Kind::Integer(_, 0.., ..=1)) {
+            let lowered = reformulate::lower(&model).unwrap();
+            let file = carom::model::mps::write(lowered.model()).unwrap();
+            prop_assert_eq!(carom::model::mps::read(&file).unwrap().to_string(), moved);
         }
     }
 

@@ -157,11 +157,8 @@ fn rows_without_auxiliaries() {
 fn auxiliaries_where_they_are_needed() {
     let twos = |b: &[bool]| b.chunks(3).map(|of| of.iter().all(|b| *b)).collect::<Vec<_>>();
     // Three conjunctions of three: 27 clauses, or two one-sided auxiliary binaries.
-    let model = assert_table(
-        9,
-        |v| Logic::any(v.chunks(3).map(Logic::all)),
-        |b| twos(b).contains(&true),
-    );
+    let model =
+        assert_table(9, |v| Logic::any(v.chunks(3).map(Logic::all)), |b| twos(b).contains(&true));
     assert_eq!((model.variable_count(), model.constraint_count()), (11, 9));
     // A parity of six: an integer, and one row.
     let model = assert_table(
@@ -187,7 +184,7 @@ fn auxiliaries_where_they_are_needed() {
 #[test]
 fn equal_parts_are_shared() {
     let (mut model, v) = binaries(8);
-    let part = at_least(2, &v[..4]);
+    let part = exactly(2, &v[..4]);
     for t in 0..3 {
         model.add(("f", t), at_least(2, [part.clone(), v[4 + t].into(), v[7].into()])).unwrap();
     }
@@ -195,6 +192,45 @@ fn equal_parts_are_shared() {
     let lowered = reformulate::lower(&model).unwrap();
     assert_eq!(lowered.model().variable_count(), 9, "{}", lowered.model());
     assert_eq!(lowered.model().variables().last().unwrap().name().to_string(), "f_part1[0]");
+}
+
+/// Deep formulas of every shape stay small: rows grow with the formula, not with its expansion.
+#[test]
+fn deep_formulas_stay_small() {
+    let steps = 45;
+    let (mut model, v) = {
+        let mut model = Model::new("m");
+        let family = model.binary_family("v", steps + 3).unwrap();
+        (model, family.as_slice().to_vec())
+    };
+    type Step = fn(Logic, &[Variable]) -> Logic;
+    let shapes: [Step; 7] = [
+        |f, v| v[0].iff(v[1] & f),
+        |f, v| v[0].xor(f | v[1]),
+        |f, v| !exactly(2, [f, v[0].into(), v[1].into(), v[2].into()]),
+        |f, v| (v[0] & v[1]) | (v[2] & f),
+        |f, v| (v[0] | f) & (v[1] | v[2]),
+        |f, v| at_most(1, [!f, v[0].into(), v[1].into()]),
+        |f, v| (v[0] | v[1]).iff(f),
+    ];
+    for (k, shape) in shapes.into_iter().enumerate() {
+        let mut formula = v[0] | v[1];
+        for t in 0..steps {
+            formula = shape(formula, &v[t..]);
+        }
+        model.add(("deep", k), formula.clone()).unwrap();
+        model.add(("condition", k), formula.implies(v[0].on())).unwrap();
+    }
+    let lowered = reformulate::lower(&model).unwrap();
+    let count = lowered.model().constraint_count();
+    assert!(count < 14 * 12 * steps, "{count} rows");
+    // And they are right: the solver's point satisfies the formulas themselves.
+    model
+        .maximize(v.iter().enumerate().map(|(k, v)| f64::from(k as u32 % 3) * v).sum::<Affine>())
+        .unwrap();
+    let options = Options::default().with_node_limit(200);
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert!(solution.verification().is_none_or(Verification::holds));
 }
 
 #[test]
@@ -378,6 +414,9 @@ proptest! {
             Ok(_) => {
                 let lowered = reformulate::lower(&model).unwrap();
                 prop_assume!(lowered.model().variable_count() <= BINARIES + 8);
+                let file = carom::model::mps::write(lowered.model()).unwrap();
+                let again = carom::model::mps::read(&file).unwrap();
+                prop_assert_eq!(again.to_string(), lowered.model().to_string());
                 for values in assignments(BINARIES) {
                     let expected = tree.truth(&bits(&values));
                     prop_assert_eq!(logic.evaluate(|v| values[v.index()] == 1.0), expected);

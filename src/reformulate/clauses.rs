@@ -28,7 +28,7 @@ pub(super) fn clauses(formula: &Formula, limit: usize) -> Option<Vec<Clause>> {
             all
         }
         Formula::Parity { odd, of } => parity_clauses(*odd, of, limit)?,
-        Formula::Count { .. } => return None,
+        Formula::Count { .. } | Formula::Except { .. } => return None,
     };
     (found.len() <= limit).then_some(found)
 }

@@ -8,6 +8,7 @@
 //! | `k` to `m` of `l1, ..., ln` | `k <= l1 + ... + ln <= m` |
 //! | `l1 xor l2`, `l1 iff l2` | `l1 + l2 = 1`, `l1 = l2` |
 //! | longer parities | up to eight clauses, or `l1 + ... + ln = 2 k + 1` with an integer `k` |
+//! | fewer or more than `k` to `m` | a binary for which of the two, one row each |
 //! | conjunction | the rows of its members |
 //! | disjunction of literals `g` and one formula | the formula's rows, each relaxed by a multiple of the sum of `g` |
 //! | disjunction of several formulas | up to eight rows by distribution; else all but one of them get an auxiliary binary |
@@ -93,6 +94,13 @@ impl Lowering {
                 let literals = self.literals(of, needed)?;
                 self.count(guard, *at_least, *at_most, &literals)
             }
+            Formula::Except { at_least, at_most, of } => {
+                let literals = self.literals(of, Needed::Both)?;
+                let more = self.column("more", VariableKind::Binary, 0.0, 1.0)?;
+                self.count(&[guard, &[more.on()]].concat(), 0, at_least - 1, &literals)?;
+                let (least, all) = (at_most + 1, literals.len());
+                self.count(&[guard, &[more.off()]].concat(), least, all, &literals)
+            }
         }
     }
 
@@ -100,14 +108,16 @@ impl Lowering {
         let mut guard = guard.to_vec();
         guard.extend(of.iter().filter_map(Formula::as_literal));
         let mut rest: Vec<&Formula> = of.iter().filter(|f| f.as_literal().is_none()).collect();
-        // The body's rows are relaxed by the others; a count's are the ones that cannot be
-        // clauses, else the body is the one with most clauses.
-        let rows = |f: &Formula| clauses(f, 4 * CLAUSES).map_or(usize::MAX, |c| c.len());
+        // The body's rows are relaxed by the others; best so the one with most of them.
+        let rows = |f: &Formula| clauses(f, CLAUSES).map_or(usize::MAX, |c| c.len().max(1));
         let Some(body) = (0..rest.len()).max_by_key(|&k| rows(rest[k])) else {
             return self.clause(guard);
         };
         let body = rest.remove(body);
-        let body_rows = clauses(body, CLAUSES).map_or(1, |clauses| clauses.len().max(1));
+        let body_rows = match body {
+            Formula::Count { .. } => 2,
+            other => rows(other),
+        };
         let mut guards = vec![guard];
         for formula in rest {
             let limit = CLAUSES / body_rows;
@@ -141,7 +151,12 @@ impl Lowering {
             let (one, other) =
                 if second.as_literal().is_some() { (second, first) } else { (first, second) };
             let one = self.part(one, Needed::Both)?;
-            let same = other.clone();
+            // Both of its sides are written out here; what would do so again gets a binary, or
+            // the number of rows doubled at every level.
+            let same = match other.is_two_sided() {
+                true => Formula::Literal(self.part(other, Needed::Both)?),
+                false => other.clone(),
+            };
             let (on, off) =
                 if odd { (same.negated(), same) } else { (same.clone(), same.negated()) };
             self.assert(&[guard, &[!one]].concat(), &on)?;

@@ -25,6 +25,12 @@ pub(crate) enum Formula {
         at_most: usize,
         of: Vec<Formula>,
     },
+    /// The negation of such a count, where it is not one itself: fewer, or more.
+    Except {
+        at_least: usize,
+        at_most: usize,
+        of: Vec<Formula>,
+    },
 }
 
 impl Formula {
@@ -44,19 +50,9 @@ impl Formula {
                 if value { or(vec![condition, then]) } else { and(vec![condition, then]) }
             }
             Node::Parity { odd, of } => parity(*odd == value, all(of, true)),
-            Node::Count { at_least, at_most, of } if value => {
-                count(*at_least, *at_most, all(of, true))
-            }
             Node::Count { at_least, at_most, of } => {
-                let fewer = match at_least.checked_sub(1) {
-                    Some(most) => count(0, most, all(of, true)),
-                    None => Formula::Constant(false),
-                };
-                let more = match at_most.checked_add(1) {
-                    Some(least) => count(least, usize::MAX, all(of, true)),
-                    None => Formula::Constant(false),
-                };
-                or(vec![fewer, more])
+                let count = count(*at_least, *at_most, all(of, true));
+                if value { count } else { count.negated() }
             }
             Node::TooDeep => Formula::Constant(!value),
         }
@@ -71,13 +67,27 @@ impl Formula {
             Formula::And(of) => or(each(of)),
             Formula::Or(of) => and(each(of)),
             Formula::Parity { odd, of } => Formula::Parity { odd: !odd, of: of.clone() },
-            Formula::Count { at_least, at_most, of } => {
-                let fewer = match at_least.checked_sub(1) {
-                    Some(most) => count(0, most, of.clone()),
-                    None => Formula::Constant(false),
-                };
-                or(vec![fewer, count(at_most + 1, usize::MAX, of.clone())])
+            Formula::Count { at_least: 0, at_most, of } => {
+                count(at_most + 1, usize::MAX, of.clone())
             }
+            Formula::Count { at_least, at_most, of } if *at_most == of.len() => {
+                count(0, at_least - 1, of.clone())
+            }
+            Formula::Count { at_least, at_most, of } => {
+                Formula::Except { at_least: *at_least, at_most: *at_most, of: of.clone() }
+            }
+            Formula::Except { at_least, at_most, of } => {
+                Formula::Count { at_least: *at_least, at_most: *at_most, of: of.clone() }
+            }
+        }
+    }
+
+    /// Whether the formula and its negation both mention all members of some part.
+    pub(crate) fn is_two_sided(&self) -> bool {
+        match self {
+            Formula::Constant(_) | Formula::Literal(_) => false,
+            Formula::And(of) | Formula::Or(of) => of.iter().any(Formula::is_two_sided),
+            Formula::Parity { .. } | Formula::Count { .. } | Formula::Except { .. } => true,
         }
     }
 
