@@ -9,7 +9,7 @@ use super::ids::{Indicator, Variable};
 use super::logic::Logic;
 use super::name::Name;
 use super::row::Row;
-use super::statement::stored;
+use super::statement::{StoredRow, limits, stored};
 use crate::error::Error;
 use crate::tolerance;
 
@@ -115,6 +115,7 @@ pub struct Implication {
 /// [`Logic::implies_all`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "implications do nothing until they are given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Implications {
     pub(crate) condition: Logic,
     pub(crate) rows: Vec<Row>,
@@ -124,6 +125,7 @@ pub struct Implications {
 /// and [`Logic::reify`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a reification does nothing until it is given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reification {
     pub(crate) condition: Logic,
     pub(crate) row: Row,
@@ -133,6 +135,7 @@ pub struct Reification {
 /// The parts of a reified row in its model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reified {
     /// The condition implies the row.
     pub when: Indicator,
@@ -180,6 +183,11 @@ impl Reification {
         let above = side(row.upper + margin, f64::INFINITY);
         let below = side(f64::NEG_INFINITY, row.lower - margin);
         // A margin that is lost in the limit would be none.
+        for (side, finite) in [(&above, row.upper), (&below, row.lower)] {
+            if finite.is_finite() {
+                limits(side.lower, side.upper, &name)?;
+            }
+        }
         let lost = row.upper.is_finite() && above.lower <= row.upper
             || row.lower.is_finite() && below.upper >= row.lower;
         if lost {
@@ -190,21 +198,20 @@ impl Reification {
             });
         }
         let fails = !condition.clone();
+        let add = |model: &mut Model, name: Name, condition: Logic, row: StoredRow| {
+            model.push_indicator(name, condition, row, BigM::Automatic)
+        };
         model.all_or_nothing(|model| {
-            let mut add =
-                |name, condition, row| model.push_indicator(name, condition, row, BigM::Automatic);
-            let when = add(name.clone(), condition.clone(), row.clone())?;
+            let when = add(model, name.clone(), condition.clone(), row.clone())?;
             if row.lower.is_infinite() || row.upper.is_infinite() {
                 let row = if row.lower.is_infinite() { above } else { below };
-                let otherwise = vec![add(name.suffixed("_else"), fails, row)?];
+                let otherwise = vec![add(model, name.suffixed("_else"), fails, row)?];
                 return Ok(Reified { when, otherwise, above: None });
             }
             let side = model.binary(name.suffixed("_above"))?;
-            let mut add =
-                |name, condition, row| model.push_indicator(name, condition, row, BigM::Automatic);
             let otherwise = vec![
-                add(name.suffixed("_else_above"), side.into(), above)?,
-                add(name.suffixed("_else_below"), fails & !side, below)?,
+                add(model, name.suffixed("_else_above"), side.into(), above)?,
+                add(model, name.suffixed("_else_below"), fails & !side, below)?,
             ];
             // "Above" means that the row fails, so it is no choice where the row holds.
             model.push_logical(name.suffixed("_above"), side.implies(!condition))?;
