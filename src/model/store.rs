@@ -252,15 +252,17 @@ impl Model {
     /// The model with nothing but its rows: what a reformulation adds to. Variables, objective
     /// and rows stay, and so do their handles.
     pub(crate) fn with_rows_only(&self) -> Model {
-        let mut model = self.clone();
-        for indicator in model.stored.indicators.drain(..) {
-            model.statement_names.remove(&indicator.name);
-        }
-        for logical in model.stored.logic.drain(..) {
-            model.statement_names.remove(&logical.name);
-        }
-        model.stored.functions.clear();
-        model
+        let stored = Stored {
+            variables: self.stored.variables.clone(),
+            constraints: self.stored.constraints.clone(),
+            objective: self.stored.objective.clone(),
+            sense: self.stored.sense,
+            ..Model::empty(self.stored.name.clone(), self.stored.tag).stored
+        };
+        let rows = stored.constraints.iter().zip(0..);
+        let rows = rows.map(|(row, k)| (row.name.clone(), StatementIndex::Constraint(k)));
+        let statement_names = rows.collect();
+        Model { stored, variable_names: self.variable_names.clone(), statement_names }
     }
 
     /// Does several additions, or, if one of them fails, none.

@@ -69,6 +69,9 @@ impl Lowering {
     /// Clauses of which one is false wherever the condition holds: a row that follows from the
     /// condition must hold wherever one of them is false.
     pub(super) fn unless(&mut self, condition: &Logic) -> Result<Vec<Clause>, Error> {
+        if let Some(literal) = condition.as_literal() {
+            return Ok(vec![vec![!literal]]);
+        }
         let fails = Formula::of(condition, false);
         match clauses(&fails, CONDITION_CLAUSES) {
             Some(clauses) => Ok(clauses),
