@@ -12,7 +12,7 @@ use crate::solver::{Control, Options, Solver};
 
 /// Branch and bound over continuous relaxations.
 ///
-/// A model is lowered (indicators to big-M rows), assembled, and searched; incumbents are
+/// A model is lowered (indicators and logic to rows), assembled, and searched; incumbents are
 /// accepted only when they pass the model's own [`Verification`], implications included.
 ///
 /// ```
@@ -62,7 +62,7 @@ impl Solver for BranchAndBound {
         let lowered = reformulate::lower(model)?;
         let program = Program::assemble(lowered.model())?;
         let accept = |values: &[f64]| {
-            Point::new(model, values.to_vec())
+            Point::new(model, lowered.restore(values))
                 .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
         };
         let found = search(Task { program: &program, accept: &accept, options, start }, control);
@@ -70,7 +70,7 @@ impl Solver for BranchAndBound {
         statistics.time = start.elapsed();
         let outcome = Outcome {
             termination: found.termination,
-            values: found.incumbent,
+            values: found.incumbent.map(|values| lowered.restore(&values)),
             bound: program.sign * found.bound,
             statistics,
         };

@@ -79,13 +79,82 @@ pub enum Error {
         /// Where it was used.
         place: String,
     },
-    /// A condition on a variable that is not binary.
-    #[error("`{name}` is not binary; only a binary variable can be the condition of `{place}`")]
+    /// A condition or logic on a variable that is not binary.
+    #[error(
+        "`{name}` is not binary; only binary variables can stand in the condition or logic of \
+         `{place}`"
+    )]
     NotBinary {
         /// The variable.
         name: String,
         /// The statement.
         place: String,
+    },
+    /// A product with a continuous factor.
+    #[error(
+        "`{name}` is continuous; the factor of the product `{place}` must be a binary or integer \
+         variable"
+    )]
+    NotIntegral {
+        /// The factor.
+        name: String,
+        /// The product.
+        place: String,
+    },
+    /// A function that needs a bound of its argument, which has none.
+    #[error(
+        "`{function}` cannot be written as rows, for `{variable}` has no {bound} bound; give \
+         `{variable}` a finite one"
+    )]
+    UnboundedFunction {
+        /// The variable that is the function.
+        function: String,
+        /// The unbounded variable.
+        variable: String,
+        /// `lower` or `upper`: the missing bound.
+        bound: &'static str,
+    },
+    /// A logic formula without any variable.
+    #[error(
+        "the logic of `{name}` has no binary in it; drop the statement, or check the list it was \
+         built from"
+    )]
+    EmptyLogic {
+        /// The statement.
+        name: String,
+    },
+    /// A logic statement that is false whatever the binaries are.
+    #[error(
+        "statement `{name}` can never hold, whatever the values of its binaries are; check its \
+         counts, and binaries that stand beside their own negation"
+    )]
+    NeverTrue {
+        /// The statement.
+        name: String,
+    },
+    /// A logic formula with too many levels.
+    #[error(
+        "the logic of `{name}` is nested more than {limit} levels deep; define parts of it with \
+         binaries of their own (`part.iff(...)`)"
+    )]
+    TooDeep {
+        /// The statement.
+        name: String,
+        /// The largest number of levels.
+        limit: u32,
+    },
+    /// A statement that a file format cannot carry.
+    #[error(
+        "{format} cannot say {what} `{name}`; write the lowered model instead \
+         (`reformulate::lower(&model)?.model()`)"
+    )]
+    NotInFile {
+        /// The file format.
+        format: &'static str,
+        /// The kind of statement.
+        what: &'static str,
+        /// The statement.
+        name: String,
     },
     /// An objective that is not convex in the direction of optimisation.
     #[error(

@@ -4,8 +4,9 @@
 //! `carom` (a billiards stroke that uses the cushion) is for planners of motion with modes and
 //! contacts: a wall may be hit, a mode entered, a budget of damage spent. It holds
 //!
-//! * a [modelling language](model): variables, affine rows, convex quadratic costs, and
-//!   *indicators* ("if this binary is on, that row holds") with automatic, explained big-Ms;
+//! * a [modelling language](model): variables, affine rows, convex quadratic costs, *indicators*
+//!   ("if this holds, that row does") with automatic, explained big-Ms, logic over binaries, and
+//!   products, absolute values, extrema and piecewise-affine functions;
 //! * a trait [`Solver`](solver::Solver) and our own [`BranchAndBound`] over interior-point
 //!   relaxations, which claims nothing that it has not verified;
 //! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators, and the
@@ -64,6 +65,34 @@
 //! // Four samples at 2 m, and one at 1 m on the way up and on the way down.
 //! assert!(solution.objective().is_some_and(|cost| (cost - 18.0).abs() < 1e-4));
 //! assert!(solution.verification().is_some_and(|v| v.holds()));
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # Say what is meant
+//!
+//! Logic is written with operators on binaries, conditions are logic, and functions are variables
+//! that equal what they say, whichever way the rest of the model pushes them.
+//!
+//! ```
+//! use carom::prelude::*;
+//!
+//! let mut model = Model::new("landing");
+//! let hit = model.binary_family("hit", 4)?;
+//! let (armed, near) = (model.binary("armed")?, model.binary("near")?);
+//! let x = model.continuous("x", -5.0, 10.0)?;
+//! let u = model.continuous("u", -2.0, 2.0)?;
+//! model.add("two_hits", at_most(2, &hit))?;
+//! model.add("armed_first", Logic::any(&hit).implies(armed))?;
+//! model.add("some_hit", hit[0].xor(hit[1]) | (hit[2] & !hit[3]))?;
+//! model.add("slow", (armed & !near).implies(u.le(0.5)))?;
+//! model.add("near", near.on().reify(x.le(1.0), 0.01))?; // near exactly when x <= 1
+//! let effort = model.absolute("effort", u - 0.1 * x)?;
+//! let thrust = model.product("thrust", armed, u + 2.0)?;
+//! model.add("push", thrust.ge(1.0))?;
+//! model.minimize(effort - x)?;
+//!
+//! let solution = BranchAndBound::default().solve(&model)?;
+//! assert!(solution.objective().is_some_and(|cost| (cost + 9.5).abs() < 1e-6));
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!

@@ -52,8 +52,9 @@ pub trait Solver {
     ///
     /// # Errors
     ///
-    /// Errors of lowering ([`Error::UnboundedIndicator`], [`Error::UnsafeBigM`]), of options
-    /// ([`Error::OutOfRange`]) and of the backend ([`Error::Backend`]).
+    /// Errors of lowering ([`Error::UnboundedIndicator`], [`Error::UnboundedFunction`],
+    /// [`Error::UnsafeBigM`]), of options ([`Error::OutOfRange`]) and of the backend
+    /// ([`Error::Backend`]).
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error>;
 
     /// Solves a model without progress events and without an interrupt.

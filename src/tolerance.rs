@@ -49,6 +49,10 @@ pub const FREE_RADIUS: f64 = 1e9;
 /// eigenvalue may be below zero by this fraction of the largest magnitude.
 pub const CONVEXITY: f64 = 1e-9;
 
+/// Relative difference up to which two slopes of a piecewise-affine function count as equal (no
+/// unit): the breakpoint between them is dropped.
+pub const SLOPE: f64 = 1e-12;
+
 /// Agreement of a plan's samples with its discrete replay, in SI units (m, m/s).
 pub const REPLAY: f64 = 1e-6;
 

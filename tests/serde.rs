@@ -3,7 +3,7 @@
 #![cfg(feature = "serde")]
 
 use carom::collision_tolerant::{Objective, Plan, Scenario, plan};
-use carom::model::VariableKind;
+use carom::model::{PiecewiseAffine, VariableKind};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -39,6 +39,43 @@ fn models_survive_with_their_handles() {
     }
     // The names are known as well: a second `y` is refused.
     assert!(matches!(again.continuous("y", 0.0, 1.0), Err(Error::DuplicateName { .. })));
+}
+
+/// Logic, compound conditions and functions are stored as what they are.
+#[test]
+fn statements_of_every_kind_survive() {
+    let mut model = Model::new("kinds");
+    let v = model.binary_family("v", 4).unwrap();
+    let n = model.integer("n", 0.0, 3.0).unwrap();
+    let x = model.continuous("x", -2.0, 2.0).unwrap();
+    let a = model.absolute("a", x - 1.0).unwrap();
+    let top = model.maximum("top", [a + x, Affine::constant(0.5)]).unwrap();
+    let law = PiecewiseAffine::new([(-2.0, 1.0), (0.0, 0.0), (2.0, 3.0)]).unwrap();
+    let f = model.piecewise("f", x, &law).unwrap();
+    let p = model.product("p", n, x).unwrap();
+    let low = model.minimum("low", [f, p]).unwrap();
+    model.add("logic", !(v[0] & !v[1]) | at_most(1, &v).iff(v[2].xor(v[3]))).unwrap();
+    model.add("early", (v[0] | v[2]).implies(top.le(1.5))).unwrap();
+    model.add(("near", 2), v[3].on().reify(x.within(0.0, 1.0), 0.25)).unwrap();
+    model.minimize(top - low).unwrap();
+    let again: Model = copy(&model);
+    assert_eq!(again.to_string(), model.to_string());
+    let lowered = |model: &Model| carom::reformulate::lower(model).unwrap().model().to_string();
+    assert_eq!(lowered(&again), lowered(&model));
+
+    let text = serde_json::to_string(&model).unwrap();
+    let error = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from} is not in {text}");
+        serde_json::from_str::<Model>(&text.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    let points = error("[[-2.0,1.0],[0.0,0.0]", "[[-2.0,1.0],[-3.0,0.0]");
+    assert!(points.contains("the x of breakpoint 1 is -3"), "{points}");
+    // A function of itself, and a second one for the same variable.
+    let result = format!("\"result\":{{\"index\":{}", a.index());
+    let later = error(&result, &format!("\"result\":{{\"index\":{}", x.index()));
+    assert!(later.contains("variable number"), "{later}");
+    let twice = error(&result, &format!("\"result\":{{\"index\":{}", top.index()));
+    assert!(twice.contains("variable number"), "{twice}");
 }
 
 #[test]

@@ -129,12 +129,21 @@ impl From<&Affine> for Affine {
 impl fmt::Display for Affine {
     /// Variables appear by position (`#3`); the model's own text form has their names.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write_terms(f, &self.terms(), |v| format!("#{}", v.index()))?;
+        f.write_str(&self.text(&|v| format!("#{}", v.index())))
+    }
+}
+
+impl Affine {
+    /// The expression with its variables named.
+    pub(crate) fn text(&self, name: &dyn Fn(Variable) -> String) -> String {
+        let (terms, mut text) = (self.terms(), String::new());
+        // Writing into a string cannot fail.
+        let _ = write_terms(&mut text, &terms, name);
         match self.constant {
-            c if c == 0.0 && !self.terms.is_empty() => Ok(()),
-            c if self.terms.is_empty() => write!(f, "{c}"),
-            c if c < 0.0 => write!(f, " - {}", -c),
-            c => write!(f, " + {c}"),
+            c if terms.is_empty() => c.to_string(),
+            0.0 => text,
+            c if c < 0.0 => format!("{text} - {}", -c),
+            c => format!("{text} + {c}"),
         }
     }
 }

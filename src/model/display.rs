@@ -9,7 +9,7 @@ use super::variable::VariableKind;
 use crate::interval::Interval;
 
 impl fmt::Display for Model {
-    /// Objective, rows, indicators and bounds, with names; one statement a line.
+    /// Objective, rows, indicators, logic, functions and bounds, with names; one statement a line.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -40,15 +40,21 @@ impl fmt::Display for Model {
             writeln!(f, "  {}: {}", row.name(), self.row_text(row.terms(), row.limits()))?;
         }
         for indicator in self.indicators() {
-            let condition = indicator.condition();
-            writeln!(
-                f,
-                "  {}: {} = {} implies {}",
-                indicator.name(),
-                self.name_of(condition.variable()),
-                u8::from(condition.is_on()),
-                self.row_text(indicator.terms(), indicator.limits())
-            )?;
+            let condition = match indicator.condition().as_literal() {
+                Some(literal) => {
+                    format!("{} = {}", self.name_of(literal.variable()), u8::from(literal.is_on()))
+                }
+                None => indicator.condition().operand(&|v| self.name_of(v)),
+            };
+            let row = self.row_text(indicator.terms(), indicator.limits());
+            writeln!(f, "  {}: {condition} implies {row}", indicator.name())?;
+        }
+        for logical in self.logical_constraints() {
+            writeln!(f, "  {}: {}", logical.name(), logical.logic().text(&|v| self.name_of(v)))?;
+        }
+        for function in self.functions() {
+            let text = function.function().text(&|v| self.name_of(v));
+            writeln!(f, "  {} = {text}", function.name())?;
         }
         writeln!(f, "where")?;
         for variable in self.variables() {

@@ -56,3 +56,7 @@ handle! {
     /// An implication "binary on (or off) implies a row" of one [`Model`](super::Model).
     Indicator
 }
+handle! {
+    /// A logic statement of one [`Model`](super::Model).
+    LogicalConstraint
+}

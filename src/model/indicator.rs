@@ -1,14 +1,20 @@
-//! Indicators: "binary on (or off) implies a row", as first-class statements of a model.
+//! Indicators: "if this holds, then that row does", as first-class statements of a model.
 //!
 //! An indicator says what is meant. How it becomes rows (big-M) is decided later, in
 //! [`reformulate`](crate::reformulate); whether a solution obeys it is checked as an implication,
 //! never through its big-M rows, in [`solution`](crate::solution).
 
-use super::ids::Variable;
+use super::Model;
+use super::ids::{Indicator, Variable};
+use super::logic::Logic;
+use super::name::Name;
 use super::row::Row;
+use super::statement::{StoredRow, limits, stored};
+use crate::error::Error;
+use crate::tolerance;
 
 /// A condition on a binary variable: it is on (1) or off (0).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Literal {
     pub(crate) variable: Variable,
@@ -24,22 +30,6 @@ impl Literal {
     /// Whether the condition is "the variable is 1" (rather than 0).
     pub fn is_on(self) -> bool {
         self.on
-    }
-
-    /// The implication "if this condition holds, then the row does".
-    ///
-    /// ```
-    /// use carom::prelude::*;
-    ///
-    /// let mut model = Model::new("m");
-    /// let hit = model.binary("hit")?;
-    /// let x = model.continuous("x", -1.0, 10.0)?;
-    /// model.add("contact", hit.on().implies(x.le(0.0)))?;
-    /// model.add("flight", hit.off().implies(x.ge(0.0)))?;
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    pub fn implies(self, row: Row) -> Implication {
-        Implication { condition: self, row, big_m: BigM::Automatic }
     }
 }
 
@@ -69,14 +59,165 @@ pub enum BigM {
     Assumed(f64),
 }
 
-/// An implication that has not been added to a model yet; made by [`Literal::implies`].
+/// What can follow from a condition: a [`Row`], or logic. Sealed.
+pub trait Consequent: sealed::Sealed {
+    /// What the implication is: an [`Implication`] or a [`Logic`].
+    type Output;
+
+    #[doc(hidden)]
+    fn after(self, condition: Logic) -> Self::Output;
+}
+
+mod sealed {
+    use super::{Literal, Logic, Row, Variable};
+
+    pub trait Sealed {}
+    impl Sealed for Row {}
+    impl Sealed for Logic {}
+    impl Sealed for Literal {}
+    impl Sealed for Variable {}
+}
+
+impl Consequent for Row {
+    type Output = Implication;
+
+    fn after(self, condition: Logic) -> Implication {
+        Implication { condition, row: self, big_m: BigM::Automatic }
+    }
+}
+
+macro_rules! consequents {
+    ($($type:ty),+) => {$(
+        impl Consequent for $type {
+            type Output = Logic;
+
+            fn after(self, condition: Logic) -> Logic {
+                Logic::implication(condition, self.into())
+            }
+        }
+    )+};
+}
+
+consequents!(Logic, Literal, Variable);
+
+/// An implication that has not been added to a model yet; made by [`Literal::implies`] and
+/// [`Logic::implies`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "an implication does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Implication {
-    pub(crate) condition: Literal,
+    pub(crate) condition: Logic,
     pub(crate) row: Row,
     pub(crate) big_m: BigM,
+}
+
+/// One condition and several rows, not added to a model yet; made by [`Literal::implies_all`] and
+/// [`Logic::implies_all`].
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "implications do nothing until they are given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Implications {
+    pub(crate) condition: Logic,
+    pub(crate) rows: Vec<Row>,
+}
+
+/// "This holds exactly when the row does", not added to a model yet; made by [`Literal::reify`]
+/// and [`Logic::reify`].
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "a reification does nothing until it is given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Reification {
+    pub(crate) condition: Logic,
+    pub(crate) row: Row,
+    pub(crate) margin: f64,
+}
+
+/// The parts of a reified row in its model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Reified {
+    /// The condition implies the row.
+    pub when: Indicator,
+    /// The condition's opposite implies that the row fails by the margin: above its upper limit,
+    /// below its lower one, or, for a two-sided row, both indicators in this order.
+    pub otherwise: Vec<Indicator>,
+    /// For a two-sided row: the binary that is 1 where the row fails above, 0 elsewhere.
+    pub above: Option<Variable>,
+}
+
+impl Implications {
+    pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
+        if self.rows.is_empty() {
+            return Err(Error::EmptyRow { name: name.to_string() });
+        }
+        model.all_or_nothing(|model| {
+            let rows = self.rows.into_iter().enumerate();
+            rows.map(|(k, row)| {
+                let name =
+                    if k == 0 { name.clone() } else { name.suffixed(&format!("_{}", k + 1)) };
+                let row = stored(row, model, &name)?;
+                model.push_indicator(name, self.condition.clone(), row, BigM::Automatic)
+            })
+            .collect()
+        })
+    }
+}
+
+impl Reification {
+    pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
+        let Reification { condition, row, margin } = self;
+        if !(margin > 0.0 && margin < tolerance::INFINITE) {
+            return Err(Error::OutOfRange {
+                what: format!("the margin of `{name}`"),
+                value: margin,
+                range: "finite and greater than 0".into(),
+            });
+        }
+        let row = stored(row, model, &name)?;
+        let side = |lower: f64, upper: f64| {
+            let mut side = row.clone();
+            (side.lower, side.upper) = (lower, upper);
+            side
+        };
+        let above = side(row.upper + margin, f64::INFINITY);
+        let below = side(f64::NEG_INFINITY, row.lower - margin);
+        // A margin that is lost in the limit would be none.
+        for (side, finite) in [(&above, row.upper), (&below, row.lower)] {
+            if finite.is_finite() {
+                limits(side.lower, side.upper, &name)?;
+            }
+        }
+        let lost = row.upper.is_finite() && above.lower <= row.upper
+            || row.lower.is_finite() && below.upper >= row.lower;
+        if lost {
+            return Err(Error::OutOfRange {
+                what: format!("the margin of `{name}`"),
+                value: margin,
+                range: "large enough to tell apart from the row's limit in double precision".into(),
+            });
+        }
+        let fails = !condition.clone();
+        let add = |model: &mut Model, name: Name, condition: Logic, row: StoredRow| {
+            model.push_indicator(name, condition, row, BigM::Automatic)
+        };
+        model.all_or_nothing(|model| {
+            let when = add(model, name.clone(), condition.clone(), row.clone())?;
+            if row.lower.is_infinite() || row.upper.is_infinite() {
+                let row = if row.lower.is_infinite() { above } else { below };
+                let otherwise = vec![add(model, name.suffixed("_else"), fails, row)?];
+                return Ok(Reified { when, otherwise, above: None });
+            }
+            let side = model.binary(name.suffixed("_above"))?;
+            let otherwise = vec![
+                add(model, name.suffixed("_else_above"), side.into(), above)?,
+                add(model, name.suffixed("_else_below"), fails & !side, below)?,
+            ];
+            // "Above" means that the row fails, so it is no choice where the row holds.
+            model.push_logical(name.suffixed("_above"), side.implies(!condition))?;
+            Ok(Reified { when, otherwise, above: Some(side) })
+        })
+    }
 }
 
 impl Implication {

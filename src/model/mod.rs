@@ -1,9 +1,10 @@
 //! The modelling language: what a program says, before anyone decides how to solve it.
 //!
-//! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication) and one
-//! objective. Expressions are plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`],
-//! [`Constraint`], [`Indicator`]) are `Copy` and are checked: a handle of another model is an
-//! error, never a wrong answer. Solving borrows a model, so bounds and limits may be changed
+//! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication),
+//! [logic](Logic), [functions](Function) of other variables, and one objective. Expressions are
+//! plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`], [`Constraint`],
+//! [`Indicator`], [`LogicalConstraint`]) are `Copy` and are checked: a handle of another model is
+//! an error, never a wrong answer. Solving borrows a model, so bounds and limits may be changed
 //! afterwards and the model solved again.
 //!
 //! ```
@@ -25,16 +26,68 @@
 //! assert!((solver.solve(&model)?.value(x)? - 1.0).abs() < 1e-6);
 //! # Ok::<(), carom::Error>(())
 //! ```
+//!
+//! # Say it like this
+//!
+//! With binaries `a`, `b`, `z`, an integer `n`, affine expressions `e`, `e1`, ..., and rows as they
+//! come from [`reformulate::lower`](crate::reformulate::lower):
+//!
+//! | meant | said | lowered to |
+//! | --- | --- | --- |
+//! | `e <= 3`, `1 <= e <= 3`, `e = 3` | `e.le(3.0)`, `e.within(1.0, 3.0)`, `e.equals(3.0)` | one row |
+//! | a and not b | `a & !b` | a row each |
+//! | a or b, not both | `a.xor(b)` | one row |
+//! | if a, then b or z | `a.implies(b \| z)` | one row |
+//! | a exactly when b | `a.iff(b)` | one row |
+//! | at most 2 of many | `at_most(2, &hits)` | one row |
+//! | z when both of a, b | `z.iff(a & b)` | three rows |
+//! | if z, then `e <= 3` | `z.on().implies(e.le(3.0))` | one big-M row a side |
+//! | if a and not b, then `e <= 3` | `(a & !b).implies(e.le(3.0))` | one big-M row a side |
+//! | if z, then several rows | `z.on().implies_all([r1, r2])` | one big-M row a row and side |
+//! | z exactly when `e <= 3` | `z.on().reify(e.le(3.0), 0.01)` | two big-M rows |
+//! | z exactly when `e` is 3 | `z.on().reify(e.equals(3.0), 0.01)` | four big-M rows, a clause and one binary |
+//! | `z e` | `model.product("w", z, e)?` | four rows, the convex hull |
+//! | `n e` | `model.product("w", n, e)?` | a binary and four rows a bit of `n` |
+//! | `\|e\|` | `model.absolute("w", e)?` | two rows; two more and one binary where needed |
+//! | `max(e, 0)` | `model.positive_part("w", e)?` | the same |
+//! | `max(e1, e2, e3)` | `model.maximum("w", [e1, e2, e3])?` | a row each; again as many, and binaries, where needed |
+//! | `f(e)`, `f` affine in pieces | `model.piecewise("w", e, &f)?` | a row a piece; or two rows a piece and binaries where needed |
+//!
+//! Binaries are needed where neither bounds decide the case nor the rest of the model only pushes
+//! the variable to its convex side: minimising `|e|` needs none, maximising it does.
+//!
+//! ```
+//! use carom::prelude::*;
+//! use carom::reformulate;
+//!
+//! let mut model = Model::new("effort");
+//! let u = model.continuous_family("u", 10, -2.0, 2.0)?;
+//! let efforts: Vec<Variable> =
+//!     (0..10).map(|t| model.absolute(("effort", t), u[t])).collect::<Result<_, _>>()?;
+//! let total: Affine = efforts.iter().sum();
+//! let binaries = |model: &Model| -> Result<usize, Error> {
+//!     Ok(reformulate::lower(model)?.model().variable_count() - model.variable_count())
+//! };
+//! model.minimize(&total)?;
+//! assert_eq!(binaries(&model)?, 0);
+//! model.maximize(&total)?;
+//! assert_eq!(binaries(&model)?, 10);
+//! # Ok::<(), carom::Error>(())
+//! ```
 
 mod affine;
 mod convexity;
 mod display;
+mod function;
+mod functions;
 mod ids;
 mod indicator;
+mod logic;
 pub mod mps;
 mod name;
 mod objective;
 mod operators;
+mod piecewise;
 mod quadratic;
 mod refs;
 mod row;
@@ -45,16 +98,20 @@ mod variable;
 mod variables;
 
 pub use affine::Affine;
-pub use ids::{Constraint, Indicator, Variable};
-pub use indicator::{BigM, Implication, Literal};
+pub use function::Function;
+pub use ids::{Constraint, Indicator, LogicalConstraint, Variable};
+pub use indicator::{BigM, Consequent, Implication, Implications, Literal, Reification, Reified};
+pub use logic::{Logic, at_least, at_most, exactly};
 pub use name::Name;
 pub use objective::Sense;
+pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;
-pub use refs::{ConstraintRef, IndicatorRef, VariableRef};
+pub use refs::{ConstraintRef, FunctionRef, IndicatorRef, LogicalConstraintRef, VariableRef};
 pub use row::Row;
 pub use statement::Statement;
 pub use store::Model;
 pub use variable::{Family, VariableKind};
 
 pub(crate) use ids::ModelTag;
+pub(crate) use logic::Formula;
 pub(crate) use statement::StoredRow;

@@ -33,6 +33,11 @@ impl Name {
         self.step
     }
 
+    /// The name with something appended to its family; the step stays.
+    pub(crate) fn suffixed(&self, suffix: &str) -> Name {
+        Name { family: format!("{}{suffix}", self.family), step: self.step }
+    }
+
     /// Refuses names that no file format could carry.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let bad = self.family.is_empty()

@@ -1,9 +1,11 @@
 //! Views of a model's variables and statements, for reading.
 
-use super::ids::{Constraint, Indicator, Variable};
-use super::indicator::{BigM, Literal};
+use super::function::Function;
+use super::ids::{Constraint, Indicator, LogicalConstraint, Variable};
+use super::indicator::BigM;
+use super::logic::Logic;
 use super::name::Name;
-use super::store::{ConstraintData, IndicatorData, VariableData};
+use super::store::{ConstraintData, FunctionData, IndicatorData, LogicalData, VariableData};
 use super::variable::VariableKind;
 use crate::interval::Interval;
 
@@ -83,9 +85,9 @@ impl<'a> IndicatorRef<'a> {
         &self.data.name
     }
 
-    /// The condition.
-    pub fn condition(&self) -> Literal {
-        self.data.condition
+    /// The condition; [`Logic::as_literal`] tells the plain ones.
+    pub fn condition(&self) -> &'a Logic {
+        &self.data.condition
     }
 
     /// The terms of the implied row, sorted by variable.
@@ -101,5 +103,53 @@ impl<'a> IndicatorRef<'a> {
     /// Where its big-M comes from.
     pub fn big_m(&self) -> BigM {
         self.data.big_m
+    }
+}
+
+/// A logic statement of a model, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct LogicalConstraintRef<'a> {
+    pub(super) id: LogicalConstraint,
+    pub(super) data: &'a LogicalData,
+}
+
+impl<'a> LogicalConstraintRef<'a> {
+    /// The handle.
+    pub fn id(&self) -> LogicalConstraint {
+        self.id
+    }
+
+    /// The name.
+    pub fn name(&self) -> &'a Name {
+        &self.data.name
+    }
+
+    /// What must hold.
+    pub fn logic(&self) -> &'a Logic {
+        &self.data.logic
+    }
+}
+
+/// A variable of a model that is a function of others, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct FunctionRef<'a> {
+    pub(super) variable: &'a VariableData,
+    pub(super) data: &'a FunctionData,
+}
+
+impl<'a> FunctionRef<'a> {
+    /// The variable.
+    pub fn result(&self) -> Variable {
+        self.data.result
+    }
+
+    /// The variable's name.
+    pub fn name(&self) -> &'a Name {
+        &self.variable.name
+    }
+
+    /// What the variable equals.
+    pub fn function(&self) -> &'a Function {
+        &self.data.function
     }
 }

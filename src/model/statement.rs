@@ -1,15 +1,17 @@
-//! What can be added to a model: rows and implications.
+//! What can be added to a model: rows, implications, logic.
 
 use super::Model;
 #[cfg(feature = "serde")]
 use super::affine::merge;
-use super::ids::{Constraint, Indicator, Variable};
-use super::indicator::Implication;
+use super::ids::{Constraint, Indicator, LogicalConstraint, Variable};
+use super::indicator::{Implication, Implications, Literal, Reification, Reified};
+use super::logic::Logic;
 use super::name::Name;
 use super::row::Row;
 use crate::error::Error;
 
-/// Something [`Model::add`] accepts: a [`Row`] or an [`Implication`]. Sealed.
+/// Something [`Model::add`] accepts: a [`Row`], an [`Implication`] or several, a [`Reification`],
+/// a [`Logic`] formula or a [`Literal`]. Sealed.
 pub trait Statement: sealed::Sealed {
     /// The handle that adding returns.
     type Handle;
@@ -22,6 +24,10 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for super::Row {}
     impl Sealed for super::Implication {}
+    impl Sealed for super::Implications {}
+    impl Sealed for super::Reification {}
+    impl Sealed for super::Logic {}
+    impl Sealed for super::Literal {}
 }
 
 /// A row as a model stores it: merged terms, the constant moved into the limits.
@@ -68,8 +74,40 @@ impl Statement for Implication {
     }
 }
 
+impl Statement for Implications {
+    type Handle = Vec<Indicator>;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
+        self.add_to(model, name)
+    }
+}
+
+impl Statement for Reification {
+    type Handle = Reified;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
+        self.add_to(model, name)
+    }
+}
+
+impl Statement for Logic {
+    type Handle = LogicalConstraint;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
+        self.add_to(model, name)
+    }
+}
+
+impl Statement for Literal {
+    type Handle = LogicalConstraint;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
+        Logic::from(self).add_to(model, name)
+    }
+}
+
 /// Checks a row against the model and brings it into stored form.
-fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, Error> {
+pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, Error> {
     let (terms, constant) = row.expression.into_parts();
     for &(variable, coefficient) in &terms {
         model.check_variable(variable, name)?;

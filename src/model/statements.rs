@@ -1,22 +1,34 @@
-//! Adding, finding and changing rows and indicators.
+//! Adding, finding and changing rows, indicators and logic.
 
 use super::Model;
-use super::ids::{Constraint, Indicator};
+use super::ids::{Constraint, Indicator, LogicalConstraint};
 use super::name::Name;
-use super::refs::{ConstraintRef, IndicatorRef};
+use super::refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef};
 use super::statement::{Statement, limits};
 use super::store::{StatementIndex, foreign};
 use crate::error::Error;
 
 impl Model {
-    /// Adds a [`Row`](super::Row) (returns a [`Constraint`]) or an
-    /// [`Implication`](super::Implication) (returns an [`Indicator`]).
+    /// Adds a statement and returns its handle:
+    ///
+    /// * a [`Row`](super::Row): a [`Constraint`];
+    /// * an [`Implication`](super::Implication): an [`Indicator`];
+    /// * [`Implications`](super::Implications): an [`Indicator`] a row;
+    /// * a [`Reification`](super::Reification): its [`Reified`](super::Reified) parts;
+    /// * a [`Logic`](super::Logic) formula or a [`Literal`](super::Literal): a
+    ///   [`LogicalConstraint`]. One that holds for all values, such as `at_most(3, [a, b])`, is
+    ///   accepted and has no rows.
+    ///
+    /// An error leaves the model as it was.
     ///
     /// # Errors
     ///
     /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::ForeignHandle`],
     /// [`Error::NotFinite`], [`Error::CrossedBounds`], [`Error::EmptyRow`],
-    /// [`Error::UnlimitedRow`], [`Error::NotBinary`].
+    /// [`Error::UnlimitedRow`], [`Error::NotBinary`]; [`Error::EmptyLogic`] for a formula without
+    /// variables, [`Error::NeverTrue`] for one that its own shape makes false, such as
+    /// `at_least(3, [a, b])`, [`Error::TooDeep`]; [`Error::OutOfRange`] for the margin of a
+    /// reification.
     pub fn add<S: Statement>(
         &mut self,
         name: impl Into<Name>,
@@ -49,6 +61,20 @@ impl Model {
         data.map(|(i, data)| IndicatorRef { id: Indicator::new(i, self.stored.tag), data })
     }
 
+    /// Number of logic statements.
+    pub fn logical_constraint_count(&self) -> usize {
+        self.stored.logic.len()
+    }
+
+    /// The logic statements in the order of creation.
+    pub fn logical_constraints(&self) -> impl ExactSizeIterator<Item = LogicalConstraintRef<'_>> {
+        let data = self.stored.logic.iter().enumerate();
+        data.map(|(i, data)| LogicalConstraintRef {
+            id: LogicalConstraint::new(i, self.stored.tag),
+            data,
+        })
+    }
+
     /// The linear row of a name.
     ///
     /// # Errors
@@ -76,6 +102,24 @@ impl Model {
                 Ok(Indicator { index, tag: self.stored.tag })
             }
             _ => Err(Error::UnknownName { name: name.to_string(), kind: "indicator" }),
+        }
+    }
+
+    /// The logic statement of a name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownName`].
+    pub fn logical_constraint_by_name(
+        &self,
+        name: impl Into<Name>,
+    ) -> Result<LogicalConstraint, Error> {
+        let name = name.into();
+        match self.statement_names.get(&name) {
+            Some(&StatementIndex::Logical(index)) => {
+                Ok(LogicalConstraint { index, tag: self.stored.tag })
+            }
+            _ => Err(Error::UnknownName { name: name.to_string(), kind: "logic statement" }),
         }
     }
 

@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 
 use super::affine::Affine;
-use super::ids::{Constraint, Indicator, ModelTag, Variable};
-use super::indicator::{BigM, Literal};
+use super::function::Function;
+use super::ids::{Constraint, Indicator, LogicalConstraint, ModelTag, Variable};
+use super::indicator::BigM;
+use super::logic::Logic;
 use super::name::Name;
 use super::objective::Sense;
 use super::quadratic::Quadratic;
@@ -14,7 +16,7 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance;
 
-/// A mixed-integer program with indicators; see the [module page](super).
+/// A mixed-integer program with indicators and logic; see the [module page](super).
 ///
 /// A clone accepts the handles of its original.
 #[derive(Debug, Clone)]
@@ -35,6 +37,8 @@ pub(super) struct Stored {
     pub(super) variables: Vec<VariableData>,
     pub(super) constraints: Vec<ConstraintData>,
     pub(super) indicators: Vec<IndicatorData>,
+    pub(super) logic: Vec<LogicalData>,
+    pub(super) functions: Vec<FunctionData>,
     pub(super) sense: Sense,
     pub(super) objective: Quadratic,
 }
@@ -61,15 +65,30 @@ pub(super) struct ConstraintData {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct IndicatorData {
     pub(super) name: Name,
-    pub(super) condition: Literal,
+    pub(super) condition: Logic,
     pub(super) row: StoredRow,
     pub(super) big_m: BigM,
+}
+
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct LogicalData {
+    pub(super) name: Name,
+    pub(super) logic: Logic,
+}
+
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct FunctionData {
+    pub(super) result: Variable,
+    pub(super) function: Function,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum StatementIndex {
     Constraint(u32),
     Indicator(u32),
+    Logical(u32),
 }
 
 /// A model from a file is checked like one that is written by hand.
@@ -87,9 +106,14 @@ impl TryFrom<Stored> for Model {
             model.push_constraint(name, row)?;
         }
         for IndicatorData { name, condition, row, big_m } in stored.indicators {
-            model.check_variable(condition.variable, &name)?;
             let row = row.checked(&model, &name)?;
             model.push_indicator(name, condition, row, big_m)?;
+        }
+        for LogicalData { name, logic } in stored.logic {
+            model.add(name, logic)?;
+        }
+        for FunctionData { result, function } in stored.functions {
+            model.push_stored_function(result, function)?;
         }
         model.set_objective(stored.sense, stored.objective)?;
         Ok(model)
@@ -116,6 +140,8 @@ impl Model {
             variables: Vec::new(),
             constraints: Vec::new(),
             indicators: Vec::new(),
+            logic: Vec::new(),
+            functions: Vec::new(),
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
         };
@@ -191,17 +217,12 @@ impl Model {
     pub(crate) fn push_indicator(
         &mut self,
         name: Name,
-        condition: Literal,
+        condition: impl Into<Logic>,
         row: StoredRow,
         big_m: BigM,
     ) -> Result<Indicator, Error> {
-        let variable = self.variable_ref(condition.variable)?;
-        if variable.kind() != VariableKind::Binary {
-            return Err(Error::NotBinary {
-                name: variable.name().to_string(),
-                place: name.to_string(),
-            });
-        }
+        let condition = condition.into();
+        condition.check(self, &name)?;
         if let BigM::Given(value) | BigM::Assumed(value) = big_m
             && !(0.0..tolerance::INFINITE).contains(&value)
         {
@@ -217,14 +238,55 @@ impl Model {
         Ok(id)
     }
 
-    /// The model without its indicators: what a reformulation adds its rows to. Variables,
-    /// objective and rows stay, and so do their handles.
-    pub(crate) fn without_indicators(&self) -> Model {
-        let mut model = self.clone();
-        for indicator in model.stored.indicators.drain(..) {
-            model.statement_names.remove(&indicator.name);
+    pub(crate) fn push_logical(
+        &mut self,
+        name: Name,
+        logic: Logic,
+    ) -> Result<LogicalConstraint, Error> {
+        let id = LogicalConstraint::new(self.stored.logic.len(), self.stored.tag);
+        self.claim_statement(&name, StatementIndex::Logical(id.index))?;
+        self.stored.logic.push(LogicalData { name, logic });
+        Ok(id)
+    }
+
+    /// The model with nothing but its rows: what a reformulation adds to. Variables, objective
+    /// and rows stay, and so do their handles.
+    pub(crate) fn with_rows_only(&self) -> Model {
+        let stored = Stored {
+            variables: self.stored.variables.clone(),
+            constraints: self.stored.constraints.clone(),
+            objective: self.stored.objective.clone(),
+            sense: self.stored.sense,
+            ..Model::empty(self.stored.name.clone(), self.stored.tag).stored
+        };
+        let rows = stored.constraints.iter().zip(0..);
+        let rows = rows.map(|(row, k)| (row.name.clone(), StatementIndex::Constraint(k)));
+        let statement_names = rows.collect();
+        Model { stored, variable_names: self.variable_names.clone(), statement_names }
+    }
+
+    /// Does several additions, or, if one of them fails, none.
+    pub(super) fn all_or_nothing<T>(
+        &mut self,
+        add: impl FnOnce(&mut Model) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let stored = &self.stored;
+        let (variables, rows) = (stored.variables.len(), stored.constraints.len());
+        let (indicators, logic) = (stored.indicators.len(), stored.logic.len());
+        let result = add(self);
+        if result.is_err() {
+            let Model { stored, variable_names, statement_names } = self;
+            for data in stored.variables.drain(variables..) {
+                variable_names.remove(&data.name);
+            }
+            let rows = stored.constraints.drain(rows..).map(|data| data.name);
+            let indicators = stored.indicators.drain(indicators..).map(|data| data.name);
+            let logic = stored.logic.drain(logic..).map(|data| data.name);
+            for name in rows.chain(indicators).chain(logic) {
+                statement_names.remove(&name);
+            }
         }
-        model
+        result
     }
 
     fn claim_statement(&mut self, name: &Name, index: StatementIndex) -> Result<(), Error> {

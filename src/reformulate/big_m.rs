@@ -4,33 +4,51 @@
 //! `a'x + M z <= u + M` says the same for `z` in {0, 1}; for `z = 0 => a'x <= u` it is
 //! `a'x - M z <= u`. Lower sides mirror this. M comes from interval arithmetic over the current
 //! bounds, rounded outward, a side at a time.
+//!
+//! A compound condition fails when all of some clauses hold, see `reformulate/logic.rs`. For each
+//! clause `g1 or g2 or ...` there is one row a side, `a'x <= u + M (g1 + g2 + ...)`; a plain
+//! condition is the case of one clause with one literal.
 
-use super::report::{BigMEntry, BigMReport, BigMSource, Side};
+use super::lowering::Lowering;
+use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::{Interval, add_down, add_up};
-use crate::model::{BigM, IndicatorRef, Model, Name, StoredRow, Variable};
+use crate::model::{BigM, IndicatorRef, Literal, Model, Variable};
 
-/// Adds the rows of one indicator to `lowered` and notes them in the report.
-pub(super) fn apply(
+/// Adds the rows of one indicator and notes them in the report.
+pub(super) fn apply(indicator: &IndicatorRef<'_>, lowering: &mut Lowering) -> Result<(), Error> {
+    lowering.begin(indicator.name());
+    for clause in lowering.unless(indicator.condition())? {
+        apply_unless(&clause, indicator, lowering)?;
+    }
+    Ok(())
+}
+
+/// Adds rows that say "the indicator's row, or one of `guard`".
+fn apply_unless(
+    guard: &[Literal],
     indicator: &IndicatorRef<'_>,
-    lowered: &mut Model,
-    report: &mut BigMReport,
+    lowering: &mut Lowering,
 ) -> Result<(), Error> {
-    let condition = indicator.condition();
-    let binary = lowered.variable_ref(condition.variable())?.bounds();
-    let holds = if condition.is_on() { binary.lower > 0.0 } else { binary.upper < 1.0 };
-    let fails = if condition.is_on() { binary.upper < 1.0 } else { binary.lower > 0.0 };
-
+    let (mut open, mut fails) = (Vec::new(), false);
     // Where the row mentions its own condition, the condition's value is known.
     let mut terms = indicator.terms().to_vec();
     let mut limits = indicator.limits();
-    if let Some(at) = terms.iter().position(|&(v, _)| v == condition.variable()) {
-        let (_, coefficient) = terms.remove(at);
-        if condition.is_on() {
-            limits = Interval::new(
-                add_down(limits.lower, -coefficient),
-                add_up(limits.upper, -coefficient),
-            );
+    for &literal in guard {
+        let bounds = lowering.model.variable_ref(literal.variable())?.bounds();
+        let never = if literal.is_on() { bounds.upper < 1.0 } else { bounds.lower > 0.0 };
+        fails |= if literal.is_on() { bounds.lower > 0.0 } else { bounds.upper < 1.0 };
+        if !never {
+            open.push(literal);
+        }
+        if let Some(at) = terms.iter().position(|&(v, _)| v == literal.variable()) {
+            let (_, coefficient) = terms.remove(at);
+            if !literal.is_on() {
+                limits = Interval::new(
+                    add_down(limits.lower, -coefficient),
+                    add_up(limits.upper, -coefficient),
+                );
+            }
         }
     }
 
@@ -39,28 +57,30 @@ pub(super) fn apply(
         if limit.is_infinite() {
             continue;
         }
-        let need = need(lowered, &terms, limit, side)?;
+        let need = need(&lowering.model, &terms, limit, side)?;
         let mut entry = BigMEntry {
             indicator: indicator.name().to_string(),
             side,
             source: BigMSource::Bounds,
             value: 0.0,
             needed: need.value.max(0.0),
-            largest: need.largest.map(|v| lowered.name_of(v)),
+            largest: need.largest.map(|v| lowering.model.name_of(v)),
         };
         if need.value <= 0.0 {
             entry.source = BigMSource::Implied;
         } else if fails {
             entry.source = BigMSource::ConditionFails;
-        } else if holds && !terms.is_empty() {
+        } else if open.is_empty() && !terms.is_empty() {
             entry.source = BigMSource::ConditionHolds;
-            push(lowered, indicator.name(), side, terms.clone(), limit)?;
+            push(lowering, side, terms.clone(), limit)?;
         } else {
-            (entry.value, entry.source) = choose(indicator, lowered, side, &need)?;
-            let (row, limit) = switched(&terms, limit, entry.value, indicator, side);
-            push(lowered, indicator.name(), side, row, limit)?;
+            // A row without variables keeps its guard: what is fixed is cheap.
+            let guard = if terms.is_empty() { guard } else { &open };
+            (entry.value, entry.source) = choose(indicator, &lowering.model, side, &need)?;
+            let (row, limit) = switched(&terms, limit, entry.value, guard, side);
+            push(lowering, side, row, limit)?;
         }
-        report.entries.push(entry);
+        lowering.report.entries.push(entry);
     }
     Ok(())
 }
@@ -133,30 +153,34 @@ fn choose(
 /// The switched row and its limit, rounded so that it never cuts more than the implication.
 fn switched(
     terms: &[(Variable, f64)],
-    limit: f64,
+    mut limit: f64,
     big_m: f64,
-    indicator: &IndicatorRef<'_>,
+    guard: &[Literal],
     side: Side,
 ) -> (Vec<(Variable, f64)>, f64) {
-    let condition = indicator.condition();
     let mut row = terms.to_vec();
-    let (coefficient, limit) = match (side, condition.is_on()) {
-        (Side::Upper, true) => (big_m, add_up(limit, big_m)),
-        (Side::Upper, false) => (-big_m, limit),
-        (Side::Lower, true) => (-big_m, add_down(limit, -big_m)),
-        (Side::Lower, false) => (big_m, limit),
-    };
-    // An assumed M may be 0, and rows hold no zeros.
-    if coefficient != 0.0 {
-        let at = row.partition_point(|&(v, _)| v < condition.variable());
-        row.insert(at, (condition.variable(), coefficient));
+    for literal in guard {
+        let coefficient = match (side, literal.is_on()) {
+            (Side::Upper, true) | (Side::Lower, false) => -big_m,
+            (Side::Upper, false) | (Side::Lower, true) => big_m,
+        };
+        if !literal.is_on() {
+            limit = match side {
+                Side::Upper => add_up(limit, big_m),
+                Side::Lower => add_down(limit, -big_m),
+            };
+        }
+        // An assumed M may be 0, and rows hold no zeros.
+        if coefficient != 0.0 {
+            let at = row.partition_point(|&(v, _)| v < literal.variable());
+            row.insert(at, (literal.variable(), coefficient));
+        }
     }
     (row, limit)
 }
 
 fn push(
-    model: &mut Model,
-    name: &Name,
+    lowering: &mut Lowering,
     side: Side,
     terms: Vec<(Variable, f64)>,
     limit: f64,
@@ -165,17 +189,5 @@ fn push(
         Side::Lower => (limit, f64::INFINITY),
         Side::Upper => (f64::NEG_INFINITY, limit),
     };
-    let mut family = format!("{}_{}", name.family(), side.word());
-    loop {
-        let candidate = match name.step() {
-            Some(step) => Name::from((family.as_str(), step)),
-            None => Name::from(family.as_str()),
-        };
-        let row = StoredRow { terms: terms.clone(), lower, upper };
-        match model.push_constraint(candidate, row) {
-            Ok(_) => return Ok(()),
-            Err(Error::DuplicateName { .. }) => family.push('_'),
-            Err(other) => return Err(other),
-        }
-    }
+    lowering.row_named(&format!("_{}", side.word()), terms, lower, upper)
 }

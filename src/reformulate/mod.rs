@@ -1,8 +1,9 @@
-//! From what is meant to plain rows: a model with indicators becomes one without.
+//! From what is meant to plain rows: a model with indicators, logic and functions becomes one
+//! without.
 //!
-//! Each reformulation is a file of its own. It takes a [`Model`] and returns an equivalent model
-//! over the same variables (or more), so handles and solutions carry over; text forms before and
-//! after can be compared, and the lowered model can be written as MPS for any other solver.
+//! Each reformulation is a file of its own. Together they make an equivalent model over the same
+//! variables, and auxiliary ones after them, so handles carry over; text forms before and after
+//! can be compared, and the lowered model can be written as MPS for any other solver.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -19,23 +20,36 @@
 //! ```
 
 mod big_m;
+mod clauses;
+mod direction;
+mod extremum;
+mod functions;
+mod logic;
+mod lowering;
+mod piecewise;
+mod product;
 mod report;
 
 pub use report::{BigMEntry, BigMReport, BigMSource, Side};
 
 use crate::error::Error;
-use crate::model::Model;
+use crate::model::{Function, Model, Variable};
+use direction::Tie;
+use lowering::Lowering;
 
-/// A model without indicators, and where its big-Ms come from.
+/// A model of rows only, and where its big-Ms come from.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct Lowered {
     model: Model,
     report: BigMReport,
+    original: usize,
+    relaxed: Vec<(Variable, Function, Tie)>,
 }
 
 impl Lowered {
-    /// The lowered model. Handles of the original are valid in it.
+    /// The lowered model. Handles of the original are valid in it; auxiliary variables come after
+    /// the original ones.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -44,19 +58,48 @@ impl Lowered {
     pub fn report(&self) -> &BigMReport {
         &self.report
     }
+
+    /// From a point of the lowered model, one value per variable, to the point of the original
+    /// that it stands for: auxiliary variables are dropped, and the variables of functions that
+    /// were relaxed to one side are moved onto them, which harms nothing.
+    pub fn restore(&self, values: &[f64]) -> Vec<f64> {
+        let mut values: Vec<f64> = values.iter().take(self.original).copied().collect();
+        if values.len() == self.original {
+            for (variable, function, tie) in &self.relaxed {
+                direction::restore(*variable, function, *tie, &mut values);
+            }
+        }
+        values
+    }
 }
 
-/// Replaces every indicator by big-M rows, with each M from the *current* bounds.
+/// Replaces every indicator by big-M rows, with each M from the *current* bounds, and every logic
+/// statement and function by its rows.
+///
+/// A function whose variable the model only pushes towards its convex (or concave) side is
+/// relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`] leads back.
 ///
 /// # Errors
 ///
-/// [`Error::UnboundedIndicator`] naming the variable whose bound is missing,
-/// [`Error::UnsafeBigM`] for a user's M that the bounds do not prove.
+/// [`Error::UnboundedIndicator`] and [`Error::UnboundedFunction`] naming the variable whose bound
+/// is missing, [`Error::UnsafeBigM`] for a user's M that the bounds do not prove,
+/// [`Error::OutOfRange`] for an integer factor with a wide range.
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
-    let mut lowered = model.without_indicators();
-    let mut report = BigMReport::default();
-    for indicator in model.indicators() {
-        big_m::apply(&indicator, &mut lowered, &mut report)?;
+    let mut lowering = Lowering::new(model);
+    let mut relaxed = Vec::new();
+    // First, for they bound their variables; and in this order, for younger ones build on older.
+    for (function, tie) in model.functions().zip(direction::ties(model)?) {
+        functions::apply(&function, tie, &mut lowering)?;
+        if tie != Tie::Exact {
+            relaxed.push((function.result(), function.function().clone(), tie));
+        }
     }
-    Ok(Lowered { model: lowered, report })
+    for indicator in model.indicators() {
+        big_m::apply(&indicator, &mut lowering)?;
+    }
+    for statement in model.logical_constraints() {
+        logic::apply(&statement, &mut lowering)?;
+    }
+    let Lowering { model: lowered, report, .. } = lowering;
+    Ok(Lowered { model: lowered, report, original: model.variable_count(), relaxed })
 }

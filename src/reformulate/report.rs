@@ -40,12 +40,12 @@ pub enum BigMSource {
     ConditionFails,
 }
 
-/// One side of one indicator.
+/// One side of one indicator, or one expression of a function.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMEntry {
-    /// The indicator.
+    /// The indicator, or the variable of the function.
     pub indicator: String,
     /// The side of its row.
     pub side: Side,
@@ -60,7 +60,8 @@ pub struct BigMEntry {
     pub largest: Option<String>,
 }
 
-/// Every side of every indicator, in the order of the model.
+/// Every side of every indicator, in the order of the model; before them the functions that need
+/// an M. A compound condition may need several rows a side, with an entry each.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMReport {
@@ -68,7 +69,7 @@ pub struct BigMReport {
 }
 
 impl BigMReport {
-    /// All entries, in the order of the model's indicators, lower side first.
+    /// All entries: functions in the order of the model, then its indicators, lower side first.
     pub fn entries(&self) -> &[BigMEntry] {
         &self.entries
     }

@@ -2,10 +2,10 @@
 //!
 //! It shares no code with lowering, presolve or search: it reads the model's own statements and
 //! evaluates them. Indicators are checked as implications on the binaries' values, so a big-M
-//! that leaks cannot hide.
+//! that leaks cannot hide, logic by the truth of its formulas, and functions by their values.
 
 use crate::interval::Interval;
-use crate::model::{BigM, Model, Variable};
+use crate::model::{Affine, BigM, Function, Model, Variable};
 use crate::tolerance;
 
 use super::point::Point;
@@ -47,10 +47,15 @@ pub enum ViolationKind {
     Row,
     /// An indicator whose condition holds and whose row does not.
     Implication,
+    /// A logic statement that is false; the amount is 1.
+    Logic,
+    /// A variable that is not the function that it should be, or the argument of a
+    /// piecewise-affine function outside its domain.
+    Function,
 }
 
 impl Verification {
-    /// Checks a point: bounds, integrality, rows, implications.
+    /// Checks a point: bounds, integrality, rows, implications, logic, functions.
     ///
     /// # Arguments
     ///
@@ -81,14 +86,23 @@ impl Verification {
             let name = || row.name().to_string();
             check.note(ViolationKind::Row, amount, feasibility * scale, name);
         }
+        for function in model.functions() {
+            let result = function.result();
+            let (amount, scale) = distance(function.function(), result, values, feasibility);
+            let name = || function.name().to_string();
+            check.note(ViolationKind::Function, amount, feasibility * scale, name);
+        }
+        let on = |variable: Variable| values[variable.index()].round() == 1.0;
+        for logical in model.logical_constraints() {
+            let amount = f64::from(u8::from(!logical.logic().evaluate(on)));
+            check.note(ViolationKind::Logic, amount, 0.0, || logical.name().to_string());
+        }
         for indicator in model.indicators() {
             let name = || indicator.name().to_string();
             if let BigM::Assumed(_) = indicator.big_m() {
                 check.assumed.push(name());
             }
-            let condition = indicator.condition();
-            let on = values[condition.variable().index()].round() == 1.0;
-            if on == condition.is_on() {
+            if indicator.condition().evaluate(on) {
                 check.active_implications += 1;
                 let (amount, scale) = residual(indicator.terms(), indicator.limits(), values);
                 check.note(ViolationKind::Implication, amount, feasibility * scale, name);
@@ -137,6 +151,27 @@ impl Verification {
         if amount.is_nan() || amount > self.largest_residual {
             self.largest_residual = amount;
         }
+    }
+}
+
+/// How far a variable is from the function it should be, and the scale of its tolerance.
+fn distance(function: &Function, result: Variable, values: &[f64], feasibility: f64) -> (f64, f64) {
+    let (value, at) = (values[result.index()], |v: Variable| values[v.index()]);
+    let terms = function.expressions().iter().flat_map(Affine::terms);
+    let largest = terms.map(|(v, a)| (a * at(v)).abs()).fold(value.abs(), f64::max);
+    let scale = tolerance::row_scale(largest, 0.0);
+    match function {
+        Function::Piecewise { of, graph } => {
+            // The argument is known up to a tolerance of its own, which a steep piece enlarges.
+            let (x, slack) = (of.evaluate(at), feasibility * scale);
+            let near = graph.values_within(x - slack, x + slack);
+            (excess(value, near, 0.0).0 + excess(x, graph.domain(), 0.0).0, scale)
+        }
+        // The expression is known up to a tolerance of its own, which the factor enlarges.
+        Function::Product { factor, .. } => {
+            ((value - function.evaluate(at)).abs(), scale * at(*factor).abs().max(1.0))
+        }
+        _ => ((value - function.evaluate(at)).abs(), scale),
     }
 }
 

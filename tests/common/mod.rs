@@ -9,6 +9,7 @@ pub(crate) mod case;
 pub(crate) mod enumeration;
 pub(crate) mod generate;
 pub(crate) mod quadratic_program;
+pub(crate) mod rows;
 
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
 

@@ -159,7 +159,7 @@ fn errors_in_later_sections() {
         ),
         (
             "INDICATORS\n IF most x 1\n",
-            "line 15, column 10: `x` is not binary; only a binary variable can be the condition of `most`",
+            "line 15, column 10: `x` is not binary; only binary variables can stand in the condition or logic of `most`",
         ),
         ("INDICATORS\n IF most k 2\n", "line 15, column 12: expected 0 or 1, found `2`"),
         (

@@ -53,14 +53,27 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
 
 fn lines(model: &Model) -> Result<Vec<Line<'_>>, Error> {
     let rows = model.constraints().map(|row| (row.name(), row.terms(), row.limits(), None));
-    let switched = model
-        .indicators()
-        .map(|row| (row.name(), row.terms(), row.limits(), Some(row.condition())));
+    let rows = rows.map(Ok);
+    let switched = model.indicators().map(|row| match row.condition().as_literal() {
+        Some(literal) => Ok((row.name(), row.terms(), row.limits(), Some(literal))),
+        None => Err(not_in_file("the compound condition of", row.name())),
+    });
+    if let Some(logical) = model.logical_constraints().next() {
+        return Err(not_in_file("the logic of", logical.name()));
+    }
+    if let Some(function) = model.functions().next() {
+        return Err(not_in_file("the function", function.name()));
+    }
     rows.chain(switched)
-        .map(|(name, terms, limits, condition)| {
+        .map(|line| {
+            let (name, terms, limits, condition) = line?;
             Ok(Line { name: checked(name)?, terms, form: form(limits, name)?, condition })
         })
         .collect()
+}
+
+fn not_in_file(what: &'static str, name: &Name) -> Error {
+    Error::NotInFile { format: "MPS", what, name: name.to_string() }
 }
 
 fn names(model: &Model) -> Result<Vec<String>, Error> {

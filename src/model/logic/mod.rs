@@ -1,0 +1,263 @@
+//! Logic over binary variables: one type, [`Logic`], for statements and for conditions.
+//!
+//! There is no Boolean kind of variable beside the binary one: a binary *is* the proposition "it
+//! is 1". Formulas nest freely; how they become rows is decided in
+//! [`reformulate`](crate::reformulate), and a solution is checked against the formula itself.
+//!
+//! | written | true when |
+//! | --- | --- |
+//! | `a`, `a.on()` | `a` is 1 |
+//! | `!a`, `a.off()` | `a` is 0 |
+//! | `a & b`, [`Logic::all`] | all are true |
+//! | `a \| b`, [`Logic::any`] | at least one is true |
+//! | `a.xor(b)` | exactly one of the two is true; a chain of them: an odd number |
+//! | `a.iff(b)` | both or none are true |
+//! | `a.implies(b)` | `b` is true or `a` is not |
+//! | [`at_most`]`(k, of)`, [`at_least`], [`exactly`] | so many are true |
+
+mod display;
+mod normal;
+mod operators;
+
+pub(crate) use normal::Formula;
+
+use super::Model;
+use super::ids::{LogicalConstraint, Variable};
+use super::indicator::Literal;
+use super::name::Name;
+use super::variable::VariableKind;
+use crate::error::Error;
+
+/// Formulas nested deeper than this are refused.
+const DEEPEST: u32 = 100;
+
+/// A formula over binary variables, as a statement of its own or as a condition.
+///
+/// See the operators and functions in the example; a formula given to
+/// [`Model::add`](super::Model::add) must hold.
+///
+/// ```
+/// use carom::model::{Logic, at_most, exactly};
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("modes");
+/// let mode = model.binary_family("mode", 3)?;
+/// let hit = model.binary_family("hit", 4)?;
+/// let armed = model.binary("armed")?;
+/// model.add("one_mode", exactly(1, &mode))?;
+/// model.add("two_hits", at_most(2, &hit))?;
+/// model.add("armed_first", Logic::any(&hit).implies(armed & !mode[0]))?;
+/// model.add("last", hit[3].iff(mode[1] | (mode[2] & armed)))?;
+/// assert!(model.to_string().contains("last: hit[3] iff (mode[1] | (mode[2] & armed))\n"));
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[must_use = "a formula does nothing until it is given to `Model::add` or used as a condition"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Node", into = "Node"))]
+pub struct Logic {
+    node: Node,
+    depth: u32,
+}
+
+/// How a formula is made of others.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum Node {
+    Literal(Literal),
+    Not(Box<Logic>),
+    And(Vec<Logic>),
+    Or(Vec<Logic>),
+    Implies(Box<Logic>, Box<Logic>),
+    /// An odd (or even) number of these is true.
+    Parity {
+        odd: bool,
+        of: Vec<Logic>,
+    },
+    /// The number of true ones lies within the limits.
+    Count {
+        at_least: usize,
+        at_most: usize,
+        of: Vec<Logic>,
+    },
+    /// What is left of a formula that was nested too deep.
+    TooDeep,
+}
+
+impl Node {
+    fn members(&self) -> &[Logic] {
+        match self {
+            Node::Literal(_) | Node::TooDeep => &[],
+            Node::Not(of) => std::slice::from_ref(of),
+            Node::And(of) | Node::Or(of) => of,
+            Node::Implies(..) => &[],
+            Node::Parity { of, .. } | Node::Count { of, .. } => of,
+        }
+    }
+}
+
+impl From<Node> for Logic {
+    fn from(node: Node) -> Self {
+        let below = match &node {
+            Node::Implies(condition, then) => condition.depth.max(then.depth),
+            other => other.members().iter().map(|member| member.depth).max().unwrap_or(0),
+        };
+        Logic::new(node, below + 1)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Logic> for Node {
+    fn from(logic: Logic) -> Self {
+        logic.node
+    }
+}
+
+impl Logic {
+    fn new(node: Node, depth: u32) -> Self {
+        match depth <= DEEPEST {
+            true => Logic { node, depth },
+            false => Logic { node: Node::TooDeep, depth: 1 },
+        }
+    }
+
+    /// All of these are true.
+    pub fn all<T: Into<Logic>>(of: impl IntoIterator<Item = T>) -> Logic {
+        Node::And(of.into_iter().map(T::into).collect()).into()
+    }
+
+    /// At least one of these is true.
+    pub fn any<T: Into<Logic>>(of: impl IntoIterator<Item = T>) -> Logic {
+        Node::Or(of.into_iter().map(T::into).collect()).into()
+    }
+
+    pub(super) fn implication(condition: Logic, then: Logic) -> Logic {
+        Node::Implies(Box::new(condition), Box::new(then)).into()
+    }
+
+    /// The literal, where the formula is nothing else.
+    pub fn as_literal(&self) -> Option<Literal> {
+        match &self.node {
+            Node::Literal(literal) => Some(*literal),
+            _ => None,
+        }
+    }
+
+    /// The variables that occur, sorted, each once.
+    pub fn variables(&self) -> Vec<Variable> {
+        let mut found = Vec::new();
+        self.collect(&mut found);
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    fn collect(&self, found: &mut Vec<Variable>) {
+        match &self.node {
+            Node::Literal(literal) => found.push(literal.variable),
+            Node::Implies(condition, then) => {
+                condition.collect(found);
+                then.collect(found);
+            }
+            other => other.members().iter().for_each(|member| member.collect(found)),
+        }
+    }
+
+    /// Whether the formula is true where `value` says which binaries are 1.
+    pub fn evaluate(&self, value: impl Fn(Variable) -> bool) -> bool {
+        self.truth(&value)
+    }
+
+    fn truth(&self, value: &dyn Fn(Variable) -> bool) -> bool {
+        let count = |of: &[Logic]| of.iter().filter(|member| member.truth(value)).count();
+        match &self.node {
+            Node::Literal(literal) => value(literal.variable) == literal.on,
+            Node::Not(of) => !of.truth(value),
+            Node::And(of) => of.iter().all(|member| member.truth(value)),
+            Node::Or(of) => of.iter().any(|member| member.truth(value)),
+            Node::Implies(condition, then) => !condition.truth(value) || then.truth(value),
+            Node::Parity { odd, of } => (count(of) % 2 == 1) == *odd,
+            Node::Count { at_least, at_most, of } => (*at_least..=*at_most).contains(&count(of)),
+            Node::TooDeep => false,
+        }
+    }
+
+    fn is_too_deep(&self) -> bool {
+        match &self.node {
+            Node::TooDeep => true,
+            Node::Implies(condition, then) => condition.is_too_deep() || then.is_too_deep(),
+            other => other.members().iter().any(Logic::is_too_deep),
+        }
+    }
+
+    /// Refuses a formula that the model cannot hold under this name.
+    pub(super) fn check(&self, model: &Model, name: &Name) -> Result<(), Error> {
+        if self.is_too_deep() {
+            return Err(Error::TooDeep { name: name.to_string(), limit: DEEPEST });
+        }
+        let variables = self.variables();
+        if variables.is_empty() {
+            return Err(Error::EmptyLogic { name: name.to_string() });
+        }
+        for variable in variables {
+            model.check_variable(variable, name)?;
+            let variable = model.variable_ref(variable)?;
+            if variable.kind() != VariableKind::Binary {
+                let (name, place) = (variable.name().to_string(), name.to_string());
+                return Err(Error::NotBinary { name, place });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
+        self.check(model, &name)?;
+        if Formula::of(&self, true) == Formula::Constant(false) {
+            return Err(Error::NeverTrue { name: name.to_string() });
+        }
+        model.push_logical(name, self)
+    }
+}
+
+/// At most `count` of these are true. With `count` at least their number it says nothing.
+pub fn at_most<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
+    Node::Count { at_least: 0, at_most: count, of: of.into_iter().map(T::into).collect() }.into()
+}
+
+/// At least `count` of these are true. With `count` = 0 it says nothing.
+pub fn at_least<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
+    let of = of.into_iter().map(T::into).collect();
+    Node::Count { at_least: count, at_most: usize::MAX, of }.into()
+}
+
+/// Exactly `count` of these are true.
+pub fn exactly<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
+    let of = of.into_iter().map(T::into).collect();
+    Node::Count { at_least: count, at_most: count, of }.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chains_stay_flat_and_deep_formulas_are_refused() {
+        let mut model = Model::new("m");
+        let b = model.binary_family("b", 2).unwrap();
+        let (mut or, mut xor, mut not) = (b[0] | b[1], b[0].xor(b[1]), Logic::from(b[0]));
+        for _ in 0..20_000 {
+            or = or | b[0];
+            not = !not;
+        }
+        for _ in 0..500 {
+            xor = xor.xor(b[1]);
+        }
+        assert_eq!((or.depth, xor.depth, not.depth), (2, 2, 1));
+        let mut nested = Logic::from(b[0]);
+        for _ in 0..20_000 {
+            nested = (nested & b[0]) | b[1];
+        }
+        let error = model.add("deep", nested).unwrap_err();
+        assert_eq!(error, Error::TooDeep { name: "deep".into(), limit: DEEPEST });
+    }
+}

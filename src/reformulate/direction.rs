@@ -1,0 +1,163 @@
+//! Which functions may be relaxed to one side, and how a point is brought back.
+//!
+//! A variable `w = f(...)` with `f` convex may be relaxed to `w >= f(...)` where lowering `w`
+//! alone never harms: the objective does not get worse, and no row, indicator or other function is
+//! violated by it. Every point of the relaxed model then leads, by lowering `w` to `f(...)`, to
+//! one of the original that is at least as good, so optimum, infeasibility and unboundedness are
+//! the same. Mirrored for concave functions. Nothing is promised by the user, and nothing can be
+//! promised wrongly: the whole model is read each time it is lowered.
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Affine, Function, FunctionRef, Model, Variable};
+
+/// How the variable of a function is tied to it in the lowered model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Tie {
+    /// `w = f`.
+    Exact,
+    /// `w >= f`; the point is restored by lowering `w`.
+    Above,
+    /// `w <= f`; the point is restored by raising `w`.
+    Below,
+}
+
+/// Whether moving a variable alone can violate a statement or make the objective worse.
+struct Harm {
+    lowering: Vec<bool>,
+    raising: Vec<bool>,
+}
+
+impl Harm {
+    fn any(&mut self, variable: Variable) {
+        self.lowering[variable.index()] = true;
+        self.raising[variable.index()] = true;
+    }
+
+    /// The statement needs `coefficient * variable` not to rise.
+    fn rise(&mut self, variable: Variable, coefficient: f64) {
+        let harm = if coefficient > 0.0 { &mut self.raising } else { &mut self.lowering };
+        harm[variable.index()] = true;
+    }
+
+    fn row(&mut self, terms: &[(Variable, f64)], limits: Interval) {
+        for &(variable, coefficient) in terms {
+            if limits.upper.is_finite() {
+                self.rise(variable, coefficient);
+            }
+            if limits.lower.is_finite() {
+                self.rise(variable, -coefficient);
+            }
+        }
+    }
+}
+
+/// The tie of each function, in the order of the model.
+pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
+    if model.function_count() == 0 {
+        return Ok(Vec::new());
+    }
+    let count = model.variable_count();
+    let mut harm = Harm { lowering: vec![false; count], raising: vec![false; count] };
+    let objective = model.objective();
+    for (variable, coefficient) in objective.affine().terms() {
+        harm.rise(variable, model.sense().sign() * coefficient);
+    }
+    for (first, second, _) in objective.products() {
+        harm.any(first);
+        harm.any(second);
+    }
+    model.constraints().for_each(|row| harm.row(row.terms(), row.limits()));
+    model.indicators().for_each(|row| harm.row(row.terms(), row.limits()));
+    // A function's variable occurs in younger functions only.
+    let functions: Vec<FunctionRef<'_>> = model.functions().collect();
+    let mut ties = vec![Tie::Exact; functions.len()];
+    for (k, function) in functions.iter().enumerate().rev() {
+        ties[k] = tie(model, function, &harm)?;
+        mark(function.function(), ties[k], &mut harm);
+    }
+    Ok(ties)
+}
+
+fn tie(model: &Model, function: &FunctionRef<'_>, harm: &Harm) -> Result<Tie, Error> {
+    let result = function.result();
+    let (convex, concave) = match function.function() {
+        Function::Absolute(_) | Function::Maximum(_) => (true, false),
+        Function::Minimum(_) => (false, true),
+        Function::Piecewise { of, graph } => {
+            let graph = graph.restricted(model.range(of)?);
+            (graph.bends(1.0), graph.bends(-1.0))
+        }
+        Function::Product { .. } => (false, false),
+    };
+    let bounds = model.variable_ref(result)?.bounds();
+    let range = range(model, function.function())?;
+    // The way back to the function must not leave the variable's own bounds.
+    let down = !harm.lowering[result.index()] && bounds.lower <= range.lower;
+    let up = !harm.raising[result.index()] && range.upper <= bounds.upper;
+    Ok(match () {
+        () if convex && down => Tie::Above,
+        () if concave && up => Tie::Below,
+        () => Tie::Exact,
+    })
+}
+
+/// Notes what a function asks of its arguments.
+fn mark(function: &Function, tie: Tie, harm: &mut Harm) {
+    let monotone = matches!(function, Function::Maximum(_) | Function::Minimum(_));
+    function.factor().into_iter().for_each(|factor| harm.any(factor));
+    for (variable, coefficient) in function.expressions().iter().flat_map(Affine::terms) {
+        match tie {
+            // `w >= e` and `w <= e` for each argument.
+            Tie::Above if monotone => harm.rise(variable, coefficient),
+            Tie::Below if monotone => harm.rise(variable, -coefficient),
+            _ => harm.any(variable),
+        }
+    }
+}
+
+/// The values of a function over the current bounds, rounded outward.
+pub(super) fn range(model: &Model, function: &Function) -> Result<Interval, Error> {
+    let ranges = |of: &[Affine]| of.iter().map(|e| model.range(e)).collect::<Result<Vec<_>, _>>();
+    let extreme = |of: &[Interval], pick: fn(f64, f64) -> f64, start: f64| {
+        Interval::new(
+            of.iter().map(|r| r.lower).fold(start, pick),
+            of.iter().map(|r| r.upper).fold(start, pick),
+        )
+    };
+    Ok(match function {
+        Function::Absolute(of) => {
+            let range = model.range(of)?;
+            let folded = extreme(&[range, -range], f64::max, f64::NEG_INFINITY);
+            Interval::new(folded.lower.max(0.0), folded.upper)
+        }
+        Function::Maximum(of) => extreme(&ranges(of)?, f64::max, f64::NEG_INFINITY),
+        Function::Minimum(of) => extreme(&ranges(of)?, f64::min, f64::INFINITY),
+        Function::Piecewise { of, graph } => {
+            let range = model.range(of)?;
+            let values = graph.values_within(range.lower, range.upper);
+            // Values between breakpoints are rounded.
+            let slack = 4.0 * f64::EPSILON * values.magnitude();
+            Interval::new(values.lower - slack, values.upper + slack)
+        }
+        Function::Product { factor, of } => {
+            let (factor, of) = (model.variable_ref(*factor)?.bounds(), model.range(of)?);
+            if factor.is_bounded() && of.is_bounded() {
+                (of * factor.lower).hull(of * factor.upper)
+            } else {
+                Interval::REALS
+            }
+        }
+    })
+}
+
+/// Brings the variable of a function back to it where that harms nothing.
+pub(super) fn restore(variable: Variable, function: &Function, tie: Tie, values: &mut [f64]) {
+    let exact = function.evaluate(|v| values[v.index()]);
+    let value = &mut values[variable.index()];
+    match tie {
+        Tie::Exact => {}
+        Tie::Above => *value = value.min(exact),
+        Tie::Below => *value = value.max(exact),
+    }
+}

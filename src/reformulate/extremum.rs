@@ -1,0 +1,123 @@
+//! Absolute values, maxima and minima to rows.
+//!
+//! `w = max(e1, ..., en)` is `w >= ei` for all of them and `w <= ei + Mi (1 - zi)` for one, chosen
+//! by binaries with `z1 + ... + zn = 1` (one binary for two expressions). `Mi` is the largest
+//! `ej - ei` over the bounds. Expressions that the bounds show never to be the largest are left
+//! out, so the maximum of expressions whose order is known is one equation. Where the model only
+//! pushes `w` down, the first rows are enough, see `reformulate/direction.rs`; they need no
+//! bounds. A minimum is a maximum with all signs changed (`sign` = -1).
+
+use super::direction::Tie;
+use super::lowering::Lowering;
+use super::report::{BigMEntry, BigMSource, Side};
+use crate::error::Error;
+use crate::interval::add_up;
+use crate::model::{Affine, Variable, VariableKind};
+
+/// Adds the rows of `sign * result = max(sign * of)`.
+pub(super) fn apply(
+    result: Variable,
+    of: &[Affine],
+    sign: f64,
+    tie: Tie,
+    lowering: &mut Lowering,
+) -> Result<(), Error> {
+    let kept = undominated(of, sign, lowering)?;
+    let (none, any) = (f64::NEG_INFINITY, f64::INFINITY);
+    if let [only] = kept[..] {
+        return lowering.affine_row(result - only, 0.0, 0.0);
+    }
+    for &expression in &kept {
+        let (lower, upper) = if sign > 0.0 { (0.0, any) } else { (none, 0.0) };
+        lowering.affine_row(result - expression, lower, upper)?;
+    }
+    if tie != Tie::Exact {
+        return Ok(());
+    }
+    let mut misses = Vec::with_capacity(kept.len());
+    for &expression in &kept {
+        misses.push(miss(expression, &kept, sign, lowering)?);
+    }
+    let mut one = Affine::zero();
+    let single = match kept.len() {
+        2 => Some(lowering.column("first", VariableKind::Binary, 0.0, 1.0)?),
+        _ => None,
+    };
+    for (k, (&expression, m)) in kept.iter().zip(misses).enumerate() {
+        // sign (w - e) <= M (1 - z), with 1 - z in place of z for the second of two.
+        let gap = sign * (result - expression);
+        match single {
+            Some(first) if k == 1 => lowering.affine_row(gap - m * first, none, 0.0)?,
+            Some(first) => lowering.affine_row(gap + m * first, none, m)?,
+            None => {
+                let chosen = lowering.column("is", VariableKind::Binary, 0.0, 1.0)?;
+                one += chosen;
+                lowering.affine_row(gap + m * chosen, none, m)?;
+            }
+        }
+    }
+    if single.is_none() {
+        lowering.affine_row(one, 1.0, 1.0)?;
+    }
+    Ok(())
+}
+
+/// The expressions that can be the largest (times `sign`); of equal ones the first.
+fn undominated<'a>(
+    of: &'a [Affine],
+    sign: f64,
+    lowering: &Lowering,
+) -> Result<Vec<&'a Affine>, Error> {
+    let mut kept: Vec<&Affine> = of.iter().collect();
+    let mut k = kept.len();
+    // From the back, so that the first of equal ones stays.
+    while k > 0 && kept.len() > 1 {
+        k -= 1;
+        for j in (0..kept.len()).filter(|&j| j != k) {
+            let ahead = lowering.model.range(&(sign * (kept[k] - kept[j])))?.upper;
+            if ahead <= 0.0 {
+                kept.remove(k);
+                break;
+            }
+        }
+    }
+    Ok(kept)
+}
+
+/// How far the extremum can be ahead of one of its expressions; noted in the report.
+fn miss(
+    expression: &Affine,
+    kept: &[&Affine],
+    sign: f64,
+    lowering: &mut Lowering,
+) -> Result<f64, Error> {
+    let mut most = 0.0;
+    let mut largest = None;
+    for &other in kept {
+        let ahead = sign * (other - expression);
+        let upper = lowering.model.range(&ahead)?.upper;
+        if upper.is_infinite() {
+            return Err(lowering.unbounded(&ahead, 1.0)?);
+        }
+        if upper > most {
+            most = upper;
+            let mut share = -1.0;
+            for (variable, coefficient) in ahead.terms() {
+                let width = (lowering.model.variable_ref(variable)?.bounds() * coefficient).width();
+                if width > share {
+                    (largest, share) = (Some(variable), width);
+                }
+            }
+        }
+    }
+    let most = add_up(most, 0.0);
+    lowering.report.entries.push(BigMEntry {
+        indicator: lowering.statement().to_string(),
+        side: if sign > 0.0 { Side::Upper } else { Side::Lower },
+        source: BigMSource::Bounds,
+        value: most,
+        needed: most,
+        largest: largest.map(|v| lowering.model.name_of(v)),
+    });
+    Ok(most)
+}

@@ -1,0 +1,88 @@
+//! Functions of variables to rows: bounds of their variables, and one file a kind.
+
+use super::direction::{self, Tie};
+use super::lowering::Lowering;
+use super::{extremum, piecewise, product};
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Affine, Function, FunctionRef, Variable};
+
+/// Adds the rows of one function and the bounds that follow for its variable.
+pub(super) fn apply(
+    function: &FunctionRef<'_>,
+    tie: Tie,
+    lowering: &mut Lowering,
+) -> Result<(), Error> {
+    lowering.begin(function.name());
+    let result = function.result();
+    let range = direction::range(&lowering.model, function.function())?;
+    lowering.tighten(result, range)?;
+    match function.function() {
+        Function::Product { factor, of } => product::apply(result, *factor, of, lowering),
+        Function::Absolute(of) => extremum::apply(result, &[of.clone(), -of], 1.0, tie, lowering),
+        Function::Maximum(of) => extremum::apply(result, of, 1.0, tie, lowering),
+        Function::Minimum(of) => extremum::apply(result, of, -1.0, tie, lowering),
+        Function::Piecewise { of, graph } => piecewise::apply(result, of, graph, tie, lowering),
+    }
+}
+
+impl Lowering {
+    /// Intersects a variable's bounds with what a function's range allows. Where nothing is left,
+    /// the bounds stay, and the rows say that there is no point.
+    fn tighten(&mut self, variable: Variable, range: Interval) -> Result<(), Error> {
+        let bounds = self.model.variable_ref(variable)?.bounds().intersection(range);
+        if bounds.lower <= bounds.upper {
+            self.model.set_bounds(variable, bounds.lower, bounds.upper)?;
+        }
+        Ok(())
+    }
+
+    /// The range of an expression, or the error that names the variable without a bound.
+    pub(super) fn bounded_range(&self, of: &Affine) -> Result<Interval, Error> {
+        let range = self.model.range(of)?;
+        for (missing, sign) in [(range.upper, 1.0), (range.lower, -1.0)] {
+            if missing.is_infinite() {
+                return Err(self.unbounded(of, sign)?);
+            }
+        }
+        Ok(range)
+    }
+
+    /// The error that names the variable because of which `sign * of` is unbounded above.
+    pub(super) fn unbounded(&self, of: &Affine, sign: f64) -> Result<Error, Error> {
+        for (variable, coefficient) in of.terms() {
+            let bounds = self.model.variable_ref(variable)?.bounds();
+            let (end, bound) = match sign * coefficient > 0.0 {
+                true => (bounds.upper, "upper"),
+                false => (bounds.lower, "lower"),
+            };
+            if end.is_infinite() {
+                return Ok(self.unbounded_function(variable, bound));
+            }
+        }
+        let name = self.statement().to_string();
+        Ok(Error::NotFinite { name, what: "the range", value: sign * f64::INFINITY })
+    }
+
+    pub(super) fn unbounded_function(&self, variable: Variable, bound: &'static str) -> Error {
+        let (function, variable) = (self.statement().to_string(), self.model.name_of(variable));
+        Error::UnboundedFunction { function, variable, bound }
+    }
+
+    /// Adds the row `lower <= expression <= upper`.
+    pub(super) fn affine_row(
+        &mut self,
+        expression: Affine,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Error> {
+        let (terms, constant) = expression.into_parts();
+        if lower == upper {
+            return self.row(terms, lower - constant, upper - constant);
+        }
+        // Outward, so that rounding the constant never cuts.
+        let lower = crate::interval::add_down(lower, -constant);
+        let upper = crate::interval::add_up(upper, -constant);
+        self.row(terms, lower, upper)
+    }
+}

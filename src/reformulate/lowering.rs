@@ -1,0 +1,101 @@
+//! The lowered model while it is made: its rows, their names, the auxiliary columns.
+
+use std::collections::BTreeMap;
+
+use super::logic::Part;
+use super::report::BigMReport;
+use crate::error::Error;
+use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
+
+/// What the reformulations share.
+pub(super) struct Lowering {
+    /// The model so far.
+    pub(super) model: Model,
+    /// The big-Ms so far.
+    pub(super) report: BigMReport,
+    /// Auxiliary binaries of formulas; shared by all statements.
+    pub(super) parts: BTreeMap<Formula, Part>,
+    /// The statement that is being lowered, and how many names were made from its own.
+    statement: Name,
+    named: usize,
+}
+
+impl Lowering {
+    pub(super) fn new(model: &Model) -> Self {
+        Lowering {
+            model: model.with_rows_only(),
+            report: BigMReport::default(),
+            parts: BTreeMap::new(),
+            statement: Name::from("model"),
+            named: 0,
+        }
+    }
+
+    /// From here on, rows and columns are named after this statement.
+    pub(super) fn begin(&mut self, statement: &Name) {
+        self.statement = statement.clone();
+        self.named = 0;
+    }
+
+    pub(super) fn statement(&self) -> &Name {
+        &self.statement
+    }
+
+    /// Adds a row under the statement's name, `name`, `name_2`, ...
+    pub(super) fn row(
+        &mut self,
+        terms: Vec<(Variable, f64)>,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Error> {
+        loop {
+            self.named += 1;
+            let name = match self.named {
+                1 => self.statement.clone(),
+                k => self.statement.suffixed(&format!("_{k}")),
+            };
+            let row = StoredRow { terms: terms.clone(), lower, upper };
+            match self.model.push_constraint(name, row) {
+                Ok(_) => return Ok(()),
+                Err(Error::DuplicateName { .. }) => {}
+                Err(other) => return Err(other),
+            }
+        }
+    }
+
+    /// Adds a row under the statement's name with a suffix, and underscores where that is taken.
+    pub(super) fn row_named(
+        &mut self,
+        suffix: &str,
+        terms: Vec<(Variable, f64)>,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Error> {
+        let mut name = self.statement.suffixed(suffix);
+        loop {
+            let row = StoredRow { terms: terms.clone(), lower, upper };
+            match self.model.push_constraint(name.clone(), row) {
+                Ok(_) => return Ok(()),
+                Err(Error::DuplicateName { .. }) => name = name.suffixed("_"),
+                Err(other) => return Err(other),
+            }
+        }
+    }
+
+    /// Adds an auxiliary column named after the statement, `name_part1`, `name_part2`, ...
+    pub(super) fn column(
+        &mut self,
+        what: &str,
+        kind: VariableKind,
+        lower: f64,
+        upper: f64,
+    ) -> Result<Variable, Error> {
+        for k in 1.. {
+            let name = self.statement.suffixed(&format!("_{what}{k}"));
+            if self.model.variable_by_name(name.clone()).is_err() {
+                return self.model.variable(name, kind, lower, upper);
+            }
+        }
+        unreachable!("a model has finitely many names")
+    }
+}
