@@ -201,7 +201,7 @@ impl ReachSets {
         let mut forward = std::mem::take(&mut tube.forward);
         forward.truncate(from + 1);
         for t in from..tube.steps {
-            if t % STOP_EVERY == 0 && stop() {
+            if t.is_multiple_of(STOP_EVERY) && stop() {
                 return None;
             }
             tube.predictions[t].fill(None);
@@ -257,7 +257,7 @@ impl ReachSets {
         backward.truncate(tube.steps - to + 1);
         for to_go in tube.steps - to + 1..=tube.steps {
             let t = tube.steps - to_go;
-            if t % STOP_EVERY == 0 && stop() {
+            if t.is_multiple_of(STOP_EVERY) && stop() {
                 return None;
             }
             let system = Arc::clone(self.system_at(t));
