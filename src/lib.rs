@@ -9,8 +9,8 @@
 //!   products, absolute values, extrema and piecewise-affine functions;
 //! * a trait [`Solver`](solver::Solver) and our own [`BranchAndBound`] over interior-point
 //!   relaxations, which claims nothing that it has not verified;
-//! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators, and the
-//!   search for the shortest horizon;
+//! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators,
+//!   [reach sets](hybrid::reach), and the search for the shortest horizon;
 //! * one paper's planner, [`collision_tolerant`], built only from these public parts: a vehicle
 //!   that may *choose* to hit a wall, under a damage limit, because that is faster.
 //!
@@ -147,6 +147,26 @@
 //! let solution = BranchAndBound::new(options).solve(&model)?;
 //! assert!(solution.bound() >= 165.0 - 1e-6);
 //! assert!(solution.objective().is_none_or(|value| value <= 165.0));
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
+//! # Before anything is solved
+//!
+//! The states that can be reached and those from which the goal still can be reached say a great
+//! deal about a horizon program: most of its binaries, its bounds, and often that it has no
+//! solution. [`hybrid::reach`] computes them for any low-dimensional hybrid system;
+//! [`collision_tolerant`] uses them by default and says in words why there is no plan:
+//!
+//! ```
+//! use carom::collision_tolerant::{Scenario, explain};
+//!
+//! let careful = Scenario::paper().with_time_step(0.05).collision_free();
+//! let reason = explain(&careful, 51)?.expect("51 steps are too few");
+//! assert_eq!(
+//!     reason.to_string(),
+//!     "no plan has 51 steps: at the end, without an event, where x is 0.3, v can only be between \
+//!      -11.12874 and -0.26529, and 0 is needed. It might be possible with twice the range of a"
+//! );
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!

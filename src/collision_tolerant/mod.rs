@@ -11,6 +11,7 @@
 //! | a plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
 //! | the shortest plan, proved | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
 //! | what comes back | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
+//! | what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
 //! | limits on damage | [`damage_interval()`] | |
 //!
 //! Every plan is replayed by two simulators that share no code with the programs' rows; one that

@@ -1,8 +1,8 @@
-//! Parts for hybrid dynamics: linear steps, horizons, walls, contact laws, damage, replays, and
-//! the search for the shortest horizon.
+//! Parts for hybrid dynamics: linear steps, horizons, walls, contact laws, damage, replays, reach
+//! sets, and the search for the shortest horizon.
 //!
-//! Everything here writes ordinary statements into a [`Model`](crate::model::Model) or reads plain
-//! numbers; nothing knows how a model is solved. Facilities that need solves take a
+//! Everything here writes ordinary statements into a [`Model`](crate::model::Model), tightens them
+//! ([`reach`]) or reads plain numbers; nothing knows how a model is solved. Facilities that need solves take a
 //! `&mut dyn` [`Solver`](crate::solver::Solver).
 //!
 //! A vehicle that may hit a wall, over three steps:

@@ -1,8 +1,11 @@
 //! What tubes write into programs: no plan is ever lost.
 
 use carom::collision_tolerant::{Endpoint, Objective, Program, Scenario};
-use carom::hybrid::reach::{Reason, TighteningReport};
-use carom::hybrid::{ContactLaw, DamageLimits, Wall};
+use carom::hybrid::reach::{
+    HorizonVariables, HybridSystem, ReachSets, Reason, SetOptions, TighteningReport, Transition,
+};
+use carom::hybrid::{ContactLaw, DamageLimits, LinearSystem, Mat, Wall};
+use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -142,11 +145,41 @@ fn the_report_says_what_was_done_and_why() {
     );
     assert_eq!(report.to_string(), text);
 
+    // The row is optional.
+    let mut plain = Program::build(&scenario, 48, Objective::Feasibility).unwrap();
+    let variables = plain.horizon_variables(&scenario).with_event_row(false);
+    let without = tube.tighten(&mut plain.model, &variables).unwrap();
+    assert_eq!((without.rows.len(), without.fixed.len()), (0, report.fixed.len()));
+
     // The tightened program has a plan, and its automatic big-Ms are those of its steps.
     let solution = BranchAndBound::default().solve(&program.model).unwrap();
     assert!(solution.is_optimal());
     let hits: f64 = zeta.iter().map(|z| solution.value(z).unwrap()).sum();
     assert!(hits >= 1.0);
+}
+
+#[test]
+fn modes_that_are_no_events_need_no_row() {
+    // Two gears, none of them an event: the number of events says nothing.
+    let mut model = Model::new("gears");
+    let x = model.continuous_family("x", 6, -9.0, 9.0).unwrap();
+    let second = model.binary_family("second", 5).unwrap();
+    let gear = |gain: f64| {
+        let (a, b) = (Mat::from_fn(1, 1, |_, _| 1.0), Mat::from_fn(1, 1, |_, _| gain));
+        LinearSystem::new(a, b, vec![0.0]).unwrap()
+    };
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(-9.0, 9.0))
+        .with_input("u", Interval::new(-1.0, 1.0))
+        .with_transition(Transition::new("first", gear(0.5)))
+        .with_transition(Transition::new("second", gear(1.0)));
+    let at = |x| [Interval::point(x)];
+    let mut sets = ReachSets::new(&system, &at(0.0), &at(4.0), SetOptions::default()).unwrap();
+    let tube = sets.tube(5).unwrap();
+    let variables = HorizonVariables::new([x]).with_transition(1, second);
+    let report = tube.tighten(&mut model, &variables).unwrap();
+    assert_eq!((report.open, report.rows.len(), tube.fewest_events()), (5, 0, Some(0)));
+    assert!(!report.tightened.is_empty());
 }
 
 #[test]

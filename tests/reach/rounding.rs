@@ -122,4 +122,7 @@ fn rounding_loosens_sets_by_very_little() {
     let [x, v] = set.bounding_box()[..] else { panic!("two states") };
     assert!(x.contains(1e4 + 2.0) && x.width() < 1e-6, "{x:?}");
     assert!(v.contains(-3.0) && v.width() < 1e-9, "{v:?}");
+    // The set says itself how much that is.
+    let margin = set.margin();
+    assert!(margin[0] > 0.0 && x.width() <= 2.1 * margin[0] && margin[1] <= v.width());
 }

@@ -157,6 +157,23 @@ fn a_task_without_any_plan_is_refuted_without_a_solve() {
 }
 
 #[test]
+fn an_explanation_names_sets_and_ranges() {
+    let scenario = Scenario::paper().with_restitution(0.5).unwrap();
+    let explanation = carom::collision_tolerant::explain(&scenario, 484).unwrap().unwrap();
+    assert_eq!((explanation.steps, explanation.sample), (484, 484));
+    assert_eq!(explanation.remedies, ["with twice the range of a"]);
+    let text = explanation.to_string();
+    assert!(text.starts_with("no plan has 484 steps: at the end, without an event, "), "{text}");
+    assert!(text.contains("; with 1 event, where x is 0.3, v can only be between 0.00"), "{text}");
+    // What limits it is named when it is a wish.
+    let gentle = DamageLimits::default().with_per_impact(3.0);
+    let text = carom::collision_tolerant::explain(&scenario.with_damage(gentle), 486);
+    let text = text.unwrap().unwrap().to_string();
+    assert!(text.ends_with("or without the limit on the impact speed (3)"), "{text}");
+    assert_eq!(carom::collision_tolerant::explain(&scenario, 485).unwrap(), None);
+}
+
+#[test]
 fn a_goal_a_hair_beside_the_wall_is_on_the_wall() {
     // A plastic impact ends at 0 m; the solver cannot tell that from the goal.
     let goal = Endpoint::at_rest(6.938893903907228e-18);

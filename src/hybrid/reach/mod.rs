@@ -13,6 +13,7 @@
 //! | everything about one horizon | [`Tube`] |
 //! | write it into a program | [`Tube::tighten`], [`HorizonVariables`], [`TighteningReport`] |
 //! | why there is no plan | [`ReachSets::explain`], [`Explanation`] |
+//! | a picture, with a plan in it | [`Tube::to_svg`], [`ReachSet::outline`] |
 //!
 //! [`shortest_horizon`](super::shortest_horizon()) uses all of it for a
 //! [`HorizonModel`](super::HorizonModel) that offers its
@@ -87,6 +88,7 @@
 
 mod compiled;
 mod explain;
+mod picture;
 mod polygon;
 mod rounding;
 mod set;

@@ -160,6 +160,20 @@ impl ReachSet {
         bounding_box(&self.system, &self.shapes)
     }
 
+    /// How far rounding may have enlarged the set along each state, in the state's unit, where that
+    /// is known: for states in blocks of two. Template limits have their rounding in themselves.
+    pub fn margin(&self) -> Vec<f64> {
+        let mut margin = vec![0.0; self.system.states.len()];
+        for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {
+            if let Shape::Planar(polygon) = shape {
+                for (k, &state) in block.states.iter().enumerate() {
+                    margin[state] = polygon.margin()[k];
+                }
+            }
+        }
+        margin
+    }
+
     /// The corners of the set's shadow on two states, counter-clockwise, for drawing: the exact
     /// polygon where the two states make up a block, their bounding box otherwise. One corner is a
     /// point, two are a segment.

@@ -23,7 +23,7 @@ use crate::tolerance;
 /// assert_eq!(variables.states.len(), 2);
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HorizonVariables {
     /// One family per state, in the system's order, each over the samples 0, ..., τ.
@@ -33,6 +33,8 @@ pub struct HorizonVariables {
     pub transitions: Vec<(usize, Family)>,
     /// Variables that are functions of the predictions.
     pub quantities: Vec<Quantity>,
+    /// Whether a row on the number of events may be added (default yes).
+    pub event_row: bool,
 }
 
 /// Variables over the steps that are, in each transition, an affine function of the prediction:
@@ -44,6 +46,13 @@ pub struct Quantity {
     pub family: Family,
     /// Per transition, one factor per state and a constant.
     pub values: Vec<(Vec<f64>, f64)>,
+}
+
+impl Default for HorizonVariables {
+    fn default() -> Self {
+        let (states, transitions, quantities) = (Vec::new(), Vec::new(), Vec::new());
+        HorizonVariables { states, transitions, quantities, event_row: true }
+    }
 }
 
 impl HorizonVariables {
@@ -68,6 +77,13 @@ impl HorizonVariables {
         values: impl Into<Vec<(Vec<f64>, f64)>>,
     ) -> Self {
         self.quantities.push(Quantity { family, values: values.into() });
+        self
+    }
+
+    /// Sets whether a row on the number of events may be added.
+    #[must_use]
+    pub fn with_event_row(mut self, wanted: bool) -> Self {
+        self.event_row = wanted;
         self
     }
 
@@ -299,7 +315,8 @@ impl Tube {
             .collect();
         let fewest = self.fewest_events().unwrap_or(0);
         let says_nothing = fewest == 0 && self.most_events().is_none();
-        if open < 2 || families.len() < events().count() || says_nothing {
+        let incomplete = families.is_empty() || families.len() < events().count();
+        if !variables.event_row || open < 2 || incomplete || says_nothing {
             return Ok(None);
         }
         let total: Affine = families.into_iter().flatten().sum();
