@@ -74,6 +74,31 @@ fn searches(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A horizon with time to spare and a cost: most binaries stay open, so that the sets help little.
+/// What they cost is to be seen beside the solve.
+fn time_to_spare(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("time_to_spare_30_steps");
+    group.sample_size(10);
+    let scenario = scenario(0.1);
+    let program = Program::build(&scenario, 30, Objective::Effort);
+    let program = program.expect("the paper's scenario is valid");
+    let variables = program.horizon_variables(&scenario);
+    group.bench_function("sets", |b| {
+        b.iter_batched(
+            || program.model.clone(),
+            |mut model| {
+                let mut sets = scenario.reach_sets()?;
+                sets.tube(30)?.tighten(&mut model, &variables)
+            },
+            BatchSize::LargeInput,
+        )
+    });
+    group.bench_function("solve", |b| {
+        b.iter(|| BranchAndBound::default().solve(black_box(&program.model)))
+    });
+    group.finish();
+}
+
 /// A mass on each of some lines, and a chain of three integrators.
 fn more_states(criterion: &mut Criterion) {
     let dt = 0.05;
@@ -120,5 +145,5 @@ fn more_states(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, sweeps, searches, more_states);
+criterion_group!(benches, sweeps, searches, time_to_spare, more_states);
 criterion_main!(benches);
