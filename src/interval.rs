@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Mul, Neg};
 
+use crate::error::Error;
+
 /// A closed interval `[lower, upper]`, either end possibly infinite.
 ///
 /// Every operation rounds outward by one unit in the last place where it is inexact, so a result
@@ -53,6 +55,20 @@ impl Interval {
     /// Whether both ends are finite.
     pub fn is_bounded(&self) -> bool {
         self.lower.is_finite() && self.upper.is_finite()
+    }
+
+    /// Refuses ends that are not finite or crossed, in the name of a variable or limit.
+    pub(crate) fn check(&self, name: &str) -> Result<(), Error> {
+        let Interval { lower, upper } = *self;
+        for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
+            if !value.is_finite() {
+                return Err(Error::NotFinite { name: name.into(), what, value });
+            }
+        }
+        if lower > upper {
+            return Err(Error::CrossedBounds { name: name.into(), lower, upper });
+        }
+        Ok(())
     }
 
     /// The largest magnitude of a member.

@@ -242,13 +242,13 @@ impl Scenario {
         if !value.is_finite() {
             return Err(Error::NotFinite { name: "wall".into(), what, value });
         }
-        check_interval("acceleration", self.acceleration)?;
+        self.acceleration.check("acceleration")?;
         if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
             let (what, range) = ("the largest speed (m/s)".into(), "finite and positive".into());
             return Err(Error::OutOfRange { what, value: self.max_speed, range });
         }
         if let Some(domain) = self.domain {
-            check_interval("domain", domain)?;
+            domain.check("domain")?;
         }
         self.check_end("start", &self.start)?;
         self.check_end("goal", &self.goal)
@@ -364,19 +364,6 @@ impl Scenario {
         let time = sprint.max(distance / self.max_speed);
         ((time / self.time_step) as usize).max(1)
     }
-}
-
-fn check_interval(name: &str, interval: Interval) -> Result<(), Error> {
-    let Interval { lower, upper } = interval;
-    for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
-        if !value.is_finite() {
-            return Err(Error::NotFinite { name: name.into(), what, value });
-        }
-    }
-    if lower > upper {
-        return Err(Error::CrossedBounds { name: name.into(), lower, upper });
-    }
-    Ok(())
 }
 
 fn side_name(free: FreeSide) -> &'static str {

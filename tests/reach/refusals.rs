@@ -44,6 +44,14 @@ fn systems_whose_parts_do_not_fit() {
     let mut crossed = push();
     crossed.inputs[0].1 = Interval::new(1.0, -1.0);
     assert_eq!(refused(crossed), "bounds of `a` are crossed: 1 > -1; swap or relax them");
+    let mut huge = push();
+    huge.states[0].1.upper = 1e20;
+    assert_eq!(
+        refused(huge),
+        "a limit of `x` is 100000000000000000000; it must be below 1e20 in magnitude"
+    );
+    let overflowing = Halfspace::new("overflowing", [1e300, 0.0], 1.0);
+    assert!(refused(push().with_limit(overflowing)).starts_with("a number of `overflowing` is 1"));
     let short = Halfspace::new("short", [1.0], 0.0);
     assert_eq!(
         refused(push().with_limit(short)),

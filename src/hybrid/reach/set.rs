@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::compiled::{Compiled, Cut};
 use super::shape::{Geometry, Shape};
-use super::system::check_range;
+use super::system::check_ends;
 use crate::error::Error;
 use crate::interval::Interval;
 
@@ -46,7 +46,7 @@ impl ReachSet {
         margin: f64,
     ) -> Result<Result<Self, Emptied>, Error> {
         for ((name, _), range) in system.states.iter().zip(ranges) {
-            check_range(name, *range)?;
+            check_ends(name, *range)?;
         }
         let wide = |i: &usize| {
             let range = ranges[*i];
@@ -109,7 +109,7 @@ impl ReachSet {
     pub fn contains(&self, state: &[f64]) -> Result<bool, Error> {
         self.check_length("the state", state.len())?;
         for ((name, _), &value) in self.system.states.iter().zip(state) {
-            check_range(name, Interval::point(value))?;
+            check_ends(name, Interval::point(value))?;
         }
         Ok(self.system.blocks.iter().zip(&self.shapes).all(|(block, shape)| {
             let point: Vec<f64> = block.states.iter().map(|&i| state[i]).collect();

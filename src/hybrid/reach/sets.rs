@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::compiled::Compiled;
 use super::set::{Emptied, ReachSet};
 use super::step::{predecessors, successors};
-use super::system::{HybridSystem, check_range};
+use super::system::{HybridSystem, check_ends};
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
@@ -224,7 +224,7 @@ impl ReachSets {
             return Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") });
         }
         for ((name, _), range) in self.source.inputs.iter().zip(inputs) {
-            check_range(name, *range)?;
+            check_ends(name, *range)?;
         }
         let (margin, further) = (self.options.margin, &self.options.directions);
         let compiled = Compiled::new(&self.source, inputs, margin, &self.sizes, further);

@@ -5,6 +5,7 @@ use faer::Mat;
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
+use crate::tolerance::INFINITE;
 
 /// A named half-space `normal . state <= limit`.
 ///
@@ -204,7 +205,7 @@ impl HybridSystem {
             }
         }
         for (name, range) in self.states.iter().chain(&self.inputs) {
-            check_range(name, *range)?;
+            check_ends(name, *range)?;
         }
         let n = self.states.len();
         for limit in &self.limits {
@@ -229,6 +230,12 @@ impl Transition {
         for guard in self.guards.iter().chain(&self.prediction_guards) {
             check_halfspace(guard, states)?;
         }
+        let (a, b, c) = (self.flow.a(), self.flow.b(), self.flow.c());
+        let flow = (0..n).flat_map(|i| {
+            let row = (0..n).map(move |j| a[(i, j)]).chain((0..m).map(move |j| b[(i, j)]));
+            row.chain([c[i]])
+        });
+        check_numbers(&self.name, "an entry of the flow", flow)?;
         let Some(Reset { matrix, offset }) = &self.reset else { return Ok(()) };
         let (rows, columns) = (matrix.nrows(), matrix.ncols());
         if rows != states || columns != states {
@@ -238,13 +245,7 @@ impl Transition {
             return shape("the offset of a reset", offset.len(), 1, format!("{states}x1"));
         }
         let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
-        match entries.chain(offset.iter().copied()).find(|entry| !entry.is_finite()) {
-            None => Ok(()),
-            Some(value) => {
-                let (name, what) = (self.name.clone(), "an entry of the reset");
-                Err(Error::NotFinite { name, what, value })
-            }
-        }
+        check_numbers(&self.name, "an entry of the reset", entries.chain(offset.iter().copied()))
     }
 }
 
@@ -260,24 +261,30 @@ fn check_halfspace(halfspace: &Halfspace, states: usize) -> Result<(), Error> {
         });
     }
     let numbers = halfspace.normal.iter().chain([&halfspace.limit]);
-    match numbers.copied().find(|number| !number.is_finite()) {
-        None => Ok(()),
-        Some(value) => {
-            let (name, what) = (halfspace.name.clone(), "a number");
-            Err(Error::NotFinite { name, what, value })
-        }
-    }
+    check_numbers(&halfspace.name, "a number", numbers.copied())
 }
 
-pub(super) fn check_range(name: &str, range: Interval) -> Result<(), Error> {
-    let Interval { lower, upper } = range;
-    for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
+/// Refuses ranges whose ends are not finite, crossed, or too large.
+pub(super) fn check_ends(name: &str, range: Interval) -> Result<(), Error> {
+    range.check(name)?;
+    check_numbers(name, "a limit", [range.lower, range.upper].into_iter())
+}
+
+/// Refuses numbers that are not finite, and those that count as infinite: products of them could
+/// overflow, and a set with a corner nowhere contains nothing.
+fn check_numbers(
+    name: &str,
+    what: &'static str,
+    numbers: impl Iterator<Item = f64>,
+) -> Result<(), Error> {
+    for value in numbers {
         if !value.is_finite() {
             return Err(Error::NotFinite { name: name.into(), what, value });
         }
-    }
-    if lower > upper {
-        return Err(Error::CrossedBounds { name: name.into(), lower, upper });
+        if value.abs() >= INFINITE {
+            let (what, range) = (format!("{what} of `{name}`"), "below 1e20 in magnitude".into());
+            return Err(Error::OutOfRange { what, value, range });
+        }
     }
     Ok(())
 }
