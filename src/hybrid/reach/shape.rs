@@ -301,6 +301,17 @@ impl Shape {
         sum
     }
 
+    /// Becomes `whole`, which holds everything that matters, where rounding has outgrown that: a map
+    /// that nearly flattens magnifies the margin whenever it is undone, and limits do not cut it.
+    pub(super) fn keep_within(&mut self, whole: &Shape) {
+        if let (Shape::Planar(polygon), Shape::Planar(most)) = (&mut *self, whole)
+            && !polygon.is_empty()
+            && polygon.has_outgrown(most)
+        {
+            *polygon = most.clone();
+        }
+    }
+
     /// The sum with the box `[-r, r]`.
     pub(super) fn widen(&mut self, geometry: &Geometry, by: &[f64]) {
         match (self, geometry) {
