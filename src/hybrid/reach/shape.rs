@@ -140,6 +140,18 @@ impl Shape {
         }
     }
 
+    /// The largest coordinate of its points, or something that is no smaller.
+    pub(super) fn size(&self) -> f64 {
+        let worse = |a: f64, b: f64| if a.is_nan() || a >= b { a } else { b };
+        match self {
+            Shape::Planar(polygon) => {
+                let axes = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+                axes.map(|axis| polygon.support(axis).abs()).into_iter().fold(0.0, worse)
+            }
+            Shape::Template(set) => set.limits.iter().map(|limit| limit.abs()).fold(0.0, worse),
+        }
+    }
+
     /// Carries the limits of a template over to each other, after some of them were lowered.
     pub(super) fn settle(&mut self, geometry: &Geometry) {
         if let (Shape::Template(set), Geometry::Template(_, own)) = (self, geometry) {
