@@ -180,3 +180,11 @@ fn states_too_large_to_compute_with() {
     let mut sets = ReachSets::new(&wide, &REST, &REST, SetOptions::default()).unwrap();
     assert!(!sets.tube(30).unwrap().is_empty());
 }
+
+#[test]
+fn one_step_is_no_plural() {
+    let far = [Interval::point(5.0), Interval::point(0.0)];
+    let mut sets = ReachSets::new(&push(), &REST, &far, SetOptions::default()).unwrap();
+    let text = sets.explain(1).unwrap().unwrap().to_string();
+    assert!(text.starts_with("no plan has 1 step: "), "{text}");
+}
