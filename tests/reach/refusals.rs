@@ -172,3 +172,27 @@ fn programs_that_do_not_fit_the_tube() {
         Err(Error::ForeignHandle { .. })
     ));
 }
+
+#[test]
+fn states_too_large_to_compute_with() {
+    let mut wide = push();
+    wide.states[0].1 = Interval::new(-1e308, 1e308);
+    let text = |system: &HybridSystem| {
+        ReachSets::new(system, &REST, &REST, SetOptions::default()).unwrap_err().to_string()
+    };
+    assert!(text(&wide).contains("the size of the domain of x, v"), "{}", text(&wide));
+    let flow = LinearSystem::new(Mat::from_fn(2, 2, |_, _| 1e100), Mat::zeros(2, 1), vec![0.0; 2]);
+    let steep = push().with_transition(Transition::new("leap", flow.unwrap()));
+    assert!(text(&steep).contains("the size of what leap can lead to"), "{}", text(&steep));
+    wide.states[0].1 = Interval::new(-1e30, 1e30);
+    let mut sets = ReachSets::new(&wide, &REST, &REST, SetOptions::default()).unwrap();
+    assert!(!sets.tube(30).unwrap().is_empty());
+}
+
+#[test]
+fn one_step_is_no_plural() {
+    let far = [Interval::point(5.0), Interval::point(0.0)];
+    let mut sets = ReachSets::new(&push(), &REST, &far, SetOptions::default()).unwrap();
+    let text = sets.explain(1).unwrap().unwrap().to_string();
+    assert!(text.starts_with("no plan has 1 step: "), "{text}");
+}

@@ -1,10 +1,11 @@
 //! Random runs never leave the sets.
 
-use carom::hybrid::reach::{ReachSets, SetOptions, Tube};
+use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions, Transition, Tube};
+use carom::hybrid::{LinearSystem, Mat};
 use carom::interval::Interval;
 use proptest::prelude::*;
 
-use crate::systems::{Step, System, choices, system};
+use crate::systems::{Mode, Step, System, choices, system};
 
 /// Rounding of the runs themselves, which are computed in floating point.
 const NOISE: f64 = 1e-9;
@@ -100,4 +101,67 @@ fn random_runs_are_not_trivial() {
     }
     assert!(long > 60 && eventful > 40, "{long} long, {eventful} with events");
     assert!(sizes.iter().all(|&count| count > 20), "{sizes:?}");
+}
+
+/// A mode that nearly flattens the plane onto a line, along which its input pushes.
+fn flattening() -> impl Strategy<Value = Mode> {
+    let rest = prop_oneof![Just(0.0), Just(1e-7), 1e-9..1e-5_f64];
+    let vector = prop::collection::vec(-0.2..0.2_f64, 2);
+    (rest, vector, -0.5..0.5_f64, any::<bool>()).prop_map(|(rest, c, push, is_event)| Mode {
+        a: vec![vec![0.03 + rest, 0.05], vec![0.06, 0.1 + rest]],
+        b: vec![vec![push], vec![2.0 * push]],
+        c,
+        guards: Vec::new(),
+        prediction_guards: Vec::new(),
+        reset: None,
+        is_event,
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+
+    /// Undoing such a mode magnifies the sets a million times in every step, and the sets of the
+    /// samples are slivers in which rounding hides the order of the corners.
+    #[test]
+    fn runs_that_are_nearly_flattened_stay_in_the_sets(
+        modes in prop::collection::vec(flattening(), 1..=3),
+        start in prop::collection::vec(-1.0..1.0_f64, 2),
+        choices in prop::collection::vec((any::<u8>(), prop_oneof![Just(-1.0), Just(1.0)]), 40),
+        margin in prop_oneof![Just(1e-12), Just(4e-6)],
+        vertices in prop_oneof![Just(8_usize), Just(512)],
+    ) {
+        let system = System { states: 2, inputs: 1, modes };
+        let choices: Vec<(u8, Vec<f64>)> =
+            choices.into_iter().map(|(mode, input)| (mode, vec![input])).collect();
+        let run = system.run(&start, &choices);
+        prop_assert_eq!(run.len(), 40);
+        let goal = &run[run.len() - 1].next;
+        let options = SetOptions::default().with_vertices(vertices).with_margin(margin);
+        let mut sets =
+            ReachSets::new(&system.hybrid(), &points(&start), &points(goal), options).unwrap();
+        check_samples(&system, &mut sets, &start, &run);
+        check_tube(&sets.tube(run.len()).unwrap(), &start, &run);
+    }
+}
+
+/// A damped vehicle can always rest where it is. Undoing the damping magnifies rounding step by
+/// step, far beyond the domain in a long horizon.
+#[test]
+fn resting_under_damping_is_never_excluded() {
+    for (damping, steps) in [(1e-3, 120), (0.5, 1200)] {
+        let a = Mat::from_fn(2, 2, |i, j| [[1.0, 0.01], [0.0, damping]][i][j]);
+        let b = Mat::from_fn(2, 1, |i, _| [0.0, 0.01][i]);
+        let glide = LinearSystem::new(a, b, vec![0.0; 2]).unwrap();
+        let vehicle = HybridSystem::new()
+            .with_state("x", Interval::new(-50.0, 50.0))
+            .with_state("v", Interval::new(-10.0, 10.0))
+            .with_input("a", Interval::new(-1.0, 1.0))
+            .with_transition(Transition::new("glide", glide));
+        let rest = points(&[0.0, 0.0]);
+        let mut sets = ReachSets::new(&vehicle, &rest, &rest, SetOptions::default()).unwrap();
+        let tube = sets.tube(steps).unwrap();
+        assert_eq!(tube.died(), None, "damping {damping}");
+        assert!(tube.bounds(steps / 2).unwrap().iter().all(|range| range.contains(0.0)));
+    }
 }

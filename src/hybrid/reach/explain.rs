@@ -295,11 +295,15 @@ impl fmt::Display for Obstacle {
 
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no plan has {} steps: ", self.steps)?;
+        let steps = |count: usize| match count {
+            1 => "1 step".to_owned(),
+            _ => format!("{count} steps"),
+        };
+        write!(f, "no plan has {}: ", steps(self.steps))?;
         match self.sample {
             0 => write!(f, "at the start")?,
             sample if sample == self.steps => write!(f, "at the end")?,
-            sample => write!(f, "after {sample} steps")?,
+            sample => write!(f, "after {}", steps(sample))?,
         }
         for (k, finding) in self.findings.iter().enumerate() {
             f.write_str(if k == 0 { ", " } else { "; " })?;

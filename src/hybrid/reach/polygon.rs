@@ -73,16 +73,17 @@ impl Polygon {
             polygon.vertices = points;
             return polygon;
         }
-        let mut doubtful = 0_usize;
+        let mut lost = 0.0;
         let mut hull: Vec<Point> = Vec::with_capacity(points.len() + 1);
         let lower = points.iter().copied();
         let upper = points.iter().rev().copied();
-        extend_chain(&mut hull, lower, 0, &mut doubtful);
+        extend_chain(&mut hull, lower, 0, &mut lost);
         let base = hull.len() - 1;
-        extend_chain(&mut hull, upper.skip(1), base, &mut doubtful);
+        extend_chain(&mut hull, upper.skip(1), base, &mut lost);
         hull.pop();
         polygon.vertices = hull;
-        polygon.loosen(8 + doubtful);
+        polygon.loosen(8);
+        polygon.margin[1] += lost;
         polygon
     }
 
@@ -103,6 +104,14 @@ impl Polygon {
         for (margin, by) in self.margin.iter_mut().zip(by).filter(|(_, by)| *by > 0.0) {
             *margin = (*margin + by).next_up();
         }
+    }
+
+    /// Whether its margin is wider than another polygon, or no number any more.
+    pub(super) fn has_outgrown(&self, other: &Polygon) -> bool {
+        AXES.chunks(2).zip(self.margin).zip(self.size).any(|((axis, margin), size)| {
+            let width = other.support(axis[0]) + other.support(axis[1]);
+            !(margin <= width && size.is_finite())
+        })
     }
 
     /// Adds `count` roundings of the coordinates to the margin.
@@ -133,7 +142,32 @@ impl Polygon {
         if determinant < 0.0 {
             image.vertices.reverse();
         }
-        image
+        if image.is_surely_convex() {
+            return image;
+        }
+        // Nearly flattened: rounding may have mixed up the order of the vertices.
+        let mut hull = Polygon::hull_of(image.vertices, margin);
+        hull.size = size;
+        hull
+    }
+
+    /// Whether the vertices go round once and turn left at each of them, whatever rounding hides.
+    fn is_surely_convex(&self) -> bool {
+        let n = self.vertices.len();
+        let mut edge = minus(self.vertices[0], self.vertices[n - 1]);
+        let mut turns_back = 0;
+        for k in 0..n {
+            let next = minus(self.vertices[(k + 1) % n], self.vertices[k]);
+            let is_left = cross(edge, next) > 4.0 * EPSILON * turn_size(edge, next);
+            if !is_left {
+                return false;
+            }
+            // Where a way to the right ends.
+            let goes_right = |e: Point| e[0] > 0.0 || (e[0] == 0.0 && e[1] < 0.0);
+            turns_back += usize::from(goes_right(edge) && !goes_right(next));
+            edge = next;
+        }
+        turns_back == 1
     }
 
     /// The sum with the segment from `-generator` to `generator`.
@@ -142,10 +176,12 @@ impl Polygon {
             return self.clone();
         }
         let n = self.vertices.len();
+        let both = |v: &Point| [minus(*v, generator), plus(*v, generator)];
         if n < 3 {
-            let both = |v: &Point| [minus(*v, generator), plus(*v, generator)];
             let points = self.vertices.iter().flat_map(both).collect();
-            return Polygon::hull_of(points, self.margin);
+            let mut sum = Polygon::hull_of(points, self.margin);
+            sum.loosen(8);
+            return sum;
         }
         // To the right of the generator everything moves with it, to the left against it.
         let sides: Vec<f64> = self.vertices.iter().map(|&v| cross(generator, v)).collect();
@@ -157,6 +193,13 @@ impl Polygon {
             if sides[k] > sides[left] {
                 left = k;
             }
+        }
+        let noise = 16.0 * EPSILON * dot([generator[1].abs(), generator[0].abs()], self.size);
+        let is_wide = sides[left] - sides[right] > noise;
+        if !is_wide {
+            // A sliver along the generator: rounding hides which of its ends is which.
+            let points = self.vertices.iter().flat_map(both).collect();
+            return Polygon::hull_of(points, self.margin);
         }
         let mut vertices = Vec::with_capacity(n + 2);
         vertices.push(minus(self.vertices[right], generator));
@@ -309,10 +352,11 @@ impl Polygon {
             let q = plus(b, [reach * before[0], reach * before[1]]);
             let area = cross(minus(c, b), minus(b, q)).abs();
             // What rounding made of q must still leave b and c inside.
-            let slack = 4.0 * EPSILON * (q[0].abs() + q[1].abs() + b[0].abs() + b[1].abs());
+            let slack = |axis: usize| 4.0 * EPSILON * (q[axis].abs() + b[axis].abs());
             let covers = |from: Point, to: Point, p: Point| {
                 let side = minus(to, from);
-                cross(side, minus(p, from)) >= -slack * (side[0].abs() + side[1].abs())
+                let most = side[0].abs() * slack(1) + side[1].abs() * slack(0);
+                cross(side, minus(p, from)) >= -most
             };
             if reach >= 0.0 && area.is_finite() && covers(a, q, b) && covers(q, d, c) {
                 candidates.push((area, k, q));
@@ -349,30 +393,37 @@ fn sizes(points: &[Point]) -> Point {
     [along(0), along(1)]
 }
 
-/// Adds a sorted run to a hull, keeping left turns only; `doubtful` counts the points that were
-/// dropped although rounding hides on which side they lie.
+/// Adds a sorted run to a hull, keeping turns only that are certainly to the left: one that is not
+/// would hide from the points behind it that the ones before it have to go. `lost` adds up how far
+/// the points that were dropped for that may lie outside, along the second axis.
 fn extend_chain(
     hull: &mut Vec<Point>,
     points: impl Iterator<Item = Point>,
     base: usize,
-    doubtful: &mut usize,
+    lost: &mut f64,
 ) {
     for point in points {
         while hull.len() >= base + 2 {
             let (a, b) = (hull[hull.len() - 2], hull[hull.len() - 1]);
-            let (first, second) = (minus(b, a), minus(point, a));
+            // Edges from point to point: longer differences would hide short ones in their rounding.
+            let (first, second) = (minus(b, a), minus(point, b));
             let turn = cross(first, second);
-            if turn > 0.0 {
+            let noise = 4.0 * EPSILON * turn_size(first, second);
+            if turn > noise {
                 break;
             }
-            let noise = (first[0] * second[1]).abs() + (first[1] * second[0]).abs();
-            if turn >= -4.0 * EPSILON * noise {
-                *doubtful += 1;
+            if turn >= -noise {
+                *lost += 8.0 * EPSILON * (first[1].abs() + second[1].abs());
             }
             hull.pop();
         }
         hull.push(point);
     }
+}
+
+/// The size of the terms of a cross product, for its rounding.
+fn turn_size(first: Point, second: Point) -> f64 {
+    (first[0] * second[1]).abs() + (first[1] * second[0]).abs()
 }
 
 /// Looks for a separating line along the edges of `first` and along the axes.

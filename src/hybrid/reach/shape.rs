@@ -140,6 +140,18 @@ impl Shape {
         }
     }
 
+    /// The largest coordinate of its points, or something that is no smaller.
+    pub(super) fn size(&self) -> f64 {
+        let worse = |a: f64, b: f64| if a.is_nan() || a >= b { a } else { b };
+        match self {
+            Shape::Planar(polygon) => {
+                let axes = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+                axes.map(|axis| polygon.support(axis).abs()).into_iter().fold(0.0, worse)
+            }
+            Shape::Template(set) => set.limits.iter().map(|limit| limit.abs()).fold(0.0, worse),
+        }
+    }
+
     /// Carries the limits of a template over to each other, after some of them were lowered.
     pub(super) fn settle(&mut self, geometry: &Geometry) {
         if let (Shape::Template(set), Geometry::Template(_, own)) = (self, geometry) {
@@ -299,6 +311,17 @@ impl Shape {
             (Shape::Template(_), Geometry::Plane) => {}
         }
         sum
+    }
+
+    /// Becomes `whole`, which holds everything that matters, where rounding has outgrown that: a map
+    /// that nearly flattens magnifies the margin whenever it is undone, and limits do not cut it.
+    pub(super) fn keep_within(&mut self, whole: &Shape) {
+        if let (Shape::Planar(polygon), Shape::Planar(most)) = (&mut *self, whole)
+            && !polygon.is_empty()
+            && polygon.has_outgrown(most)
+        {
+            *polygon = most.clone();
+        }
     }
 
     /// The sum with the box `[-r, r]`.

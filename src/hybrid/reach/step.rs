@@ -25,6 +25,7 @@ pub(super) fn predict(
         };
         flown = flown.add_segments(&block.geometry, &step.generators);
         flown.widen(&block.geometry, &step.slack);
+        flown.keep_within(&step.predictions);
         check(&flown, b)?;
         let guard = |k| Place::Prediction(transition, k);
         cut(&mut flown, &block.geometry, &step.after, b, guard)?;
@@ -47,6 +48,7 @@ pub(super) fn arrive(
             None => shape.clone(),
         };
         next.widen(&block.geometry, &step.reset_slack);
+        next.keep_within(&block.domain);
         check(&next, b)?;
         cut(&mut next, &block.geometry, &block.limits, b, Place::Limit)?;
         settled(next, block, b)
@@ -91,12 +93,14 @@ fn predecessors_in(
         }
         None => shape.clone(),
     };
+    predicted.keep_within(&step.predictions);
     check(&predicted, b)?;
     cut(&mut predicted, geometry, &step.after, b, |k| Place::Prediction(transition, k))?;
     // Segments are symmetric, so adding them also undoes them.
     let mut free = predicted.add_segments(geometry, &step.generators);
     free.widen(geometry, &step.slack);
     let mut start = free.preimage(geometry, &step.flow, &block.domain);
+    start.keep_within(&block.domain);
     check(&start, b)?;
     cut(&mut start, geometry, &step.before, b, |k| Place::Guard(transition, k))?;
     cut(&mut start, geometry, &block.limits, b, Place::Limit)?;
