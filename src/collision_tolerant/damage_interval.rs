@@ -224,7 +224,12 @@ impl Search<'_> {
             let limit = if below > end.bound { below } else { 0.5 * (end.attained + end.bound) };
             match self.feasible(steps, Some(limit))? {
                 Answer::Plan(plan) => {
-                    end.attained = self.soften(steps, &plan)?;
+                    let attained = self.soften(steps, &plan)?;
+                    if attained >= end.attained {
+                        // The limit is within the solver's tolerance of what was attained.
+                        break;
+                    }
+                    end.attained = attained;
                     step *= 4.0;
                 }
                 Answer::Refuted => {
@@ -242,7 +247,8 @@ impl Search<'_> {
         let mut scenario = self.scenario;
         scenario.damage.per_impact = limit;
         let mut program = Program::build(&scenario, steps, Objective::Feasibility)?;
-        match tighten(&scenario, &mut scenario.reach_sets()?, &mut program)? {
+        let stop = || self.budget.exhausted().is_some();
+        match tighten(&scenario, &mut scenario.reach_sets()?, &mut program, &stop)? {
             true => self.solve(&program),
             false => Ok(Answer::Refuted),
         }

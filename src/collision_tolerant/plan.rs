@@ -5,7 +5,7 @@ use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::Error;
-use crate::hybrid::{ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
+use crate::hybrid::{Budget, ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
 use crate::solution::{Solution, Statistics, Termination, Verification};
 use crate::solver::{Control, Solver};
 use crate::tolerance;
@@ -134,7 +134,9 @@ pub fn plan_with(
     control: &mut Control<'_>,
 ) -> Result<PlanOutcome, Error> {
     let mut program = Program::build(scenario, steps, objective)?;
-    if !tighten(scenario, &mut scenario.reach_sets()?, &mut program)? {
+    let budget = Budget::new(solver.options().time_limit, control.interrupt());
+    let stop = || budget.exhausted().is_some();
+    if !tighten(scenario, &mut scenario.reach_sets()?, &mut program, &stop)? {
         return Ok(PlanOutcome::Infeasible(Statistics::default()));
     }
     let solution = solver.solve_with(&program.model, control)?;

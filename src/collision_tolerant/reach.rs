@@ -147,14 +147,15 @@ pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<Explanation>,
     scenario.reach_sets()?.explain(steps)
 }
 
-/// The model of a program whose horizon's tube has been written into it; `false` when the tube
-/// proves that there is no plan.
+/// Writes the tube of a program's horizon into it; `false` when the tube proves that there is no
+/// plan. When it is asked to stop, the program stays as it is.
 pub(super) fn tighten(
     scenario: &Scenario,
     sets: &mut ReachSets,
     program: &mut Program,
+    stop: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
-    let tube = sets.tube(program.horizon.steps())?;
+    let Some(tube) = sets.tube_unless(program.horizon.steps(), stop)? else { return Ok(true) };
     let variables = program.horizon_variables(scenario);
     let model: &mut Model = &mut program.model;
     Ok(!tube.tighten(model, &variables)?.infeasible)

@@ -223,6 +223,7 @@ impl Work<'_> {
                 }
                 1 => {
                     let (j, a) = (columns[single], coefficients[single]);
+                    let slack = slack + 4.0 * f64::EPSILON * scale;
                     let (p, q) = ((l - constant - slack) / a, (u - constant + slack) / a);
                     self.intersect(j, p.min(q), p.max(q))?;
                     changed |= self.fixed[j];

@@ -7,12 +7,8 @@ use super::rounding::EPSILON;
 use super::shape::{Geometry, Map, Matrix, Shape};
 use super::system::{Halfspace, HybridSystem};
 use super::template::Template;
-use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance::row_scale;
-
-/// Largest coordinate of a set: products of four of them are still finite.
-const MOST_SIZE: f64 = 1e60;
 
 /// States whose sets are kept together: nothing links them to the others.
 #[derive(Debug, Clone)]
@@ -90,30 +86,6 @@ impl Compiled {
             states: system.states.clone(),
             transitions: transitions.collect(),
         }
-    }
-
-    /// Refuses systems whose sets would be too large to compute with: their products must be
-    /// numbers.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        let refuse = |what: String, value| {
-            let range = format!("at most {MOST_SIZE:e}");
-            Err(Error::OutOfRange { what, value, range })
-        };
-        for block in &self.blocks {
-            let size = block.domain.size();
-            if size.is_nan() || size > MOST_SIZE {
-                let names: Vec<&str> =
-                    block.states.iter().map(|&i| self.states[i].0.as_str()).collect();
-                return refuse(format!("the size of the domain of {}", names.join(", ")), size);
-            }
-            for (step, (name, _)) in block.steps.iter().zip(&self.transitions) {
-                let size = step.predictions.size();
-                if size.is_nan() || size > MOST_SIZE {
-                    return refuse(format!("the size of what {name} can lead to"), size);
-                }
-            }
-        }
-        Ok(())
     }
 }
 
@@ -267,7 +239,8 @@ fn geometry(system: &HybridSystem, further: &[Vec<f64>], states: &[usize]) -> Ge
         }
     }
     let template = Template::new(states.len(), &directions);
-    let own = template.directions().iter().map(|d| template.combinations(d)).collect();
+    let exact = vec![0.0; states.len()];
+    let own = template.directions().iter().map(|d| template.combinations(d, &exact)).collect();
     Geometry::Template(template, own)
 }
 

@@ -169,8 +169,8 @@ impl ReachSets {
     /// # Errors
     ///
     /// [`HybridSystem::check`]; [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]
-    /// for a bad start or goal; [`Error::OutOfRange`] for bad options, and for domains or
-    /// transitions with states beyond 1e60.
+    /// for a bad start or goal; [`Error::OutOfRange`] for bad options and for numbers that count as
+    /// infinite.
     pub fn new(
         system: &HybridSystem,
         start: &[Interval],
@@ -191,7 +191,6 @@ impl ReachSets {
         let sizes: Vec<f64> = sizes.collect();
         let (margin, further) = (options.margin, &options.directions);
         let compiled = Arc::new(Compiled::new(system, &inputs, margin, &sizes, further));
-        compiled.check()?;
         let end = |ends| -> Result<Layers, Error> {
             let set = ReachSet::from_box(&compiled, ends, options.margin)?;
             let mut layers = vec![None; options.events + 1];
@@ -214,12 +213,12 @@ impl ReachSets {
         })
     }
 
-    /// Restricts the inputs of the first step, for starts whose input is given.
+    /// Sets the inputs' ranges in the first step, for starts whose input is given.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]; [`Error::OutOfRange`] for
-    /// inputs that lead to states beyond 1e60.
+    /// ranges whose ends count as infinite.
     pub fn with_first_inputs(mut self, inputs: &[Interval]) -> Result<Self, Error> {
         let wanted = self.source.inputs.len();
         if inputs.len() != wanted {
@@ -231,7 +230,6 @@ impl ReachSets {
         }
         let (margin, further) = (self.options.margin, &self.options.directions);
         let compiled = Compiled::new(&self.source, inputs, margin, &self.sizes, further);
-        compiled.check()?;
         self.first = Some(Arc::new(compiled));
         self.first_inputs = Some(inputs.to_vec());
         self.forward.truncate(1);

@@ -51,6 +51,12 @@ fn transposed(matrix: &Matrix, z: &[f64]) -> Vec<f64> {
     (0..matrix.len()).map(column).collect()
 }
 
+/// Bounds of the rounding errors of [`transposed`], entry by entry.
+fn rounded(matrix: &Matrix, z: &[f64]) -> Vec<f64> {
+    let size = |j: usize| matrix.iter().zip(z).map(|(row, v)| (row[j] * v).abs()).sum::<f64>();
+    (0..matrix.len()).map(|j| (1 + z.len()) as f64 * EPSILON * size(j)).collect()
+}
+
 fn product(a: &Matrix, b: &Matrix, size: impl Fn(f64) -> f64) -> Matrix {
     let n = a.len();
     let entry = |i: usize, j: usize| (0..n).map(|k| size(a[i][k]) * size(b[k][j])).sum();
@@ -73,7 +79,9 @@ fn pull_back(matrix: &Matrix, geometry: &Geometry) -> Vec<Combinations> {
         Geometry::Plane => Vec::new(),
         Geometry::Template(template, _) => {
             let directions = template.directions().iter();
-            directions.map(|d| template.combinations(&transposed(matrix, d))).collect()
+            let pulled =
+                |d: &Vec<f64>| template.combinations(&transposed(matrix, d), &rounded(matrix, d));
+            directions.map(pulled).collect()
         }
     }
 }
@@ -271,6 +279,7 @@ impl Shape {
             let shift: f64 = normal.iter().zip(&map.offset).map(|(n, c)| n * c).sum();
             let terms = normal.iter().zip(&map.offset).map(|(n, c)| (n * c).abs());
             let rest = limit - shift + 8.0 * EPSILON * (limit.abs() + terms.sum::<f64>());
+            let rest = rest + rounded(&map.matrix, &normal).iter().sum::<f64>() * whole.size();
             if magnitude(pulled.iter().copied()) > 0.0 {
                 part.clip(geometry, &pulled, rest);
             } else if rest < 0.0 {
@@ -359,7 +368,7 @@ impl Shape {
         match (self, geometry) {
             (Shape::Planar(polygon), _) => polygon.support([direction[0], direction[1]]),
             (Shape::Template(set), Geometry::Template(template, _)) => {
-                template.combinations(direction).bound(set)
+                template.combinations(direction, &vec![0.0; direction.len()]).bound(set)
             }
             (Shape::Template(_), Geometry::Plane) => f64::INFINITY,
         }

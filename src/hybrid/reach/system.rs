@@ -194,8 +194,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`] and, for a system without
-    /// states or transitions, [`Error::OutOfRange`].
+    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]; [`Error::OutOfRange`] for a
+    /// system without states or transitions and for numbers of 1e20 and more in magnitude.
     pub fn check(&self) -> Result<(), Error> {
         let counts = [("states", self.states.len()), ("transitions", self.transitions.len())];
         for (what, count) in counts {

@@ -30,6 +30,8 @@ pub(super) struct Combinations {
     ways: Vec<Vec<(usize, f64)>>,
     /// What each way misses, times the state: bounded with the set's box.
     rests: Vec<Vec<f64>>,
+    /// How far the direction may be from the one that is meant, entry by entry.
+    error: Vec<f64>,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -79,9 +81,10 @@ impl Template {
         })
     }
 
-    /// The combinations that give a direction.
-    pub(super) fn combinations(&self, target: &[f64]) -> Combinations {
-        let mut found = Combinations { ways: Vec::new(), rests: Vec::new() };
+    /// The combinations that give a direction, which is itself known up to an error per entry.
+    pub(super) fn combinations(&self, target: &[f64], error: &[f64]) -> Combinations {
+        let (ways, rests) = (Vec::new(), Vec::new());
+        let mut found = Combinations { ways, rests, error: error.to_vec() };
         // Along the axes: always there.
         let axes = target.iter().enumerate().filter(|(_, t)| **t != 0.0);
         let along = axes.map(|(i, t)| (2 * i + usize::from(*t < 0.0), t.abs())).collect();
@@ -113,7 +116,9 @@ impl Template {
         let size = magnitude(target.iter().copied());
         if magnitude(rest.iter().copied()) <= 1e-12 * size && !found.ways.contains(&way) {
             // The subtraction itself rounds, so the rest is taken a little larger.
-            found.rests.push(rest.iter().map(|r| r.abs() + 8.0 * EPSILON * size).collect());
+            let rounding = (8 + target.len()) as f64 * EPSILON * size;
+            let errors = rest.iter().zip(&found.error);
+            found.rests.push(errors.map(|(r, error)| r.abs() + error + rounding).collect());
             found.ways.push(way);
         }
     }
@@ -166,7 +171,7 @@ impl Combinations {
             for (i, r) in rest.iter().enumerate() {
                 sum += r * set.limits[2 * i].abs().max(set.limits[2 * i + 1].abs());
             }
-            best = best.min(sum + 8.0 * EPSILON * size);
+            best = best.min(sum + (8 + rest.len()) as f64 * EPSILON * size);
         }
         best
     }

@@ -128,6 +128,12 @@ impl ReachSets {
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<Tube>, Error> {
         check_steps("the number of steps of a tube", steps)?;
+        for reached in (0..=steps).step_by(STOP_EVERY) {
+            if stop() {
+                return Ok(None);
+            }
+            self.forward_layers(reached)?;
+        }
         let transitions = self.system.transitions.len();
         let layers = self.options.events + 1;
         let mut tube = Tube {

@@ -128,7 +128,8 @@ pub struct ShortestHorizon<P> {
     pub sets: Option<ReachSets>,
     /// The tube of `steps`, where reach sets were used.
     pub tube: Option<Tube>,
-    /// All horizons that were decided, in order, each with how.
+    /// What was learned, in order: every refuted horizon with how, and every solve; those of
+    /// restricted programs that found nothing are undecided.
     pub attempts: Vec<Attempt>,
     /// Wall-clock time of the search, building included.
     pub time: Duration,

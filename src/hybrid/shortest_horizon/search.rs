@@ -153,6 +153,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
         best: None,
         undecided: Vec::new(),
         attempts: Vec::new(),
+        ascended: 0,
         sets: None,
         guess: Guess::NotAsked,
     };
@@ -202,6 +203,8 @@ struct Search<'a, B: HorizonModel + ?Sized> {
     /// Horizons that were tried in vain, with the reason.
     undecided: Vec<(usize, Termination)>,
     attempts: Vec<Attempt>,
+    /// How many of the attempts are the first ascent by forward sets.
+    ascended: usize,
     sets: Option<ReachSets>,
     guess: Guess,
 }
@@ -234,6 +237,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             let attempt = Attempt::by_sets(steps);
             self.refuted = steps;
             self.attempts.push(attempt);
+            self.ascended = self.attempts.len();
             (self.progress)(&HorizonEvent::Decided(attempt));
             steps += 1;
         }
@@ -279,7 +283,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let known_above = self.best.is_some() || hint.is_some();
         let begin = if self.sets.is_some() { low } else { self.builder.lower_hint() };
         let first = begin.clamp(low, high);
-        let mut tried = self.attempts.iter().filter(|attempt| attempt.is_solve());
+        let mut tried = self.attempts[self.ascended..].iter();
         let started = tried.next().map(|attempt| attempt.steps);
         let target = if started.is_none() {
             first
