@@ -1,7 +1,5 @@
 //! Coarse to fine: the mode sequence of a plan on a coarser grid as a guess.
 
-use std::borrow::BorrowMut;
-
 use super::search::ShortestOptions;
 use super::{HorizonModel, shortest_horizon};
 use crate::error::Error;
@@ -76,7 +74,6 @@ pub(super) fn restricted(
             }
         }
     }
-    let model: &mut Model = model.borrow_mut();
     for &(variable, _, value) in &fixings {
         model.fix(variable, value)?;
     }
