@@ -112,6 +112,7 @@ pub use statement::Statement;
 pub use store::Model;
 pub use variable::{Family, VariableKind};
 
+pub(crate) use affine::merge;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use statement::StoredRow;

@@ -20,7 +20,7 @@
 use super::clauses::{Clause, clauses, product, tidy};
 use super::lowering::Lowering;
 use crate::error::Error;
-use crate::model::{Formula, Literal, Logic, LogicalConstraintRef, Variable, VariableKind};
+use crate::model::{Formula, Literal, Logic, LogicalConstraintRef, Variable, VariableKind, merge};
 
 /// Up to so many clauses are written out instead of making an auxiliary variable.
 const CLAUSES: usize = 8;
@@ -282,15 +282,7 @@ impl Lowering {
                 upper -= factor;
             }
         }
-        terms.sort_by_key(|&(variable, _)| variable);
-        terms.dedup_by(|later, kept| {
-            let same = later.0 == kept.0;
-            if same {
-                kept.1 += later.1;
-            }
-            same
-        });
-        terms.retain(|&(_, a)| a != 0.0);
+        merge(&mut terms);
         self.row(terms, lower, upper)
     }
 }

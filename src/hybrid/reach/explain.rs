@@ -111,12 +111,11 @@ impl ReachSets {
 
     /// The limit that excludes the start or the goal itself.
     fn missing_end(&self) -> Option<(bool, Obstacle)> {
-        let names = |emptied: &Emptied| self.obstacle(emptied);
         let (start, goal) = self.ends();
         let ends = [(true, start), (false, goal)];
         ends.into_iter().find_map(|(at_start, end)| {
             let emptied = ReachSet::from_box(&self.system, end, self.options.margin).ok()?.err()?;
-            Some((at_start, names(&emptied)?))
+            Some((at_start, self.obstacle(&emptied)?))
         })
     }
 
@@ -140,7 +139,7 @@ impl ReachSets {
     fn findings(&self, tube: &Tube, sample: usize) -> (usize, Vec<Finding>) {
         if tube.reached(sample).next().is_none() {
             // The forward sets died on their own.
-            let Some((step, _, emptied)) = &self.emptied else { return (sample, Vec::new()) };
+            let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
             let obstacle = self.obstacle(emptied);
             let finding = |obstacle| Finding { events: None, or_more: false, obstacle };
             return (step + 1, obstacle.map(finding).into_iter().collect());

@@ -155,8 +155,8 @@ pub struct ReachSets {
     backward: Vec<Shared>,
     /// From this step on the forward sets grow no more.
     settled: Option<usize>,
-    /// What emptied the sets of a step last.
-    pub(super) emptied: Option<(usize, usize, Emptied)>,
+    /// The step after which no forward set is left, and what emptied one of them.
+    pub(super) emptied: Option<(usize, Emptied)>,
 }
 
 impl ReachSets {
@@ -233,7 +233,7 @@ impl ReachSets {
         self.first = Some(Arc::new(compiled));
         self.first_inputs = Some(inputs.to_vec());
         self.forward.truncate(1);
-        self.settled = None;
+        (self.settled, self.emptied) = (None, None);
         Ok(self)
     }
 
@@ -351,7 +351,7 @@ impl ReachSets {
                 let target = (events + usize::from(*is_event)).min(self.options.events);
                 match successors(&system, transition, set) {
                     Ok(image) => add(&mut next[target], image),
-                    Err(reason) => emptied = emptied.or(Some((step, transition, reason))),
+                    Err(reason) => emptied = emptied.or(Some((step, reason))),
                 }
             }
         }

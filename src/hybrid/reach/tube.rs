@@ -102,10 +102,12 @@ impl ReachSets {
     /// [`Error::OutOfRange`] for no steps or more than
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
-        let tube = self.tube_unless(steps, &|| false)?;
-        // It is never stopped.
-        let stopped = || Error::Backend { message: "the sweep of a tube stopped by itself".into() };
-        tube.ok_or_else(stopped)
+        loop {
+            // It is never asked to give up, so it comes back with a tube.
+            if let Some(tube) = self.tube_unless(steps, &|| false)? {
+                return Ok(tube);
+            }
+        }
     }
 
     /// As [`tube`](ReachSets::tube), but gives up when asked to; that is checked every few dozen
