@@ -59,7 +59,11 @@ impl Solver for BranchAndBound {
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         let (start, options) = (Instant::now(), &self.options);
         options.check()?;
-        let lowered = reformulate::lower(model)?;
+        let interrupt = control.interrupt();
+        let stop = || {
+            interrupt.is_triggered() || options.time_limit.is_some_and(|limit| start.elapsed() >= limit)
+        };
+        let lowered = reformulate::lower_until(model, &stop)?;
         let program = Program::assemble(lowered.model())?;
         let accept = |values: &[f64]| {
             Point::new(model, lowered.restore(values))

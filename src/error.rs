@@ -101,7 +101,31 @@ pub enum Error {
         /// The product.
         place: String,
     },
-    /// A function that needs a bound of its argument, which has none.
+    /// The bounds of a parameter cannot be set.
+    #[error(
+        "`{name}` is a parameter; give it a value with `set_parameter` and a range with \
+         `set_parameter_range`"
+    )]
+    IsParameter {
+        /// The parameter.
+        name: String,
+    },
+    /// A variable that is not a parameter was used as one.
+    #[error("`{name}` is not a parameter; make it one with `Model::parameter`")]
+    NotParameter {
+        /// The variable.
+        name: String,
+    },
+    /// A lowered form of a model that has changed since.
+    #[error(
+        "the model `{model}` was changed after it was lowered, so the lowered form (and its \
+         big-Ms) are out of date; lower it again"
+    )]
+    Stale {
+        /// The model.
+        model: String,
+    },
+    /// A function or a disjunction that needs a bound of a variable, which has none.
     #[error(
         "`{function}` cannot be written as rows, for `{variable}` has no {bound} bound; give \
          `{variable}` a finite one"

@@ -12,7 +12,7 @@ const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];
 
 /// The solving tower on the ground, from the bottom up.
 const SOLVING: [&str; 6] =
-    ["reformulate", "program", "presolve", "relaxation", "search", "branch_and_bound"];
+    ["program", "presolve", "relaxation", "reformulate", "search", "branch_and_bound"];
 
 /// Files that name everything.
 const EXEMPT: [&str; 2] = ["lib", "prelude"];

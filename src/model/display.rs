@@ -3,13 +3,15 @@
 use std::fmt;
 
 use super::affine::write_terms;
+use super::disjunction::StoredTerm;
 use super::ids::Variable;
+use super::indicator::Literal;
 use super::store::Model;
 use super::variable::VariableKind;
 use crate::interval::Interval;
 
 impl fmt::Display for Model {
-    /// Objective, rows, indicators, logic, functions and bounds, with names; one statement a line.
+    /// Objective, rows, indicators, disjunctions, logic, functions and bounds, with names; one statement a line.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -49,6 +51,10 @@ impl fmt::Display for Model {
             let row = self.row_text(indicator.terms(), indicator.limits());
             writeln!(f, "  {}: {condition} implies {row}", indicator.name())?;
         }
+        for disjunction in self.disjunctions() {
+            let terms = self.terms_text(disjunction.stored_terms());
+            writeln!(f, "  {}: {terms}", disjunction.name())?;
+        }
         for logical in self.logical_constraints() {
             writeln!(f, "  {}: {}", logical.name(), logical.logic().text(&|v| self.name_of(v)))?;
         }
@@ -59,6 +65,11 @@ impl fmt::Display for Model {
         writeln!(f, "where")?;
         for variable in self.variables() {
             let (name, bounds) = (variable.name().to_string(), variable.bounds());
+            if let Some(range) = variable.parameter_range() {
+                let value = bounds.lower;
+                writeln!(f, "  {name} = {value}, a parameter in {}", interval_text(range))?;
+                continue;
+            }
             match variable.kind() {
                 VariableKind::Binary if bounds == Interval::new(0.0, 1.0) => {
                     writeln!(f, "  {name} binary")?;
@@ -87,6 +98,20 @@ impl Model {
         // Writing into a string cannot fail.
         let _ = write_terms(&mut text, terms, |v| self.name_of(v));
         limits_text(if terms.is_empty() { "0" } else { &text }, limits)
+    }
+
+    /// A disjunction in words, `(z = 1: x <= 1, y >= 2) or (z = 0: x >= 3)`.
+    fn terms_text(&self, terms: &[StoredTerm]) -> String {
+        let term = |term: &StoredTerm| {
+            let rows = term.rows.iter();
+            let rows = rows.map(|row| self.row_text(&row.terms, Interval::new(row.lower, row.upper)));
+            let nested = term.nested.iter().map(|terms| self.terms_text(terms));
+            let parts = rows.chain(nested).collect::<Vec<_>>();
+            let parts = if parts.is_empty() { "anything".to_owned() } else { parts.join(", ") };
+            let Literal { variable, on } = term.selector;
+            format!("({} = {}: {parts})", self.name_of(variable), u8::from(on))
+        };
+        terms.iter().map(term).collect::<Vec<_>>().join(" or ")
     }
 
     fn objective_text(&self) -> String {
@@ -125,6 +150,10 @@ impl Model {
         }
         if text.is_empty() { "0".into() } else { text }
     }
+}
+
+fn interval_text(range: Interval) -> String {
+    format!("[{}, {}]", range.lower, range.upper)
 }
 
 fn limits_text(middle: &str, limits: Interval) -> String {

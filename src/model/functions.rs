@@ -185,6 +185,7 @@ impl Model {
         };
         let result = self.variable(name, VariableKind::Continuous, lower, f64::INFINITY)?;
         self.stored.functions.push(FunctionData { result, function });
+        self.touch();
         Ok(result)
     }
 
@@ -207,6 +208,7 @@ impl Model {
             return Err(super::store::foreign("variable", result.index(), name));
         }
         self.stored.functions.push(FunctionData { result, function });
+        self.touch();
         Ok(())
     }
 

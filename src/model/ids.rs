@@ -57,6 +57,10 @@ handle! {
     Indicator
 }
 handle! {
+    /// A disjunction of one [`Model`](super::Model).
+    Disjunction
+}
+handle! {
     /// A logic statement of one [`Model`](super::Model).
     LogicalConstraint
 }

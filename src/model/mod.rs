@@ -1,7 +1,7 @@
 //! The modelling language: what a program says, before anyone decides how to solve it.
 //!
 //! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication),
-//! [logic](Logic), [functions](Function) of other variables, and one objective. Expressions are
+//! [disjunctions](Either), [logic](Logic), [functions](Function) of other variables, and one objective. Expressions are
 //! plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`], [`Constraint`],
 //! [`Indicator`], [`LogicalConstraint`]) are `Copy` and are checked: a handle of another model is
 //! an error, never a wrong answer. Solving borrows a model, so bounds and limits may be changed
@@ -77,6 +77,7 @@
 
 mod affine;
 mod convexity;
+mod disjunction;
 mod display;
 mod function;
 mod functions;
@@ -87,8 +88,10 @@ pub mod mps;
 mod name;
 mod objective;
 mod operators;
+mod parameter;
 mod piecewise;
 mod quadratic;
+mod reformulation;
 mod refs;
 mod row;
 mod statement;
@@ -99,20 +102,26 @@ mod variables;
 
 pub use affine::Affine;
 pub use function::Function;
-pub use ids::{Constraint, Indicator, LogicalConstraint, Variable};
+pub use disjunction::{Either, Selected, Term, either};
+pub use ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
 pub use indicator::{BigM, Consequent, Implication, Implications, Literal, Reification, Reified};
 pub use logic::{Logic, at_least, at_most, exactly};
 pub use name::Name;
 pub use objective::Sense;
 pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;
-pub use refs::{ConstraintRef, FunctionRef, IndicatorRef, LogicalConstraintRef, VariableRef};
+pub use reformulation::{Method, Reformulation};
+pub use refs::{
+    ConstraintRef, DisjunctionRef, FunctionRef, IndicatorRef, LogicalConstraintRef, TermRef,
+    VariableRef,
+};
 pub use row::Row;
 pub use statement::Statement;
 pub use store::Model;
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
+pub(crate) use disjunction::StoredTerm;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use statement::StoredRow;

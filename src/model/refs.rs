@@ -1,11 +1,15 @@
 //! Views of a model's variables and statements, for reading.
 
+use super::disjunction::StoredTerm;
 use super::function::Function;
-use super::ids::{Constraint, Indicator, LogicalConstraint, Variable};
-use super::indicator::BigM;
+use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
+use super::indicator::{BigM, Literal};
 use super::logic::Logic;
 use super::name::Name;
-use super::store::{ConstraintData, FunctionData, IndicatorData, LogicalData, VariableData};
+use super::reformulation::Method;
+use super::store::{
+    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, VariableData,
+};
 use super::variable::VariableKind;
 use crate::interval::Interval;
 
@@ -32,9 +36,14 @@ impl<'a> VariableRef<'a> {
         self.data.kind
     }
 
-    /// Current bounds, in the variable's unit.
+    /// Current bounds, in the variable's unit; for a parameter its value, twice.
     pub fn bounds(&self) -> Interval {
         Interval::new(self.data.lower, self.data.upper)
+    }
+
+    /// For a parameter: the declared range of its values, in its unit.
+    pub fn parameter_range(&self) -> Option<Interval> {
+        self.data.range.map(|(lower, upper)| Interval::new(lower, upper))
     }
 }
 
@@ -103,6 +112,64 @@ impl<'a> IndicatorRef<'a> {
     /// Where its big-M comes from.
     pub fn big_m(&self) -> BigM {
         self.data.big_m
+    }
+}
+
+/// A disjunction of a model, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct DisjunctionRef<'a> {
+    pub(super) id: Disjunction,
+    pub(super) data: &'a DisjunctionData,
+}
+
+impl<'a> DisjunctionRef<'a> {
+    /// The handle.
+    pub fn id(&self) -> Disjunction {
+        self.id
+    }
+
+    /// The name.
+    pub fn name(&self) -> &'a Name {
+        &self.data.name
+    }
+
+    /// The method that was chosen for this disjunction, if any.
+    pub fn method(&self) -> Option<Method> {
+        self.data.method
+    }
+
+    /// The terms in the order they were written.
+    pub fn terms(&self) -> impl ExactSizeIterator<Item = TermRef<'a>> + use<'a> {
+        self.data.terms.iter().map(|data| TermRef { data })
+    }
+
+    pub(crate) fn stored_terms(&self) -> &'a [StoredTerm] {
+        &self.data.terms
+    }
+}
+
+/// A term of a disjunction, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct TermRef<'a> {
+    data: &'a StoredTerm,
+}
+
+impl<'a> TermRef<'a> {
+    /// The condition that selects the term.
+    pub fn selector(&self) -> Literal {
+        self.data.selector
+    }
+
+    /// Terms and limits of each row.
+    pub fn rows(
+        &self,
+    ) -> impl ExactSizeIterator<Item = (&'a [(Variable, f64)], Interval)> + use<'a> {
+        self.data.rows.iter().map(|row| (&row.terms[..], Interval::new(row.lower, row.upper)))
+    }
+
+    /// The terms of each disjunction inside this term.
+    pub fn nested(&self) -> impl ExactSizeIterator<Item = Vec<TermRef<'a>>> + use<'a> {
+        self.data.nested.iter().map(|terms| terms.iter().map(|data| TermRef { data }).collect())
     }
 }
 

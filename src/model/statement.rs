@@ -3,6 +3,7 @@
 use super::Model;
 #[cfg(feature = "serde")]
 use super::affine::merge;
+use super::disjunction::Either;
 use super::ids::{Constraint, Indicator, LogicalConstraint, Variable};
 use super::indicator::{Implication, Implications, Literal, Reification, Reified};
 use super::logic::Logic;
@@ -11,7 +12,7 @@ use super::row::Row;
 use crate::error::Error;
 
 /// Something [`Model::add`] accepts: a [`Row`], an [`Implication`] or several, a [`Reification`],
-/// a [`Logic`] formula or a [`Literal`]. Sealed.
+/// a disjunction ([`Either`]), a [`Logic`] formula or a [`Literal`]. Sealed.
 pub trait Statement: sealed::Sealed {
     /// The handle that adding returns.
     type Handle;
@@ -28,6 +29,7 @@ mod sealed {
     impl Sealed for super::Reification {}
     impl Sealed for super::Logic {}
     impl Sealed for super::Literal {}
+    impl Sealed for super::Either {}
 }
 
 /// A row as a model stores it: merged terms, the constant moved into the limits.

@@ -1,7 +1,7 @@
 //! Adding, finding and changing rows, indicators and logic.
 
 use super::Model;
-use super::ids::{Constraint, Indicator, LogicalConstraint};
+use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint};
 use super::name::Name;
 use super::refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef};
 use super::statement::{Statement, limits};
@@ -15,6 +15,7 @@ impl Model {
     /// * an [`Implication`](super::Implication): an [`Indicator`];
     /// * [`Implications`](super::Implications): an [`Indicator`] a row;
     /// * a [`Reification`](super::Reification): its [`Reified`](super::Reified) parts;
+    /// * an [`Either`](super::Either): its [`Selected`](super::Selected) selectors;
     /// * a [`Logic`](super::Logic) formula or a [`Literal`](super::Literal): a
     ///   [`LogicalConstraint`]. One that holds for all values, such as `at_most(3, [a, b])`, is
     ///   accepted and has no rows.
@@ -73,6 +74,21 @@ impl Model {
             id: LogicalConstraint::new(i, self.stored.tag),
             data,
         })
+    }
+
+    /// The disjunction of a name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownName`].
+    pub fn disjunction_by_name(&self, name: impl Into<Name>) -> Result<Disjunction, Error> {
+        let name = name.into();
+        match self.statement_names.get(&name) {
+            Some(&StatementIndex::Disjunction(index)) => {
+                Ok(Disjunction { index, tag: self.stored.tag })
+            }
+            _ => Err(Error::UnknownName { name: name.to_string(), kind: "disjunction" }),
+        }
     }
 
     /// The linear row of a name.
@@ -136,6 +152,7 @@ impl Model {
         }
         let data = &mut self.stored.constraints[row.index()];
         (data.row.lower, data.row.upper) = limits(lower, upper, &data.name)?;
+        self.touch();
         Ok(())
     }
 
@@ -155,6 +172,7 @@ impl Model {
         }
         let data = &mut self.stored.indicators[indicator.index()];
         (data.row.lower, data.row.upper) = limits(lower, upper, &data.name)?;
+        self.touch();
         Ok(())
     }
 }

@@ -1,22 +1,25 @@
 //! The model itself: storage, look-up by handle and name, changes after the fact.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::affine::Affine;
+use super::disjunction::StoredTerm;
 use super::function::Function;
-use super::ids::{Constraint, Indicator, LogicalConstraint, ModelTag, Variable};
+use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint, ModelTag, Variable};
 use super::indicator::BigM;
 use super::logic::Logic;
 use super::name::Name;
 use super::objective::Sense;
 use super::quadratic::Quadratic;
+use super::reformulation::{Method, Reformulation};
 use super::statement::StoredRow;
 use super::variable::VariableKind;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance;
 
-/// A mixed-integer program with indicators and logic; see the [module page](super).
+/// A mixed-integer program with indicators, disjunctions and logic; see the [module page](super).
 ///
 /// A clone accepts the handles of its original.
 #[derive(Debug, Clone)]
@@ -26,6 +29,8 @@ pub struct Model {
     pub(super) stored: Stored,
     pub(super) variable_names: HashMap<Name, u32>,
     pub(super) statement_names: HashMap<Name, StatementIndex>,
+    /// Changes with everything but values of parameters, and is never used twice.
+    pub(super) revision: u64,
 }
 
 /// The part of a model that is written to files; the look-up tables are derived from it.
@@ -38,7 +43,11 @@ pub(super) struct Stored {
     pub(super) constraints: Vec<ConstraintData>,
     pub(super) indicators: Vec<IndicatorData>,
     pub(super) logic: Vec<LogicalData>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) disjunctions: Vec<DisjunctionData>,
     pub(super) functions: Vec<FunctionData>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) reformulation: Reformulation,
     pub(super) sense: Sense,
     pub(super) objective: Quadratic,
 }
@@ -52,6 +61,9 @@ pub(super) struct VariableData {
     pub(super) lower: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(super) upper: f64,
+    /// For a parameter: the range of the values it may be given; the bounds are its value.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) range: Option<(f64, f64)>,
 }
 
 #[derive(Debug, Clone)]
@@ -79,6 +91,14 @@ pub(super) struct LogicalData {
 
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct DisjunctionData {
+    pub(super) name: Name,
+    pub(super) method: Option<Method>,
+    pub(super) terms: Vec<StoredTerm>,
+}
+
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FunctionData {
     pub(super) result: Variable,
     pub(super) function: Function,
@@ -89,6 +109,7 @@ pub(super) enum StatementIndex {
     Constraint(u32),
     Indicator(u32),
     Logical(u32),
+    Disjunction(u32),
 }
 
 /// A model from a file is checked like one that is written by hand.
@@ -98,8 +119,11 @@ impl TryFrom<Stored> for Model {
 
     fn try_from(stored: Stored) -> Result<Self, Error> {
         let mut model = Model::empty(stored.name, stored.tag);
-        for VariableData { name, kind, lower, upper } in stored.variables {
-            model.variable(name, kind, lower, upper)?;
+        for VariableData { name, kind, lower, upper, range } in stored.variables {
+            match range {
+                Some(range) => model.push_stored_parameter(name, kind, (lower, upper), range)?,
+                None => model.variable(name, kind, lower, upper)?,
+            };
         }
         for ConstraintData { name, row } in stored.constraints {
             let row = row.checked(&model, &name)?;
@@ -112,6 +136,12 @@ impl TryFrom<Stored> for Model {
         for LogicalData { name, logic } in stored.logic {
             model.add(name, logic)?;
         }
+        for DisjunctionData { name, method, terms } in stored.disjunctions {
+            let checked = terms.into_iter().map(|term| term.checked(&model, &name, 1));
+            let terms = checked.collect::<Result<_, _>>()?;
+            model.push_disjunction(name, method, terms)?;
+        }
+        model.set_reformulation(stored.reformulation);
         for FunctionData { result, function } in stored.functions {
             model.push_stored_function(result, function)?;
         }
@@ -141,11 +171,14 @@ impl Model {
             constraints: Vec::new(),
             indicators: Vec::new(),
             logic: Vec::new(),
+            disjunctions: Vec::new(),
             functions: Vec::new(),
+            reformulation: Reformulation::default(),
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
         };
-        Model { stored, variable_names: HashMap::new(), statement_names: HashMap::new() }
+        let (variable_names, statement_names) = (HashMap::new(), HashMap::new());
+        Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
 
     /// The model's name.
@@ -198,7 +231,19 @@ impl Model {
         }
     }
 
+    /// Tells lowered forms of this model that they are out of date.
+    pub(crate) fn touch(&mut self) {
+        self.revision = fresh_revision();
+    }
+
+    /// Changes with everything but values of parameters. A clone has its original's until either
+    /// is changed.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
     pub(crate) fn replace_objective(&mut self, sense: Sense, objective: Quadratic) {
+        self.touch();
         self.stored.sense = sense;
         self.stored.objective = objective;
     }
@@ -249,6 +294,18 @@ impl Model {
         Ok(id)
     }
 
+    pub(crate) fn push_disjunction(
+        &mut self,
+        name: Name,
+        method: Option<Method>,
+        terms: Vec<StoredTerm>,
+    ) -> Result<Disjunction, Error> {
+        let id = Disjunction::new(self.stored.disjunctions.len(), self.stored.tag);
+        self.claim_statement(&name, StatementIndex::Disjunction(id.index))?;
+        self.stored.disjunctions.push(DisjunctionData { name, method, terms });
+        Ok(id)
+    }
+
     /// The model with nothing but its rows: what a reformulation adds to. Variables, objective
     /// and rows stay, and so do their handles.
     pub(crate) fn with_rows_only(&self) -> Model {
@@ -257,12 +314,14 @@ impl Model {
             constraints: self.stored.constraints.clone(),
             objective: self.stored.objective.clone(),
             sense: self.stored.sense,
+            reformulation: self.stored.reformulation,
             ..Model::empty(self.stored.name.clone(), self.stored.tag).stored
         };
         let rows = stored.constraints.iter().zip(0..);
         let rows = rows.map(|(row, k)| (row.name.clone(), StatementIndex::Constraint(k)));
         let statement_names = rows.collect();
-        Model { stored, variable_names: self.variable_names.clone(), statement_names }
+        let variable_names = self.variable_names.clone();
+        Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
 
     /// Does several additions, or, if one of them fails, none.
@@ -273,16 +332,18 @@ impl Model {
         let stored = &self.stored;
         let (variables, rows) = (stored.variables.len(), stored.constraints.len());
         let (indicators, logic) = (stored.indicators.len(), stored.logic.len());
+        let disjunctions = stored.disjunctions.len();
         let result = add(self);
         if result.is_err() {
-            let Model { stored, variable_names, statement_names } = self;
+            let Model { stored, variable_names, statement_names, .. } = self;
             for data in stored.variables.drain(variables..) {
                 variable_names.remove(&data.name);
             }
             let rows = stored.constraints.drain(rows..).map(|data| data.name);
             let indicators = stored.indicators.drain(indicators..).map(|data| data.name);
             let logic = stored.logic.drain(logic..).map(|data| data.name);
-            for name in rows.chain(indicators).chain(logic) {
+            let disjunctions = stored.disjunctions.drain(disjunctions..).map(|data| data.name);
+            for name in rows.chain(indicators).chain(logic).chain(disjunctions) {
                 statement_names.remove(&name);
             }
         }
@@ -294,8 +355,14 @@ impl Model {
             return Err(Error::DuplicateName { name: name.to_string(), kind: "statement" });
         }
         self.statement_names.insert(name.clone(), index);
+        self.touch();
         Ok(())
     }
+}
+
+fn fresh_revision() -> u64 {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    COUNTER.fetch_add(1, Ordering::Relaxed)
 }
 
 pub(super) fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {

@@ -69,7 +69,8 @@ impl Model {
             return Err(Error::DuplicateName { name: name.to_string(), kind: "variable" });
         }
         self.variable_names.insert(name.clone(), variable.index);
-        self.stored.variables.push(VariableData { name, kind, lower, upper });
+        self.stored.variables.push(VariableData { name, kind, lower, upper, range: None });
+        self.touch();
         Ok(variable)
     }
 
@@ -163,11 +164,15 @@ impl Model {
     /// # Errors
     ///
     /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
-    /// [`Error::OutOfRange`] for a binary outside `[0, 1]`.
+    /// [`Error::OutOfRange`] for a binary outside `[0, 1]`, [`Error::IsParameter`].
     pub fn set_bounds(&mut self, variable: Variable, lower: f64, upper: f64) -> Result<(), Error> {
         self.check_variable(variable, "set_bounds")?;
         let data = &mut self.stored.variables[variable.index()];
+        if data.range.is_some() {
+            return Err(Error::IsParameter { name: data.name.to_string() });
+        }
         (data.lower, data.upper) = variable_bounds(&data.name, data.kind, lower, upper)?;
+        self.touch();
         Ok(())
     }
 

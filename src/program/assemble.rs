@@ -12,12 +12,13 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// [`Error::Backend`] when the model still has indicators, or when the matrices cannot be
+    /// [`Error::Backend`] when the model still has anything but rows, or when the matrices cannot be
     /// allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
-        if model.indicator_count() > 0 {
+        let switched = model.indicator_count() + model.disjunction_count();
+        if switched + model.logical_constraint_count() + model.function_count() > 0 {
             return Err(Error::Backend {
-                message: "a model with indicators must be lowered before assembly".into(),
+                message: "a model with more than rows must be lowered before assembly".into(),
             });
         }
         let (m, n) = (model.constraint_count(), model.variable_count());

@@ -13,27 +13,42 @@ use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::{Interval, add_down, add_up};
-use crate::model::{BigM, IndicatorRef, Literal, Model, Variable};
+use crate::model::{BigM, Constraint, IndicatorRef, Literal, Model, Name, Variable};
+
+/// A row that must hold wherever its condition does.
+pub(super) struct Implied<'a> {
+    /// What it is called in the report.
+    pub(super) name: &'a Name,
+    pub(super) terms: &'a [(Variable, f64)],
+    pub(super) limits: Interval,
+    pub(super) big_m: BigM,
+}
 
 /// Adds the rows of one indicator and notes them in the report.
-pub(super) fn apply(indicator: &IndicatorRef<'_>, lowering: &mut Lowering) -> Result<(), Error> {
+pub(super) fn apply(indicator: &IndicatorRef<'_>, lowering: &mut Lowering<'_>) -> Result<(), Error> {
     lowering.begin(indicator.name());
+    let row = Implied {
+        name: indicator.name(),
+        terms: indicator.terms(),
+        limits: indicator.limits(),
+        big_m: indicator.big_m(),
+    };
     for clause in lowering.unless(indicator.condition())? {
-        apply_unless(&clause, indicator, lowering)?;
+        apply_unless(&clause, &row, lowering)?;
     }
     Ok(())
 }
 
-/// Adds rows that say "the indicator's row, or one of `guard`".
-fn apply_unless(
+/// Adds rows that say "the row, or one of `guard`".
+pub(super) fn apply_unless(
     guard: &[Literal],
-    indicator: &IndicatorRef<'_>,
-    lowering: &mut Lowering,
+    row: &Implied<'_>,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     let (mut open, mut fails) = (Vec::new(), false);
     // Where the row mentions its own condition, the condition's value is known.
-    let mut terms = indicator.terms().to_vec();
-    let mut limits = indicator.limits();
+    let mut terms = row.terms.to_vec();
+    let mut limits = row.limits;
     for &literal in guard {
         let bounds = lowering.model.variable_ref(literal.variable())?.bounds();
         let never = if literal.is_on() { bounds.upper < 1.0 } else { bounds.lower > 0.0 };
@@ -57,28 +72,24 @@ fn apply_unless(
         if limit.is_infinite() {
             continue;
         }
-        let need = need(&lowering.model, &terms, limit, side)?;
-        let mut entry = BigMEntry {
-            indicator: indicator.name().to_string(),
-            side,
-            source: BigMSource::Bounds,
-            value: 0.0,
-            needed: need.value.max(0.0),
-            largest: need.largest.map(|v| lowering.model.name_of(v)),
-        };
+        let mut need = need(&lowering.model, &terms, limit, side)?;
+        let mut entry = BigMEntry::new(row.name, side, BigMSource::Bounds);
+        entry.needed = need.value.max(0.0);
+        entry.note_shares(&lowering.model, &terms, side)?;
         if need.value <= 0.0 {
             entry.source = BigMSource::Implied;
         } else if fails {
             entry.source = BigMSource::ConditionFails;
         } else if open.is_empty() && !terms.is_empty() {
             entry.source = BigMSource::ConditionHolds;
-            push(lowering, side, terms.clone(), limit)?;
+            entry.row = Some(push(lowering, side, terms.clone(), limit)?);
         } else {
             // A row without variables keeps its guard: what is fixed is cheap.
             let guard = if terms.is_empty() { guard } else { &open };
-            (entry.value, entry.source) = choose(indicator, &lowering.model, side, &need)?;
+            need.tighten(&terms, limit, side, guard, lowering);
+            (entry.value, entry.source) = choose(row, &lowering.model, side, &need)?;
             let (row, limit) = switched(&terms, limit, entry.value, guard, side);
-            push(lowering, side, row, limit)?;
+            entry.row = Some(push(lowering, side, row, limit)?);
         }
         lowering.report.entries.push(entry);
     }
@@ -89,6 +100,8 @@ fn apply_unless(
 struct Need {
     /// The largest possible miss, rounded up; infinite when a bound is missing.
     value: f64,
+    /// Whether a linear program says less than the bounds.
+    by_program: bool,
     /// The variable with the largest share in it.
     largest: Option<Variable>,
     /// The variable without the bound that is needed, and which bound.
@@ -111,33 +124,62 @@ fn need(model: &Model, terms: &[(Variable, f64)], limit: f64, side: Side) -> Res
         }
         total = total + part;
     }
-    Ok(Need { value: total.upper, largest, unbounded })
+    Ok(Need { value: total.upper, by_program: false, largest, unbounded })
+}
+
+impl Need {
+    /// Tightens the miss by a linear program, where one was asked for.
+    fn tighten(
+        &mut self,
+        terms: &[(Variable, f64)],
+        limit: f64,
+        side: Side,
+        guard: &[Literal],
+        lowering: &mut Lowering<'_>,
+    ) {
+        let original = lowering.original;
+        let Some(maximizer) = &mut lowering.maximizer else { return };
+        if self.unbounded.is_some() {
+            return;
+        }
+        let sign = if side == Side::Upper { 1.0 } else { -1.0 };
+        let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
+        // The M counts only where the guard is true.
+        let when = match guard {
+            [only] if only.variable().index() < original => guard,
+            _ => &[],
+        };
+        let miss = add_up(maximizer.most(&up, when), -sign * limit).max(0.0);
+        if miss < self.value {
+            (self.value, self.by_program) = (miss, true);
+        }
+    }
 }
 
 /// The M of a side, or why there is none.
 fn choose(
-    indicator: &IndicatorRef<'_>,
+    row: &Implied<'_>,
     model: &Model,
     side: Side,
     need: &Need,
 ) -> Result<(f64, BigMSource), Error> {
-    if let BigM::Assumed(value) = indicator.big_m() {
+    if let BigM::Assumed(value) = row.big_m {
         return Ok((value, BigMSource::Assumed));
     }
     if let Some((variable, bound)) = need.unbounded {
         return Err(Error::UnboundedIndicator {
-            indicator: indicator.name().to_string(),
+            indicator: row.name.to_string(),
             side: side.word(),
             variable: model.name_of(variable),
             bound,
         });
     }
-    match indicator.big_m() {
+    match row.big_m {
         BigM::Given(value) => {
             // The outward rounding of `need` must not refuse an M that is exactly right.
             if value < need.value * (1.0 - 1e-12) {
                 return Err(Error::UnsafeBigM {
-                    indicator: indicator.name().to_string(),
+                    indicator: row.name.to_string(),
                     side: side.word(),
                     given: value,
                     needed: need.value,
@@ -146,6 +188,7 @@ fn choose(
             }
             Ok((value.max(need.value), BigMSource::Given))
         }
+        _ if need.by_program => Ok((need.value, BigMSource::LinearProgram)),
         _ => Ok((need.value, BigMSource::Bounds)),
     }
 }
@@ -180,11 +223,11 @@ fn switched(
 }
 
 fn push(
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
     side: Side,
     terms: Vec<(Variable, f64)>,
     limit: f64,
-) -> Result<(), Error> {
+) -> Result<Constraint, Error> {
     let (lower, upper) = match side {
         Side::Lower => (limit, f64::INFINITY),
         Side::Upper => (f64::NEG_INFINITY, limit),

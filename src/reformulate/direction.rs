@@ -69,6 +69,9 @@ pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
     }
     model.constraints().for_each(|row| harm.row(row.terms(), row.limits()));
     model.indicators().for_each(|row| harm.row(row.terms(), row.limits()));
+    for term in model.disjunctions().flat_map(|disjunction| disjunction.stored_terms()) {
+        term.for_each_row(&mut |row| harm.row(&row.terms, Interval::new(row.lower, row.upper)));
+    }
     // A function's variable occurs in younger functions only.
     let functions: Vec<FunctionRef<'_>> = model.functions().collect();
     let mut ties = vec![Tie::Exact; functions.len()];

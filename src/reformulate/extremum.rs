@@ -20,7 +20,7 @@ pub(super) fn apply(
     of: &[Affine],
     sign: f64,
     tie: Tie,
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     let kept = undominated(of, sign, lowering)?;
     let (none, any) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -43,7 +43,8 @@ pub(super) fn apply(
         2 => Some(lowering.column("first", VariableKind::Binary, 0.0, 1.0)?),
         _ => None,
     };
-    for (k, (&expression, m)) in kept.iter().zip(misses).enumerate() {
+    for (k, (&expression, mut entry)) in kept.iter().zip(misses).enumerate() {
+        let m = entry.value;
         // sign (w - e) <= M (1 - z), with 1 - z in place of z for the second of two.
         let gap = sign * (result - expression);
         match single {
@@ -55,6 +56,8 @@ pub(super) fn apply(
                 lowering.affine_row(gap + m * chosen, none, m)?;
             }
         }
+        entry.row = lowering.newest_row();
+        lowering.report.entries.push(entry);
     }
     if single.is_none() {
         lowering.affine_row(one, 1.0, 1.0)?;
@@ -66,7 +69,7 @@ pub(super) fn apply(
 fn undominated<'a>(
     of: &'a [Affine],
     sign: f64,
-    lowering: &Lowering,
+    lowering: &Lowering<'_>,
 ) -> Result<Vec<&'a Affine>, Error> {
     let mut kept: Vec<&Affine> = of.iter().collect();
     let mut k = kept.len();
@@ -84,15 +87,16 @@ fn undominated<'a>(
     Ok(kept)
 }
 
-/// How far the extremum can be ahead of one of its expressions; noted in the report.
+/// How far the extremum can be ahead of one of its expressions, as an entry of the report.
 fn miss(
     expression: &Affine,
     kept: &[&Affine],
     sign: f64,
-    lowering: &mut Lowering,
-) -> Result<f64, Error> {
-    let mut most = 0.0;
-    let mut largest = None;
+    lowering: &mut Lowering<'_>,
+) -> Result<BigMEntry, Error> {
+    let (mut most, mut proved) = (0.0, 0.0);
+    let side = if sign > 0.0 { Side::Upper } else { Side::Lower };
+    let mut entry = BigMEntry::new(lowering.statement(), side, BigMSource::Bounds);
     for &other in kept {
         let ahead = sign * (other - expression);
         let upper = lowering.model.range(&ahead)?.upper;
@@ -101,23 +105,16 @@ fn miss(
         }
         if upper > most {
             most = upper;
-            let mut share = -1.0;
-            for (variable, coefficient) in ahead.terms() {
-                let width = (lowering.model.variable_ref(variable)?.bounds() * coefficient).width();
-                if width > share {
-                    (largest, share) = (Some(variable), width);
-                }
-            }
+            entry.shares.clear();
+            entry.note_shares(&lowering.model, &ahead.terms(), Side::Upper)?;
         }
+        let program = lowering.maximizer.as_mut().map(|m| m.most(&ahead.terms(), &[]));
+        let program = program.map_or(f64::INFINITY, |most| add_up(most, ahead.offset()));
+        proved = upper.min(program).max(proved);
     }
-    let most = add_up(most, 0.0);
-    lowering.report.entries.push(BigMEntry {
-        indicator: lowering.statement().to_string(),
-        side: if sign > 0.0 { Side::Upper } else { Side::Lower },
-        source: BigMSource::Bounds,
-        value: most,
-        needed: most,
-        largest: largest.map(|v| lowering.model.name_of(v)),
-    });
-    Ok(most)
+    (entry.needed, entry.value) = (add_up(most, 0.0), add_up(proved, 0.0));
+    if entry.value < entry.needed {
+        entry.source = BigMSource::LinearProgram;
+    }
+    Ok(entry)
 }

@@ -11,7 +11,7 @@ use crate::model::{Affine, Function, FunctionRef, Variable};
 pub(super) fn apply(
     function: &FunctionRef<'_>,
     tie: Tie,
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     lowering.begin(function.name());
     let result = function.result();
@@ -26,7 +26,7 @@ pub(super) fn apply(
     }
 }
 
-impl Lowering {
+impl Lowering<'_> {
     /// Intersects a variable's bounds with what a function's range allows. Where nothing is left,
     /// the bounds stay, and the rows say that there is no point.
     fn tighten(&mut self, variable: Variable, range: Interval) -> Result<(), Error> {

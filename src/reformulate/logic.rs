@@ -59,13 +59,13 @@ impl Needed {
 /// Adds the rows of one logic statement.
 pub(super) fn apply(
     statement: &LogicalConstraintRef<'_>,
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     lowering.begin(statement.name());
     lowering.assert(&[], &Formula::of(statement.logic(), true))
 }
 
-impl Lowering {
+impl Lowering<'_> {
     /// Clauses of which one is false wherever the condition holds: a row that follows from the
     /// condition must hold wherever one of them is false.
     pub(super) fn unless(&mut self, condition: &Logic) -> Result<Vec<Clause>, Error> {

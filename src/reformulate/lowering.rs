@@ -2,17 +2,22 @@
 
 use std::collections::BTreeMap;
 
+use super::linear_program::Maximizer;
 use super::logic::Part;
 use super::report::BigMReport;
 use crate::error::Error;
-use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
+use crate::model::{Constraint, Formula, Model, Name, StoredRow, Variable, VariableKind};
 
 /// What the reformulations share.
-pub(super) struct Lowering {
+pub(super) struct Lowering<'a> {
     /// The model so far.
     pub(super) model: Model,
     /// The big-Ms so far.
     pub(super) report: BigMReport,
+    /// Says how large expressions can be, where that was asked for.
+    pub(super) maximizer: Option<Maximizer<'a>>,
+    /// Number of variables of the model itself.
+    pub(super) original: usize,
     /// Auxiliary binaries of formulas; shared by all statements.
     pub(super) parts: BTreeMap<Formula, Part>,
     /// The statement that is being lowered, and how many names were made from its own.
@@ -20,11 +25,13 @@ pub(super) struct Lowering {
     named: usize,
 }
 
-impl Lowering {
-    pub(super) fn new(model: &Model) -> Self {
+impl<'a> Lowering<'a> {
+    pub(super) fn new(model: &Model, maximizer: Option<Maximizer<'a>>) -> Self {
         Lowering {
             model: model.with_rows_only(),
             report: BigMReport::default(),
+            maximizer,
+            original: model.variable_count(),
             parts: BTreeMap::new(),
             statement: Name::from("model"),
             named: 0,
@@ -35,6 +42,12 @@ impl Lowering {
     pub(super) fn begin(&mut self, statement: &Name) {
         self.statement = statement.clone();
         self.named = 0;
+    }
+
+    /// The row added last.
+    pub(super) fn newest_row(&self) -> Option<Constraint> {
+        let last = self.model.constraint_count().checked_sub(1)?;
+        Some(Constraint::new(last, self.model.tag()))
     }
 
     pub(super) fn statement(&self) -> &Name {
@@ -70,12 +83,12 @@ impl Lowering {
         terms: Vec<(Variable, f64)>,
         lower: f64,
         upper: f64,
-    ) -> Result<(), Error> {
+    ) -> Result<Constraint, Error> {
         let mut name = self.statement.suffixed(suffix);
         loop {
             let row = StoredRow { terms: terms.clone(), lower, upper };
             match self.model.push_constraint(name.clone(), row) {
-                Ok(_) => return Ok(()),
+                Ok(row) => return Ok(row),
                 Err(Error::DuplicateName { .. }) => name = name.suffixed("_"),
                 Err(other) => return Err(other),
             }

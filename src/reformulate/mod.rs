@@ -22,19 +22,26 @@
 mod big_m;
 mod clauses;
 mod direction;
+mod disjunction;
 mod extremum;
 mod functions;
+mod hull;
+mod linear_program;
 mod logic;
 mod lowering;
+mod multi_m;
 mod piecewise;
 mod product;
 mod report;
 
-pub use report::{BigMEntry, BigMReport, BigMSource, Side};
+pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::Error;
 use crate::model::{Function, Model, Variable};
+use crate::solution::{Outcome, Solution};
+use crate::solver::Solver;
 use direction::Tie;
+use linear_program::Maximizer;
 use lowering::Lowering;
 
 /// A model of rows only, and where its big-Ms come from.
@@ -45,6 +52,8 @@ pub struct Lowered {
     report: BigMReport,
     original: usize,
     relaxed: Vec<(Variable, Function, Tie)>,
+    /// The state of the model that this was made from.
+    revision: u64,
 }
 
 impl Lowered {
@@ -57,6 +66,33 @@ impl Lowered {
     /// Every big-M with its source.
     pub fn report(&self) -> &BigMReport {
         &self.report
+    }
+
+    /// Solves the lowered model for the present values of the parameters of `model`, the one it
+    /// was made from; nothing is lowered again.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Stale`] when anything but values of parameters was changed since, so that no big-M
+    /// outlives the bounds that it came from; those of the solver.
+    pub fn solve<S: Solver + ?Sized>(
+        &self,
+        model: &Model,
+        solver: &mut S,
+    ) -> Result<Solution, Error> {
+        if model.tag() != self.model.tag() || model.revision() != self.revision {
+            return Err(Error::Stale { model: model.name().to_owned() });
+        }
+        let mut plain = self.model.clone();
+        plain.take_parameters(model);
+        let found = solver.solve(&plain)?;
+        let outcome = Outcome {
+            termination: found.termination(),
+            values: found.point().map(|point| self.restore(point.as_slice())),
+            bound: found.bound(),
+            statistics: found.statistics().clone(),
+        };
+        Solution::new(model, outcome, solver.options().feasibility)
     }
 
     /// From a point of the lowered model, one value per variable, to the point of the original
@@ -73,8 +109,9 @@ impl Lowered {
     }
 }
 
-/// Replaces every indicator by big-M rows, with each M from the *current* bounds, and every logic
-/// statement and function by its rows.
+/// Replaces every indicator by big-M rows, with each M from the *current* bounds (of parameters:
+/// from their declared ranges), and every disjunction, logic statement and function by its rows,
+/// as the model's [`Reformulation`](crate::model::Reformulation) asks for.
 ///
 /// A function whose variable the model only pushes towards its convex (or concave) side is
 /// relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`] leads back.
@@ -85,7 +122,30 @@ impl Lowered {
 /// is missing, [`Error::UnsafeBigM`] for a user's M that the bounds do not prove,
 /// [`Error::OutOfRange`] for an integer factor with a wide range.
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
-    let mut lowering = Lowering::new(model);
+    lower_until(model, &|| false)
+}
+
+/// As [`lower`]; from the moment on at which `stop` says so, Ms are left as the bounds prove them
+/// instead of tightened by linear programs.
+///
+/// # Errors
+///
+/// As for [`lower`].
+pub fn lower_until(model: &Model, stop: &dyn Fn() -> bool) -> Result<Lowered, Error> {
+    let open = model.parameters().next().is_some().then(|| model.with_open_parameters());
+    let open = open.as_ref().unwrap_or(model);
+    let mut lowered = lower_with(open, None)?;
+    if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() && !stop() {
+        let maximizer = Maximizer::of(&lowered.model, stop)?;
+        lowered = lower_with(open, Some(maximizer))?;
+    }
+    lowered.model.take_parameters(model);
+    lowered.revision = model.revision();
+    Ok(lowered)
+}
+
+fn lower_with(model: &Model, maximizer: Option<Maximizer<'_>>) -> Result<Lowered, Error> {
+    let mut lowering = Lowering::new(model, maximizer);
     let mut relaxed = Vec::new();
     // First, for they bound their variables; and in this order, for younger ones build on older.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
@@ -97,9 +157,13 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
     for indicator in model.indicators() {
         big_m::apply(&indicator, &mut lowering)?;
     }
+    for disjunction in model.disjunctions() {
+        let method = disjunction.method().unwrap_or(model.reformulation().method());
+        disjunction::apply(&disjunction, method, &mut lowering)?;
+    }
     for statement in model.logical_constraints() {
         logic::apply(&statement, &mut lowering)?;
     }
-    let Lowering { model: lowered, report, .. } = lowering;
-    Ok(Lowered { model: lowered, report, original: model.variable_count(), relaxed })
+    let Lowering { model: lowered, report, original, .. } = lowering;
+    Ok(Lowered { model: lowered, report, original, relaxed, revision: model.revision() })
 }

@@ -21,7 +21,7 @@ pub(super) fn apply(
     of: &Affine,
     graph: &PiecewiseAffine,
     tie: Tie,
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     let (range, domain) = (lowering.model.range(of)?, graph.domain());
     let inside = domain.lower <= range.lower && range.upper <= domain.upper;

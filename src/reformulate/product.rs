@@ -18,7 +18,7 @@ pub(super) fn apply(
     result: Variable,
     factor: Variable,
     of: &Affine,
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     let bounds = lowering.model.variable_ref(factor)?.bounds();
     let (low, high) = (bounds.lower.ceil(), bounds.upper.floor());
@@ -69,7 +69,7 @@ fn binary(
     result: Variable,
     factor: Variable,
     of: &Affine,
-    lowering: &mut Lowering,
+    lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     // Where the factor is on, it is 1 in the expression as well; where it is off, nothing of the
     // expression is left.

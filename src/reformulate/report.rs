@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use crate::error::Error;
+use crate::model::{Constraint, Model, Name, Variable};
+
 /// Which side of an indicator's row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -28,6 +31,9 @@ impl Side {
 pub enum BigMSource {
     /// M from interval arithmetic over the current bounds.
     Bounds,
+    /// M from linear programs: with [`Method::MultiM`](crate::model::Method::MultiM) the largest
+    /// of the row's Ms.
+    LinearProgram,
     /// The user's M, proved by the bounds.
     Given,
     /// The user's M, taken on trust.
@@ -40,7 +46,25 @@ pub enum BigMSource {
     ConditionFails,
 }
 
-/// One side of one indicator, or one expression of a function.
+/// A bound that an M comes from.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Share {
+    /// The variable.
+    pub variable: String,
+    /// Which of its bounds.
+    pub bound: Side,
+    /// The bound, in the variable's unit.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    pub value: f64,
+    /// What it contributes to the miss: coefficient times bound, in the row's unit, with the sign
+    /// that makes a miss of this side positive.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    pub part: f64,
+}
+
+/// One side of one indicator or row of a disjunction, or one expression of a function.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -53,11 +77,70 @@ pub struct BigMEntry {
     pub source: BigMSource,
     /// The M in the lowered row, in the unit of the indicator's row; 0 where there is none.
     pub value: f64,
-    /// The smallest M that the bounds prove; infinite where a bound is missing.
+    /// The smallest M that the bounds prove (linear programs may prove a smaller one); infinite
+    /// where a bound is missing.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub needed: f64,
     /// The variable that contributes most to `needed`.
     pub largest: Option<String>,
+    /// The bounds that `needed` comes from, by variable.
+    pub shares: Vec<Share>,
+    /// The row of the lowered model, if there is one.
+    pub row: Option<Constraint>,
+}
+
+impl BigMEntry {
+    pub(super) fn new(name: &Name, side: Side, source: BigMSource) -> Self {
+        let (indicator, shares) = (name.to_string(), Vec::new());
+        BigMEntry {
+            indicator,
+            side,
+            source,
+            value: 0.0,
+            needed: 0.0,
+            largest: None,
+            shares,
+            row: None,
+        }
+    }
+
+    /// Notes from which bounds the miss of a side comes, and which variable makes it large.
+    pub(super) fn note_shares(
+        &mut self,
+        model: &Model,
+        terms: &[(Variable, f64)],
+        side: Side,
+    ) -> Result<(), Error> {
+        let sign = if side == Side::Upper { 1.0 } else { -1.0 };
+        let mut widest = -1.0;
+        for &(variable, coefficient) in terms {
+            let variable = model.variable_ref(variable)?;
+            let (bounds, slope) = (variable.bounds(), sign * coefficient);
+            let (bound, value) = match slope > 0.0 {
+                true => (Side::Upper, bounds.upper),
+                false => (Side::Lower, bounds.lower),
+            };
+            let name = variable.name().to_string();
+            let spread = (bounds * slope).width();
+            let spread = if value.is_infinite() || spread.is_nan() { f64::INFINITY } else { spread };
+            if spread > widest {
+                widest = spread;
+                self.largest = Some(name.clone());
+            }
+            self.shares.push(Share { variable: name, bound, value, part: slope * value });
+        }
+        Ok(())
+    }
+
+    /// By how much linear programs made the M smaller than the bounds alone, as a fraction.
+    pub fn gain(&self) -> f64 {
+        match self.source {
+            BigMSource::LinearProgram if self.needed > 0.0 && self.needed.is_finite() => {
+                (1.0 - self.value / self.needed).max(0.0)
+            }
+            _ => 0.0,
+        }
+    }
 }
 
 /// Every side of every indicator, in the order of the model; before them the functions that need
@@ -79,6 +162,13 @@ impl BigMReport {
         self.entries.iter().filter(|e| e.source == BigMSource::Assumed)
     }
 
+    /// The mean [gain](BigMEntry::gain) of linear programs over all rows with an M, as a fraction.
+    pub fn mean_gain(&self) -> f64 {
+        let with_m = self.entries.iter().filter(|e| e.row.is_some() && e.needed > 0.0);
+        let (count, sum) = with_m.fold((0.0, 0.0), |(n, sum), e| (n + 1.0, sum + e.gain()));
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
+
     /// The entry with the largest M, if any row has one.
     pub fn largest(&self) -> Option<&BigMEntry> {
         let with_m = self.entries.iter().filter(|e| e.value > 0.0);
@@ -93,6 +183,9 @@ impl fmt::Display for BigMReport {
             write!(f, "{} {}: ", entry.indicator, entry.side.word())?;
             match entry.source {
                 BigMSource::Bounds => write!(f, "M = {} from bounds", entry.value)?,
+                BigMSource::LinearProgram => {
+                    write!(f, "M = {} from linear programs, {} from bounds", entry.value, entry.needed)?;
+                }
                 BigMSource::Given => {
                     write!(f, "M = {} given, {} needed", entry.value, entry.needed)?;
                 }

@@ -1,7 +1,7 @@
 //! Values of all variables of one model.
 
 use crate::error::Error;
-use crate::model::{Affine, Model, ModelTag, Quadratic, Variable};
+use crate::model::{Affine, Literal, Model, ModelTag, Quadratic, Selected, Variable};
 
 /// One value per variable of a model, read by handle.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +35,21 @@ impl Point {
         of.evaluate_at(self)
     }
 
+    /// Which term of a disjunction is selected, from 0; `None` when not exactly one is.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`] for a disjunction of another model.
+    pub fn selected(&self, of: &Selected) -> Result<Option<usize>, Error> {
+        let mut selected = Vec::new();
+        for (k, selector) in of.selectors.iter().enumerate() {
+            if self.value(selector)?.round() == 1.0 {
+                selected.push(k);
+            }
+        }
+        Ok(if let [only] = selected[..] { Some(only) } else { None })
+    }
+
     /// The values in the order of the variables' creation.
     pub fn as_slice(&self) -> &[f64] {
         &self.values
@@ -49,7 +64,7 @@ impl Point {
     }
 }
 
-/// Something that has a value at a [`Point`]: a variable or an expression.
+/// Something that has a value at a [`Point`]: a variable, a condition or an expression.
 pub trait Evaluate {
     /// The value at the point.
     ///
@@ -62,6 +77,14 @@ pub trait Evaluate {
 impl Evaluate for Variable {
     fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
         point.read(*self)
+    }
+}
+
+/// 1 where the condition holds, 0 where it does not.
+impl Evaluate for Literal {
+    fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
+        let value = point.read(self.variable())?;
+        Ok(if self.is_on() { value } else { 1.0 - value })
     }
 }
 

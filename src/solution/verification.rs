@@ -2,10 +2,11 @@
 //!
 //! It shares no code with lowering, presolve or search: it reads the model's own statements and
 //! evaluates them. Indicators are checked as implications on the binaries' values, so a big-M
-//! that leaks cannot hide, logic by the truth of its formulas, and functions by their values.
+//! that leaks cannot hide, disjunctions by the rows of the selected term, logic by the truth of
+//! its formulas, and functions by their values.
 
 use crate::interval::Interval;
-use crate::model::{Affine, BigM, Function, Model, Variable};
+use crate::model::{Affine, BigM, Function, Model, Name, TermRef, Variable};
 use crate::tolerance;
 
 use super::point::Point;
@@ -47,6 +48,9 @@ pub enum ViolationKind {
     Row,
     /// An indicator whose condition holds and whose row does not.
     Implication,
+    /// A disjunction: a row of the selected term that does not hold, or (with an amount of 1) not
+    /// exactly one selected term.
+    Disjunction,
     /// A logic statement that is false; the amount is 1.
     Logic,
     /// A variable that is not the function that it should be, or the argument of a
@@ -55,7 +59,7 @@ pub enum ViolationKind {
 }
 
 impl Verification {
-    /// Checks a point: bounds, integrality, rows, implications, logic, functions.
+    /// Checks a point: bounds, integrality, rows, implications, disjunctions, logic, functions.
     ///
     /// # Arguments
     ///
@@ -108,7 +112,38 @@ impl Verification {
                 check.note(ViolationKind::Implication, amount, feasibility * scale, name);
             }
         }
+        for disjunction in model.disjunctions() {
+            check.one_of(disjunction.name(), disjunction.terms(), true, values, feasibility);
+        }
         check
+    }
+
+    /// Checks that one term is selected (or none, where the disjunction stands in a term that is
+    /// not) and that its rows hold.
+    fn one_of<'a>(
+        &mut self,
+        name: &Name,
+        terms: impl Iterator<Item = TermRef<'a>>,
+        active: bool,
+        values: &[f64],
+        feasibility: f64,
+    ) {
+        let mut selected = 0;
+        for term in terms {
+            let selector = term.selector();
+            let on = (values[selector.variable().index()].round() == 1.0) == selector.is_on();
+            selected += usize::from(on);
+            for (terms, limits) in term.rows().filter(|_| on) {
+                let (amount, scale) = residual(terms, limits, values);
+                let name = || name.to_string();
+                self.note(ViolationKind::Disjunction, amount, feasibility * scale, name);
+            }
+            for inner in term.nested() {
+                self.one_of(name, inner.into_iter(), on, values, feasibility);
+            }
+        }
+        let amount = selected.abs_diff(usize::from(active)) as f64;
+        self.note(ViolationKind::Disjunction, amount.min(1.0), 0.0, || name.to_string());
     }
 
     /// Whether nothing is violated beyond the tolerance.

@@ -58,6 +58,9 @@ fn lines(model: &Model) -> Result<Vec<Line<'_>>, Error> {
         Some(literal) => Ok((row.name(), row.terms(), row.limits(), Some(literal))),
         None => Err(not_in_file("the compound condition of", row.name())),
     });
+    if let Some(disjunction) = model.disjunctions().next() {
+        return Err(not_in_file("the disjunction", disjunction.name()));
+    }
     if let Some(logical) = model.logical_constraints().next() {
         return Err(not_in_file("the logic of", logical.name()));
     }

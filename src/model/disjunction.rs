@@ -1,0 +1,303 @@
+//! Disjunctions: "these rows, or those, or those", as first-class statements of a model.
+//!
+//! A disjunction says what is meant: *exactly one* of its terms is selected, by a binary each, and
+//! the rows of the selected term hold (those of others may hold as well). How it becomes rows is
+//! chosen by a [`Method`], for the whole model or for one disjunction; what a solution obeys is
+//! checked term by term, never through those rows.
+
+use super::Model;
+use super::ids::Disjunction;
+use super::indicator::Literal;
+use super::name::Name;
+use super::refs::DisjunctionRef;
+use super::reformulation::Method;
+use super::row::Row;
+use super::statement::{Statement, StoredRow, stored};
+use super::variable::VariableKind;
+use crate::error::Error;
+
+/// The most levels of disjunctions inside terms.
+const DEEPEST: u32 = 16;
+
+/// Rows of which all hold, or none need to, and disjunctions among them: one way of an [`Either`].
+///
+/// Made from a [`Row`], an array or a vector of rows, or a nested [`Either`]; more of both are
+/// added with [`and`](Term::and) and [`and_either`](Term::and_either). A term without any rows is
+/// always true.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[must_use = "a term does nothing until its disjunction is given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Term {
+    rows: Vec<Row>,
+    nested: Vec<Either>,
+}
+
+impl Term {
+    /// With one more row.
+    pub fn and(mut self, row: Row) -> Self {
+        self.rows.push(row);
+        self
+    }
+
+    /// With a disjunction that must hold where this term is selected.
+    pub fn and_either(mut self, inner: Either) -> Self {
+        self.nested.push(inner);
+        self
+    }
+
+    fn depth(&self) -> u32 {
+        self.nested.iter().map(|inner| inner.depth).max().unwrap_or(0)
+    }
+}
+
+impl From<Row> for Term {
+    fn from(row: Row) -> Self {
+        Term { rows: vec![row], nested: Vec::new() }
+    }
+}
+
+impl From<Vec<Row>> for Term {
+    fn from(rows: Vec<Row>) -> Self {
+        Term { rows, nested: Vec::new() }
+    }
+}
+
+impl<const N: usize> From<[Row; N]> for Term {
+    fn from(rows: [Row; N]) -> Self {
+        Term::from(Vec::from(rows))
+    }
+}
+
+impl From<Either> for Term {
+    fn from(inner: Either) -> Self {
+        Term { rows: Vec::new(), nested: vec![inner] }
+    }
+}
+
+/// "One of these terms", not added to a model yet; made by [`either`] and [`Either::of`].
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "a disjunction does nothing until it is given to `Model::add`"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Either {
+    terms: Vec<Term>,
+    selectors: Option<Vec<Literal>>,
+    method: Option<Method>,
+    depth: u32,
+}
+
+/// The disjunction of a first term and those that follow with [`Either::or`].
+///
+/// ```
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("doors");
+/// let x = model.continuous("x", 0.0, 10.0)?;
+/// let y = model.continuous("y", 0.0, 10.0)?;
+/// let door = model.add(
+///     "door",
+///     either([x.le(2.0), y.ge(7.0)]).or(x.ge(6.0)).or([x.within(3.0, 4.0), y.le(1.5)]),
+/// )?;
+/// model.minimize((x - 4.0).square() + (y - 3.0).square())?;
+/// let solution = BranchAndBound::default().solve(&model)?;
+/// assert!((solution.value(y)? - 1.5).abs() < 1e-6);
+/// let point = solution.point().expect("there is a way");
+/// assert_eq!(point.selected(&door)?, Some(2));
+/// # Ok::<(), carom::Error>(())
+/// ```
+pub fn either(first: impl Into<Term>) -> Either {
+    Either::of([first])
+}
+
+impl Either {
+    /// The disjunction of any number of terms.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("gates");
+    /// let x = model.continuous("x", 0.0, 10.0)?;
+    /// let gates = [(0.0, 1.0), (4.0, 5.0), (9.0, 10.0)];
+    /// model.add("gate", Either::of(gates.map(|(low, high)| x.within(low, high))))?;
+    /// model.minimize((x - 6.0).square())?;
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// assert!((solution.value(x)? - 5.0).abs() < 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn of<T: Into<Term>>(terms: impl IntoIterator<Item = T>) -> Either {
+        let none = Either { terms: Vec::new(), selectors: None, method: None, depth: 1 };
+        terms.into_iter().fold(none, Either::or)
+    }
+
+    /// With one more term.
+    pub fn or(mut self, term: impl Into<Term>) -> Self {
+        let mut term = term.into();
+        if term.depth() > DEEPEST {
+            // What is nested too deep is dropped, so that nothing later has to walk it; the depth
+            // stays, and adding the disjunction is refused.
+            term.nested.clear();
+            self.depth = DEEPEST + 2;
+        }
+        self.depth = self.depth.max(term.depth() + 1);
+        self.terms.push(term);
+        self
+    }
+
+    /// Selects the terms by these conditions, in order, instead of binaries of its own: exactly
+    /// one of them is true. For two terms, one binary is enough: `[z.on(), z.off()]`.
+    pub fn selected_by(mut self, selectors: impl IntoIterator<Item = Literal>) -> Self {
+        self.selectors = Some(selectors.into_iter().collect());
+        self
+    }
+
+    /// Lowers this disjunction by a method of its own instead of the model's
+    /// [`Reformulation`](super::Reformulation). In a nested disjunction this says nothing: the
+    /// outermost one decides.
+    pub fn by(mut self, method: Method) -> Self {
+        self.method = Some(method);
+        self
+    }
+}
+
+/// A disjunction as it stands in its model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Selected {
+    /// The handle.
+    pub disjunction: Disjunction,
+    /// The condition that selects each term, in the order of the terms.
+    pub selectors: Vec<Literal>,
+}
+
+/// A term as a model stores it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct StoredTerm {
+    pub(crate) selector: Literal,
+    pub(crate) rows: Vec<StoredRow>,
+    /// The terms of each nested disjunction; one of them is selected exactly where this term is.
+    pub(crate) nested: Vec<Vec<StoredTerm>>,
+}
+
+impl Statement for Either {
+    type Handle = Selected;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Selected, Error> {
+        if self.depth > DEEPEST {
+            return Err(Error::OutOfRange {
+                what: format!("the number of levels of `{name}`"),
+                value: f64::from(self.depth),
+                range: format!("at most {DEEPEST}; give inner disjunctions statements of their own"),
+            });
+        }
+        let method = self.method;
+        model.all_or_nothing(|model| {
+            let terms = store(self, model, &name, false)?;
+            let selectors = terms.iter().map(|term| term.selector).collect();
+            let disjunction = model.push_disjunction(name, method, terms)?;
+            Ok(Selected { disjunction, selectors })
+        })
+    }
+}
+
+/// Checks the terms of a disjunction and gives those without a selector one.
+fn store(of: Either, model: &mut Model, name: &Name, inner: bool) -> Result<Vec<StoredTerm>, Error> {
+    let count = of.terms.len();
+    let wrong = |what: &str, value: usize, range: String| {
+        let what = format!("the number of {what} of `{name}`");
+        Err(Error::OutOfRange { what, value: value as f64, range })
+    };
+    if count == 0 {
+        return wrong("terms", 0, "at least 1".into());
+    }
+    let selectors = match of.selectors {
+        Some(given) if given.len() != count => {
+            return wrong("selectors", given.len(), format!("{count}, one for each term"));
+        }
+        Some(given) => given,
+        // Which of two terms needs one binary only, unless both can be off.
+        None if count == 2 && !inner => {
+            let first = model.binary(free_name(model, name, "_first"))?;
+            vec![first.on(), first.off()]
+        }
+        None => {
+            let mut own = Vec::with_capacity(count);
+            for k in 1..=count {
+                own.push(model.binary(free_name(model, name, &format!("_is{k}")))?.on());
+            }
+            own
+        }
+    };
+    let mut terms = Vec::with_capacity(count);
+    for (k, (term, selector)) in of.terms.into_iter().zip(selectors).enumerate() {
+        let name = name.suffixed(&format!("_{}", k + 1));
+        check_selector(selector, model, &name)?;
+        let rows = term.rows.into_iter().map(|row| stored(row, model, &name));
+        let rows = rows.collect::<Result<_, _>>()?;
+        let nested = term.nested.into_iter().map(|inner| store(inner, model, &name, true));
+        let nested = nested.collect::<Result<_, _>>()?;
+        terms.push(StoredTerm { selector, rows, nested });
+    }
+    Ok(terms)
+}
+
+/// The name with a suffix, and underscores where that is taken.
+fn free_name(model: &Model, name: &Name, suffix: &str) -> Name {
+    let mut name = name.suffixed(suffix);
+    while model.variable_by_name(name.clone()).is_ok() {
+        name = name.suffixed("_");
+    }
+    name
+}
+
+fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), Error> {
+    model.check_variable(selector.variable, name)?;
+    let variable = model.variable_ref(selector.variable)?;
+    if variable.kind() != VariableKind::Binary {
+        let (name, place) = (variable.name().to_string(), name.to_string());
+        return Err(Error::NotBinary { name, place });
+    }
+    Ok(())
+}
+
+impl StoredTerm {
+    /// Checks a term from a file.
+    #[cfg(feature = "serde")]
+    pub(super) fn checked(self, model: &Model, name: &Name, depth: u32) -> Result<Self, Error> {
+        check_selector(self.selector, model, name)?;
+        if depth > DEEPEST || self.nested.iter().any(Vec::is_empty) {
+            return Err(Error::OutOfRange {
+                what: format!("the number of levels or terms of `{name}`"),
+                value: f64::from(depth),
+                range: format!("at least 1 term and at most {DEEPEST} levels"),
+            });
+        }
+        let rows = self.rows.into_iter().map(|row| row.checked(model, name));
+        let rows = rows.collect::<Result<_, _>>()?;
+        let level = |terms: Vec<StoredTerm>| {
+            let terms = terms.into_iter().map(|term| term.checked(model, name, depth + 1));
+            terms.collect::<Result<Vec<_>, _>>()
+        };
+        let nested = self.nested.into_iter().map(level).collect::<Result<_, _>>()?;
+        Ok(StoredTerm { selector: self.selector, rows, nested })
+    }
+
+    /// Calls `visit` with every row of the term and of those inside it.
+    pub(crate) fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
+        self.rows.iter().for_each(&mut *visit);
+        self.nested.iter().flatten().for_each(|term| term.for_each_row(visit));
+    }
+}
+
+impl Model {
+    /// Number of disjunctions, nested ones not counted.
+    pub fn disjunction_count(&self) -> usize {
+        self.stored.disjunctions.len()
+    }
+
+    /// The disjunctions in the order of creation.
+    pub fn disjunctions(&self) -> impl ExactSizeIterator<Item = DisjunctionRef<'_>> {
+        let data = self.stored.disjunctions.iter().enumerate();
+        data.map(|(i, data)| DisjunctionRef { id: Disjunction::new(i, self.stored.tag), data })
+    }
+}

@@ -1,0 +1,138 @@
+//! How large an expression can be over rows and bounds: linear programs with proved answers.
+//!
+//! The answer is the *dual* bound, recomputed from the multipliers
+//! ([`lower_bound`](crate::relaxation::lower_bound)), so an inaccurate solve makes an M larger than
+//! it need be, never too small. Bounds are propagated first, which alone often says enough.
+
+use std::collections::BTreeMap;
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Literal, Model, StoredRow, Variable, VariableKind};
+use crate::presolve::{Domain, Propagator, Reduction, reduce};
+use crate::program::Program;
+use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
+use crate::relaxation::{lower_bound, proves_infeasible};
+use crate::solver::Interrupt;
+
+/// Iterations and tolerance of one linear program.
+const ITERATIONS: u32 = 100;
+const TOLERANCE: f64 = 1e-9;
+
+/// By how much a bound on an expression is raised, relative to its size (at least 1): points that
+/// miss the rows by a tolerance shall not be cut off by an M that took the rows for exact.
+const MARGIN: f64 = 1e-7;
+
+/// Maximises expressions over one set of rows, bounds and whole numbers.
+pub(super) struct Maximizer<'a> {
+    /// From when on nothing is solved any more.
+    stop: &'a dyn Fn() -> bool,
+    program: Program,
+    domain: Domain,
+    propagator: Propagator,
+    relaxation: ClarabelRelaxation,
+    /// No point satisfies rows and bounds.
+    empty: bool,
+}
+
+impl<'a> Maximizer<'a> {
+    /// Over a model of rows only; its objective is left aside.
+    pub(super) fn of(model: &Model, stop: &'a dyn Fn() -> bool) -> Result<Self, Error> {
+        let mut program = Program::assemble(model)?;
+        program.make_feasibility_problem();
+        let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
+        let empty = propagator.propagate_all(&program, &mut domain).is_err();
+        let relaxation = ClarabelRelaxation::new();
+        Ok(Maximizer { stop, program, domain, propagator, relaxation, empty })
+    }
+
+    /// Over some rows and the bounds that their variables have in a model. Variables are renamed:
+    /// the second part tells how.
+    pub(super) fn of_rows(
+        model: &Model,
+        rows: &[&StoredRow],
+        terms: &[(Variable, f64)],
+    ) -> Result<(Self, BTreeMap<Variable, Variable>), Error> {
+        let mut small = Model::new("term");
+        let mut renamed = BTreeMap::new();
+        let all = rows.iter().flat_map(|row| &row.terms).chain(terms);
+        for &(variable, _) in all {
+            if let std::collections::btree_map::Entry::Vacant(entry) = renamed.entry(variable) {
+                let (kind, bounds) = {
+                    let variable = model.variable_ref(variable)?;
+                    (variable.kind(), variable.bounds())
+                };
+                let kind = if bounds.is_bounded() { kind } else { VariableKind::Continuous };
+                let name = format!("v{}", variable.index());
+                entry.insert(small.variable(name, kind, bounds.lower, bounds.upper)?);
+            }
+        }
+        for (k, row) in rows.iter().enumerate() {
+            let terms = row.terms.iter().map(|(v, a)| (renamed[v], *a)).collect();
+            let row = StoredRow { terms, lower: row.lower, upper: row.upper };
+            small.push_constraint(("row", k).into(), row)?;
+        }
+        Ok((Maximizer::of(&small, &|| false)?, renamed))
+    }
+
+    /// A proved upper bound on `terms` where all of `when` are true; `-inf` where that is proved
+    /// impossible, `+inf` where nothing is proved.
+    pub(super) fn most(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {
+        if self.empty {
+            return f64::NEG_INFINITY;
+        }
+        let mark = self.domain.mark();
+        for literal in when {
+            let (column, on) = (literal.variable().index(), literal.is_on());
+            let value = if on { 1.0 } else { 0.0 };
+            if value < self.domain.lower(column) || value > self.domain.upper(column) {
+                self.domain.undo_to(mark);
+                return f64::NEG_INFINITY;
+            }
+            self.domain.apply(column, !on, value);
+        }
+        let most = self.most_in_domain(terms, mark);
+        self.domain.undo_to(mark);
+        most + MARGIN * most.abs().max(1.0)
+    }
+
+    fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
+        let Maximizer { stop, program, domain, propagator, relaxation, .. } = self;
+        if propagator.propagate_since(program, domain, mark).is_err() {
+            return f64::NEG_INFINITY;
+        }
+        let mut range = Interval::point(0.0);
+        for &(variable, coefficient) in terms {
+            let column = variable.index();
+            let bounds = Interval::new(domain.lower(column), domain.upper(column));
+            range = range + bounds * coefficient;
+        }
+        program.linear.iter_mut().for_each(|cost| *cost = 0.0);
+        terms.iter().for_each(|&(variable, a)| program.linear[variable.index()] = -a);
+        if stop() {
+            return range.upper;
+        }
+        let Reduction::Reduced(reduced) = reduce(program, domain) else {
+            return f64::NEG_INFINITY;
+        };
+        if reduced.columns.is_empty() {
+            return range.upper;
+        }
+        let effort = Effort {
+            iterations: ITERATIONS,
+            tolerance: TOLERANCE,
+            refinements: 2,
+            time: None,
+            interrupt: Interrupt::default(),
+        };
+        let answer = relaxation.solve(&reduced, &effort);
+        match answer.claim {
+            Claim::Infeasible | Claim::Unknown if proves_infeasible(&reduced, &answer.y) => {
+                f64::NEG_INFINITY
+            }
+            // A bound that leans on far columns is no proof for Ms.
+            _ if !range.is_bounded() => range.upper,
+            _ => range.upper.min(-lower_bound(&reduced, &answer.x, &answer.y)),
+        }
+    }
+}
