@@ -1,4 +1,5 @@
-//! The trait [`Solver`] and what is common to all backends: options, progress, interrupt.
+//! The trait [`Solver`] and what is common to all backends: options, progress, interrupt, and the
+//! [certificate](certify) of points from elsewhere.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -16,6 +17,10 @@
 //! assert_eq!(solution.value(x)?, 4.0);
 //! # Ok::<(), carom::Error>(())
 //! ```
+
+mod certificate;
+
+pub use certificate::{Certificate, certify};
 
 use std::fmt;
 use std::sync::Arc;

@@ -324,6 +324,14 @@ impl Model {
         Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
 
+    /// The model with every variable continuous: its relaxation, where it has rows only.
+    pub(crate) fn with_integrality_relaxed(&self) -> Model {
+        let mut model = self.clone();
+        model.stored.variables.iter_mut().for_each(|data| data.kind = VariableKind::Continuous);
+        model.touch();
+        model
+    }
+
     /// Does several additions, or, if one of them fails, none.
     pub(super) fn all_or_nothing<T>(
         &mut self,

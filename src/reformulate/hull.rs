@@ -1,18 +1,20 @@
 //! Disjunctions by the convex hull of their terms.
 //!
 //! Every variable `x` of a disjunction gets a copy `x_i` for each term `i` with selector `s_i`:
-//! `x = x_1 + ... + x_n`, `l s_i <= x_i <= u s_i` over its bounds, and a row `a'x <= b` of term
+//! `x = x_1 + ... + x_n`, `l s_i <= x_i <= u s_i` over the bounds that the term leaves, and a row `a'x <= b` of term
 //! `i` becomes `a'x_i <= b s_i` (Balas 1979; Grossmann and Lee 2003 for the use in modelling).
 //! The relaxation is the convex hull of the disjunction alone over the bounds. A disjunction
-//! inside a term is the hull of the term's copies. There is no big-M in it, but bounds are needed
+//! inside a term is the hull of the term's copies, and takes the rows of the terms around it
+//! along. There is no big-M in it, but bounds are needed
 //! all the same.
 
 use std::collections::BTreeMap;
 
 use super::disjunction::{nested_name, row_name, value};
+use super::linear_program::Maximizer;
 use super::lowering::Lowering;
 use crate::error::Error;
-use crate::model::{Affine, Literal, Name, StoredTerm, Variable, VariableKind};
+use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable, VariableKind};
 
 /// What each variable of the model is called at the present level.
 type Copies = BTreeMap<Variable, Variable>;
@@ -29,35 +31,52 @@ pub(super) fn apply(
             columns.extend(row.terms.iter().map(|&(variable, _)| (variable, variable)));
         });
     }
-    split(name, terms, &columns, lowering)
+    split(name, terms, &columns, &[], lowering)
 }
 
-/// Splits the columns of one level among the terms of a disjunction.
+/// Splits the columns of one level among the terms of a disjunction; `above` are the rows of the
+/// terms around it.
 fn split(
     name: &Name,
     terms: &[StoredTerm],
     columns: &Copies,
+    above: &[&StoredRow],
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     lowering.begin(name);
     let mut copies = vec![Copies::new(); terms.len()];
     // The variables of this disjunction; a level above may have more.
     let mut own = Copies::new();
-    for term in terms {
-        term.for_each_row(&mut |row| {
-            own.extend(row.terms.iter().filter_map(|&(v, _)| Some((v, *columns.get(&v)?))));
-        });
+    let mut take = |row: &StoredRow| {
+        own.extend(row.terms.iter().filter_map(|&(v, _)| Some((v, *columns.get(&v)?))));
+    };
+    above.iter().for_each(|row| take(row));
+    terms.iter().for_each(|term| term.for_each_row(&mut take));
+    let inside: Vec<Vec<&StoredRow>> =
+        terms.iter().map(|term| above.iter().copied().chain(&term.rows).collect()).collect();
+    let mut ranges = Vec::with_capacity(terms.len());
+    for (term, rows) in terms.iter().zip(&inside) {
+        let all: Vec<(Variable, f64)> = own.keys().map(|&variable| (variable, 0.0)).collect();
+        let range = Maximizer::of_rows(&lowering.model, rows, &all)?;
+        if range.0.is_empty() {
+            lowering.affine_row(value(term.selector), 0.0, 0.0)?;
+        }
+        ranges.push(range);
     }
     for (&variable, &column) in &own {
-        // The bounds of the variable itself: those of a copy above hold only where it is selected.
-        let bounds = lowering.model.variable_ref(variable)?.bounds();
-        for (end, bound) in [(bounds.lower, "lower"), (bounds.upper, "upper")] {
-            if end.is_infinite() {
-                return Err(lowering.unbounded_function(variable, bound));
-            }
-        }
         let mut rest = Affine::from(column);
-        for (term, copies) in terms.iter().zip(&mut copies) {
+        for ((term, copies), (range, renamed)) in terms.iter().zip(&mut copies).zip(&ranges) {
+            // The bounds of the variable itself, and what the rows of the term leave of them;
+            // those of a copy above hold only where it is selected.
+            let mut bounds = lowering.model.variable_ref(variable)?.bounds();
+            if !range.is_empty() {
+                bounds = bounds.intersection(range.bounds(renamed[&variable]));
+            }
+            for (end, bound) in [(bounds.lower, "lower"), (bounds.upper, "upper")] {
+                if end.is_infinite() {
+                    return Err(lowering.unbounded_function(variable, bound));
+                }
+            }
             let (low, high) = (bounds.lower.min(0.0), bounds.upper.max(0.0));
             let copy = lowering.column("copy", VariableKind::Continuous, low, high)?;
             rest -= copy;
@@ -66,16 +85,18 @@ fn split(
         }
         lowering.affine_row(rest, 0.0, 0.0)?;
     }
-    for (k, (term, copies)) in terms.iter().zip(&copies).enumerate() {
+    for (k, ((term, copies), rows)) in terms.iter().zip(&copies).zip(&inside).enumerate() {
         let name = name.suffixed(&format!("_{}", k + 1));
-        for (r, row) in term.rows.iter().enumerate() {
+        // Where disjunctions are inside, their copies carry the rows of all terms around them,
+        // which is tighter than rows on the sums of the copies.
+        for (r, row) in rows.iter().enumerate().filter(|_| term.nested.is_empty()) {
             lowering.begin(&row_name(&name, r));
             let mut of = Affine::zero();
             row.terms.iter().for_each(|&(v, a)| of.add_term(a, copies[&v]));
             scaled(of, row.lower, row.upper, term.selector, lowering)?;
         }
         for (r, inner) in term.nested.iter().enumerate() {
-            split(&nested_name(&name, r), inner, copies, lowering)?;
+            split(&nested_name(&name, r), inner, copies, rows, lowering)?;
         }
     }
     Ok(())

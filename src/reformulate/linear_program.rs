@@ -75,6 +75,17 @@ impl<'a> Maximizer<'a> {
         Ok((Maximizer::of(&small, &|| false)?, renamed))
     }
 
+    /// Whether rows, bounds and whole numbers are proved to contradict each other.
+    pub(super) fn is_empty(&self) -> bool {
+        self.empty
+    }
+
+    /// What propagation leaves of a variable's bounds.
+    pub(super) fn bounds(&self, variable: Variable) -> Interval {
+        let column = variable.index();
+        Interval::new(self.domain.lower(column), self.domain.upper(column))
+    }
+
     /// A proved upper bound on `terms` where all of `when` are true; `-inf` where that is proved
     /// impossible, `+inf` where nothing is proved.
     pub(super) fn most(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {

@@ -19,8 +19,10 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
+mod audit;
 mod big_m;
 mod clauses;
+mod compare;
 mod direction;
 mod disjunction;
 mod extremum;
@@ -34,10 +36,12 @@ mod piecewise;
 mod product;
 mod report;
 
+pub use audit::{Audit, Trickle};
+pub use compare::{Comparison, MethodSize, compare};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::Error;
-use crate::model::{Function, Model, Variable};
+use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{Outcome, Solution};
 use crate::solver::Solver;
 use direction::Tie;
@@ -132,19 +136,32 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
 ///
 /// As for [`lower`].
 pub fn lower_until(model: &Model, stop: &dyn Fn() -> bool) -> Result<Lowered, Error> {
+    lower_by(model, None, stop)
+}
+
+/// As [`lower_until`], with one method for all disjunctions.
+fn lower_by(
+    model: &Model,
+    method: Option<Method>,
+    stop: &dyn Fn() -> bool,
+) -> Result<Lowered, Error> {
     let open = model.parameters().next().is_some().then(|| model.with_open_parameters());
     let open = open.as_ref().unwrap_or(model);
-    let mut lowered = lower_with(open, None)?;
+    let mut lowered = lower_with(open, method, None)?;
     if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() && !stop() {
         let maximizer = Maximizer::of(&lowered.model, stop)?;
-        lowered = lower_with(open, Some(maximizer))?;
+        lowered = lower_with(open, method, Some(maximizer))?;
     }
     lowered.model.take_parameters(model);
     lowered.revision = model.revision();
     Ok(lowered)
 }
 
-fn lower_with(model: &Model, maximizer: Option<Maximizer<'_>>) -> Result<Lowered, Error> {
+fn lower_with(
+    model: &Model,
+    method: Option<Method>,
+    maximizer: Option<Maximizer<'_>>,
+) -> Result<Lowered, Error> {
     let mut lowering = Lowering::new(model, maximizer);
     let mut relaxed = Vec::new();
     // First, for they bound their variables; and in this order, for younger ones build on older.
@@ -158,8 +175,8 @@ fn lower_with(model: &Model, maximizer: Option<Maximizer<'_>>) -> Result<Lowered
         big_m::apply(&indicator, &mut lowering)?;
     }
     for disjunction in model.disjunctions() {
-        let method = disjunction.method().unwrap_or(model.reformulation().method());
-        disjunction::apply(&disjunction, method, &mut lowering)?;
+        let own = disjunction.method().unwrap_or(model.reformulation().method());
+        disjunction::apply(&disjunction, method.unwrap_or(own), &mut lowering)?;
     }
     for statement in model.logical_constraints() {
         logic::apply(&statement, &mut lowering)?;

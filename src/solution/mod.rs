@@ -3,7 +3,7 @@
 //! Why the solver stopped ([`Termination`]) and what it holds ([`PrimalStatus`]) are separate
 //! answers: a search stopped by its time limit may hold a very good plan. Every [`Solution`] with
 //! a point carries a [`Verification`] made from the *model*, not from the solver's rows: bounds,
-//! integrality, rows, and indicators as the implications they state.
+//! integrality, rows, and indicators, disjunctions, logic and functions as what they mean.
 
 mod point;
 mod status;
@@ -11,10 +11,11 @@ mod verification;
 
 pub use point::{Evaluate, Point};
 pub use status::{PrimalStatus, Statistics, Termination};
-pub use verification::{Verification, Violation, ViolationKind};
+pub use verification::{Checked, Verification, Violation, ViolationKind};
 
 use crate::error::Error;
 use crate::model::{Model, Sense};
+use crate::tolerance;
 
 /// The answer of a [`Solver`](crate::solver::Solver).
 #[derive(Debug, Clone)]
@@ -28,6 +29,7 @@ pub struct Solution {
     bound: f64,
     sense: Sense,
     verification: Option<Verification>,
+    rounding: f64,
     statistics: Statistics,
 }
 
@@ -47,8 +49,11 @@ pub struct Outcome {
 
 impl Solution {
     /// Builds a solution from a backend's report. The objective and the verification are
-    /// computed here, from the model, so that no backend can vouch for itself: a point that fails
-    /// its verification is dropped, and `Optimal` becomes [`Termination::Stalled`].
+    /// computed here, from the model, so that no backend can vouch for itself: integers that are
+    /// whole up to [`tolerance::INTEGRALITY`](crate::tolerance::INTEGRALITY) are made whole, every
+    /// statement is then checked as what it means, a point that fails is dropped, and `Optimal`
+    /// becomes [`Termination::Stalled`]. A backend whose points fail for their rounding can have
+    /// them solved again by [`certify`](crate::solver::certify).
     ///
     /// # Arguments
     ///
@@ -60,7 +65,18 @@ impl Solution {
     /// [`Error::Backend`] when the number of values is not the number of variables.
     pub fn new(model: &Model, outcome: Outcome, feasibility: f64) -> Result<Self, Error> {
         let Outcome { mut termination, values, bound, statistics } = outcome;
-        let mut point = values.map(|values| Point::new(model, values)).transpose()?;
+        let mut rounding = 0.0_f64;
+        let whole = |mut values: Vec<f64>| {
+            for (variable, value) in model.variables().zip(&mut values) {
+                let distance = (*value - value.round()).abs();
+                if variable.kind().is_integral() && distance <= tolerance::INTEGRALITY {
+                    *value = value.round();
+                    rounding = rounding.max(distance);
+                }
+            }
+            Point::new(model, values)
+        };
+        let mut point = values.map(whole).transpose()?;
         let verification = point.as_ref().map(|p| Verification::of(model, p, feasibility));
         if verification.as_ref().is_some_and(|v| !v.holds()) {
             point = None;
@@ -70,7 +86,16 @@ impl Solution {
         }
         let objective = point.as_ref().map(|p| p.value(model.objective())).transpose()?;
         let sense = model.sense();
-        Ok(Solution { termination, point, objective, bound, sense, verification, statistics })
+        Ok(Solution {
+            termination,
+            point,
+            objective,
+            bound,
+            sense,
+            verification,
+            rounding,
+            statistics,
+        })
     }
 
     /// Why the solver stopped.
@@ -138,6 +163,12 @@ impl Solution {
     /// failed it and was dropped.
     pub fn verification(&self) -> Option<&Verification> {
         self.verification.as_ref()
+    }
+
+    /// The largest distance by which the backend's integers were rounded before the check (no
+    /// unit); 0 for the crate's own search, which fixes them first and then solves the rest.
+    pub fn rounding(&self) -> f64 {
+        self.rounding
     }
 
     /// Counts and time.

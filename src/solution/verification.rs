@@ -18,8 +18,29 @@ pub struct Verification {
     violations: Vec<Violation>,
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     largest_residual: f64,
-    active_implications: usize,
+    checked: Checked,
     assumed: Vec<String>,
+}
+
+/// How many statements of each kind were checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Checked {
+    /// Variables: bounds and integrality.
+    pub variables: usize,
+    /// Linear rows.
+    pub rows: usize,
+    /// Indicators.
+    pub implications: usize,
+    /// Indicators whose condition holds, so that their row had to.
+    pub active_implications: usize,
+    /// Disjunctions.
+    pub disjunctions: usize,
+    /// Logic statements.
+    pub logic: usize,
+    /// Functions.
+    pub functions: usize,
 }
 
 /// A statement that a point violates by more than the tolerance.
@@ -70,7 +91,7 @@ impl Verification {
         let mut check = Verification {
             violations: Vec::new(),
             largest_residual: 0.0,
-            active_implications: 0,
+            checked: Checked::default(),
             assumed: Vec::new(),
         };
         for variable in model.variables() {
@@ -107,7 +128,7 @@ impl Verification {
                 check.assumed.push(name());
             }
             if indicator.condition().evaluate(on) {
-                check.active_implications += 1;
+                check.checked.active_implications += 1;
                 let (amount, scale) = residual(indicator.terms(), indicator.limits(), values);
                 check.note(ViolationKind::Implication, amount, feasibility * scale, name);
             }
@@ -115,6 +136,15 @@ impl Verification {
         for disjunction in model.disjunctions() {
             check.one_of(disjunction.name(), disjunction.terms(), true, values, feasibility);
         }
+        check.checked = Checked {
+            variables: model.variable_count(),
+            rows: model.constraint_count(),
+            implications: model.indicator_count(),
+            disjunctions: model.disjunction_count(),
+            logic: model.logical_constraint_count(),
+            functions: model.function_count(),
+            ..check.checked
+        };
         check
     }
 
@@ -161,9 +191,14 @@ impl Verification {
         self.largest_residual
     }
 
+    /// How many statements of each kind were checked.
+    pub fn checked(&self) -> Checked {
+        self.checked
+    }
+
     /// Number of indicators whose condition holds at the point.
     pub fn active_implications(&self) -> usize {
-        self.active_implications
+        self.checked.active_implications
     }
 
     /// Indicators whose big-M was taken on trust ([`BigM::Assumed`]): the point obeys them, but

@@ -1,0 +1,195 @@
+//! Whether the switching can be trusted, before anything is solved.
+//!
+//! A solver takes a binary for whole within a tolerance, and a row for satisfied within another.
+//! Where the first times M exceeds the second, a binary that counts as off can let its row give
+//! way: a plan trickles through a wall and is called feasible. This crate rounds the binaries of
+//! every point that it accepts and checks what statements mean, so it refuses such plans; other
+//! backends do not, and rows with a large M are weak for all of them.
+
+use std::collections::HashMap;
+use std::fmt;
+
+use super::report::{BigMEntry, BigMSource, Side};
+use super::{BigMReport, Lowered};
+use crate::model::{Constraint, ConstraintRef, Model, VariableKind};
+
+/// A row through which something may trickle.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Trickle {
+    /// The row of the lowered model.
+    pub row: String,
+    /// The statement that it comes from, if it has a big-M of its own; else the row was written
+    /// by hand, or belongs to a function or a hull.
+    pub statement: Option<String>,
+    /// The integer variable with the largest coefficient.
+    pub switch: String,
+    /// That coefficient's magnitude, in the row's unit.
+    pub big_m: f64,
+    /// Integrality tolerance times `big_m`: by how much the row may give way, in its unit.
+    pub leak: f64,
+    /// The feasibility tolerance of the row, in its unit.
+    pub allowed: f64,
+    /// What to do about it.
+    pub advice: String,
+}
+
+impl Trickle {
+    /// How many times more leaks than is allowed.
+    pub fn ratio(&self) -> f64 {
+        self.leak / self.allowed
+    }
+}
+
+/// The rows of a lowered model that leak more than a tolerance allows, worst first; made by
+/// [`Lowered::audit`].
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Audit {
+    leaks: Vec<Trickle>,
+    rows: usize,
+}
+
+impl Audit {
+    /// The rows that leak, worst first.
+    pub fn leaks(&self) -> &[Trickle] {
+        &self.leaks
+    }
+
+    /// Number of rows with a switch that were looked at.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Whether no row leaks.
+    pub fn is_tight(&self) -> bool {
+        self.leaks.is_empty()
+    }
+}
+
+impl fmt::Display for Audit {
+    /// One line a leak, worst first, with advice.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for leak in &self.leaks {
+            let Trickle { row, switch, big_m, leak, allowed, advice, .. } = leak;
+            writeln!(
+                f,
+                "{row}: {switch} may let it give way by {leak:.1e} (M = {big_m}), {allowed:.0e} \
+                 is allowed; {advice}"
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Lowered {
+    /// Audits every row of the lowered model that an integer variable switches: its integrality
+    /// tolerance times M against its feasibility tolerance.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    /// use carom::reformulate;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.continuous("x", -5e4, 1e3)?;
+    /// let open = model.binary("open")?;
+    /// model.add("wall", open.off().implies(x.ge(0.0)))?;
+    /// let lowered = reformulate::lower(&model)?;
+    /// let audit = lowered.audit(1e-6, 1e-6);
+    /// assert_eq!(
+    ///     audit.to_string(),
+    ///     "wall_lower: open may let it give way by 5.0e-2 (M = 50000), 1e-6 is allowed; raise the \
+    ///      lower bound of `x` from -50000 to at least -1\n"
+    /// );
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `integrality`: how far from a whole number a value may be for the backend in mind (no
+    ///   unit); see [`tolerance::INTEGRALITY`](crate::tolerance::INTEGRALITY).
+    /// * `feasibility`: how far rows may be missed, in their units; see
+    ///   [`tolerance::FEASIBILITY`](crate::tolerance::FEASIBILITY).
+    pub fn audit(&self, integrality: f64, feasibility: f64) -> Audit {
+        let sources = by_row(self.report());
+        let (model, mut audit) = (self.model(), Audit::default());
+        for row in model.constraints() {
+            let Some((switch, big_m)) = switch(model, &row) else { continue };
+            audit.rows += 1;
+            let leak = integrality * big_m;
+            if leak <= feasibility {
+                continue;
+            }
+            let entry = sources.get(&row.id()).copied();
+            audit.leaks.push(Trickle {
+                row: row.name().to_string(),
+                statement: entry.map(|entry| entry.indicator.clone()),
+                switch,
+                big_m,
+                leak,
+                allowed: feasibility,
+                advice: advice(entry, feasibility / integrality),
+            });
+        }
+        audit.leaks.sort_by(|a, b| b.leak.total_cmp(&a.leak));
+        audit
+    }
+}
+
+fn by_row(report: &BigMReport) -> HashMap<Constraint, &BigMEntry> {
+    report.entries().iter().filter_map(|entry| Some((entry.row?, entry))).collect()
+}
+
+/// The integer variable with the largest coefficient in a row that continuous ones take part in.
+fn switch(model: &Model, row: &ConstraintRef<'_>) -> Option<(String, f64)> {
+    let (mut continuous, mut largest) = (false, None::<(String, f64)>);
+    for &(variable, coefficient) in row.terms() {
+        let variable = model.variable_ref(variable).ok()?;
+        if variable.kind() == VariableKind::Continuous {
+            continuous = true;
+        } else if largest.as_ref().is_none_or(|(_, most)| coefficient.abs() > *most) {
+            largest = Some((variable.name().to_string(), coefficient.abs()));
+        }
+    }
+    largest.filter(|_| continuous)
+}
+
+/// What would bring an M down to `most`.
+fn advice(entry: Option<&BigMEntry>, most: f64) -> String {
+    let Some(entry) = entry else {
+        return "say it as an indicator, so that its M comes from the bounds, or tighten the \
+                bounds it comes from"
+            .into();
+    };
+    if matches!(entry.source, BigMSource::Given | BigMSource::Assumed)
+        && entry.needed < entry.value
+    {
+        return format!("leave its M out: the bounds prove {}", entry.needed);
+    }
+    // Which bound, and how far, if it alone shall do.
+    let spread = |part: f64| if part.is_finite() { part } else { f64::INFINITY };
+    let widest = entry.shares.iter().max_by(|a, b| spread(a.part).total_cmp(&spread(b.part)));
+    if let Some(share) = widest
+        && share.part > 0.0
+        && share.part >= entry.value - most
+    {
+        let bound = share.value * (share.part - (entry.value - most)) / share.part;
+        let name = &share.variable;
+        return match share.bound {
+            Side::Lower => {
+                format!("raise the lower bound of `{name}` from {} to at least {bound}", share.value)
+            }
+            Side::Upper => {
+                format!("lower the upper bound of `{name}` from {} to at most {bound}", share.value)
+            }
+        };
+    }
+    match &entry.largest {
+        Some(name) => format!(
+            "tighten the bounds of `{name}` and its neighbours, or ask for linear programs \
+             (`Reformulation::with_linear_programs`)"
+        ),
+        None => "ask for linear programs (`Reformulation::with_linear_programs`)".into(),
+    }
+}

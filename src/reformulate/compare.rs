@@ -1,0 +1,93 @@
+//! What each method of lowering disjunctions costs and proves, side by side.
+
+use std::fmt;
+
+use super::{Lowered, lower_by};
+use crate::error::Error;
+use crate::model::{Method, Model};
+use crate::solver::Solver;
+
+/// A model lowered by one method.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MethodSize {
+    /// The method, used for every disjunction.
+    pub method: Method,
+    /// Rows of the lowered model.
+    pub rows: usize,
+    /// Columns of the lowered model.
+    pub columns: usize,
+    /// Non-zero coefficients of its rows.
+    pub nonzeros: usize,
+    /// Proved bound of the relaxation, in which integers may be fractions; infinite where it has
+    /// no point (or no bound).
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    pub root_bound: f64,
+}
+
+/// Sizes and root bounds by method; made by [`compare`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Comparison {
+    entries: Vec<MethodSize>,
+}
+
+impl Comparison {
+    /// One entry a method, in the order of [`Method::ALL`].
+    pub fn entries(&self) -> &[MethodSize] {
+        &self.entries
+    }
+}
+
+impl fmt::Display for Comparison {
+    /// A table with one line a method.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "method     rows  columns  non-zeros  root bound")?;
+        for entry in &self.entries {
+            let MethodSize { rows, columns, nonzeros, root_bound, .. } = entry;
+            let method = entry.method.word();
+            writeln!(f, "{method:<8}{rows:>7}{columns:>9}{nonzeros:>11}{root_bound:>12.6}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Lowers a model by each method and solves its relaxation.
+///
+/// ```
+/// use carom::prelude::*;
+/// use carom::reformulate;
+///
+/// let mut model = Model::new("two_boxes");
+/// let x = model.continuous("x", 0.0, 8.0)?;
+/// let y = model.continuous("y", 0.0, 9.0)?;
+/// let (near, far) = ([x.le(2.0), y.le(1.0)], [x.ge(6.0), y.within(4.0, 5.0)]);
+/// model.add("box", either(near).or(far))?;
+/// model.maximize(2.0 * x - y)?;
+/// let table = reformulate::compare(&model, &mut BranchAndBound::default())?;
+/// let bounds: Vec<f64> = table.entries().iter().map(|entry| entry.root_bound.round()).collect();
+/// // The best point has 12; the hull sees it at once.
+/// assert_eq!(bounds, [15.0, 14.0, 12.0]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// Those of [`lower`](super::lower) and of the solver.
+pub fn compare<S: Solver + ?Sized>(model: &Model, solver: &mut S) -> Result<Comparison, Error> {
+    let mut entries = Vec::with_capacity(Method::ALL.len());
+    for method in Method::ALL {
+        let lowered: Lowered = lower_by(model, Some(method), &|| false)?;
+        let plain = lowered.model();
+        let relaxed = solver.solve(&plain.with_integrality_relaxed())?;
+        entries.push(MethodSize {
+            method,
+            rows: plain.constraint_count(),
+            columns: plain.variable_count(),
+            nonzeros: plain.constraints().map(|row| row.terms().len()).sum(),
+            root_bound: relaxed.bound(),
+        });
+    }
+    Ok(Comparison { entries })
+}
