@@ -165,8 +165,9 @@ proptest! {
     }
 }
 
+/// Relaxations with nearly parallel rows are solved to a few digits less than whole answers.
 fn not_above(a: f64, b: f64) -> bool {
-    a <= b || a - b <= 1e-5 * b.abs().max(1.0)
+    a <= b || a - b <= 1e-4 * b.abs().max(1.0)
 }
 
 fn boxes(method: Method) -> (Model, Variable, Variable, carom::model::Selected) {

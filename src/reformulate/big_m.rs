@@ -9,6 +9,7 @@
 //! clause `g1 or g2 or ...` there is one row a side, `a'x <= u + M (g1 + g2 + ...)`; a plain
 //! condition is the case of one clause with one literal.
 
+use super::linear_program::tidy;
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
@@ -149,7 +150,7 @@ impl Need {
             [only] if only.variable().index() < original => guard,
             _ => &[],
         };
-        let miss = add_up(maximizer.most(&up, when), -sign * limit).max(0.0);
+        let miss = tidy(add_up(maximizer.most(&up, when), -sign * limit)).max(0.0);
         if miss < self.value {
             (self.value, self.by_program) = (miss, true);
         }

@@ -19,9 +19,19 @@ use crate::solver::Interrupt;
 const ITERATIONS: u32 = 100;
 const TOLERANCE: f64 = 1e-9;
 
-/// By how much a bound on an expression is raised, relative to its size (at least 1): points that
-/// miss the rows by a tolerance shall not be cut off by an M that took the rows for exact.
-const MARGIN: f64 = 1e-7;
+/// By how much a bound on an expression is raised, relative to its size (at least 1), for what
+/// propagation and reduction may have rounded.
+const MARGIN: f64 = 1e-9;
+
+/// Ms of at most this magnitude, in the row's unit, are taken for 0: coefficients like 1e-9 next
+/// to 1 cost an interior-point method its accuracy, and what is lost is a hundredth of the
+/// default feasibility tolerance.
+const NEGLIGIBLE: f64 = 1e-8;
+
+/// An M that has come from a linear program, without the noise of one.
+pub(super) fn tidy(m: f64) -> f64 {
+    if m.abs() <= NEGLIGIBLE { 0.0 } else { m }
+}
 
 /// Maximises expressions over one set of rows, bounds and whole numbers.
 pub(super) struct Maximizer<'a> {

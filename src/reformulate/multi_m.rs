@@ -8,7 +8,7 @@
 //! stand beside it are others as well: of all of them together exactly one is selected.
 
 use super::disjunction::{nested_name, row_name, value};
-use super::linear_program::Maximizer;
+use super::linear_program::{Maximizer, tidy};
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
@@ -86,7 +86,7 @@ fn relaxed(
             // That term cannot be selected at all; any M is right.
             continue;
         }
-        let m = add_up(most.min(from_bounds), -sign * limit);
+        let m = tidy(add_up(most.min(from_bounds), -sign * limit));
         entry.value = entry.value.max(m);
         slack += m * value(other.selector);
     }
