@@ -86,6 +86,7 @@ mod indicator;
 mod logic;
 pub mod mps;
 mod name;
+mod name_table;
 mod objective;
 mod operators;
 mod parameter;

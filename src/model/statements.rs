@@ -84,7 +84,7 @@ impl Model {
     pub fn disjunction_by_name(&self, name: impl Into<Name>) -> Result<Disjunction, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
-            Some(&StatementIndex::Disjunction(index)) => {
+            Some(StatementIndex::Disjunction(index)) => {
                 Ok(Disjunction { index, tag: self.stored.tag })
             }
             _ => Err(Error::UnknownName { name: name.to_string(), kind: "disjunction" }),
@@ -99,7 +99,7 @@ impl Model {
     pub fn constraint_by_name(&self, name: impl Into<Name>) -> Result<Constraint, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
-            Some(&StatementIndex::Constraint(index)) => {
+            Some(StatementIndex::Constraint(index)) => {
                 Ok(Constraint { index, tag: self.stored.tag })
             }
             _ => Err(Error::UnknownName { name: name.to_string(), kind: "linear row" }),
@@ -114,7 +114,7 @@ impl Model {
     pub fn indicator_by_name(&self, name: impl Into<Name>) -> Result<Indicator, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
-            Some(&StatementIndex::Indicator(index)) => {
+            Some(StatementIndex::Indicator(index)) => {
                 Ok(Indicator { index, tag: self.stored.tag })
             }
             _ => Err(Error::UnknownName { name: name.to_string(), kind: "indicator" }),
@@ -132,7 +132,7 @@ impl Model {
     ) -> Result<LogicalConstraint, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
-            Some(&StatementIndex::Logical(index)) => {
+            Some(StatementIndex::Logical(index)) => {
                 Ok(LogicalConstraint { index, tag: self.stored.tag })
             }
             _ => Err(Error::UnknownName { name: name.to_string(), kind: "logic statement" }),

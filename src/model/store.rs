@@ -1,6 +1,5 @@
 //! The model itself: storage, look-up by handle and name, changes after the fact.
 
-use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::affine::Affine;
@@ -10,6 +9,7 @@ use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint, ModelTag
 use super::indicator::BigM;
 use super::logic::Logic;
 use super::name::Name;
+use super::name_table::NameTable;
 use super::objective::Sense;
 use super::quadratic::Quadratic;
 use super::reformulation::{Method, Reformulation};
@@ -27,8 +27,8 @@ use crate::tolerance;
 #[cfg_attr(feature = "serde", serde(try_from = "Stored", into = "Stored"))]
 pub struct Model {
     pub(super) stored: Stored,
-    pub(super) variable_names: HashMap<Name, u32>,
-    pub(super) statement_names: HashMap<Name, StatementIndex>,
+    pub(super) variable_names: NameTable<u32>,
+    pub(super) statement_names: NameTable<StatementIndex>,
     /// Changes with everything but values of parameters, and is never used twice.
     pub(super) revision: u64,
 }
@@ -177,7 +177,7 @@ impl Model {
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
         };
-        let (variable_names, statement_names) = (HashMap::new(), HashMap::new());
+        let (variable_names, statement_names) = (NameTable::new(), NameTable::new());
         Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
 
@@ -317,9 +317,10 @@ impl Model {
             reformulation: self.stored.reformulation,
             ..Model::empty(self.stored.name.clone(), self.stored.tag).stored
         };
-        let rows = stored.constraints.iter().zip(0..);
-        let rows = rows.map(|(row, k)| (row.name.clone(), StatementIndex::Constraint(k)));
-        let statement_names = rows.collect();
+        let mut statement_names = NameTable::new();
+        for (row, k) in stored.constraints.iter().zip(0..) {
+            statement_names.claim(&row.name, StatementIndex::Constraint(k));
+        }
         let variable_names = self.variable_names.clone();
         Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
@@ -359,10 +360,9 @@ impl Model {
     }
 
     fn claim_statement(&mut self, name: &Name, index: StatementIndex) -> Result<(), Error> {
-        if self.statement_names.contains_key(name) {
+        if !self.statement_names.claim(name, index) {
             return Err(Error::DuplicateName { name: name.to_string(), kind: "statement" });
         }
-        self.statement_names.insert(name.clone(), index);
         self.touch();
         Ok(())
     }

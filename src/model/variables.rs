@@ -65,10 +65,9 @@ impl Model {
         let (lower, upper) = variable_bounds(&name, kind, lower, upper)?;
         let index = self.stored.variables.len();
         let variable = Variable::new(index, self.stored.tag);
-        if self.variable_names.contains_key(&name) {
+        if !self.variable_names.claim(&name, variable.index) {
             return Err(Error::DuplicateName { name: name.to_string(), kind: "variable" });
         }
-        self.variable_names.insert(name.clone(), variable.index);
         self.stored.variables.push(VariableData { name, kind, lower, upper, range: None });
         self.touch();
         Ok(variable)
@@ -154,7 +153,7 @@ impl Model {
     pub fn variable_by_name(&self, name: impl Into<Name>) -> Result<Variable, Error> {
         let name = name.into();
         match self.variable_names.get(&name) {
-            Some(&index) => Ok(Variable { index, tag: self.stored.tag }),
+            Some(index) => Ok(Variable { index, tag: self.stored.tag }),
             None => Err(Error::UnknownName { name: name.to_string(), kind: "variable" }),
         }
     }

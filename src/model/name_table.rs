@@ -1,0 +1,104 @@
+//! Who has a name: a table from names to positions.
+//!
+//! Families are looked up once by their text and then by step, in a plain list while steps come in
+//! order, so that a hundred thousand members of one family cost no hundred thousand texts.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::name::Name;
+
+/// Positions by name; the values are small and `Copy`.
+#[derive(Debug, Clone)]
+pub(super) struct NameTable<T> {
+    families: HashMap<String, Members<T>>,
+}
+
+#[derive(Debug, Clone)]
+struct Members<T> {
+    /// The name without a step.
+    plain: Option<T>,
+    /// Steps 0, 1, 2, ... as far as they came in order.
+    dense: Vec<Option<T>>,
+    /// All others.
+    sparse: BTreeMap<usize, T>,
+}
+
+impl<T: Copy> NameTable<T> {
+    pub(super) fn new() -> Self {
+        NameTable { families: HashMap::new() }
+    }
+
+    pub(super) fn get(&self, name: &Name) -> Option<T> {
+        let members = self.families.get(name.family())?;
+        match name.step() {
+            None => members.plain,
+            Some(step) => match members.dense.get(step) {
+                Some(found) => *found,
+                None => members.sparse.get(&step).copied(),
+            },
+        }
+    }
+
+    /// Gives a name a value; `false`, and nothing is changed, when it has one already.
+    pub(super) fn claim(&mut self, name: &Name, value: T) -> bool {
+        if !self.families.contains_key(name.family()) {
+            let none = Members { plain: None, dense: Vec::new(), sparse: BTreeMap::new() };
+            self.families.insert(name.family().to_owned(), none);
+        }
+        let Some(members) = self.families.get_mut(name.family()) else { return false };
+        let Some(step) = name.step() else {
+            let free = members.plain.is_none();
+            members.plain = members.plain.or(Some(value));
+            return free;
+        };
+        if step == members.dense.len() && !members.sparse.contains_key(&step) {
+            members.dense.push(Some(value));
+            return true;
+        }
+        if let Some(place) = members.dense.get_mut(step) {
+            let free = place.is_none();
+            *place = place.or(Some(value));
+            return free;
+        }
+        let free = !members.sparse.contains_key(&step);
+        members.sparse.entry(step).or_insert(value);
+        free
+    }
+
+    pub(super) fn remove(&mut self, name: &Name) {
+        let Some(members) = self.families.get_mut(name.family()) else { return };
+        match name.step() {
+            None => members.plain = None,
+            Some(step) => {
+                match members.dense.get_mut(step) {
+                    Some(place) => *place = None,
+                    None => _ = members.sparse.remove(&step),
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_claimed_once_in_any_order() {
+        let mut table = NameTable::new();
+        let names = ["x[0]", "x", "x[2]", "x[1]", "x[2]", "x[0]", "x[3]", "y[7]", "x"];
+        let claimed: Vec<bool> =
+            names.iter().enumerate().map(|(k, &name)| table.claim(&name.into(), k)).collect();
+        assert_eq!(claimed, [true, true, true, true, false, false, true, true, false]);
+        let found = |table: &NameTable<usize>, name: &str| table.get(&name.into());
+        assert_eq!(
+            ["x", "x[0]", "x[1]", "x[2]", "x[3]", "x[4]", "y", "y[7]"].map(|n| found(&table, n)),
+            [Some(1), Some(0), Some(3), Some(2), Some(6), None, None, Some(7)]
+        );
+        for name in ["x", "x[2]", "x[1]", "z", "y[8]"] {
+            table.remove(&name.into());
+            assert_eq!(found(&table, name), None);
+            assert!(table.claim(&name.into(), 9));
+        }
+    }
+}
