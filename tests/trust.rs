@@ -336,7 +336,7 @@ fn the_report_says_from_which_bounds() {
     let shares: Vec<_> =
         entry.shares.iter().map(|s| (s.variable.as_str(), s.value, s.part)).collect();
     assert_eq!(shares, [("x[9]", 1000.0, 1000.0), ("x[10]", 1000.0, 1000.0)]);
-    let row = plain.model().constraints().find(|row| Some(row.id()) == entry.row).unwrap();
+    let row = plain.model().constraints().find(|row| Some(row.name().to_string()) == entry.row).unwrap();
     assert_eq!(row.name().to_string(), "turn_upper");
 }
 

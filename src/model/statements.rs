@@ -51,7 +51,9 @@ impl Model {
     }
 
     /// The linear rows in the order of creation.
-    pub fn constraints(&self) -> impl ExactSizeIterator<Item = ConstraintRef<'_>> {
+    pub fn constraints(
+        &self,
+    ) -> impl ExactSizeIterator<Item = ConstraintRef<'_>> + DoubleEndedIterator {
         let data = self.stored.constraints.iter().enumerate();
         data.map(|(i, data)| ConstraintRef { id: Constraint::new(i, self.stored.tag), data })
     }

@@ -11,7 +11,7 @@ use std::fmt;
 
 use super::report::{BigMEntry, BigMSource, Side};
 use super::{BigMReport, Lowered};
-use crate::model::{Constraint, ConstraintRef, Model, VariableKind};
+use crate::model::{ConstraintRef, Model, VariableKind};
 
 /// A row through which something may trickle.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,9 +121,10 @@ impl Lowered {
             if leak <= feasibility {
                 continue;
             }
-            let entry = sources.get(&row.id()).copied();
+            let row = row.name().to_string();
+            let entry = sources.get(row.as_str()).copied();
             audit.leaks.push(Trickle {
-                row: row.name().to_string(),
+                row,
                 statement: entry.map(|entry| entry.indicator.clone()),
                 switch,
                 big_m,
@@ -137,8 +138,8 @@ impl Lowered {
     }
 }
 
-fn by_row(report: &BigMReport) -> HashMap<Constraint, &BigMEntry> {
-    report.entries().iter().filter_map(|entry| Some((entry.row?, entry))).collect()
+fn by_row(report: &BigMReport) -> HashMap<&str, &BigMEntry> {
+    report.entries().iter().filter_map(|entry| Some((entry.row.as_deref()?, entry))).collect()
 }
 
 /// The integer variable with the largest coefficient in a row that continuous ones take part in.

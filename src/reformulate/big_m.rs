@@ -14,7 +14,7 @@ use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::{Interval, add_down, add_up};
-use crate::model::{BigM, Constraint, IndicatorRef, Literal, Model, Name, Variable};
+use crate::model::{BigM, IndicatorRef, Literal, Model, Name, Variable};
 
 /// A row that must hold wherever its condition does.
 pub(super) struct Implied<'a> {
@@ -83,14 +83,16 @@ pub(super) fn apply_unless(
             entry.source = BigMSource::ConditionFails;
         } else if open.is_empty() && !terms.is_empty() {
             entry.source = BigMSource::ConditionHolds;
-            entry.row = Some(push(lowering, side, terms.clone(), limit)?);
+            push(lowering, side, terms.clone(), limit)?;
+            entry.row = lowering.newest_row();
         } else {
             // A row without variables keeps its guard: what is fixed is cheap.
             let guard = if terms.is_empty() { guard } else { &open };
             need.tighten(&terms, limit, side, guard, lowering);
             (entry.value, entry.source) = choose(row, &lowering.model, side, &need)?;
             let (row, limit) = switched(&terms, limit, entry.value, guard, side);
-            entry.row = Some(push(lowering, side, row, limit)?);
+            push(lowering, side, row, limit)?;
+            entry.row = lowering.newest_row();
         }
         lowering.report.entries.push(entry);
     }
@@ -228,7 +230,7 @@ fn push(
     side: Side,
     terms: Vec<(Variable, f64)>,
     limit: f64,
-) -> Result<Constraint, Error> {
+) -> Result<(), Error> {
     let (lower, upper) = match side {
         Side::Lower => (limit, f64::INFINITY),
         Side::Upper => (f64::NEG_INFINITY, limit),

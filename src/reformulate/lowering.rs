@@ -6,7 +6,7 @@ use super::linear_program::Maximizer;
 use super::logic::Part;
 use super::report::BigMReport;
 use crate::error::Error;
-use crate::model::{Constraint, Formula, Model, Name, StoredRow, Variable, VariableKind};
+use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
 
 /// What the reformulations share.
 pub(super) struct Lowering<'a> {
@@ -44,10 +44,9 @@ impl<'a> Lowering<'a> {
         self.named = 0;
     }
 
-    /// The row added last.
-    pub(super) fn newest_row(&self) -> Option<Constraint> {
-        let last = self.model.constraint_count().checked_sub(1)?;
-        Some(Constraint::new(last, self.model.tag()))
+    /// The name of the row added last.
+    pub(super) fn newest_row(&self) -> Option<String> {
+        self.model.constraints().next_back().map(|row| row.name().to_string())
     }
 
     pub(super) fn statement(&self) -> &Name {
@@ -83,12 +82,12 @@ impl<'a> Lowering<'a> {
         terms: Vec<(Variable, f64)>,
         lower: f64,
         upper: f64,
-    ) -> Result<Constraint, Error> {
+    ) -> Result<(), Error> {
         let mut name = self.statement.suffixed(suffix);
         loop {
             let row = StoredRow { terms: terms.clone(), lower, upper };
             match self.model.push_constraint(name.clone(), row) {
-                Ok(row) => return Ok(row),
+                Ok(_) => return Ok(()),
                 Err(Error::DuplicateName { .. }) => name = name.suffixed("_"),
                 Err(other) => return Err(other),
             }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::error::Error;
-use crate::model::{Constraint, Model, Name, Variable};
+use crate::model::{Model, Name, Variable};
 
 /// Which side of an indicator's row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -86,7 +86,7 @@ pub struct BigMEntry {
     /// The bounds that `needed` comes from, by variable.
     pub shares: Vec<Share>,
     /// The row of the lowered model, if there is one.
-    pub row: Option<Constraint>,
+    pub row: Option<String>,
 }
 
 impl BigMEntry {
