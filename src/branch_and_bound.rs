@@ -61,7 +61,8 @@ impl Solver for BranchAndBound {
         options.check()?;
         let interrupt = control.interrupt();
         let stop = || {
-            interrupt.is_triggered() || options.time_limit.is_some_and(|limit| start.elapsed() >= limit)
+            interrupt.is_triggered()
+                || options.time_limit.is_some_and(|limit| start.elapsed() >= limit)
         };
         let lowered = reformulate::lower_until(model, &stop)?;
         let program = Program::assemble(lowered.model())?;

@@ -6,7 +6,8 @@
 //!
 //! * a [modelling language](model): variables, affine rows, convex quadratic costs, *indicators*
 //!   ("if this holds, that row does") with automatic, explained big-Ms, logic over binaries, and
-//!   products, absolute values, extrema and piecewise-affine functions;
+//!   disjunctions, products, absolute values, extrema and piecewise-affine functions
+//!   ([say it like this](guide));
 //! * a trait [`Solver`](solver::Solver) and our own [`BranchAndBound`] over interior-point
 //!   relaxations, which claims nothing that it has not verified;
 //! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators,
@@ -126,6 +127,31 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
+//! # Either, or
+//!
+//! A disjunction says which sets of rows are acceptable; big-M, multi-M or convex hull is a choice,
+//! and a table shows what each would cost:
+//!
+//! ```
+//! use carom::model::{Method, Reformulation};
+//! use carom::prelude::*;
+//! use carom::reformulate;
+//!
+//! let mut model = Model::new("landing");
+//! let x = model.continuous("x", 0.0, 20.0)?;
+//! let y = model.continuous("y", 0.0, 20.0)?;
+//! let (north, south) = ([x.le(2.0), y.ge(18.0)], [x.within(8.0, 9.0), y.le(1.0)]);
+//! let site = model.add("site", either(north).or(south).or([x.ge(15.0), y.ge(15.0)]))?;
+//! model.minimize((x - 4.0).square() + (y - 9.0).square())?;
+//! model.set_reformulation(Reformulation::default().with_method(Method::Hull));
+//! let mut solver = BranchAndBound::default();
+//! let solution = solver.solve(&model)?;
+//! assert_eq!(solution.point().map(|point| point.selected(&site)), Some(Ok(Some(1))));
+//! let table = reformulate::compare(&model, &mut solver)?;
+//! assert!(table.entries()[2].root_bound > table.entries()[0].root_bound);
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
 //! # Answers, statuses, limits
 //!
 //! Why a solver stopped ([`Termination`](solution::Termination)) and what it holds
@@ -191,6 +217,7 @@
 pub mod branch_and_bound;
 pub mod collision_tolerant;
 pub mod error;
+pub mod guide;
 pub mod hybrid;
 pub mod interval;
 pub mod model;

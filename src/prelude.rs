@@ -7,8 +7,8 @@
 pub use crate::BranchAndBound;
 pub use crate::error::Error;
 pub use crate::model::{
-    Affine, Constraint, Either, Family, Implication, Indicator, Literal, Logic, LogicalConstraint, Model,
-    Name, Quadratic, Row, Sense, Variable, VariableKind, at_least, at_most, either, exactly,
+    Affine, Constraint, Either, Family, Implication, Indicator, Literal, Logic, LogicalConstraint,
+    Model, Name, Quadratic, Row, Sense, Variable, VariableKind, at_least, at_most, either, exactly,
 };
 pub use crate::solution::{PrimalStatus, Solution, Statistics, Termination, Verification};
 pub use crate::solver::{Control, Event, Interrupt, Options, Progress, Solver};

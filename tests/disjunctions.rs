@@ -209,7 +209,11 @@ fn multi_ms_come_from_the_other_terms() {
     let entry = lowered.report().entries().iter().find(|e| e.indicator == "box_1_row2[3]").unwrap();
     assert_eq!(entry.source, BigMSource::LinearProgram);
     // y <= 1 is missed by 9 in the second term and by 3 in the third.
-    let row = lowered.model().constraints().find(|row| Some(row.name().to_string()) == entry.row).unwrap();
+    let row = lowered
+        .model()
+        .constraints()
+        .find(|row| Some(row.name().to_string()) == entry.row)
+        .unwrap();
     let mut ms: Vec<f64> = row.terms().iter().skip(1).map(|(_, a)| (a * 1e3).round()).collect();
     ms.sort_by(f64::total_cmp);
     assert_eq!(ms, [-9000.0, -3000.0]);

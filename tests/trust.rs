@@ -336,7 +336,8 @@ fn the_report_says_from_which_bounds() {
     let shares: Vec<_> =
         entry.shares.iter().map(|s| (s.variable.as_str(), s.value, s.part)).collect();
     assert_eq!(shares, [("x[9]", 1000.0, 1000.0), ("x[10]", 1000.0, 1000.0)]);
-    let row = plain.model().constraints().find(|row| Some(row.name().to_string()) == entry.row).unwrap();
+    let row =
+        plain.model().constraints().find(|row| Some(row.name().to_string()) == entry.row).unwrap();
     assert_eq!(row.name().to_string(), "turn_upper");
 }
 
@@ -397,7 +398,9 @@ fn gate() -> (Model, Variable, Variable) {
     let open = model.binary("open").unwrap();
     model.add("wall", open.off().implies(x.ge(0.0))).unwrap();
     let far = model.absolute("far", x - 5.0).unwrap();
-    model.add("way", either(far.le(8.0)).or(far.ge(30.0)).selected_by([open.off(), open.on()])).unwrap();
+    model
+        .add("way", either(far.le(8.0)).or(far.ge(30.0)).selected_by([open.off(), open.on()]))
+        .unwrap();
     model.minimize(x + 50.0 * open).unwrap();
     (model, x, open)
 }

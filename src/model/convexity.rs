@@ -29,7 +29,8 @@ pub(super) fn find_negative_curvature(
     if products.iter().all(|(a, b, _)| a == b) {
         // Squares only, each variable once: nothing to take apart.
         let bad = products.iter().find(|(.., q)| sign * q < 0.0);
-        return bad.map(|&(variable, _, q)| NegativeCurvature { curvature: 2.0 * sign * q, variable });
+        return bad
+            .map(|&(variable, _, q)| NegativeCurvature { curvature: 2.0 * sign * q, variable });
     }
     // Position of every variable that occurs, and blocks by union-find.
     let mut position = BTreeMap::new();

@@ -9,8 +9,8 @@ use super::Model;
 use super::ids::Disjunction;
 use super::indicator::Literal;
 use super::name::Name;
-use super::refs::DisjunctionRef;
 use super::reformulation::Method;
+use super::refs::DisjunctionRef;
 use super::row::Row;
 use super::statement::{Statement, StoredRow, stored};
 use super::variable::VariableKind;
@@ -187,7 +187,9 @@ impl Statement for Either {
             return Err(Error::OutOfRange {
                 what: format!("the number of levels of `{name}`"),
                 value: f64::from(self.depth),
-                range: format!("at most {DEEPEST}; give inner disjunctions statements of their own"),
+                range: format!(
+                    "at most {DEEPEST}; give inner disjunctions statements of their own"
+                ),
             });
         }
         let method = self.method;
@@ -201,7 +203,12 @@ impl Statement for Either {
 }
 
 /// Checks the terms of a disjunction and gives those without a selector one.
-fn store(of: Either, model: &mut Model, name: &Name, inner: bool) -> Result<Vec<StoredTerm>, Error> {
+fn store(
+    of: Either,
+    model: &mut Model,
+    name: &Name,
+    inner: bool,
+) -> Result<Vec<StoredTerm>, Error> {
     let count = of.terms.len();
     let wrong = |what: &str, value: usize, range: String| {
         let what = format!("the number of {what} of `{name}`");

@@ -104,7 +104,8 @@ impl Model {
     fn terms_text(&self, terms: &[StoredTerm]) -> String {
         let term = |term: &StoredTerm| {
             let rows = term.rows.iter();
-            let rows = rows.map(|row| self.row_text(&row.terms, Interval::new(row.lower, row.upper)));
+            let rows =
+                rows.map(|row| self.row_text(&row.terms, Interval::new(row.lower, row.upper)));
             let nested = term.nested.iter().map(|terms| self.terms_text(terms));
             let parts = rows.chain(nested).collect::<Vec<_>>();
             let parts = if parts.is_empty() { "anything".to_owned() } else { parts.join(", ") };

@@ -29,7 +29,7 @@
 //!
 //! # Say it like this
 //!
-//! With binaries `a`, `b`, `z`, an integer `n`, affine expressions `e`, `e1`, ..., and rows as they
+//! In short; the [guide](crate::guide) has the mathematics. With binaries `a`, `b`, `z`, an integer `n`, affine expressions `e`, `e1`, ..., and rows as they
 //! come from [`reformulate::lower`](crate::reformulate::lower):
 //!
 //! | meant | said | lowered to |
@@ -46,6 +46,7 @@
 //! | if z, then several rows | `z.on().implies_all([r1, r2])` | one big-M row a row and side |
 //! | z exactly when `e <= 3` | `z.on().reify(e.le(3.0), 0.01)` | two big-M rows |
 //! | z exactly when `e` is 3 | `z.on().reify(e.equals(3.0), 0.01)` | four big-M rows, a clause and one binary |
+//! | this or that | `either([r1, r2]).or(r3)` | a row of selectors; big-M, multi-M or hull rows |
 //! | `z e` | `model.product("w", z, e)?` | four rows, the convex hull |
 //! | `n e` | `model.product("w", n, e)?` | a binary and four rows a bit of `n` |
 //! | `\|e\|` | `model.absolute("w", e)?` | two rows; two more and one binary where needed |
@@ -102,8 +103,8 @@ mod variable;
 mod variables;
 
 pub use affine::Affine;
-pub use function::Function;
 pub use disjunction::{Either, Selected, Term, either};
+pub use function::Function;
 pub use ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
 pub use indicator::{BigM, Consequent, Implication, Implications, Literal, Reification, Reified};
 pub use logic::{Logic, at_least, at_most, exactly};

@@ -69,12 +69,10 @@ impl<T: Copy> NameTable<T> {
         let Some(members) = self.families.get_mut(name.family()) else { return };
         match name.step() {
             None => members.plain = None,
-            Some(step) => {
-                match members.dense.get_mut(step) {
-                    Some(place) => *place = None,
-                    None => _ = members.sparse.remove(&step),
-                }
-            }
+            Some(step) => match members.dense.get_mut(step) {
+                Some(place) => *place = None,
+                None => _ = members.sparse.remove(&step),
+            },
         }
     }
 }

@@ -116,9 +116,7 @@ impl Model {
     pub fn indicator_by_name(&self, name: impl Into<Name>) -> Result<Indicator, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
-            Some(StatementIndex::Indicator(index)) => {
-                Ok(Indicator { index, tag: self.stored.tag })
-            }
+            Some(StatementIndex::Indicator(index)) => Ok(Indicator { index, tag: self.stored.tag }),
             _ => Err(Error::UnknownName { name: name.to_string(), kind: "indicator" }),
         }
     }

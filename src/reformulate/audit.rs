@@ -163,8 +163,7 @@ fn advice(entry: Option<&BigMEntry>, most: f64) -> String {
                 bounds it comes from"
             .into();
     };
-    if matches!(entry.source, BigMSource::Given | BigMSource::Assumed)
-        && entry.needed < entry.value
+    if matches!(entry.source, BigMSource::Given | BigMSource::Assumed) && entry.needed < entry.value
     {
         return format!("leave its M out: the bounds prove {}", entry.needed);
     }
@@ -179,7 +178,10 @@ fn advice(entry: Option<&BigMEntry>, most: f64) -> String {
         let name = &share.variable;
         return match share.bound {
             Side::Lower => {
-                format!("raise the lower bound of `{name}` from {} to at least {bound}", share.value)
+                format!(
+                    "raise the lower bound of `{name}` from {} to at least {bound}",
+                    share.value
+                )
             }
             Side::Upper => {
                 format!("lower the upper bound of `{name}` from {} to at most {bound}", share.value)

@@ -26,7 +26,10 @@ pub(super) struct Implied<'a> {
 }
 
 /// Adds the rows of one indicator and notes them in the report.
-pub(super) fn apply(indicator: &IndicatorRef<'_>, lowering: &mut Lowering<'_>) -> Result<(), Error> {
+pub(super) fn apply(
+    indicator: &IndicatorRef<'_>,
+    lowering: &mut Lowering<'_>,
+) -> Result<(), Error> {
     lowering.begin(indicator.name());
     let row = Implied {
         name: indicator.name(),

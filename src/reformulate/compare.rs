@@ -64,11 +64,11 @@ impl fmt::Display for Comparison {
 /// let y = model.continuous("y", 0.0, 9.0)?;
 /// let (near, far) = ([x.le(2.0), y.le(1.0)], [x.ge(6.0), y.within(4.0, 5.0)]);
 /// model.add("box", either(near).or(far))?;
-/// model.maximize(2.0 * x - y)?;
+/// model.maximize(y - x)?;
 /// let table = reformulate::compare(&model, &mut BranchAndBound::default())?;
 /// let bounds: Vec<f64> = table.entries().iter().map(|entry| entry.root_bound.round()).collect();
-/// // The best point has 12; the hull sees it at once.
-/// assert_eq!(bounds, [15.0, 14.0, 12.0]);
+/// // The best point has 1; an M over the whole box does not see it.
+/// assert_eq!(bounds, [2.0, 1.0, 1.0]);
 /// # Ok::<(), carom::Error>(())
 /// ```
 ///

@@ -62,6 +62,7 @@ impl<'a> Maximizer<'a> {
         model: &Model,
         rows: &[&StoredRow],
         terms: &[(Variable, f64)],
+        stop: &'a dyn Fn() -> bool,
     ) -> Result<(Self, BTreeMap<Variable, Variable>), Error> {
         let mut small = Model::new("term");
         let mut renamed = BTreeMap::new();
@@ -82,7 +83,7 @@ impl<'a> Maximizer<'a> {
             let row = StoredRow { terms, lower: row.lower, upper: row.upper };
             small.push_constraint(("row", k).into(), row)?;
         }
-        Ok((Maximizer::of(&small, &|| false)?, renamed))
+        Ok((Maximizer::of(&small, stop)?, renamed))
     }
 
     /// Whether rows, bounds and whole numbers are proved to contradict each other.

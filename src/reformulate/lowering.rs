@@ -16,6 +16,8 @@ pub(super) struct Lowering<'a> {
     pub(super) report: BigMReport,
     /// Says how large expressions can be, where that was asked for.
     pub(super) maximizer: Option<Maximizer<'a>>,
+    /// From when on no linear program is solved any more.
+    pub(super) stop: &'a dyn Fn() -> bool,
     /// Number of variables of the model itself.
     pub(super) original: usize,
     /// Auxiliary binaries of formulas; shared by all statements.
@@ -26,11 +28,16 @@ pub(super) struct Lowering<'a> {
 }
 
 impl<'a> Lowering<'a> {
-    pub(super) fn new(model: &Model, maximizer: Option<Maximizer<'a>>) -> Self {
+    pub(super) fn new(
+        model: &Model,
+        maximizer: Option<Maximizer<'a>>,
+        stop: &'a dyn Fn() -> bool,
+    ) -> Self {
         Lowering {
             model: model.with_rows_only(),
             report: BigMReport::default(),
             maximizer,
+            stop,
             original: model.variable_count(),
             parts: BTreeMap::new(),
             statement: Name::from("model"),

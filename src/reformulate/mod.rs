@@ -94,7 +94,7 @@ impl Lowered {
             termination: found.termination(),
             values: found.point().map(|point| self.restore(point.as_slice())),
             bound: found.bound(),
-            statistics: found.statistics().clone(),
+            statistics: *found.statistics(),
         };
         Solution::new(model, outcome, solver.options().feasibility)
     }
@@ -129,7 +129,7 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
     lower_until(model, &|| false)
 }
 
-/// As [`lower`]; from the moment on at which `stop` says so, Ms are left as the bounds prove them
+/// As [`lower`]; from the moment on at which `stop` says so, Ms are left as bounds prove them
 /// instead of tightened by linear programs.
 ///
 /// # Errors
@@ -147,22 +147,23 @@ fn lower_by(
 ) -> Result<Lowered, Error> {
     let open = model.parameters().next().is_some().then(|| model.with_open_parameters());
     let open = open.as_ref().unwrap_or(model);
-    let mut lowered = lower_with(open, method, None)?;
+    let mut lowered = lower_with(open, method, None, stop)?;
     if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() && !stop() {
         let maximizer = Maximizer::of(&lowered.model, stop)?;
-        lowered = lower_with(open, method, Some(maximizer))?;
+        lowered = lower_with(open, method, Some(maximizer), stop)?;
     }
     lowered.model.take_parameters(model);
     lowered.revision = model.revision();
     Ok(lowered)
 }
 
-fn lower_with(
+fn lower_with<'a>(
     model: &Model,
     method: Option<Method>,
-    maximizer: Option<Maximizer<'_>>,
+    maximizer: Option<Maximizer<'a>>,
+    stop: &'a dyn Fn() -> bool,
 ) -> Result<Lowered, Error> {
-    let mut lowering = Lowering::new(model, maximizer);
+    let mut lowering = Lowering::new(model, maximizer, stop);
     let mut relaxed = Vec::new();
     // First, for they bound their variables; and in this order, for younger ones build on older.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {

@@ -12,7 +12,7 @@ use super::linear_program::{Maximizer, tidy};
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
-use crate::interval::{Interval, add_up};
+use crate::interval::add_up;
 use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable};
 
 /// A term that may be selected instead: its selector and all rows that then hold.
@@ -74,58 +74,48 @@ fn relaxed(
     others: &[Other<'_>],
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
+    // A lower side is the upper one of the negated row.
     let sign = if side == Side::Upper { 1.0 } else { -1.0 };
     let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
-    let mut slack = Affine::zero();
+    let limit = sign * limit;
+    let mut row = Affine::zero();
+    up.iter().for_each(|&(variable, a)| row.add_term(a, variable));
+    let from_bounds = add_up(lowering.model.range(&row)?.upper, -limit);
     let mut entry = BigMEntry::new(name, side, BigMSource::LinearProgram);
+    entry.needed = from_bounds.max(0.0);
+    entry.note_shares(&lowering.model, terms, side)?;
+    let mut slack = Affine::zero();
     for other in others {
-        let most = largest(&up, other, lowering)?;
-        let from_bounds = lowering.largest(&up)?.upper;
-        entry.needed = entry.needed.max(add_up(from_bounds, -sign * limit));
+        let most = most(&up, other, lowering)?;
+        if most == f64::INFINITY {
+            return Err(lowering.unbounded(&row, 1.0)?);
+        }
         if most == f64::NEG_INFINITY {
             // That term cannot be selected at all; any M is right.
             continue;
         }
-        let m = tidy(add_up(most.min(from_bounds), -sign * limit));
+        let m = tidy(add_up(most, -limit).min(from_bounds));
         entry.value = entry.value.max(m);
         slack += m * value(other.selector);
     }
-    entry.note_shares(&lowering.model, terms, side)?;
-    let mut row = Affine::zero();
-    up.iter().for_each(|&(v, a)| row.add_term(a, v));
-    lowering.affine_row(row - slack, f64::NEG_INFINITY, sign * limit)?;
+    lowering.affine_row(row - slack, f64::NEG_INFINITY, limit)?;
     entry.row = lowering.newest_row();
     lowering.report.entries.push(entry);
     Ok(())
 }
 
-/// The largest value of an expression where another term is selected.
-fn largest(
+/// The largest value of an expression where another term is selected; infinite where neither the
+/// bounds nor that term's rows limit it.
+fn most(
     up: &[(Variable, f64)],
     other: &Other<'_>,
     lowering: &mut Lowering<'_>,
 ) -> Result<f64, Error> {
-    let (mut small, renamed) = Maximizer::of_rows(&lowering.model, &other.rows, up)?;
+    let (mut small, renamed) = Maximizer::of_rows(&lowering.model, &other.rows, up, lowering.stop)?;
     let terms: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (renamed[&v], a)).collect();
-    let mut most = small.most(&terms, &[]);
-    if let Some(whole) = &mut lowering.maximizer {
-        most = most.min(whole.most(up, &[other.selector]));
-    }
-    if most == f64::INFINITY {
-        let mut of = Affine::zero();
-        up.iter().for_each(|&(v, a)| of.add_term(a, v));
-        return Err(lowering.unbounded(&of, 1.0)?);
-    }
-    Ok(most)
-}
-
-impl Lowering<'_> {
-    /// The range of terms over the present bounds.
-    fn largest(&self, terms: &[(Variable, f64)]) -> Result<Interval, Error> {
-        let mut range = Interval::point(0.0);
-        for &(variable, a) in terms {
-            range = range + self.model.variable_ref(variable)?.bounds() * a;
-        }
-        Ok(range)
-    }
+    let most = small.most(&terms, &[]);
+    Ok(match &mut lowering.maximizer {
+        Some(whole) => most.min(whole.most(up, &[other.selector])),
+        None => most,
+    })
 }

@@ -122,7 +122,8 @@ impl BigMEntry {
             };
             let name = variable.name().to_string();
             let spread = (bounds * slope).width();
-            let spread = if value.is_infinite() || spread.is_nan() { f64::INFINITY } else { spread };
+            let spread =
+                if value.is_infinite() || spread.is_nan() { f64::INFINITY } else { spread };
             if spread > widest {
                 widest = spread;
                 self.largest = Some(name.clone());
@@ -184,7 +185,11 @@ impl fmt::Display for BigMReport {
             match entry.source {
                 BigMSource::Bounds => write!(f, "M = {} from bounds", entry.value)?,
                 BigMSource::LinearProgram => {
-                    write!(f, "M = {} from linear programs, {} from bounds", entry.value, entry.needed)?;
+                    write!(
+                        f,
+                        "M = {} from linear programs, {} from bounds",
+                        entry.value, entry.needed
+                    )?;
                 }
                 BigMSource::Given => {
                     write!(f, "M = {} given, {} needed", entry.value, entry.needed)?;
