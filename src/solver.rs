@@ -17,6 +17,8 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
+mod budget;
+
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,6 +29,8 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::solution::Solution;
 use crate::tolerance;
+
+pub(crate) use budget::Budget;
 
 /// A backend that solves models to proved optimality.
 ///

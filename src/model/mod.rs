@@ -76,6 +76,7 @@
 //! ```
 
 mod affine;
+mod background;
 mod convexity;
 mod display;
 mod function;
@@ -94,6 +95,7 @@ mod row;
 mod statement;
 mod statements;
 mod store;
+mod subset;
 mod variable;
 mod variables;
 
@@ -116,3 +118,4 @@ pub(crate) use affine::merge;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use statement::StoredRow;
+pub(crate) use subset::AnyStatement;

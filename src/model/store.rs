@@ -1,6 +1,6 @@
 //! The model itself: storage, look-up by handle and name, changes after the fact.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::affine::Affine;
 use super::function::Function;
@@ -41,6 +41,9 @@ pub(super) struct Stored {
     pub(super) functions: Vec<FunctionData>,
     pub(super) sense: Sense,
     pub(super) objective: Quadratic,
+    /// Families of statements that are never in question.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) background: BTreeSet<String>,
 }
 
 #[derive(Debug, Clone)]
@@ -116,6 +119,9 @@ impl TryFrom<Stored> for Model {
             model.push_stored_function(result, function)?;
         }
         model.set_objective(stored.sense, stored.objective)?;
+        for family in stored.background {
+            model.set_background(&family)?;
+        }
         Ok(model)
     }
 }
@@ -133,7 +139,7 @@ impl Model {
         Model::empty(name.into(), ModelTag::fresh())
     }
 
-    fn empty(name: String, tag: ModelTag) -> Self {
+    pub(super) fn empty(name: String, tag: ModelTag) -> Self {
         let stored = Stored {
             name,
             tag,
@@ -144,6 +150,7 @@ impl Model {
             functions: Vec::new(),
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
+            background: BTreeSet::new(),
         };
         Model { stored, variable_names: HashMap::new(), statement_names: HashMap::new() }
     }
