@@ -182,12 +182,12 @@
 //! use carom::prelude::*;
 //!
 //! let mut model = Model::new("battery");
-//! let charge = model.continuous_family("charge", 25, 0.0, 100.0)?;
-//! for t in 0..24 {
+//! let charge = model.continuous_family("charge", 21, 0.0, 100.0)?;
+//! for t in 0..20 {
 //!     let sun = if t < 12 { 5.0 } else { 0.0 };
 //!     model.add(("balance", t), (charge[t + 1] - charge[t]).le(sun - 1.0))?;
 //!     model.add(("capacity", t), charge[t].le(9.0))?;
-//!     model.add(("reserve", t), charge[t].ge(2.0))?;
+//!     model.add(("reserve", t + 1), charge[t + 1].ge(2.0))?;
 //! }
 //! model.set_background("balance")?;
 //! let why = infeasibility(&model, &mut BranchAndBound::default(), &ExplainOptions::default())?;

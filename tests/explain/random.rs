@@ -1,7 +1,9 @@
 //! Random small models against enumeration: every set named contradicts itself, and without any
 //! one of its families there is a solution.
 
-use carom::explain::{ExplainOptions, ExplanationStatus, infeasibility, violations};
+use carom::explain::{
+    ElasticOptions, ExplainOptions, ExplanationStatus, infeasibility, relaxation, violations,
+};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -42,6 +44,20 @@ impl Said {
             Said::Row { terms, most } => sum(terms) <= *most,
             Said::Implied { on: z, terms, most } => !on(*z) || sum(terms) <= *most,
             Said::Clause { literals } => literals.iter().any(|&(k, value)| on(k) == value),
+        }
+    }
+
+    /// By how much it fails at a point given by bits.
+    fn amount(&self, bits: u32) -> f64 {
+        let on = |k: usize| bits >> k & 1 == 1;
+        let excess = |terms: &[i32], most: i32| {
+            let ones = terms.iter().enumerate().filter(|&(k, _)| on(k));
+            f64::from((ones.map(|(_, a)| a).sum::<i32>() - most).max(0))
+        };
+        match self {
+            _ if self.holds(bits) => 0.0,
+            Said::Row { terms, most } | Said::Implied { terms, most, .. } => excess(terms, *most),
+            Said::Clause { .. } => 1.0,
         }
     }
 
@@ -118,6 +134,97 @@ proptest! {
                 let other = why.groups().iter().any(|g| g.name() == family && g != group);
                 prop_assert!(!(other || quiet && family == "f0"));
             }
+        }
+    }
+
+    /// The least cost of giving way, against enumeration.
+    #[test]
+    fn elastic_costs_are_the_least(
+        said in prop::collection::vec((0..4usize, statement()), 3..10),
+        weights in prop::collection::vec(1..5i32, 4),
+        quiet in any::<bool>(),
+    ) {
+        let mut model = Model::new("random");
+        let z: Vec<Variable> = model.binary_family("z", BINARIES).unwrap().iter().collect();
+        let mut kept: Vec<(usize, &Said)> = Vec::new();
+        for (step, (family, said)) in said.iter().enumerate() {
+            if said.add(&mut model, &z, (format!("f{family}"), step)) {
+                kept.push((*family, said));
+            }
+        }
+        let mut options = ElasticOptions::default();
+        for (family, weight) in weights.iter().enumerate() {
+            if kept.iter().any(|(f, _)| *f == family) {
+                let weight = if quiet && family == 0 { f64::INFINITY } else { f64::from(*weight) };
+                options = options.with_weight(format!("f{family}"), weight);
+            }
+        }
+        let cost = |bits: u32| -> f64 {
+            let cost = |&(family, said): &(usize, &Said)| match said.amount(bits) {
+                0.0 => 0.0,
+                _ if quiet && family == 0 => f64::INFINITY,
+                amount => amount * f64::from(weights[family]),
+            };
+            kept.iter().map(cost).sum()
+        };
+        let least = (0..1u32 << BINARIES).map(cost).fold(f64::INFINITY, f64::min);
+        let relaxed = relaxation(&model, &mut BranchAndBound::default(), &options).unwrap();
+        if least.is_infinite() {
+            prop_assert_eq!(relaxed.termination(), Termination::Infeasible);
+            return Ok(());
+        }
+        prop_assert!(relaxed.is_optimal());
+        prop_assert!((relaxed.cost().unwrap() - least).abs() < 1e-5, "{} for {}", relaxed, least);
+        // What is reported is what the point violates.
+        let point = relaxed.point().unwrap();
+        let found = violations(&model, point.as_slice(), 1e-6).unwrap();
+        prop_assert_eq!(found.len(), relaxed.stretches().len());
+        for stretch in relaxed.stretches() {
+            let violation = found.iter().find(|v| v.name == stretch.name.to_string()).unwrap();
+            prop_assert!((violation.amount - stretch.amount).abs() < 1e-5);
+        }
+    }
+
+    /// Continuous variables, dynamics and a switch; what is named is built anew and solved.
+    #[test]
+    fn sets_of_continuous_models_are_checked_by_solves(
+        rows in prop::collection::vec(
+            (0..5usize, prop::collection::vec(-2..=2i32, 4), -6..=6i32, any::<bool>()), 4..14),
+    ) {
+        let build = |keep: &dyn Fn(&Name) -> bool| {
+            let mut model = Model::new("random");
+            let x = model.continuous_family("x", 3, -5.0, 5.0).unwrap();
+            let z = model.binary("z").unwrap();
+            model.add("switch", z.on().implies(x[0].ge(x[1] + 2.0))).unwrap();
+            model.set_background("switch").unwrap();
+            for (step, (family, terms, limit, at_least)) in rows.iter().enumerate() {
+                let name = Name::from((format!("f{family}"), step));
+                let all = terms.iter().map(|&a| f64::from(a)).zip(x.iter().chain([z]));
+                let sum: Affine = all.map(|(a, v)| a * v).sum();
+                let limit = f64::from(*limit);
+                let row = if *at_least { sum.ge(limit) } else { sum.le(limit) };
+                if keep(&name) {
+                    // Rows without variables are refused, here and there.
+                    let _ = model.add(name, row);
+                }
+            }
+            model
+        };
+        let solver = &mut BranchAndBound::default();
+        let why = infeasibility(&build(&|_| true), solver, &ExplainOptions::default()).unwrap();
+        if why.status() == ExplanationStatus::Feasible {
+            prop_assert!(solver.solve(&build(&|_| true)).unwrap().point().is_some());
+            return Ok(());
+        }
+        prop_assert!(why.is_irreducible());
+        let named: Vec<Name> =
+            why.groups().iter().flat_map(|g| g.statements().iter().cloned()).collect();
+        prop_assert!(solver.solve(&build(&|name| named.contains(name))).unwrap().is_infeasible());
+        for group in why.groups() {
+            let rest = build(&|name| {
+                name.family() != group.name() && why.groups().iter().any(|g| g.name() == name.family())
+            });
+            prop_assert!(solver.solve(&rest).unwrap().point().is_some(), "{} in {}", group, why);
         }
     }
 }

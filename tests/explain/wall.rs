@@ -46,7 +46,7 @@ fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
     for (t, d) in damage.values.iter().enumerate() {
         model.add(("damage_limit", t), d.le(damage_limit)).unwrap();
     }
-    model.add("few_hits", at_most(3, &hit)).unwrap();
+    model.add("few_hits", hit.iter().sum::<Affine>().le(3.0)).unwrap();
     model.add("start_position", x[0].equals(10.0)).unwrap();
     model.add("start_velocity", v[0].equals(0.0)).unwrap();
     model.add("goal_position", x[STEPS].equals(0.3)).unwrap();
