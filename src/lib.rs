@@ -11,6 +11,7 @@
 //!   relaxations, which claims nothing that it has not verified;
 //! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators,
 //!   [reach sets](hybrid::reach), and the search for the shortest horizon;
+//! * [explanations](explain) of models without a solution, in their own statements;
 //! * one paper's planner, [`collision_tolerant`], built only from these public parts: a vehicle
 //!   that may *choose* to hit a wall, under a damage limit, because that is faster.
 //!

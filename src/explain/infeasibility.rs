@@ -80,10 +80,8 @@ pub fn infeasibility(
     };
     let found = kept.iter().zip(members).map(|(&place, members)| {
         let family = &groups.families[place];
-        let others = groups.mask(kept.iter().filter(|&&k| k != place).map(|&k| {
-            let members: &[usize] = &groups.families[k].members;
-            members
-        }));
+        let others = kept.iter().filter(|&&other| other != place);
+        let others = groups.mask(others.map(|&other| &groups.families[other].members[..]));
         let without = oracle.known.iter().find(|known| known.satisfies(&others));
         Group {
             name: family.name.clone(),
@@ -119,8 +117,10 @@ fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, 
     }
 
     let mut proved = true;
-    for &place in order.iter().filter(|&&place| kept[place]).collect::<Vec<_>>() {
-        kept[place] = false;
+    for place in order {
+        if !std::mem::take(&mut kept[place]) {
+            continue;
+        }
         match oracle.ask(&mask(&kept))? {
             Answer::Infeasible => {}
             Answer::Feasible(_) => kept[place] = true,

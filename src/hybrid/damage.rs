@@ -112,7 +112,9 @@ impl Damage {
     /// | upper bound of `D[t]` | D(t) <= D_max | (19), closed |
     /// | upper bound of `D_total` | D_total <= D_total,max | (20) |
     ///
-    /// They are [background](Model::set_background): they say what damage is, not what is allowed.
+    /// The statements are [background](Model::set_background): they say what damage is, not what is
+    /// allowed. The limits are bounds, which no [explanation](crate::explain) questions; where one
+    /// should, leave them out here and add `D[t].le(limit)` as statements.
     ///
     /// A law whose impact speed is 0 in flight needs no switch for (16), (17): they hold in both
     /// modes and are rows.
