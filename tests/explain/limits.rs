@@ -73,3 +73,66 @@ fn a_node_limit_of_the_solver_is_respected() {
     let why = infeasibility(&pigeons(), &mut solver, &ExplainOptions::default()).unwrap();
     assert_eq!(why.status(), ExplanationStatus::Unknown);
 }
+
+/// Counts solves, and may trigger an interrupt before one of them.
+struct Counting {
+    inner: BranchAndBound,
+    solves: usize,
+    interrupt: Option<(usize, Interrupt)>,
+}
+
+impl Solver for Counting {
+    fn name(&self) -> &str {
+        "counting"
+    }
+
+    fn options(&self) -> &Options {
+        self.inner.options()
+    }
+
+    fn options_mut(&mut self) -> &mut Options {
+        self.inner.options_mut()
+    }
+
+    fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
+        self.solves += 1;
+        if let Some((at, interrupt)) = &self.interrupt
+            && self.solves == *at
+        {
+            interrupt.trigger();
+        }
+        self.inner.solve_with(model, control)
+    }
+}
+
+/// The solves reported are the solves made; an interrupt on the way leaves a contradictory set.
+#[test]
+fn solves_are_counted_and_interrupts_leave_valid_sets() {
+    let count = |interrupt: Option<(usize, Interrupt)>| {
+        let handle = interrupt.as_ref().map(|(_, handle)| handle.clone()).unwrap_or_default();
+        let inner = BranchAndBound::default();
+        let mut solver = Counting { inner, solves: 0, interrupt };
+        let options = ExplainOptions::default().with_interrupt(&handle);
+        let why = infeasibility(&pigeons(), &mut solver, &options).unwrap();
+        assert_eq!(why.solves(), solver.solves);
+        why
+    };
+    let whole = count(None);
+    assert!(whole.is_irreducible());
+    let solves = whole.solves();
+    for at in 2..=solves.min(6) {
+        let why = count(Some((at, Interrupt::new())));
+        assert!(why.solves() <= at, "{why}");
+        assert!(why.is_infeasible(), "{why}");
+        // The statements named are contradictory all the same.
+        let mut part = pigeons();
+        let rows: Vec<_> = part.constraints().map(|row| (row.id(), row.name().clone())).collect();
+        for (row, name) in rows {
+            if !why.groups().iter().any(|group| group.statements().contains(&name)) {
+                part.set_limits(row, -1e6, 1e6).unwrap();
+            }
+        }
+        assert!(BranchAndBound::default().solve(&part).unwrap().is_infeasible());
+    }
+    assert_eq!(count(Some((1, Interrupt::new()))).status(), ExplanationStatus::Unknown);
+}
