@@ -12,6 +12,7 @@
 //!   relaxations, which claims nothing that it has not verified;
 //! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators,
 //!   [reach sets](hybrid::reach), and the search for the shortest horizon;
+//! * [explanations](explain) of models without a solution, in their own statements;
 //! * one paper's planner, [`collision_tolerant`], built only from these public parts: a vehicle
 //!   that may *choose* to hit a wall, under a damage limit, because that is faster.
 //!
@@ -196,6 +197,34 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
+//! # Asking back
+//!
+//! A model without a solution is explained in its own statements: [`explain::infeasibility`] names
+//! families that contradict each other, none of which can be left out, and the steps of them that
+//! matter. [`explain::relaxation`] says what would have to give, [`explain::violations`] what is
+//! wrong with any point.
+//!
+//! ```
+//! use carom::explain::{ExplainOptions, infeasibility};
+//! use carom::prelude::*;
+//!
+//! let mut model = Model::new("battery");
+//! let charge = model.continuous_family("charge", 21, 0.0, 100.0)?;
+//! for t in 0..20 {
+//!     let sun = if t < 12 { 5.0 } else { 0.0 };
+//!     model.add(("balance", t), (charge[t + 1] - charge[t]).le(sun - 1.0))?;
+//!     model.add(("capacity", t), charge[t].le(9.0))?;
+//!     model.add(("reserve", t + 1), charge[t + 1].ge(2.0))?;
+//! }
+//! model.set_background("balance")?;
+//! let why = infeasibility(&model, &mut BranchAndBound::default(), &ExplainOptions::default())?;
+//! assert!(why.is_irreducible());
+//! assert!(why.to_string().starts_with(
+//!     "these cannot hold together: capacity at step 12; reserve at step 20 "
+//! ));
+//! # Ok::<(), carom::Error>(())
+//! ```
+//!
 //! # Modules in the order of the data
 //!
 //! | ground | modelling tower | solving tower |
@@ -203,7 +232,7 @@
 //! | [`error`], [`tolerance`], [`interval`] | [`hybrid`] | [`reformulate`] |
 //! | [`model`] | [`collision_tolerant`] | [`program`], [`presolve`] |
 //! | [`solution`] | | [`relaxation`], [`search`] |
-//! | [`solver`] | | [`branch_and_bound`] |
+//! | [`solver`] | | [`branch_and_bound`], [`explain`] |
 //!
 //! The towers never import each other: planners see a solver only through its trait.
 //!
@@ -217,6 +246,7 @@
 pub mod branch_and_bound;
 pub mod collision_tolerant;
 pub mod error;
+pub mod explain;
 pub mod guide;
 pub mod hybrid;
 pub mod interval;

@@ -18,6 +18,7 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
+mod budget;
 mod certificate;
 
 pub use certificate::{Certificate, certify};
@@ -32,6 +33,8 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::solution::Solution;
 use crate::tolerance;
+
+pub(crate) use budget::Budget;
 
 /// A backend that solves models to proved optimality.
 ///

@@ -11,8 +11,8 @@ const GROUND: [&str; 7] = ["error", "tolerance", "wire", "interval", "model", "s
 const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];
 
 /// The solving tower on the ground, from the bottom up.
-const SOLVING: [&str; 6] =
-    ["program", "presolve", "relaxation", "reformulate", "search", "branch_and_bound"];
+const SOLVING: [&str; 7] =
+    ["program", "presolve", "relaxation", "reformulate", "search", "branch_and_bound", "explain"];
 
 /// Files that name everything.
 const EXEMPT: [&str; 3] = ["lib", "prelude", "guide"];

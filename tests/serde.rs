@@ -151,3 +151,28 @@ proptest! {
         prop_assert_eq!(a.limits(), b.limits());
     }
 }
+
+/// Background is part of a model; explanations can be kept.
+#[test]
+fn explanations_survive() {
+    use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation};
+
+    let mut model = Model::new("m");
+    let x = model.continuous_family("x", 3, 0.0, f64::INFINITY).unwrap();
+    for t in 0..2 {
+        model.add(("law", t), (x[t + 1] - x[t]).le(1.0)).unwrap();
+    }
+    model.add("start", x[0].le(0.0)).unwrap();
+    model.add("goal", x[2].ge(3.0)).unwrap();
+    model.set_background("law").unwrap();
+    let again = copy(&model);
+    assert!(again.is_background("law[1]") && !again.is_background("goal"));
+
+    let mut solver = BranchAndBound::default();
+    let why = infeasibility(&again, &mut solver, &ExplainOptions::default()).unwrap();
+    assert_eq!(copy(&why).to_string(), why.to_string());
+    assert_eq!(copy(&why).groups(), why.groups());
+    let relaxed = relaxation(&again, &mut solver, &ElasticOptions::default()).unwrap();
+    assert_eq!(copy(&relaxed).stretches(), relaxed.stretches());
+    assert_eq!(copy(&relaxed).bound(), relaxed.bound());
+}

@@ -19,9 +19,8 @@ use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::Error;
-use crate::hybrid::Budget;
 use crate::solution::Termination;
-use crate::solver::{Interrupt, Solver};
+use crate::solver::{Budget, Interrupt, Solver};
 
 /// Options of [`damage_interval()`].
 #[derive(Debug, Clone)]

@@ -12,6 +12,7 @@
 //! | the shortest plan, proved | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
 //! | what comes back | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
 //! | what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
+//! | which limits stand in the way | [`Program::stated`] | [`crate::explain`] |
 //! | limits on damage | [`damage_interval()`] | |
 //!
 //! Every plan is replayed by two simulators that share no code with the programs' rows; one that
@@ -35,6 +36,7 @@ pub mod program;
 mod reach;
 pub mod scenario;
 pub mod shortest;
+mod stated;
 pub mod tables;
 pub mod trajectory;
 

@@ -5,9 +5,9 @@ use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::Error;
-use crate::hybrid::{Budget, ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
+use crate::hybrid::{ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
 use crate::solution::{Solution, Statistics, Termination, Verification};
-use crate::solver::{Control, Solver};
+use crate::solver::{Budget, Control, Solver};
 use crate::tolerance;
 
 /// Why a plan can be trusted.

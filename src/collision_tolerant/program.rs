@@ -26,6 +26,13 @@ pub enum Objective {
     LargestDamage,
 }
 
+/// Whether start and goal are written into the bounds of the first and the last sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ends {
+    Fixed,
+    Open,
+}
+
 /// The program of one horizon: its model and the handles of its variables.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -82,13 +89,23 @@ impl Program {
     /// Those of [`Scenario::check`] and of [`Horizon::new`].
     pub fn build(scenario: &Scenario, steps: usize, objective: Objective) -> Result<Self, Error> {
         scenario.check()?;
+        Program::write(scenario, steps, objective, Ends::Fixed)
+    }
+
+    /// Writes the program of a scenario that has been checked.
+    pub(super) fn write(
+        scenario: &Scenario,
+        steps: usize,
+        objective: Objective,
+        ends: Ends,
+    ) -> Result<Self, Error> {
         let horizon = Horizon::new(steps, scenario.time_step)?;
         let mut model = Model::new(match scenario.collisions {
             Collisions::Tolerated => "collision_tolerant",
             Collisions::Forbidden => "collision_free",
         });
 
-        let [position, velocity, acceleration] = add_states(&mut model, scenario, &horizon)?;
+        let [position, velocity, acceleration] = add_states(&mut model, scenario, &horizon, ends)?;
         let mut program = Program {
             model,
             horizon,
@@ -201,6 +218,7 @@ fn add_states(
     model: &mut Model,
     scenario: &Scenario,
     horizon: &Horizon,
+    ends: Ends,
 ) -> Result<[Family; 3], Error> {
     let samples = horizon.steps() + 1;
     let last = horizon.steps();
@@ -220,6 +238,9 @@ fn add_states(
     };
     let a = model.continuous_family("a", samples, lowest, highest)?;
     model.set_bounds(a[last], limits.lower, limits.upper)?;
+    if ends == Ends::Open {
+        return Ok([x, v, a]);
+    }
 
     model.fix(x[0], scenario.start.position)?; // (1), (21c)
     model.fix(x[last], scenario.goal.position)?; // (2), (21d)

@@ -9,10 +9,10 @@ use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::reach::Tube;
 use crate::hybrid::{
-    Attempt, Budget, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
+    Attempt, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
 };
 use crate::solution::{Solution, Statistics};
-use crate::solver::Solver;
+use crate::solver::{Budget, Solver};
 
 /// Options of a search for the shortest plan.
 #[derive(Debug, Clone)]

@@ -112,6 +112,10 @@ impl Damage {
     /// | upper bound of `D[t]` | D(t) <= D_max | (19), closed |
     /// | upper bound of `D_total` | D_total <= D_total,max | (20) |
     ///
+    /// The statements are [background](Model::set_background): they say what damage is, not what is
+    /// allowed. The limits are bounds, which no [explanation](crate::explain) questions; where one
+    /// should, leave them out here and add `D[t].le(limit)` as statements.
+    ///
     /// A law whose impact speed is 0 in flight needs no switch for (16), (17): they hold in both
     /// modes and are rows.
     ///
@@ -162,6 +166,9 @@ impl Damage {
         }
         let sum: Affine = values.iter().sum();
         model.add("damage_total", total.equals(sum))?;
+        let families = ["damage_off", "damage_on", "damage_total"];
+        let added = if contacts.is_empty() { &families[2..] } else { &families[..] };
+        added.iter().try_for_each(|family| model.set_background(family))?;
         let cost = limits.weight * total;
         Ok(Damage { values, total, cost })
     }

@@ -201,7 +201,7 @@ impl LinearSystem {
     }
 
     /// Adds the rows `x(t+1) = A x(t) + B u(t) + c` of one step to a model, named
-    /// `dynamics_<state>[t]`.
+    /// `dynamics_<state>[t]`. They are [background](Model::set_background).
     ///
     /// # Arguments
     ///
@@ -243,8 +243,10 @@ impl LinearSystem {
         let predicted = self.predict(state, input)?;
         let rows = names.iter().zip(next).zip(predicted);
         rows.map(|((name, next), predicted)| {
-            let row = Affine::from(next).equals(predicted);
-            model.add((format!("dynamics_{name}"), step), row)
+            let (family, row) = (format!("dynamics_{name}"), Affine::from(next).equals(predicted));
+            let id = model.add((family.as_str(), step), row)?;
+            model.set_background(&family)?;
+            Ok(id)
         })
         .collect()
     }

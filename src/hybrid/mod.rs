@@ -41,7 +41,6 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-mod budget;
 pub mod contact;
 pub mod damage;
 mod exponential;
@@ -52,7 +51,6 @@ pub mod shortest_horizon;
 pub mod simulate;
 pub mod wall;
 
-pub(crate) use budget::Budget;
 pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution};
 pub use damage::{Damage, DamageFunction, DamageLimits};
 /// Dense matrices, re-exported from `faer`.

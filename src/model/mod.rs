@@ -77,6 +77,7 @@
 //! ```
 
 mod affine;
+mod background;
 mod convexity;
 mod disjunction;
 mod display;
@@ -99,6 +100,7 @@ mod row;
 mod statement;
 mod statements;
 mod store;
+mod subset;
 mod variable;
 mod variables;
 
@@ -127,3 +129,4 @@ pub(crate) use disjunction::StoredTerm;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use statement::StoredRow;
+pub(crate) use subset::AnyStatement;

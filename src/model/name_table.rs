@@ -28,6 +28,11 @@ impl<T: Copy> NameTable<T> {
         NameTable { families: HashMap::new() }
     }
 
+    /// Whether any member of a family, or the family's plain name, was ever claimed.
+    pub(super) fn has_family(&self, family: &str) -> bool {
+        self.families.contains_key(family)
+    }
+
     pub(super) fn get(&self, name: &Name) -> Option<T> {
         let members = self.families.get(name.family())?;
         match name.step() {

@@ -1,5 +1,6 @@
 //! The model itself: storage, look-up by handle and name, changes after the fact.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::affine::Affine;
@@ -50,6 +51,9 @@ pub(super) struct Stored {
     pub(super) reformulation: Reformulation,
     pub(super) sense: Sense,
     pub(super) objective: Quadratic,
+    /// Families of statements that are never in question.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) background: BTreeSet<String>,
 }
 
 #[derive(Debug, Clone)]
@@ -146,6 +150,9 @@ impl TryFrom<Stored> for Model {
             model.push_stored_function(result, function)?;
         }
         model.set_objective(stored.sense, stored.objective)?;
+        for family in stored.background {
+            model.set_background(&family)?;
+        }
         Ok(model)
     }
 }
@@ -163,7 +170,7 @@ impl Model {
         Model::empty(name.into(), ModelTag::fresh())
     }
 
-    fn empty(name: String, tag: ModelTag) -> Self {
+    pub(super) fn empty(name: String, tag: ModelTag) -> Self {
         let stored = Stored {
             name,
             tag,
@@ -176,6 +183,7 @@ impl Model {
             reformulation: Reformulation::default(),
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
+            background: BTreeSet::new(),
         };
         let (variable_names, statement_names) = (NameTable::new(), NameTable::new());
         Model { stored, variable_names, statement_names, revision: fresh_revision() }
@@ -357,6 +365,11 @@ impl Model {
             }
         }
         result
+    }
+
+    /// Whether a statement has this name.
+    pub(crate) fn has_statement(&self, name: &Name) -> bool {
+        self.statement_names.get(name).is_some()
     }
 
     fn claim_statement(&mut self, name: &Name, index: StatementIndex) -> Result<(), Error> {

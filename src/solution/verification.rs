@@ -5,6 +5,8 @@
 //! that leaks cannot hide, disjunctions by the rows of the selected term, logic by the truth of
 //! its formulas, and functions by their values.
 
+use std::fmt;
+
 use crate::interval::Interval;
 use crate::model::{Affine, BigM, Function, Model, Name, TermRef, Variable};
 use crate::tolerance;
@@ -54,6 +56,10 @@ pub struct Violation {
     /// By how much, in the statement's own unit.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub amount: f64,
+    /// By how much, without a unit: the amount over the largest term or limit of the statement,
+    /// which counts as 1 where it is smaller.
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    pub relative: f64,
 }
 
 /// What kind of statement a [`Violation`] is about.
@@ -79,6 +85,21 @@ pub enum ViolationKind {
     Function,
 }
 
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.kind {
+            ViolationKind::Bound => "a bound of",
+            ViolationKind::Integrality => "the integrality of",
+            ViolationKind::Row => "the row",
+            ViolationKind::Implication => "the implication",
+            ViolationKind::Logic => return write!(f, "the logic `{}`", self.name),
+            ViolationKind::Disjunction => "the disjunction",
+            ViolationKind::Function => "the function",
+        };
+        write!(f, "{what} `{}` by {}", self.name, self.amount)
+    }
+}
+
 impl Verification {
     /// Checks a point: bounds, integrality, rows, implications, disjunctions, logic, functions.
     ///
@@ -96,31 +117,28 @@ impl Verification {
         };
         for variable in model.variables() {
             let value = values[variable.id().index()];
-            let (amount, scale) = excess(value, variable.bounds(), value.abs());
-            check.note(ViolationKind::Bound, amount, feasibility * scale, || {
-                variable.name().to_string()
-            });
+            let miss = excess(value, variable.bounds(), value.abs());
+            check.note(ViolationKind::Bound, miss, feasibility, || variable.name().to_string());
             if variable.kind().is_integral() {
-                let amount = (value - value.round()).abs();
-                check
-                    .note(ViolationKind::Integrality, amount, 1e-9, || variable.name().to_string());
+                let miss = Miss::new((value - value.round()).abs(), 0.0);
+                check.note(ViolationKind::Integrality, miss, 1e-9, || variable.name().to_string());
             }
         }
         for row in model.constraints() {
-            let (amount, scale) = residual(row.terms(), row.limits(), values);
-            let name = || row.name().to_string();
-            check.note(ViolationKind::Row, amount, feasibility * scale, name);
+            let miss = residual(row.terms(), row.limits(), values);
+            check.note(ViolationKind::Row, miss, feasibility, || row.name().to_string());
         }
         for function in model.functions() {
             let result = function.result();
-            let (amount, scale) = distance(function.function(), result, values, feasibility);
+            let miss = distance(function.function(), result, values, feasibility);
             let name = || function.name().to_string();
-            check.note(ViolationKind::Function, amount, feasibility * scale, name);
+            check.note(ViolationKind::Function, miss, feasibility, name);
         }
         let on = |variable: Variable| values[variable.index()].round() == 1.0;
         for logical in model.logical_constraints() {
             let amount = f64::from(u8::from(!logical.logic().evaluate(on)));
-            check.note(ViolationKind::Logic, amount, 0.0, || logical.name().to_string());
+            let name = || logical.name().to_string();
+            check.note(ViolationKind::Logic, Miss::new(amount, 0.0), 0.0, name);
         }
         for indicator in model.indicators() {
             let name = || indicator.name().to_string();
@@ -129,8 +147,8 @@ impl Verification {
             }
             if indicator.condition().evaluate(on) {
                 check.checked.active_implications += 1;
-                let (amount, scale) = residual(indicator.terms(), indicator.limits(), values);
-                check.note(ViolationKind::Implication, amount, feasibility * scale, name);
+                let miss = residual(indicator.terms(), indicator.limits(), values);
+                check.note(ViolationKind::Implication, miss, feasibility, name);
             }
         }
         for disjunction in model.disjunctions() {
@@ -164,16 +182,15 @@ impl Verification {
             let on = (values[selector.variable().index()].round() == 1.0) == selector.is_on();
             selected += usize::from(on);
             for (terms, limits) in term.rows().filter(|_| on) {
-                let (amount, scale) = residual(terms, limits, values);
-                let name = || name.to_string();
-                self.note(ViolationKind::Disjunction, amount, feasibility * scale, name);
+                let (miss, name) = (residual(terms, limits, values), || name.to_string());
+                self.note(ViolationKind::Disjunction, miss, feasibility, name);
             }
             for inner in term.nested() {
                 self.one_of(name, inner.into_iter(), on, values, feasibility);
             }
         }
-        let amount = selected.abs_diff(usize::from(active)) as f64;
-        self.note(ViolationKind::Disjunction, amount.min(1.0), 0.0, || name.to_string());
+        let wrong = f64::from(u8::from(selected != usize::from(active)));
+        self.note(ViolationKind::Disjunction, Miss::new(wrong, 0.0), 0.0, || name.to_string());
     }
 
     /// Whether nothing is violated beyond the tolerance.
@@ -210,13 +227,14 @@ impl Verification {
     fn note(
         &mut self,
         kind: ViolationKind,
-        amount: f64,
-        allowed: f64,
+        Miss { amount, size, scale }: Miss,
+        tolerance: f64,
         name: impl FnOnce() -> String,
     ) {
         // NaN is a violation.
-        if amount.is_nan() || amount > allowed {
-            self.violations.push(Violation { kind, name: name(), amount });
+        if amount.is_nan() || amount > tolerance * scale {
+            let relative = amount / size.max(1.0);
+            self.violations.push(Violation { kind, name: name(), amount, relative });
         }
         if amount.is_nan() || amount > self.largest_residual {
             self.largest_residual = amount;
@@ -224,8 +242,21 @@ impl Verification {
     }
 }
 
-/// How far a variable is from the function it should be, and the scale of its tolerance.
-fn distance(function: &Function, result: Variable, values: &[f64], feasibility: f64) -> (f64, f64) {
+/// By how much a statement is missed, the largest number in it, and the scale of its tolerance.
+struct Miss {
+    amount: f64,
+    size: f64,
+    scale: f64,
+}
+
+impl Miss {
+    fn new(amount: f64, size: f64) -> Self {
+        Miss { amount, size, scale: tolerance::row_scale(size, 0.0) }
+    }
+}
+
+/// How far a variable is from the function it should be.
+fn distance(function: &Function, result: Variable, values: &[f64], feasibility: f64) -> Miss {
     let (value, at) = (values[result.index()], |v: Variable| values[v.index()]);
     let terms = function.expressions().iter().flat_map(Affine::terms);
     let largest = terms.map(|(v, a)| (a * at(v)).abs()).fold(value.abs(), f64::max);
@@ -235,18 +266,20 @@ fn distance(function: &Function, result: Variable, values: &[f64], feasibility: 
             // The argument is known up to a tolerance of its own, which a steep piece enlarges.
             let (x, slack) = (of.evaluate(at), feasibility * scale);
             let near = graph.values_within(x - slack, x + slack);
-            (excess(value, near, 0.0).0 + excess(x, graph.domain(), 0.0).0, scale)
+            let amount = excess(value, near, 0.0).amount + excess(x, graph.domain(), 0.0).amount;
+            Miss::new(amount, largest)
         }
         // The expression is known up to a tolerance of its own, which the factor enlarges.
         Function::Product { factor, .. } => {
-            ((value - function.evaluate(at)).abs(), scale * at(*factor).abs().max(1.0))
+            let miss = Miss::new((value - function.evaluate(at)).abs(), largest);
+            Miss { scale: scale * at(*factor).abs().max(1.0), ..miss }
         }
-        _ => ((value - function.evaluate(at)).abs(), scale),
+        _ => Miss::new((value - function.evaluate(at)).abs(), largest),
     }
 }
 
-/// By how much a row misses its limits, and the scale of its tolerance.
-fn residual(terms: &[(Variable, f64)], limits: Interval, values: &[f64]) -> (f64, f64) {
+/// By how much a row misses its limits.
+fn residual(terms: &[(Variable, f64)], limits: Interval, values: &[f64]) -> Miss {
     let (mut sum, mut largest) = (0.0, 0.0_f64);
     for &(variable, coefficient) in terms {
         let term = coefficient * values[variable.index()];
@@ -256,12 +289,13 @@ fn residual(terms: &[(Variable, f64)], limits: Interval, values: &[f64]) -> (f64
     excess(sum, limits, largest)
 }
 
-fn excess(value: f64, limits: Interval, largest_term: f64) -> (f64, f64) {
+fn excess(value: f64, limits: Interval, largest_term: f64) -> Miss {
     if value.is_nan() {
-        return (f64::NAN, 1.0);
+        return Miss::new(f64::NAN, 0.0);
     }
     let below = limits.lower - value;
     let above = value - limits.upper;
     let limit = if below > above { limits.lower } else { limits.upper };
-    (below.max(above).max(0.0), tolerance::row_scale(largest_term, limit))
+    let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
+    Miss::new(below.max(above).max(0.0), largest_term.max(limit))
 }

@@ -47,6 +47,10 @@ pub(super) fn add_step(
     model.add(("dynamics_x", t), step.next_position.equals(&step.predicted_position))?;
     model.add(("dynamics_v", t), step.next_velocity.equals(&step.predicted_velocity))?;
 
+    // How the wall acts; the limits in flight are the vehicle's.
+    let law = ["free_gap", "contact_gap", "contact_acceleration", "dynamics_x", "dynamics_v"];
+    law.iter().try_for_each(|family| model.set_background(family))?;
+
     Ok(ImpactSpeed { speed: -wall.rate_of(&step.velocity), zero_in_flight: false })
 }
 

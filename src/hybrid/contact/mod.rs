@@ -169,7 +169,7 @@ impl Contact {
     }
 
     /// Adds the law's statements for one step, dynamics included: x(t+1) and v(t+1) need no
-    /// other rows.
+    /// other rows. What says how the wall acts is [background](Model::set_background).
     ///
     /// # Errors
     ///

@@ -62,6 +62,9 @@ pub(super) fn add_step(
     model.add(("free_velocity", t), hit.off().implies(speed.le(0.0)))?;
     model.add(("impact_position", t), hit.on().implies(next_gap.le(-e * &gap)))?;
     model.add(("impact_velocity", t), hit.on().implies(next_rate.equals(-e * &rate)))?;
+    let law = ["position", "velocity", "outside", "free_position", "free_velocity"];
+    let law = law.iter().chain(&["impact_position", "impact_velocity"]);
+    law.into_iter().try_for_each(|family| model.set_background(family))?;
 
     Ok(ImpactSpeed { speed: speed.into(), zero_in_flight: true })
 }

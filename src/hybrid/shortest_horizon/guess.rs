@@ -3,11 +3,10 @@
 use super::search::ShortestOptions;
 use super::{HorizonModel, shortest_horizon};
 use crate::error::Error;
-use crate::hybrid::budget::Budget;
 use crate::hybrid::reach::HorizonVariables;
 use crate::interval::Interval;
 use crate::model::{Model, Variable};
-use crate::solver::Solver;
+use crate::solver::{Budget, Solver};
 
 /// The share of what is left of a search's time that the coarser search may take.
 const SHARE: u32 = 4;

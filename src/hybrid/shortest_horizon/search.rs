@@ -9,12 +9,11 @@ use super::guess::{Guess, restricted};
 use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
 use super::{HorizonModel, Waiting};
 use crate::error::Error;
-use crate::hybrid::budget::Budget;
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
-use crate::solver::{Event, Interrupt, Progress, Solver};
+use crate::solver::{Budget, Event, Interrupt, Progress, Solver};
 
 /// Undecided horizons after which a search gives up: each further one would only repeat what
 /// stopped the others.

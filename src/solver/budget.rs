@@ -2,10 +2,10 @@
 
 use web_time::{Duration, Instant};
 
+use super::{Control, Event, Interrupt, Solver};
 use crate::error::Error;
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
-use crate::solver::{Control, Event, Interrupt, Solver};
 
 /// A wall-clock limit and an interrupt, shared by a series of solves.
 #[derive(Debug, Clone)]

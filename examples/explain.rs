@@ -1,0 +1,44 @@
+//! Why is there no plan? A vehicle has 40 steps to get beside a wall, and that is too few.
+//!
+//! Run with `cargo run --release --example explain`.
+
+use carom::collision_tolerant::{Program, Scenario};
+use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation, violations};
+use carom::hybrid::DamageLimits;
+use carom::prelude::*;
+
+fn main() -> Result<(), Error> {
+    let mut solver = BranchAndBound::default();
+
+    // The paper's vehicle in 40 steps of 0.06 s. Braking against the wall is fast enough, but no
+    // impact may be faster than 3 m/s.
+    let limits = DamageLimits::default().with_per_impact(3.0);
+    let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
+    let program = Program::stated(&scenario, 40)?;
+
+    let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
+    println!("{why}\n");
+    for group in why.groups() {
+        let Some(point) = group.without() else { continue };
+        let found = violations(&program.model, point.as_slice(), 1e-6)?;
+        let own = found.iter().filter(|v| Name::from(v.name.as_str()).family() == group.name());
+        if let Some(worst) = own.clone().next() {
+            println!(
+                "without {}: a plan that violates {worst}, {} in all",
+                group.name(),
+                own.count()
+            );
+        }
+    }
+
+    // Where the vehicle stays as it is: how far from the goal would it end, or how hard would it
+    // have to hit? A metre of the goal is as bad as 10 m/s of damage.
+    let options = ElasticOptions::default()
+        .with_background(["start", "acceleration", "speed", "goal_velocity"])
+        .with_weight("goal_position", 10.0);
+    println!(
+        "\nthe least that has to give: {}",
+        relaxation(&program.model, &mut solver, &options)?
+    );
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! The program with its limits as statements: the form in which one can ask why there is no plan.
+
+use super::program::{Ends, Objective, Program};
+use super::scenario::{Collisions, Scenario};
+use crate::error::Error;
+use crate::hybrid::{ContactLaw, DamageLimits, Horizon};
+use crate::interval::Interval;
+use crate::model::Row;
+
+impl Program {
+    /// Writes the program of a scenario over a horizon for questions: start, goal and limits are
+    /// named statements over wider domains, so that [`explain`](mod@crate::explain) can name them.
+    /// Everything else is background. The plans are the same as those of [`Program::build`], which
+    /// is much faster to solve; there is no objective.
+    ///
+    /// | statement | says | paper |
+    /// | --- | --- | --- |
+    /// | `start_position`, `start_velocity`, `start_acceleration` | x(0), v(0), a(0) | (1) |
+    /// | `goal_position`, `goal_velocity` | x(τ), v(τ) | (2) |
+    /// | `acceleration[t]` | a(t) within its limits, in flight | (5), (6) |
+    /// | `speed[t]` | v(t) within its limits | |
+    /// | `wall[t]` | x(t) on the free side, where collisions are forbidden | (7) |
+    /// | `damage_limit[t]` | D(t) <= D_max | (19) |
+    /// | `damage_budget` | D_total <= D_total,max | (20) |
+    ///
+    /// Domains are at least twice the limits, and wide enough to go from the start to the goal in
+    /// the time given. The goal's acceleration is never applied and can contradict nothing.
+    ///
+    /// ```
+    /// use carom::collision_tolerant::{Program, Scenario};
+    /// use carom::explain::{ExplainOptions, infeasibility};
+    /// use carom::prelude::*;
+    ///
+    /// // 2 s are too short: 47 steps of 0.05 s are needed.
+    /// let program = Program::stated(&Scenario::paper().with_time_step(0.05), 40)?;
+    /// let mut solver = BranchAndBound::default();
+    /// let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
+    /// assert!(why.is_irreducible() && why.solves() <= 20);
+    /// assert!(why.groups().iter().any(|group| group.name() == "goal_position"));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`Program::build`].
+    pub fn stated(scenario: &Scenario, steps: usize) -> Result<Self, Error> {
+        scenario.check()?;
+        let wide = widened(scenario, &Horizon::new(steps, scenario.time_step)?);
+        let mut program = Program::write(&wide, steps, Objective::Feasibility, Ends::Open)?;
+        program.state_ends(scenario)?;
+        program.state_limits(scenario)?;
+        Ok(program)
+    }
+
+    fn state_ends(&mut self, scenario: &Scenario) -> Result<(), Error> {
+        let (start, goal, last) = (&scenario.start, &scenario.goal, self.horizon.steps());
+        let (x, v) = (&self.position, &self.velocity);
+        self.model.add("start_position", x[0].equals(start.position))?;
+        self.model.add("start_velocity", v[0].equals(start.velocity))?;
+        if let Some(value) = start.acceleration {
+            self.model.add("start_acceleration", self.acceleration[0].equals(value))?;
+        }
+        self.model.add("goal_position", x[last].equals(goal.position))?;
+        self.model.add("goal_velocity", v[last].equals(goal.velocity))?;
+        Ok(())
+    }
+
+    fn state_limits(&mut self, scenario: &Scenario) -> Result<(), Error> {
+        let Interval { lower, upper } = scenario.acceleration;
+        let literal = scenario.contact.law == ContactLaw::Literal;
+        for (t, a) in self.acceleration.iter().enumerate().take(self.horizon.steps()) {
+            let limited: Row = a.within(lower, upper);
+            // The literal law's forced acceleration is not the vehicle's.
+            if let Some(zeta) = self.contact.as_ref().filter(|_| literal) {
+                self.model.add(("acceleration", t), zeta[t].off().implies(limited))?;
+            } else {
+                self.model.add(("acceleration", t), limited)?;
+            }
+        }
+        if self.contact.is_some() && literal {
+            self.model.set_background("free_acceleration")?;
+        }
+        for (t, v) in self.velocity.iter().enumerate() {
+            let limit = scenario.max_speed;
+            self.model.add(("speed", t), v.within(-limit, limit))?;
+        }
+        if scenario.collisions == Collisions::Forbidden {
+            self.state_wall(scenario)?;
+        }
+        let Some(damage) = &self.damage else { return Ok(()) };
+        if let Some(limit) = scenario.damage.per_impact {
+            for (t, d) in damage.values.iter().enumerate() {
+                self.model.add(("damage_limit", t), d.le(limit))?;
+            }
+        }
+        if let Some(limit) = scenario.damage.cumulative {
+            self.model.add("damage_budget", damage.total.le(limit))?;
+        }
+        Ok(())
+    }
+
+    /// The wall as a statement; the domain reaches as far behind it as it does before it.
+    fn state_wall(&mut self, scenario: &Scenario) -> Result<(), Error> {
+        let wall = scenario.contact.wall;
+        for (t, x) in self.position.iter().enumerate() {
+            let domain = self.model.variable_ref(x)?.bounds();
+            let gap = wall.gap(domain.lower).max(wall.gap(domain.upper));
+            let (one, other) = (wall.at_gap(-gap), wall.at_gap(gap));
+            self.model.set_bounds(x, one.min(other), one.max(other))?;
+            self.model.add(("wall", t), wall.gap_of(&x.into()).ge(0.0))?;
+        }
+        Ok(())
+    }
+}
+
+/// The scenario with limits that no plan from its start to its goal has to come near.
+fn widened(scenario: &Scenario, horizon: &Horizon) -> Scenario {
+    let time = horizon.steps() as f64 * horizon.time_step();
+    let distance = (scenario.goal.position - scenario.start.position).abs();
+    let speeds = scenario.start.velocity.abs() + scenario.goal.velocity.abs();
+    // From rest to rest, at full acceleration both ways.
+    let hardest = 4.0 * (distance + speeds * time) / (time * time);
+    let fastest = 2.0 * distance / time + speeds;
+    let most = 2.0 * scenario.max_acceleration().max(hardest);
+    let mut wide = *scenario;
+    wide.acceleration = Interval::new(-most, most);
+    wide.max_speed = 2.0 * scenario.max_speed.max(fastest);
+    if scenario.damage.is_active() {
+        // Damage states without limits.
+        wide.damage = DamageLimits::default().with_per_impact(f64::MAX);
+    }
+    wide
+}

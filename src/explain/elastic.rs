@@ -1,0 +1,174 @@
+//! The elastic form of a model: statements that may give, at a price.
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{
+    Affine, AnyStatement, IndicatorRef, Literal, Logic, Model, Name, StoredRow, StoredTerm,
+    Variable, VariableKind, at_most, exactly,
+};
+
+/// A model whose statements may give, and the variables that say by how much.
+pub(super) struct Elastic<'a> {
+    original: &'a Model,
+    pub(super) model: Model,
+    pub(super) slacks: Vec<Slack>,
+}
+
+/// How much a statement gives: below its lower limit, above its upper one, or, for logic, at all.
+pub(super) struct Slack {
+    /// Position of the statement in the original model.
+    pub(super) statement: usize,
+    pub(super) below: Option<Variable>,
+    pub(super) above: Option<Variable>,
+}
+
+impl<'a> Elastic<'a> {
+    /// Makes the statements elastic that have a finite weight, and the weighted sum of what they
+    /// give the objective.
+    pub(super) fn of(model: &'a Model, weights: &[f64]) -> Result<Self, Error> {
+        let mut elastic = Elastic {
+            original: model,
+            model: model.subset(|position| weights[position].is_infinite()),
+            slacks: Vec::new(),
+        };
+        let mut cost = Affine::zero();
+        let statements = model.statements().zip(weights).enumerate();
+        for (position, (statement, &weight)) in statements.filter(|(_, (_, w))| w.is_finite()) {
+            let (below, above) = elastic.add(statement)?;
+            for slack in [below, above].into_iter().flatten() {
+                cost += weight * slack;
+            }
+            elastic.slacks.push(Slack { statement: position, below, above });
+        }
+        elastic.model.minimize(cost)?;
+        Ok(elastic)
+    }
+
+    fn add(
+        &mut self,
+        statement: AnyStatement<'_>,
+    ) -> Result<(Option<Variable>, Option<Variable>), Error> {
+        let name = statement.name();
+        match statement {
+            AnyStatement::Row(row) => {
+                let (below, above) = self.slacks(name, row.terms(), row.limits())?;
+                let mut terms = row.terms().to_vec();
+                terms.extend(below.map(|slack| (slack, 1.0)));
+                terms.extend(above.map(|slack| (slack, -1.0)));
+                let Interval { lower, upper } = row.limits();
+                self.model.push_constraint(name.clone(), StoredRow { terms, lower, upper })?;
+                Ok((below, above))
+            }
+            AnyStatement::Indicator(indicator) => self.add_indicator(indicator),
+            AnyStatement::Disjunction(disjunction) => {
+                let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
+                let mut terms = self.released(name, disjunction.stored_terms(), fails, None)?;
+                terms.push(StoredTerm { selector: fails.on(), rows: vec![], nested: vec![] });
+                self.model.push_disjunction(name.clone(), disjunction.method(), terms)?;
+                Ok((None, Some(fails)))
+            }
+            AnyStatement::Logic(logical) => {
+                let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
+                let logic = logical.logic().clone() | fails;
+                self.model.push_logical(name.clone(), logic)?;
+                Ok((None, Some(fails)))
+            }
+        }
+    }
+
+    /// The terms of a disjunction with selectors of their own, which select what the original ones
+    /// do unless the disjunction fails; then those are free. `outer` is the original selector of
+    /// the term around it.
+    fn released(
+        &mut self,
+        name: &Name,
+        terms: &[StoredTerm],
+        fails: Variable,
+        outer: Option<Literal>,
+    ) -> Result<Vec<StoredTerm>, Error> {
+        let selectors = || terms.iter().map(|term| term.selector);
+        let one = Logic::from(exactly(1, selectors()));
+        let selects = match outer {
+            None => one,
+            Some(outer) => outer.implies(one) & (!outer).implies(at_most(0, selectors())),
+        };
+        self.model.push_logical(self.free(name, "_selects"), selects | fails)?;
+        let mut released = Vec::with_capacity(terms.len());
+        for term in terms {
+            let own = self.slack(name, "_takes", VariableKind::Binary, 1.0)?.on();
+            self.model.push_logical(self.free(name, "_taken"), own.implies(term.selector))?;
+            let nested = term.nested.iter();
+            let nested = nested.map(|inner| self.released(name, inner, fails, Some(term.selector)));
+            let nested = nested.collect::<Result<_, _>>()?;
+            released.push(StoredTerm { selector: own, rows: term.rows.clone(), nested });
+        }
+        Ok(released)
+    }
+
+    /// A name that no statement has, in neither model.
+    fn free(&self, name: &Name, suffix: &str) -> Name {
+        let mut name = name.suffixed(suffix);
+        while self.model.has_statement(&name) || self.original.has_statement(&name) {
+            name = name.suffixed("_");
+        }
+        name
+    }
+
+    /// The implied row gives. Its sides are indicators of their own: a slack of one side would
+    /// enlarge the big-M of the other.
+    fn add_indicator(
+        &mut self,
+        indicator: IndicatorRef<'_>,
+    ) -> Result<(Option<Variable>, Option<Variable>), Error> {
+        let name = indicator.name();
+        let (below, above) = self.slacks(name, indicator.terms(), indicator.limits())?;
+        let Interval { lower, upper } = indicator.limits();
+        let sides = [(below, 1.0, lower, f64::INFINITY), (above, -1.0, f64::NEG_INFINITY, upper)];
+        let mut name = name.clone();
+        for (slack, sign, lower, upper) in sides {
+            let Some(slack) = slack else { continue };
+            let mut terms = indicator.terms().to_vec();
+            terms.push((slack, sign));
+            let (condition, big_m) = (indicator.condition().clone(), indicator.big_m());
+            let row = StoredRow { terms, lower, upper };
+            self.model.push_indicator(name.clone(), condition, row, big_m)?;
+            name = self.free(&name, "_");
+        }
+        Ok((below, above))
+    }
+
+    /// What a row can miss its limits by, over the bounds of its variables: a slack for each finite
+    /// limit.
+    fn slacks(
+        &mut self,
+        name: &Name,
+        terms: &[(Variable, f64)],
+        limits: Interval,
+    ) -> Result<(Option<Variable>, Option<Variable>), Error> {
+        let mut range = Interval::point(0.0);
+        for &(variable, coefficient) in terms {
+            range = range + self.model.variable_ref(variable)?.bounds() * coefficient;
+        }
+        let mut side = |suffix: &str, limit: f64, miss: f64| match limit.is_finite() {
+            true => self.slack(name, suffix, VariableKind::Continuous, miss.max(0.0)).map(Some),
+            false => Ok(None),
+        };
+        let below = side("_below", limits.lower, (limits.lower - range.lower).next_up())?;
+        let above = side("_above", limits.upper, (range.upper - limits.upper).next_up())?;
+        Ok((below, above))
+    }
+
+    fn slack(
+        &mut self,
+        name: &Name,
+        suffix: &str,
+        kind: VariableKind,
+        most: f64,
+    ) -> Result<Variable, Error> {
+        let mut name = name.suffixed(suffix);
+        while self.model.variable_by_name(name.clone()).is_ok() {
+            name = name.suffixed("_");
+        }
+        self.model.variable(name, kind, 0.0, most)
+    }
+}

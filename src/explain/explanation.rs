@@ -1,0 +1,207 @@
+//! What an explanation says.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+
+use crate::model::Name;
+use crate::solution::Point;
+
+/// Why a model has no solution; made by [`infeasibility`](super::infeasibility()).
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
+pub struct Explanation {
+    pub(super) model: String,
+    pub(super) status: ExplanationStatus,
+    pub(super) groups: Vec<Group>,
+    pub(super) background: Vec<String>,
+    pub(super) domains: Vec<Name>,
+    pub(super) point: Option<Point>,
+    pub(super) solves: usize,
+    pub(super) propagations: usize,
+}
+
+/// What is known about the set of an [`Explanation`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ExplanationStatus {
+    /// The model has a solution; there is nothing to explain.
+    Feasible,
+    /// The families contradict each other, and without any one of them the rest has a solution.
+    Irreducible,
+    /// The families contradict each other; a limit came before it was known whether all of them
+    /// are needed.
+    Reducible,
+    /// A limit came before it was known whether the model has a solution.
+    Unknown,
+}
+
+/// A family of statements in a contradictory set, and the members that are enough.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Group {
+    pub(super) name: String,
+    pub(super) statements: Vec<Name>,
+    pub(super) family_size: usize,
+    pub(super) without: Option<Point>,
+}
+
+impl Explanation {
+    /// What is known about the set.
+    pub fn status(&self) -> ExplanationStatus {
+        self.status
+    }
+
+    /// Whether the model is proved to have no solution.
+    pub fn is_infeasible(&self) -> bool {
+        matches!(self.status, ExplanationStatus::Irreducible | ExplanationStatus::Reducible)
+    }
+
+    /// Whether each of the families is proved to be needed.
+    pub fn is_irreducible(&self) -> bool {
+        self.status == ExplanationStatus::Irreducible
+    }
+
+    /// The families that contradict each other, in the order of the model; none when the
+    /// background contradicts itself or the bounds of its variables.
+    pub fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// The families that were not in question.
+    pub fn background(&self) -> &[String] {
+        &self.background
+    }
+
+    /// The variables whose bounds play a part besides the statements: with wider ones the set need
+    /// not be contradictory. Known only where propagation alone refutes the set, and empty
+    /// elsewhere.
+    pub fn domains(&self) -> &[Name] {
+        &self.domains
+    }
+
+    /// A solution of the model, where it has one.
+    pub fn point(&self) -> Option<&Point> {
+        self.point.as_ref()
+    }
+
+    /// Number of solves.
+    pub fn solves(&self) -> usize {
+        self.solves
+    }
+
+    /// Number of parts of the model that were refuted without a solve, by propagation and probing.
+    pub fn propagations(&self) -> usize {
+        self.propagations
+    }
+}
+
+impl Group {
+    /// The name of the family.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The members that are enough to contradict the rest, by steps.
+    pub fn statements(&self) -> &[Name] {
+        &self.statements
+    }
+
+    /// The number of all members.
+    pub fn family_size(&self) -> usize {
+        self.family_size
+    }
+
+    /// The steps of the members, as ranges of neighbours; empty for a statement without a step.
+    pub fn steps(&self) -> Vec<RangeInclusive<usize>> {
+        ranges(&self.statements)
+    }
+
+    /// A point that satisfies everything but this family: all other families of the set and the
+    /// background. Always there when the set is irreducible.
+    pub fn without(&self) -> Option<&Point> {
+        self.without.as_ref()
+    }
+}
+
+impl fmt::Display for Group {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_members(f, &self.name, &self.statements)
+    }
+}
+
+/// The steps of names, as ranges of neighbours.
+fn ranges(names: &[Name]) -> Vec<RangeInclusive<usize>> {
+    let mut ranges: Vec<RangeInclusive<usize>> = Vec::new();
+    for step in names.iter().filter_map(Name::step) {
+        match ranges.last_mut() {
+            Some(range) if range.end() + 1 == step => *range = *range.start()..=step,
+            _ => ranges.push(step..=step),
+        }
+    }
+    ranges
+}
+
+/// Members of a family in words, `x at steps 0, 3 to 5 and 7`.
+fn write_members(f: &mut fmt::Formatter<'_>, family: &str, members: &[Name]) -> fmt::Result {
+    f.write_str(family)?;
+    let steps = ranges(members);
+    let Some((last, first)) = steps.split_last() else { return Ok(()) };
+    let one = first.is_empty() && last.start() == last.end();
+    f.write_str(if one { " at step " } else { " at steps " })?;
+    for (k, range) in steps.iter().enumerate() {
+        let joint = match (k, k == first.len()) {
+            (0, _) => "",
+            (_, true) => " and ",
+            _ => ", ",
+        };
+        match (range.start(), range.end()) {
+            (start, end) if start == end => write!(f, "{joint}{start}")?,
+            (start, end) => write!(f, "{joint}{start} to {end}")?,
+        }
+    }
+    Ok(())
+}
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.status {
+            ExplanationStatus::Feasible => write!(f, "`{}` has a solution", self.model)?,
+            ExplanationStatus::Unknown => {
+                write!(
+                    f,
+                    "it is not known whether `{}` has a solution: a limit came first",
+                    self.model
+                )?;
+            }
+            _ if self.groups.is_empty() => {
+                f.write_str("the background contradicts itself or the bounds of its variables")?;
+            }
+            status => {
+                f.write_str("these cannot hold together: ")?;
+                for (k, group) in self.groups.iter().enumerate() {
+                    write!(f, "{}{group}", if k == 0 { "" } else { "; " })?;
+                }
+                if status == ExplanationStatus::Reducible {
+                    f.write_str(" (a limit came before it was known whether all are needed)")?;
+                }
+            }
+        }
+        if self.is_infeasible() && !self.background.is_empty() {
+            write!(f, " (background: {})", self.background.join(", "))?;
+        }
+        if !self.domains.is_empty() {
+            f.write_str("; the domains that play a part: ")?;
+            let families = self.domains.chunk_by(|a, b| a.family() == b.family());
+            for (k, members) in families.enumerate() {
+                f.write_str(if k == 0 { "" } else { ", " })?;
+                write_members(f, members[0].family(), members)?;
+            }
+        }
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        let (solves, refuted) = (self.solves, self.propagations);
+        write!(f, ". {solves} solve{}, ", plural(solves))?;
+        write!(f, "{refuted} refutation{} by propagation alone", plural(refuted))
+    }
+}

@@ -1,0 +1,81 @@
+//! The statements in question, by families.
+
+use std::collections::BTreeMap;
+
+use crate::error::Error;
+use crate::model::{Model, Name};
+
+/// The statements of a model that are in question, by families; statements are counted as in
+/// [`Model::statements`].
+pub(super) struct Groups {
+    /// All statements' names.
+    pub(super) names: Vec<Name>,
+    /// The families, in the order of their first statements.
+    pub(super) families: Vec<Family>,
+}
+
+/// One family of statements in question.
+pub(super) struct Family {
+    pub(super) name: String,
+    /// The members' positions, by steps.
+    pub(super) members: Vec<usize>,
+}
+
+impl Groups {
+    /// All families but those in the background.
+    pub(super) fn of(model: &Model, background: &[Name]) -> Result<Self, Error> {
+        let names: Vec<Name> = model.statements().map(|s| s.name().clone()).collect();
+        let mut asked: Vec<bool> = names.iter().map(|n| !model.is_background(n.clone())).collect();
+        for name in background {
+            for position in selected(&names, name)? {
+                asked[position] = false;
+            }
+        }
+        let mut families: Vec<Family> = Vec::new();
+        let mut places = BTreeMap::new();
+        for (position, name) in names.iter().enumerate().filter(|&(k, _)| asked[k]) {
+            let place = *places.entry(name.family()).or_insert(families.len());
+            if place == families.len() {
+                families.push(Family { name: name.family().into(), members: Vec::new() });
+            }
+            families[place].members.push(position);
+        }
+        for family in &mut families {
+            family.members.sort_by_key(|&member| names[member].step());
+        }
+        Ok(Groups { names, families })
+    }
+
+    /// Which statements are kept when all of the background is, and these members.
+    pub(super) fn mask<'a>(&self, kept: impl Iterator<Item = &'a [usize]>) -> Vec<bool> {
+        let mut keep = vec![true; self.names.len()];
+        for &member in self.families.iter().flat_map(|family| &family.members) {
+            keep[member] = false;
+        }
+        for &member in kept.flatten() {
+            keep[member] = true;
+        }
+        keep
+    }
+}
+
+/// The statements that a name stands for: one of them, a family, or, where there is no such family,
+/// all families that begin with it and an underscore.
+pub(super) fn selected(names: &[Name], of: &Name) -> Result<Vec<usize>, Error> {
+    let all = |holds: &dyn Fn(&Name) -> bool| -> Vec<usize> {
+        let found = names.iter().enumerate().filter(|(_, name)| holds(name));
+        found.map(|(position, _)| position).collect()
+    };
+    let mut found = match of.step() {
+        Some(_) => all(&|name| name == of),
+        None => all(&|name| name.family() == of.family()),
+    };
+    if found.is_empty() && of.step().is_none() {
+        let start = format!("{}_", of.family());
+        found = all(&|name| name.family().starts_with(&start));
+    }
+    match found.is_empty() {
+        true => Err(Error::UnknownName { name: of.to_string(), kind: "statement" }),
+        false => Ok(found),
+    }
+}

@@ -1,0 +1,190 @@
+//! The irreducible set of families: what contradicts each other.
+
+use super::domains::used_domains;
+use super::explanation::{Explanation, ExplanationStatus, Group};
+use super::groups::Groups;
+use super::narrow::narrow;
+use super::options::ExplainOptions;
+use super::oracle::{Answer, Oracle};
+use crate::error::Error;
+use crate::model::{Model, Name};
+use crate::solver::{Budget, Solver};
+
+/// From this many families on, a small contradictory set is first collected from below.
+const MANY: usize = 12;
+
+/// Why a model has no solution, in its own statements.
+///
+/// Statements are taken by families (`damage_limit` stands for `damage_limit[0]`,
+/// `damage_limit[1]`, ...). The families returned contradict each other, together with the
+/// background and the variables' bounds and kinds; and without any one of them the rest has a
+/// solution, which is returned with it. Families of several steps are then narrowed to steps that
+/// still contradict the rest, as far as the solves allow.
+///
+/// Every claim is proved: parts have no solution because a solve ended so or propagation refutes
+/// them, and have one because a verified point is at hand. Objectives play no role. A solve that
+/// ends at a limit leaves its family in the set, and the set is then not called irreducible.
+///
+/// ```
+/// use carom::explain::{ExplainOptions, infeasibility};
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("late");
+/// let x = model.continuous_family("x", 11, -100.0, 100.0)?;
+/// model.add("start", x[0].equals(0.0))?;
+/// model.add("goal", x[10].ge(8.0))?;
+/// for t in 0..10 {
+///     model.add(("speed", t), (x[t + 1] - x[t]).within(-0.5, 0.5))?;
+///     model.add(("road", t), x[t].le(20.0))?;
+/// }
+/// let why = infeasibility(&model, &mut BranchAndBound::default(), &ExplainOptions::default())?;
+/// assert!(why.is_irreducible());
+/// let names: Vec<_> = why.groups().iter().map(|group| group.name()).collect();
+/// assert_eq!(names, ["start", "goal", "speed"]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Arguments
+///
+/// * `options`: what is background, and what may be spent. A time limit, an interrupt or a limit
+///   on solves gives the best set so far.
+///
+/// # Errors
+///
+/// [`Error::UnknownName`] for a background that the model does not have, and the errors of
+/// [`Solver::solve_with`].
+pub fn infeasibility(
+    model: &Model,
+    solver: &mut dyn Solver,
+    options: &ExplainOptions,
+) -> Result<Explanation, Error> {
+    let groups = Groups::of(model, &options.background)?;
+    let budget = Budget::new(options.time_limit, &options.interrupt);
+    let mut oracle = Oracle::new(model, solver, budget, options.solve_limit);
+    let everything = vec![true; groups.names.len()];
+    let status = match oracle.ask(&everything)? {
+        Answer::Feasible(_) => Some(ExplanationStatus::Feasible),
+        Answer::Open => Some(ExplanationStatus::Unknown),
+        Answer::Infeasible => None,
+    };
+    if let Some(status) = status {
+        return Ok(report(model, &groups, status, Vec::new(), &oracle));
+    }
+    let (kept, proved) = irreducible(&groups, &mut oracle)?;
+    let members = narrow(&groups, &kept, options.narrowing, &mut oracle)?;
+    let named = groups.mask(members.iter().map(|members| &members[..]));
+    let domains = used_domains(model, &named, &oracle)?;
+    let status = match proved {
+        true => ExplanationStatus::Irreducible,
+        false => ExplanationStatus::Reducible,
+    };
+    let found = kept.iter().zip(members).map(|(&place, members)| {
+        let family = &groups.families[place];
+        let others = kept.iter().filter(|&&other| other != place);
+        let others = groups.mask(others.map(|&other| &groups.families[other].members[..]));
+        let without = oracle.known.iter().find(|known| known.satisfies(&others));
+        Group {
+            name: family.name.clone(),
+            statements: members.iter().map(|&member| groups.names[member].clone()).collect(),
+            family_size: family.members.len(),
+            without: without.map(|known| known.point.clone()),
+        }
+    });
+    let found = found.collect();
+    Ok(Explanation { domains, ..report(model, &groups, status, found, &oracle) })
+}
+
+/// Families of a contradictory set, in order, and whether each of them is proved to be needed.
+fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, bool), Error> {
+    let families = &groups.families;
+    let mask = |kept: &[bool]| {
+        let kept = families.iter().zip(kept).filter(|(_, kept)| **kept);
+        groups.mask(kept.map(|(family, _)| &family.members[..]))
+    };
+    let mut kept = vec![true; families.len()];
+    // The fewer statements are left, the better: large families are the first to be tried.
+    let mut order: Vec<usize> = (0..families.len()).collect();
+    order.sort_by_key(|&place| std::cmp::Reverse(families[place].members.len()));
+
+    if oracle.refutes_at_once(&mask(&kept))? {
+        // What propagation sees through, it takes apart without a solve.
+        for &place in &order {
+            kept[place] = false;
+            kept[place] = oracle.is_stopped() || !oracle.refutes_at_once(&mask(&kept))?;
+        }
+    } else if families.len() > MANY {
+        kept = collect(groups, &mask, oracle)?;
+    }
+
+    let mut proved = true;
+    for place in order {
+        if !std::mem::take(&mut kept[place]) {
+            continue;
+        }
+        match oracle.ask(&mask(&kept))? {
+            Answer::Infeasible => {}
+            Answer::Feasible(_) => kept[place] = true,
+            Answer::Open => (kept[place], proved) = (true, false),
+        }
+    }
+    Ok(((0..families.len()).filter(|&place| kept[place]).collect(), proved))
+}
+
+/// A contradictory set from below: as long as what is collected has a solution, the family that
+/// this solution violates most is added.
+fn collect(
+    groups: &Groups,
+    mask: &dyn Fn(&[bool]) -> Vec<bool>,
+    oracle: &mut Oracle<'_>,
+) -> Result<Vec<bool>, Error> {
+    let mut family_of = vec![None; groups.names.len()];
+    for (place, family) in groups.families.iter().enumerate() {
+        family.members.iter().for_each(|&member| family_of[member] = Some(place));
+    }
+    let mut kept = vec![false; groups.families.len()];
+    loop {
+        let found = match oracle.ask(&mask(&kept))? {
+            Answer::Infeasible => return Ok(kept),
+            Answer::Open => break,
+            Answer::Feasible(found) => found,
+        };
+        let violated = oracle.known[found].violated.iter();
+        let worst = violated.max_by(|a, b| a.1.total_cmp(&b.1));
+        let place = worst.and_then(|&(statement, _)| family_of[statement]);
+        let Some(place) = place.filter(|&place| !kept[place]) else { break };
+        kept[place] = true;
+    }
+    Ok(vec![true; kept.len()])
+}
+
+fn report(
+    model: &Model,
+    groups: &Groups,
+    status: ExplanationStatus,
+    found: Vec<Group>,
+    oracle: &Oracle<'_>,
+) -> Explanation {
+    let mut asked = vec![false; groups.names.len()];
+    groups.families.iter().flat_map(|family| &family.members).for_each(|&k| asked[k] = true);
+    let quiet = groups.names.iter().zip(&asked).filter(|(_, asked)| !**asked);
+    let mut background: Vec<String> = Vec::new();
+    for family in quiet.map(|(name, _)| Name::family(name)) {
+        if !background.iter().any(|known| known == family) {
+            background.push(family.into());
+        }
+    }
+    let point = match status {
+        ExplanationStatus::Feasible => oracle.known.first().map(|known| known.point.clone()),
+        _ => None,
+    };
+    Explanation {
+        model: model.name().into(),
+        status,
+        groups: found,
+        background,
+        domains: Vec::new(),
+        point,
+        solves: oracle.solves,
+        propagations: oracle.propagations,
+    }
+}

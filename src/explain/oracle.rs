@@ -1,0 +1,160 @@
+//! The one question of every explanation: does a part of the model have a solution?
+//!
+//! Two answers are cheaper than a solve and as certain: a point found earlier that satisfies the
+//! part, and propagation and probing that refute it.
+
+use std::collections::HashMap;
+
+use crate::error::Error;
+use crate::model::{AnyStatement, Model, VariableKind};
+use crate::presolve::{Domain, Propagator, probe};
+use crate::program::Program;
+use crate::reformulate;
+use crate::solution::{Point, Verification};
+use crate::solver::{Budget, Solver};
+
+/// Trials of probing before a solve; see `search/root.rs`.
+const TRIALS: usize = 4000;
+
+/// What is known about a part of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Answer {
+    /// A point satisfies it: its place among the known points.
+    Feasible(usize),
+    /// It is proved that none does.
+    Infeasible,
+    /// A limit came first.
+    Open,
+}
+
+/// A point that was found, and the statements that it violates with their relative amounts.
+pub(super) struct Known {
+    pub(super) point: Point,
+    pub(super) violated: Vec<(usize, f64)>,
+}
+
+impl Known {
+    /// Whether the point satisfies all statements that are kept.
+    pub(super) fn satisfies(&self, keep: &[bool]) -> bool {
+        self.violated.iter().all(|&(statement, _)| !keep[statement])
+    }
+}
+
+/// Asks a solver about parts of a model, and remembers.
+pub(super) struct Oracle<'a> {
+    model: &'a Model,
+    solver: &'a mut dyn Solver,
+    budget: Budget,
+    solve_limit: usize,
+    /// Statements by the names that verifications use.
+    places: HashMap<String, Vec<usize>>,
+    pub(super) known: Vec<Known>,
+    /// Solves so far.
+    pub(super) solves: usize,
+    /// Parts refuted by propagation and probing alone.
+    pub(super) propagations: usize,
+}
+
+impl<'a> Oracle<'a> {
+    pub(super) fn new(
+        model: &'a Model,
+        solver: &'a mut dyn Solver,
+        budget: Budget,
+        solve_limit: Option<usize>,
+    ) -> Self {
+        let mut places: HashMap<String, Vec<usize>> = HashMap::new();
+        for (position, statement) in model.statements().enumerate() {
+            places.entry(statement.name().to_string()).or_default().push(position);
+        }
+        let solve_limit = solve_limit.unwrap_or(usize::MAX);
+        let (known, solves, propagations) = (Vec::new(), 0, 0);
+        Oracle { model, solver, budget, solve_limit, places, known, solves, propagations }
+    }
+
+    /// Whether the time is over, or the interrupt triggered.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.budget.exhausted().is_some()
+    }
+
+    /// Whether nothing more may be solved.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.solves >= self.solve_limit || self.is_stopped()
+    }
+
+    /// Whether the statements that are kept can hold together.
+    pub(super) fn ask(&mut self, keep: &[bool]) -> Result<Answer, Error> {
+        if let Some(place) = self.known.iter().position(|known| known.satisfies(keep)) {
+            return Ok(Answer::Feasible(place));
+        }
+        let part = self.part(keep)?;
+        if self.refutes(&part)? {
+            self.propagations += 1;
+            return Ok(Answer::Infeasible);
+        }
+        if self.is_exhausted() {
+            return Ok(Answer::Open);
+        }
+        self.solves += 1;
+        let solution = self.budget.solve(self.solver, &part, &mut |_| {})?;
+        match solution.point() {
+            Some(point) => {
+                self.learn(point.clone());
+                Ok(Answer::Feasible(self.known.len() - 1))
+            }
+            None if solution.is_infeasible() => Ok(Answer::Infeasible),
+            None => Ok(Answer::Open),
+        }
+    }
+
+    /// Whether propagation alone proves that the statements that are kept contradict each other.
+    pub(super) fn refutes_at_once(&mut self, keep: &[bool]) -> Result<bool, Error> {
+        let refuted = self.refutes(&self.part(keep)?)?;
+        self.propagations += usize::from(refuted);
+        Ok(refuted)
+    }
+
+    /// The model with the statements that are kept, where rows on one continuous variable narrow
+    /// its bounds: that costs nothing, and the big-Ms of this part come out smaller.
+    fn part(&self, keep: &[bool]) -> Result<Model, Error> {
+        let mut part = self.model.subset(|position| keep[position]);
+        for (_, statement) in self.model.statements().enumerate().filter(|&(k, _)| keep[k]) {
+            let AnyStatement::Row(row) = statement else { continue };
+            let &[(variable, coefficient)] = row.terms() else { continue };
+            let variable = part.variable_ref(variable)?;
+            let (id, bounds) = (variable.id(), variable.bounds());
+            if variable.kind() != VariableKind::Continuous || coefficient.abs() != 1.0 {
+                continue;
+            }
+            let bounds = bounds.intersection(row.limits() * coefficient);
+            if bounds.lower <= bounds.upper {
+                part.set_bounds(id, bounds.lower, bounds.upper)?;
+            }
+        }
+        Ok(part)
+    }
+
+    fn refutes(&self, part: &Model) -> Result<bool, Error> {
+        let program = Program::assemble(reformulate::lower(part)?.model())?;
+        let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
+        let late_first: Vec<usize> = program.integers.iter().rev().copied().collect();
+        let go_on = || !self.is_stopped();
+        let refuted = propagator
+            .propagate_all(&program, &mut domain)
+            .and_then(|()| {
+                probe(&program, &mut domain, &mut propagator, &late_first, TRIALS, &go_on)
+            })
+            .is_err();
+        Ok(refuted)
+    }
+
+    fn learn(&mut self, point: Point) {
+        let feasibility = self.solver.options().feasibility;
+        let verification = Verification::of(self.model, &point, feasibility);
+        let mut violated = Vec::new();
+        for violation in verification.violations() {
+            let places = self.places.get(&violation.name).into_iter().flatten();
+            violated.extend(places.map(|&place| (place, violation.relative)));
+        }
+        self.known.push(Known { point, violated });
+    }
+}

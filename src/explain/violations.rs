@@ -1,0 +1,60 @@
+//! What a point violates.
+
+use crate::error::Error;
+use crate::model::Model;
+use crate::solution::{Point, Verification, Violation};
+
+/// All bounds, integrality conditions, rows, indicators, logic statements and functions that a
+/// point violates, the worst first by their [relative](Violation::relative) amounts.
+///
+/// ```
+/// use carom::explain::violations;
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("m");
+/// let x = model.continuous("x", 0.0, 10.0)?;
+/// let hit = model.binary("hit")?;
+/// model.add("sum", (x + hit).le(8.0))?;
+/// model.add("soft", hit.on().implies(x.le(2.0)))?;
+/// let found = violations(&model, &[9.0, 1.0], 1e-6)?;
+/// let found: Vec<String> = found.iter().map(|v| v.to_string()).collect();
+/// assert_eq!(found, ["the implication `soft` by 7", "the row `sum` by 2"]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Arguments
+///
+/// * `values`: one value a variable, in the order of creation, such as
+///   [`Point::as_slice`].
+/// * `feasibility`: the tolerance, as in [`Verification::of`].
+///
+/// # Errors
+///
+/// [`Error::Shape`] when the number of values is not the number of variables,
+/// [`Error::NotFinite`] for a value that is NaN or infinite, [`Error::OutOfRange`] for a tolerance
+/// that is negative or not finite.
+pub fn violations(
+    model: &Model,
+    values: &[f64],
+    feasibility: f64,
+) -> Result<Vec<Violation>, Error> {
+    let (rows, wanted) = (values.len(), model.variable_count());
+    if rows != wanted {
+        let expected = format!("{wanted}x1, a value for each variable");
+        return Err(Error::Shape { what: "the point", rows, columns: 1, expected });
+    }
+    for (variable, &value) in model.variables().zip(values) {
+        if !value.is_finite() {
+            let name = variable.name().to_string();
+            return Err(Error::NotFinite { name, what: "the value", value });
+        }
+    }
+    if !(feasibility.is_finite() && feasibility >= 0.0) {
+        let (what, range) = ("the feasibility tolerance".into(), "finite and not negative".into());
+        return Err(Error::OutOfRange { what, value: feasibility, range });
+    }
+    let point = Point::new(model, values.to_vec())?;
+    let mut found = Verification::of(model, &point, feasibility).violations().to_vec();
+    found.sort_by(|a, b| b.relative.total_cmp(&a.relative));
+    Ok(found)
+}

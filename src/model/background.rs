@@ -1,0 +1,42 @@
+//! Background: families of statements that say how things are, not what is wanted.
+
+use super::Model;
+use super::name::Name;
+use crate::error::Error;
+
+impl Model {
+    /// Declares a family of statements to be background: what describes the system, such as its
+    /// dynamics, and is never in question when one asks why a model has no solution (see
+    /// [`explain`](crate::explain)). It changes nothing else. The builders of
+    /// [`hybrid`](crate::hybrid) declare the statements that they add.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.continuous_family("x", 2, 0.0, 5.0)?;
+    /// model.add(("drift", 0), (x[1] - x[0]).equals(1.0))?;
+    /// model.set_background("drift")?;
+    /// assert!(model.is_background("drift[0]"));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownName`] when the model has no statement of this family.
+    pub fn set_background(&mut self, family: &str) -> Result<(), Error> {
+        if self.stored.background.contains(family) {
+            return Ok(());
+        }
+        if !self.statement_names.has_family(family) {
+            return Err(Error::UnknownName { name: family.into(), kind: "family of statements" });
+        }
+        self.stored.background.insert(family.into());
+        Ok(())
+    }
+
+    /// Whether a statement's family was declared to be background.
+    pub fn is_background(&self, name: impl Into<Name>) -> bool {
+        self.stored.background.contains(name.into().family())
+    }
+}

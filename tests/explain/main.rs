@@ -1,0 +1,11 @@
+//! Asking back: why a model has no solution, what would have to give, what a point violates.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod elastic;
+mod groups;
+mod limits;
+mod random;
+mod violations;
+mod wall;
