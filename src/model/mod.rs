@@ -94,6 +94,7 @@ mod row;
 mod statement;
 mod statements;
 mod store;
+mod text;
 mod variable;
 mod variables;
 
