@@ -83,6 +83,7 @@ mod functions;
 mod ids;
 mod indicator;
 mod logic;
+pub mod lp;
 pub mod mps;
 mod name;
 mod objective;
