@@ -1,6 +1,6 @@
 //! The text that is written.
 
-use carom::model::{at_most, lp};
+use carom::model::{PiecewiseAffine, at_most, lp, mps};
 use carom::prelude::*;
 
 use crate::files::assert_same;
@@ -82,6 +82,31 @@ fn what_cannot_be_written() {
         let lowered = carom::reformulate::lower(&model).unwrap();
         assert_same(lowered.model(), &read(&lp::write(lowered.model()).unwrap()));
     }
+}
+
+/// What no file can say, files can say once it is lowered: the same rows, to the last bit.
+#[test]
+fn every_construct_survives_once_lowered() {
+    let mut model = Model::new("constructs");
+    let v = model.binary_family("v", 4).unwrap();
+    let n = model.integer("n", 0.0, 3.0).unwrap();
+    let x = model.continuous("x", -2.1, 2.3).unwrap();
+    let a = model.absolute("a", x - 1.1).unwrap();
+    let top = model.maximum("top", [a + x, Affine::constant(0.5)]).unwrap();
+    let law = PiecewiseAffine::new([(-2.1, 1.0), (0.1, 0.0), (2.3, 3.7)]).unwrap();
+    let f = model.piecewise("f", x, &law).unwrap();
+    let p = model.product("p", n, x).unwrap();
+    let q = model.product("q", v[0], x).unwrap();
+    let low = model.minimum("low", [f, p]).unwrap();
+    model.add("logic", !(v[0] & !v[1]) | at_most(1, &v).iff(v[2].xor(v[3]))).unwrap();
+    model.add("early", (v[0] | v[2]).implies(top.le(1.5))).unwrap();
+    model.add("rows", v[1].on().implies_all([x.le(0.7), (x + n).ge(0.3)])).unwrap();
+    model.add(("near", 2), v[3].on().reify(x.within(0.1, 1.3), 0.25)).unwrap();
+    model.minimize(top - low + q + x.square()).unwrap();
+    let lowered = carom::reformulate::lower(&model).unwrap();
+    let lowered = lowered.model();
+    assert_same(lowered, &read(&lp::write(lowered).unwrap()));
+    assert_same(lowered, &mps::read(&mps::write(lowered).unwrap()).unwrap());
 }
 
 /// Rows that look like the two halves of one stay what they are.
