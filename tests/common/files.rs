@@ -34,11 +34,20 @@ pub(crate) fn assert_same(left: &Model, right: &Model) {
     assert_eq!(products(left), products(right));
 }
 
+/// The number, or one of the small ones where a model cannot hold it.
+fn bounded(value: f64) -> f64 {
+    match value.abs() < 1e20 {
+        true => value,
+        false if value.is_nan() => 0.3,
+        false => 1.0 / value,
+    }
+}
+
 /// A number a model can hold: round decimals, any bits, and the awkward ones.
 pub(crate) fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => (-400_i32..400).prop_map(|n| f64::from(n) / 10.0),
-        2 => any::<f64>().prop_filter("finite", |v| v.abs() < 1e20),
+        2 => any::<f64>().prop_map(bounded),
         2 => -3.0..3.0_f64,
         1 => prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, 5e-324, -9.9e19, 1e-300, 1e16, 0.1]),
     ]

@@ -7,6 +7,10 @@ fn errors_name_line_and_column() {
     let found = "products and squares can stand in the objective only, as `[ x ^2 + 2 x * y ] / 2`";
     let cases = [
         ("", "line 1, column 1: the file ends without `End`; it may have been cut off"),
+        (
+            "\n \\ Problem name: a\u{0}b\nmin x\nend",
+            "line 2, column 2: the model's name has a control character",
+        ),
         ("x + y", "line 1, column 1: expected `Minimize` or `Maximize`, found `x`"),
         ("min\n x", "line 2, column 3: the file ends without `End`; it may have been cut off"),
         (

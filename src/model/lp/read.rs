@@ -39,7 +39,7 @@ impl<'a> File<'a> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let pieces = lexer::pieces(text)?;
         let mut file = File {
-            name: problem_name(text),
+            name: problem_name(text)?,
             sense: Sense::Minimize,
             objective: Expression::default(),
             columns: Vec::new(),
@@ -234,22 +234,26 @@ pub(super) fn is_infinity(text: &str) -> bool {
 }
 
 /// The model's name: what a comment before the objective says behind `Problem name:`.
-fn problem_name(text: &str) -> &str {
-    for line in text.lines().map(str::trim) {
-        let Some(comment) = line.strip_prefix('\\') else {
-            match line.is_empty() {
+fn problem_name(text: &str) -> Result<&str, Error> {
+    const WORDS: &str = "Problem name";
+    for (line, number) in text.lines().zip(1..) {
+        let Some(comment) = line.trim_start().strip_prefix('\\') else {
+            match line.trim().is_empty() {
                 true => continue,
                 false => break,
             }
         };
-        const WORDS: &str = "Problem name";
-        let comment = comment.trim_start();
+        let comment = comment.trim();
         if let Some(words) = comment.get(..WORDS.len())
             && words.eq_ignore_ascii_case(WORDS)
             && let Some(name) = comment[WORDS.len()..].trim_start().strip_prefix(':')
         {
-            return name.trim();
+            if name.chars().any(|c| c.is_control() && c != '\t') {
+                let place = Token::new(line, number, line.len() - line.trim_start().len(), 0);
+                return Err(place.error("the model's name has a control character"));
+            }
+            return Ok(name.trim());
         }
     }
-    ""
+    Ok("")
 }
