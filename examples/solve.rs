@@ -1,36 +1,49 @@
-//! Solves an MPS file and prints one line.
+//! Solves a model file, or writes it in another format.
 //!
-//! `cargo run --release --example solve -- FILE.mps [--time-limit S] [--threads K] [--gap G]
-//! [--lowered OUT.mps]`
+//! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
+//! [--write OUT] [--lowered OUT]`
 //!
+//! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
+//! `.lp`, `.json`; other files by their contents.
+//!
+//! * `--solution`: also print the values that are not zero (beyond 1e-9), `name = value`
 //! * `--time-limit S`: stop after S seconds
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
-//! * `--lowered OUT.mps`: also write the model with its indicators as big-M rows
+//! * `--write OUT`: write the model as it was read, and do not solve it
+//! * `--lowered OUT`: write the model with its indicators and logic as rows, and solve it
 //!
-//! The line is `status=… objective=… bound=… nodes=… seconds=…`. The status is `optimal`,
-//! `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved optimal) or
-//! `limit` (stopped without a point); the objective is `-` where there is no point. Reading the
-//! file is not part of the seconds.
+//! The first line is `rows=… columns=… integers=… nonzeros=…`, as read; rows include those of
+//! indicators. The second one is `status=… objective=… bound=… nodes=… seconds=…`. The status is
+//! `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
+//! optimal) or `limit` (stopped without a point); the objective is `-` where there is no point.
+//! Reading the file is not part of the seconds.
 
 use std::error::Error;
+use std::path::Path;
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use carom::model::mps;
-use carom::prelude::{BranchAndBound, Options, Solution, Solver, Termination};
+use carom::model::{lp, mps};
+use carom::prelude::{BranchAndBound, Model, Options, Solution, Solver, Termination};
 use carom::reformulate;
 
-const USAGE: &str =
-    "usage: solve FILE.mps [--time-limit S] [--threads K] [--gap G] [--lowered OUT.mps]";
+const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
+                     [--write OUT] [--lowered OUT]";
+
+#[derive(Default)]
+struct Arguments {
+    file: String,
+    write: Option<String>,
+    lowered: Option<String>,
+    solution: bool,
+    options: Options,
+}
 
 fn main() -> ExitCode {
     match run() {
-        Ok(line) => {
-            println!("{line}");
-            ExitCode::SUCCESS
-        }
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("solve: {error}");
             ExitCode::FAILURE
@@ -38,47 +51,112 @@ fn main() -> ExitCode {
     }
 }
 
-fn run() -> Result<String, Box<dyn Error>> {
-    let (file, lowered, options) = arguments()?;
-    let text = std::fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
-    let model = mps::read(&text).map_err(|error| format!("{file}: {error}"))?;
-    if let Some(path) = lowered {
-        let text = mps::write(reformulate::lower(&model)?.model())?;
-        std::fs::write(&path, text).map_err(|error| format!("{path}: {error}"))?;
+fn run() -> Result<(), Box<dyn Error>> {
+    let arguments = arguments()?;
+    let file = &arguments.file;
+    let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+    let model = read(file, &text).map_err(|error| format!("{file}: {error}"))?;
+    println!("{}", counts(&model));
+    if let Some(path) = arguments.write {
+        return write(&model, &path);
+    }
+    if let Some(path) = arguments.lowered {
+        write(reformulate::lower(&model)?.model(), &path)?;
     }
     let start = Instant::now();
-    let solution = BranchAndBound::new(options).solve(&model)?;
+    let solution = BranchAndBound::new(arguments.options).solve(&model)?;
     let seconds = start.elapsed().as_secs_f64();
-    Ok(format!(
+    println!(
         "status={} objective={} bound={} nodes={} seconds={seconds:.6}",
         status(&solution),
         solution.objective().map_or("-".into(), twelve_digits),
         twelve_digits(solution.bound()),
         solution.statistics().nodes,
-    ))
+    );
+    if arguments.solution && solution.point().is_some() {
+        for variable in model.variables() {
+            let value = solution.value(variable.id())?;
+            if value.abs() > 1e-9 {
+                println!("{} = {}", variable.name(), twelve_digits(value));
+            }
+        }
+    }
+    Ok(())
 }
 
-/// The file, where to write the lowered model, and the options.
-fn arguments() -> Result<(String, Option<String>, Options), Box<dyn Error>> {
-    let (mut file, mut lowered, mut options) = (None, None, Options::default());
+/// The format of a file: its extension, or what its text looks like.
+fn format(path: &str, text: Option<&str>) -> Result<&'static str, Box<dyn Error>> {
+    let extension = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
+    match (extension.as_deref(), text) {
+        (Some("mps"), _) => Ok("mps"),
+        (Some("lp"), _) => Ok("lp"),
+        (Some("json"), _) => Ok("json"),
+        (_, Some(text)) if text.trim_start().starts_with('{') => Ok("json"),
+        (_, Some(text)) if text.lines().any(is_rows) => Ok("mps"),
+        (_, Some(_)) => Ok("lp"),
+        (_, None) => Err(format!("{path}: expected .mps, .lp or .json").into()),
+    }
+}
+
+/// Whether a line begins the rows of an MPS file.
+fn is_rows(line: &str) -> bool {
+    line.trim_end().eq_ignore_ascii_case("ROWS")
+}
+
+fn read(path: &str, text: &str) -> Result<Model, Box<dyn Error>> {
+    match format(path, Some(text))? {
+        "mps" => Ok(mps::read(text)?),
+        "lp" => Ok(lp::read(text)?),
+        #[cfg(feature = "serde")]
+        _ => Ok(serde_json::from_str(text)?),
+        #[cfg(not(feature = "serde"))]
+        _ => Err("JSON needs `--features serde`".into()),
+    }
+}
+
+fn write(model: &Model, path: &str) -> Result<(), Box<dyn Error>> {
+    let text = match format(path, None)? {
+        "mps" => mps::write(model)?,
+        "lp" => lp::write(model)?,
+        #[cfg(feature = "serde")]
+        _ => serde_json::to_string_pretty(model)?,
+        #[cfg(not(feature = "serde"))]
+        _ => return Err("JSON needs `--features serde`".into()),
+    };
+    Ok(std::fs::write(path, text).map_err(|error| format!("{path}: {error}"))?)
+}
+
+fn counts(model: &Model) -> String {
+    let rows = model.constraint_count() + model.indicator_count();
+    let integers = model.variables().filter(|variable| variable.kind().is_integral()).count();
+    let linear: usize = model.constraints().map(|row| row.terms().len()).sum();
+    let switched: usize = model.indicators().map(|row| row.terms().len()).sum();
+    let (columns, nonzeros) = (model.variable_count(), linear + switched);
+    format!("rows={rows} columns={columns} integers={integers} nonzeros={nonzeros}")
+}
+
+fn arguments() -> Result<Arguments, Box<dyn Error>> {
+    let mut arguments = Arguments::default();
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value\n{USAGE}"));
         match word.as_str() {
+            "--solution" => arguments.solution = true,
             "--time-limit" => {
                 let seconds = number(&word, &value()?)?;
-                options.time_limit = Some(Duration::try_from_secs_f64(seconds)?);
+                arguments.options.time_limit = Some(Duration::try_from_secs_f64(seconds)?);
             }
-            "--threads" => options.threads = number(&word, &value()?)?,
-            "--gap" => options.relative_gap = number(&word, &value()?)?,
-            "--lowered" => lowered = Some(value()?),
-            _ if word.starts_with("--") || file.is_some() => {
+            "--threads" => arguments.options.threads = number(&word, &value()?)?,
+            "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
+            "--write" => arguments.write = Some(value()?),
+            "--lowered" => arguments.lowered = Some(value()?),
+            _ if word.starts_with("--") || !arguments.file.is_empty() => {
                 return Err(format!("unexpected `{word}`\n{USAGE}").into());
             }
-            _ => file = Some(word),
+            _ => arguments.file = word,
         }
     }
-    Ok((file.ok_or(USAGE)?, lowered, options))
+    if arguments.file.is_empty() { Err(USAGE.into()) } else { Ok(arguments) }
 }
 
 fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {

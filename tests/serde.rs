@@ -133,7 +133,89 @@ fn damaged_models_are_errors() {
     assert!(twice.contains("`z` is already taken"), "{twice}");
 }
 
+/// Each of these contradicts what a model promises; none of them becomes a model.
+#[test]
+fn inconsistent_models_are_errors() {
+    let (model, ..) = sample();
+    let whole = serde_json::to_value(&model).unwrap();
+    let other = serde_json::to_value(sample().0).unwrap();
+    let error = |place: &str, value: serde_json::Value| {
+        let mut damaged = whole.clone();
+        *damaged.pointer_mut(place).unwrap_or_else(|| panic!("no {place} in {whole}")) = value;
+        serde_json::from_value::<Model>(damaged).unwrap_err().to_string()
+    };
+    let foreign = "belongs to another model";
+    for (place, value, expected) in [
+        // Handles: of another model, and beyond the end.
+        ("/constraints/0/row/terms/0/0/tag", other["tag"].clone(), foreign),
+        ("/indicators/0/row/terms/0/0/tag", other["tag"].clone(), foreign),
+        ("/objective/affine/terms/0/0/tag", other["tag"].clone(), foreign),
+        ("/objective/products/0/1/tag", other["tag"].clone(), foreign),
+        ("/tag", other["tag"].clone(), foreign),
+        ("/objective/products/0/0/index", 7.into(), "variable number 7"),
+        (
+            "/objective/affine/terms/0/0/index",
+            4_294_967_295_u32.into(),
+            "variable number 4294967295",
+        ),
+        // Numbers.
+        ("/variables/0/lower", "nan".into(), "the lower limit of `x[3]` is NaN"),
+        ("/variables/0/upper", "-inf".into(), "the upper limit of `x[3]` is -inf"),
+        ("/variables/1/upper", 2.0.into(), "a bound of the binary `z` is 2"),
+        ("/constraints/0/row/lower", "inf".into(), "the lower limit of `sum` is inf"),
+        ("/constraints/0/row/lower", "-inf".into(), "`sum`"),
+        ("/constraints/0/row/upper", (-9.0).into(), "`sum` are crossed"),
+        ("/constraints/0/row/terms/0/1", 1e300.into(), "a coefficient of `sum`"),
+        ("/indicators/0/big_m/Given", (-1.0).into(), "the big-M of `switch` is -1"),
+        ("/objective/affine/constant", 1e20.into(), "the constant of `objective`"),
+        ("/objective/products/0/2", (-1.0).into(), "the objective is not convex"),
+        // Names.
+        ("/variables/0/name/family", "".into(), "cannot be a name"),
+        ("/constraints/0/name/family", "a b".into(), "`a b` cannot be a name"),
+        ("/constraints/1/name/family", "sum".into(), "`sum` is already taken"),
+        ("/indicators/0/name/family", "sum".into(), "`sum` is already taken"),
+        ("/variables/2/name/family", "x[3]".into(), "`x[3]` is already taken"),
+        // Kinds.
+        ("/variables/1/kind", "Integer".into(), "`z` is not binary"),
+        ("/variables/1/kind", "Complex".into(), "unknown variant"),
+        ("/sense", serde_json::Value::Null, "invalid type: null"),
+    ] {
+        let found = error(place, value);
+        assert!(found.contains(expected), "{place}: {found}");
+    }
+    // Two terms of one variable may be finite and their sum not.
+    let mut doubled = whole.clone();
+    let terms = doubled.pointer_mut("/constraints/0/row/terms").unwrap();
+    terms[0][1] = 9e19.into();
+    let first = terms[0].clone();
+    terms.as_array_mut().unwrap().push(first);
+    let found = serde_json::from_value::<Model>(doubled).unwrap_err().to_string();
+    assert!(found.contains("a coefficient of `sum`"), "{found}");
+}
+
 proptest! {
+    /// Whatever happens to the text: an error, or a model with which everything works.
+    #[test]
+    fn damage_never_breaks_a_model(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), 0..10_u8), 1..4),
+    ) {
+        let mut text = serde_json::to_string(&sample().0).unwrap();
+        for (place, digit) in edits {
+            let digits: Vec<usize> = text.match_indices(|c: char| c.is_ascii_digit() || c == '-')
+                .map(|(place, _)| place)
+                .collect();
+            let place = digits[place.index(digits.len())];
+            text.replace_range(place..=place, &digit.to_string());
+        }
+        if let Ok(model) = serde_json::from_str::<Model>(&text) {
+            prop_assert_eq!(copy(&model).to_string(), model.to_string());
+            for file in [carom::model::mps::write(&model), carom::model::lp::write(&model)] {
+                prop_assert!(file.is_ok());
+            }
+            drop(carom::reformulate::lower(&model));
+        }
+    }
+
     /// Numbers come back to the last bit, infinities included.
     #[test]
     fn numbers_survive_to_the_last_bit(

@@ -86,6 +86,7 @@ mod functions;
 mod ids;
 mod indicator;
 mod logic;
+pub mod lp;
 pub mod mps;
 mod name;
 mod name_table;
@@ -101,6 +102,7 @@ mod statement;
 mod statements;
 mod store;
 mod subset;
+mod text;
 mod variable;
 mod variables;
 

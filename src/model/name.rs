@@ -17,9 +17,29 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Parts"))]
 pub struct Name {
     family: String,
     step: Option<usize>,
+}
+
+/// A name in a file, which may spell a step as part of its family.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Name")]
+struct Parts {
+    family: String,
+    step: Option<usize>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Parts> for Name {
+    fn from(parts: Parts) -> Self {
+        match parts.step {
+            Some(step) => Name::from((parts.family, step)),
+            None => Name::from(parts.family),
+        }
+    }
 }
 
 impl Name {

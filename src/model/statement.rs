@@ -48,11 +48,13 @@ impl StoredRow {
     /// Checks a row from a file; unlike a new one it may be empty.
     pub(crate) fn checked(mut self, model: &Model, name: &Name) -> Result<Self, Error> {
         name.check()?;
-        for &(variable, coefficient) in &self.terms {
+        for &(variable, _) in &self.terms {
             model.check_variable(variable, name)?;
-            finite(coefficient, "a coefficient", name)?;
         }
         merge(&mut self.terms);
+        for &(_, coefficient) in &self.terms {
+            finite(coefficient, "a coefficient", name)?;
+        }
         (self.lower, self.upper) = limits(self.lower, self.upper, name)?;
         Ok(self)
     }

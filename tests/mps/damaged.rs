@@ -32,6 +32,21 @@ fn errors_name_line_and_column() {
             "OBJSENSE MAX\nOBJSENSE MIN\n",
             "line 2, column 10: the direction of the objective is given twice",
         ),
+        (
+            "SOS2\n",
+            "line 1, column 1: section `SOS2` cannot be read: special ordered sets have no place in \
+             a model; write them with binaries and indicators",
+        ),
+        (
+            "qcmatrix r\n",
+            "line 1, column 1: section `qcmatrix` cannot be read: rows must be linear; only the \
+             objective can be quadratic",
+        ),
+        (
+            "LAZYCONS\n",
+            "line 1, column 1: section `LAZYCONS` cannot be read: move its rows to ROWS, where they \
+             always hold",
+        ),
         ("ROWS\n Q r\n", "line 2, column 2: row kind `Q` is not one of N, L, G and E"),
         ("ROWS\n L\n", "line 2, column 2: expected a row kind (N, L, G or E) and a row name"),
         ("ROWS\n L a b\n", "line 2, column 6: expected a row kind (N, L, G or E) and a row name"),
@@ -148,6 +163,10 @@ fn errors_in_later_sections() {
         (
             "QUADOBJ\n x y 1\n y x 1\n",
             "line 16, column 2: a second entry for `y` and `x` (QUADOBJ takes one triangle only)",
+        ),
+        (
+            "QSECTION most\n x x 2\n",
+            "line 14, column 10: row `most` is quadratic; only the objective can be, rows must be linear",
         ),
         (
             "QMATRIX\n x x 2\n x y 1\n y y 2\n",

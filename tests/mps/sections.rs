@@ -3,7 +3,8 @@
 use carom::model::mps;
 use carom::prelude::*;
 
-use crate::{assert_same, error, read, with};
+use crate::files::assert_same;
+use crate::{error, read, with};
 
 fn limits(model: &Model, name: &str) -> (f64, f64) {
     let row = model.constraints().find(|row| row.name().to_string() == name).unwrap();
@@ -50,6 +51,29 @@ fn direction_of_the_objective() {
     assert_eq!(sense("OBJSENSE MAX\n"), Sense::Maximize);
     assert_eq!(sense("NAME n\nOBJSENSE\n maximize\n"), Sense::Maximize);
     assert_eq!(sense("OBJSENSE MIN\n"), Sense::Minimize);
+}
+
+#[test]
+fn letters_of_any_case() {
+    let text = "name Small\nobjsense\nmaximize\nRows\n n c\n l r\nColumns\n m 'marker' 'intorg'\n \
+                x c 1 r 1\n m 'marker' 'intend'\nrhs\n B r 4\nbounds\n up B x 3\nindicators\n\
+                endata\n";
+    assert_eq!(
+        read(text).to_string(),
+        "maximize x\nsubject to\n  r: x <= 4\nwhere\n  0 <= x <= 3 integer\n"
+    );
+    assert_eq!(read(text).name(), "Small");
+}
+
+#[test]
+fn the_objective_row_by_name() {
+    let text =
+        |name: &str| format!("OBJNAME\n {name}\nROWS\n N a\n N b\nCOLUMNS\n x a 1 b 2\nENDATA\n");
+    assert_eq!(read(&text("b")).to_string(), "minimize 2 x\nsubject to\nwhere\n  x >= 0\n");
+    assert_eq!(
+        error(&text("c")),
+        "line 2, column 2: OBJNAME says `c`, but ROWS (after it) has no N row of that name"
+    );
 }
 
 #[test]
@@ -127,7 +151,10 @@ fn bounds_of_every_kind() {
     assert_eq!(bound(" BV B x 1;", "x"), (Binary, 0.0, 1.0));
     assert_eq!(bound(" LI B x 2;", "x"), (Integer, 2.0, infinity));
     assert_eq!(bound(" UI B x 7;", "x"), (Integer, 0.0, 7.0));
-    assert_eq!(bound(" UI B x 1;", "x"), (Binary, 0.0, 1.0));
+    assert_eq!(bound(" UI B x 1;", "x"), (Integer, 0.0, 1.0));
+    assert_eq!(bound(" LI B k 0; UI B k 1;", "k"), (Integer, 0.0, 1.0));
+    assert_eq!(bound(" UI B k 1; BV B k;", "k"), (Binary, 0.0, 1.0));
+    assert_eq!(bound(" ui B k 1; lo B k 1;", "k"), (Integer, 1.0, 1.0));
     assert_eq!(bound(" LI B x -2; UI B x 7;", "x"), (Integer, -2.0, 7.0));
     // The same bound twice is no contradiction.
     assert_eq!(bound(" UP B k 1; BV B k;", "k"), (Binary, 0.0, 1.0));
@@ -143,6 +170,8 @@ fn quadratic_objectives() {
     assert_eq!(upper, "minimize x^2 - x y + 2 y^2 + x - k");
     assert_eq!(objective("QUADOBJ\n y y 4\n y x -1\n x x 2\n"), upper);
     assert_eq!(objective("QMATRIX\n x x 2\n x y -1\n y x -1\n y y 4\n"), upper);
+    assert_eq!(objective("QSECTION cost\n x x 2\n x y -1\n y y 4\n"), upper);
+    assert_eq!(objective("QSECTION\n x x 2\n y x -1\n y y 4\n"), upper);
     assert_eq!(
         error(&with("QUADOBJ\n x x -2\n")),
         "the objective is not convex: in the minimize direction its quadratic part has curvature \
@@ -155,6 +184,10 @@ fn quadratic_objectives() {
 #[test]
 fn indicators() {
     let model = read(&with("RHS\n B most 4\nINDICATORS\n IF most k 1\n IF same k 0\n"));
+    // An integer within [0, 1] that switches is a binary.
+    let integer =
+        read(&with("RHS\n B most 4\nBOUNDS\n UI B k 1\nINDICATORS\n IF most k 1\n if same k 0\n"));
+    assert_eq!(integer.to_string(), model.to_string());
     assert_eq!(
         model.to_string(),
         "minimize x - k\nsubject to\n  least: x + 3 k >= 0\n  \

@@ -3,7 +3,8 @@
 use carom::model::mps;
 use carom::prelude::*;
 
-use crate::{assert_same, read};
+use crate::files::assert_same;
+use crate::read;
 
 #[test]
 fn the_text_that_is_written() {
@@ -14,60 +15,64 @@ fn the_text_that_is_written() {
     let z = model.binary("z").unwrap();
     let n = model.integer("n", 0.0, f64::INFINITY).unwrap();
     let m = model.integer("m", 3.0, 3.0).unwrap();
+    model.integer("i", 0.0, 1.0).unwrap();
     model.add("obj", (x[0] + 0.1 * x[1]).within(-1.2, 1.1)).unwrap();
     model.add("least", (free - below + 1.0).ge(0.0)).unwrap();
     model.add("same", (n + m).equals(4.0)).unwrap();
     model.add("switched", z.off().implies(free.within(0.0, 1e-7))).unwrap();
     model.maximize(2.5 * x[0] - x[0].square() - (x[1] - free).square() + 7.0).unwrap();
     let expected = "\
-NAME all kinds
+NAME          all kinds
 OBJSENSE
- MAX
+    MAX
 ROWS
- N obj_
- L obj
- G least
- E same
- L switched
+ N  obj_
+ L  obj
+ G  least
+ E  same
+ L  switched
 COLUMNS
- x[0] obj_ 2.5
- x[0] obj 1
- x[1] obj 0.1
- free least 1
- free switched 1
- below least -1
- MARKER0 'MARKER' 'INTORG'
- z obj_ 0
- n same 1
- m same 1
- MARKER1 'MARKER' 'INTEND'
+    x[0]      obj_               2.5
+    x[0]      obj                  1
+    x[1]      obj                0.1
+    free      least                1
+    free      switched             1
+    below     least               -1
+    MARKER0   'MARKER'                 'INTORG'
+    z         obj_                 0
+    n         same                 1
+    m         same                 1
+    i         obj_                 0
+    MARKER1   'MARKER'                 'INTEND'
 RHS
- RHS obj_ -7
- RHS obj 1.1
- RHS least -1
- RHS same 4
- RHS switched 1e-7
+    RHS       obj_                -7
+    RHS       obj                1.1
+    RHS       least               -1
+    RHS       same                 4
+    RHS       switched          1e-7
 RANGES
- RANGE obj 2.3
- RANGE switched 1e-7
+    RANGE     obj                2.3
+    RANGE     switched          1e-7
 BOUNDS
- LO BOUND x[0] -1.5
- UP BOUND x[0] 0.1
- LO BOUND x[1] -1.5
- UP BOUND x[1] 0.1
- FR BOUND free
- MI BOUND below
- UP BOUND below 2
- BV BOUND z
- PL BOUND n
- FX BOUND m 3
+ LO BOUND     x[0]              -1.5
+ UP BOUND     x[0]               0.1
+ LO BOUND     x[1]              -1.5
+ UP BOUND     x[1]               0.1
+ FR BOUND     free
+ MI BOUND     below
+ UP BOUND     below                2
+ BV BOUND     z
+ PL BOUND     n
+ FX BOUND     m                    3
+ LI BOUND     i                    0
+ UI BOUND     i                    1
 QUADOBJ
- x[0] x[0] -2
- x[1] x[1] -2
- x[1] free 2
- free free -2
+    x[0]      x[0]                -2
+    x[1]      x[1]                -2
+    x[1]      free                 2
+    free      free                -2
 INDICATORS
- IF switched z 0
+ IF switched  z                    0
 ENDATA
 ";
     let text = mps::write(&model).unwrap();

@@ -5,7 +5,6 @@ use std::collections::HashMap;
 
 use super::decimal::Decimal;
 use super::read::{File, Row, RowKind};
-use super::token::{self, Token};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
@@ -15,6 +14,7 @@ use crate::model::objective::Sense;
 use crate::model::quadratic::Quadratic;
 use crate::model::statement::StoredRow;
 use crate::model::store::Model;
+use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
 
 /// Makes the model that a file describes.
@@ -50,13 +50,22 @@ pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
 }
 
 fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error> {
+    let mut switches = vec![false; file.columns.len()];
+    for condition in file.rows.iter().filter_map(|row| row.condition) {
+        switches[condition.column] = true;
+    }
     let mut variables = Vec::with_capacity(file.columns.len());
-    for column in &file.columns {
-        let (lower, upper) = column.bounds.resolve(column.integer)?;
-        let kind = match column.integer {
-            false => VariableKind::Continuous,
-            true if lower >= 0.0 && upper <= 1.0 => VariableKind::Binary,
-            true => VariableKind::Integer,
+    for (column, switch) in file.columns.iter().zip(switches) {
+        let said = column.bounds.kind;
+        let integer = column.integer || said.is_some();
+        let (lower, upper) = column.bounds.resolve(integer)?;
+        let within = lower >= 0.0 && upper <= 1.0;
+        let kind = match said {
+            _ if !integer => VariableKind::Continuous,
+            // LI and UI say "integer", where a binary is not needed.
+            Some(VariableKind::Integer) if !(switch && within) => VariableKind::Integer,
+            _ if within => VariableKind::Binary,
+            _ => VariableKind::Integer,
         };
         variables.push(model.variable(column.name.text, kind, lower, upper)?);
     }

@@ -1,8 +1,8 @@
 //! Models as MPS files, the common language of solvers.
 //!
-//! [`read()`] takes free MPS, and fixed MPS as long as no name contains a space. [`write()`] makes
-//! free MPS that leads back to the same model: names, order, kinds, limits and coefficients, every
-//! number to the last bit.
+//! [`read()`] takes free and fixed MPS. [`write()`] makes free MPS that leads back to the same
+//! model: names, order, kinds, limits and coefficients, every number to the last bit. Where names
+//! have at most 8 characters and numbers at most 12, the text is fixed MPS as well.
 //!
 //! ```
 //! use carom::model::mps;
@@ -25,14 +25,19 @@
 //! A line that begins with `*` is a comment. A line that begins with any other character than
 //! white space names a section; data lines are indented and split at white space. Text after
 //! `ENDATA` is ignored; a file without `ENDATA` is refused, because it may have been cut off.
-//! Section names, kinds and keywords are upper case. Numbers may have an exponent marked with `E`
+//! Section names, kinds and keywords may be in any case of letters. Numbers may have an exponent marked with `E`
 //! or `D`. Magnitudes from 1e20 on, and the words `inf` and `infinity`, are infinite.
+//!
+//! Names with blanks are possible in fixed MPS only, where columns 2-3, 5-12, 15-22, 25-36, 40-47
+//! and 50-61 hold the fields. A file with such names is read when its lines keep to these columns;
+//! the names get an underscore for each blank, because names of a model have none.
 //!
 //! # Sections
 //!
 //! | section | meaning |
 //! | --- | --- |
 //! | `NAME` | the rest of the line is the model's name |
+//! | `OBJNAME` | the name of the `N` row that is the objective, on the same line or the next |
 //! | `OBJSENSE` | `MAX` or `MIN` (or `MAXIMIZE`, `MINIMIZE`), on the same line or the next; without it, minimise |
 //! | `ROWS` | `N` (the first one is the objective, further ones are ignored), `L`, `G`, `E` |
 //! | `COLUMNS` | column, then pairs of row and value; the entries of a column stand together; markers `'INTORG'` and `'INTEND'` enclose integer columns |
@@ -40,13 +45,15 @@
 //! | `RANGES` | as `RHS`; an `L` row with value R becomes `[rhs - abs(R), rhs]`, a `G` row `[rhs, rhs + abs(R)]`, an `E` row `[rhs, rhs + R]` for `R >= 0` and `[rhs + R, rhs]` for `R < 0` |
 //! | `BOUNDS` | kind, set name (may be left out), column and value; see below |
 //! | `QUADOBJ` | two columns and an entry of Q in `1/2 x'Qx`; each pair once, from either triangle |
+//! | `QSECTION` | the same; the objective's name may follow on the line of the section name |
 //! | `QMATRIX` | the same with both triangles |
 //! | `INDICATORS` | `IF row column 0` or `IF row column 1`: the row holds when the binary has that value |
 //!
 //! A row may be without entries, and a column with only a zero entry is kept. A row whose
 //! right-hand side is infinite in the harmless direction says nothing and is ignored like a
 //! further `N` row. A second set of right-hand sides, ranges or bounds is an error, as is anything
-//! given twice.
+//! given twice. Special ordered sets, quadratic rows (`QCMATRIX`), lazy rows, functions and several
+//! objectives are refused with a word on what to do instead.
 //!
 //! # Bounds
 //!
@@ -71,8 +78,9 @@
 //! [`write()`] leaves nothing to these defaults but `[0, inf)` for a continuous column.
 //!
 //! An integer column whose bounds lie within `[0, 1]` becomes a
-//! [binary](crate::model::VariableKind::Binary). MPS cannot tell the two apart, and only a binary
-//! can be the condition of an indicator.
+//! [binary](crate::model::VariableKind::Binary), because most files say binaries in this way. Only
+//! where bounds are given as `LI` and `UI`, and the column is not the condition of an indicator, it
+//! stays an integer.
 //!
 //! # Two-sided rows
 //!
@@ -90,9 +98,9 @@
 mod bounds;
 mod build;
 mod decimal;
-mod names;
+mod fixed;
 mod read;
-mod token;
+mod section;
 mod write;
 
 use super::store::Model;
@@ -110,7 +118,11 @@ use crate::error::Error;
 ///
 /// Linear in the length of the text, but for the convexity check of a quadratic objective.
 pub fn read(text: &str) -> Result<Model, Error> {
-    build::model(&read::File::scan(text)?)
+    let model = |text: &str| build::model(&read::File::scan(text)?);
+    model(text).or_else(|error| match fixed::without_blanks(text) {
+        Some(text) if matches!(error, Error::Parse { .. }) => model(&text),
+        _ => Err(error),
+    })
 }
 
 /// Writes a model as free MPS.

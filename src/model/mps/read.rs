@@ -1,11 +1,12 @@
 //! Reading: from lines to rows and columns as the file lists them.
 
 use super::bounds::{self, Bounds};
-use super::names::Names;
-use super::token::{self, Token};
+use super::section::Section;
 use crate::error::Error;
 use crate::model::name::Name;
 use crate::model::objective::Sense;
+use crate::model::text::names::Names;
+use crate::model::text::token::{self, Token};
 
 /// The contents of a file, entry by entry; [`build`](super::build) makes a model of it.
 #[derive(Debug, Default)]
@@ -17,6 +18,8 @@ pub(super) struct File<'a> {
     pub(super) objective: Option<usize>,
     pub(super) products: Vec<Product<'a>>,
     pub(super) mirrored: bool,
+    /// The row that OBJNAME names.
+    chosen: Option<Token<'a>>,
     row_names: Names<'a>,
     column_names: Names<'a>,
     right_set: Option<&'a str>,
@@ -72,20 +75,6 @@ pub(super) struct Condition<'a> {
     pub(super) place: Token<'a>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Section {
-    Start,
-    Objsense,
-    Rows,
-    Columns,
-    Rhs,
-    Ranges,
-    Bounds,
-    Quadobj,
-    Qmatrix,
-    Indicators,
-}
-
 impl<'a> File<'a> {
     /// Goes through the lines up to ENDATA.
     pub(super) fn scan(text: &'a str) -> Result<File<'a>, Error> {
@@ -101,9 +90,11 @@ impl<'a> File<'a> {
             }
             token::split(line, number, &mut tokens);
             let Some(first) = tokens.first() else { continue };
-            if line.starts_with(char::is_whitespace) {
+            let word = section == Section::Objsense && direction(first).is_some();
+            if line.starts_with(char::is_whitespace) || word {
                 file.data(section, &tokens)?;
-            } else if first.text == "ENDATA" {
+            } else if first.text.eq_ignore_ascii_case("ENDATA") {
+                file.check_chosen()?;
                 return Ok(file);
             } else {
                 section = file.header(line, &tokens)?;
@@ -118,44 +109,31 @@ impl<'a> File<'a> {
 
     fn header(&mut self, line: &'a str, tokens: &[Token<'a>]) -> Result<Section, Error> {
         let (head, rest) = (&tokens[0], &tokens[1..]);
-        let section = match head.text {
-            "NAME" => {
-                self.name = line["NAME".len()..].trim();
+        let section = Section::named(head)?;
+        match section {
+            Section::Start => {
+                self.name = line[head.text.len()..].trim();
                 if self.name.chars().any(|c| c.is_control() && c != '\t') {
                     return Err(head.error("the model's name has a control character"));
                 }
-                return Ok(Section::Start);
+                return Ok(section);
             }
-            "OBJSENSE" => {
-                if let Some(word) = rest.first() {
-                    self.objsense(word)?;
+            Section::Objsense | Section::Objname if !rest.is_empty() => {
+                self.data(section, rest)?;
+                return Ok(section);
+            }
+            Section::Qsection if !rest.is_empty() => self.check_qsection(&rest[0])?,
+            _ => {
+                if let Some(extra) = rest.first() {
+                    return Err(extra.error(format!(
+                        "nothing can follow the section name `{}` (data lines begin with a space)",
+                        head.text
+                    )));
                 }
-                return Ok(Section::Objsense);
             }
-            "ROWS" => Section::Rows,
-            "COLUMNS" => Section::Columns,
-            "RHS" => Section::Rhs,
-            "RANGES" => Section::Ranges,
-            "BOUNDS" => Section::Bounds,
-            "QUADOBJ" => Section::Quadobj,
-            "QMATRIX" => Section::Qmatrix,
-            "INDICATORS" => Section::Indicators,
-            other => {
-                return Err(head.error(format!(
-                    "section `{other}` is not known; expected NAME, OBJSENSE, ROWS, COLUMNS, RHS, \
-                     RANGES, BOUNDS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines begin \
-                     with a space)"
-                )));
-            }
-        };
-        if let Some(extra) = rest.first() {
-            return Err(extra.error(format!(
-                "nothing can follow the section name `{}` (data lines begin with a space)",
-                head.text
-            )));
         }
         let mirrored = section == Section::Qmatrix;
-        if mirrored || section == Section::Quadobj {
+        if mirrored || matches!(section, Section::Quadobj | Section::Qsection) {
             if !self.products.is_empty() && mirrored != self.mirrored {
                 return Err(head.error("QUADOBJ and QMATRIX cannot both be given"));
             }
@@ -168,20 +146,23 @@ impl<'a> File<'a> {
         match section {
             Section::Start => Err(tokens[0].error("a data line before any section")),
             Section::Objsense => self.objsense(&tokens[0]),
+            Section::Objname => {
+                let [name] = expect(tokens, "the name of the objective row")?;
+                self.chosen = Some(name);
+                Ok(())
+            }
             Section::Rows => self.row(tokens),
             Section::Columns => self.column(tokens),
             Section::Rhs | Section::Ranges => self.right_hand_side(section, tokens),
             Section::Bounds => self.bound(tokens),
-            Section::Quadobj | Section::Qmatrix => self.product(tokens),
+            Section::Quadobj | Section::Qsection | Section::Qmatrix => self.product(tokens),
             Section::Indicators => self.indicator(tokens),
         }
     }
 
     fn objsense(&mut self, word: &Token<'a>) -> Result<(), Error> {
-        let sense = match word.text.to_ascii_uppercase().as_str() {
-            "MIN" | "MINIMIZE" | "MINIMISE" => Sense::Minimize,
-            "MAX" | "MAXIMIZE" | "MAXIMISE" => Sense::Maximize,
-            other => return Err(word.error(format!("expected MIN or MAX, found `{other}`"))),
+        let Some(sense) = direction(word) else {
+            return Err(word.error(format!("expected MIN or MAX, found `{}`", word.text)));
         };
         if self.sense.is_some() {
             return Err(word.error("the direction of the objective is given twice"));
@@ -192,14 +173,17 @@ impl<'a> File<'a> {
 
     fn row(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
         let [kind, name] = expect(tokens, "a row kind (N, L, G or E) and a row name")?;
-        let kind = match kind.text {
-            "N" if self.objective.is_none() => RowKind::Objective,
+        let chosen = self.chosen.is_none_or(|chosen| chosen.text == name.text);
+        let kind = match kind.text.to_ascii_uppercase().as_str() {
+            "N" if self.objective.is_none() && chosen => RowKind::Objective,
             "N" => RowKind::Ignored,
             "L" => RowKind::AtMost,
             "G" => RowKind::AtLeast,
             "E" => RowKind::Equal,
-            other => {
-                return Err(kind.error(format!("row kind `{other}` is not one of N, L, G and E")));
+            _ => {
+                let kind_text = kind.text;
+                let message = format!("row kind `{kind_text}` is not one of N, L, G and E");
+                return Err(kind.error(message));
             }
         };
         check_name(&name)?;
@@ -224,7 +208,7 @@ impl<'a> File<'a> {
 
     fn column(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
         if let [_, quoted, word, ..] = tokens
-            && quoted.text == "'MARKER'"
+            && quoted.text.eq_ignore_ascii_case("'MARKER'")
             && word.text.starts_with('\'')
         {
             return self.marker(word);
@@ -271,7 +255,7 @@ impl<'a> File<'a> {
     }
 
     fn marker(&mut self, word: &Token<'a>) -> Result<(), Error> {
-        match (word.text, self.integers) {
+        match (word.text.to_ascii_uppercase().as_str(), self.integers) {
             ("'INTORG'", None) => self.integers = Some(*word),
             ("'INTEND'", Some(_)) => self.integers = None,
             ("'INTORG'", Some(open)) => {
@@ -279,9 +263,10 @@ impl<'a> File<'a> {
                 return Err(word.error(format!("'INTORG' of line {line} is still open")));
             }
             ("'INTEND'", None) => return Err(word.error("'INTEND' without 'INTORG'")),
-            (other, _) => {
-                return Err(word
-                    .error(format!("marker {other} is not known; expected 'INTORG' or 'INTEND'")));
+            _ => {
+                let message =
+                    format!("marker {} is not known; expected 'INTORG' or 'INTEND'", word.text);
+                return Err(word.error(message));
             }
         }
         Ok(())
@@ -339,9 +324,7 @@ impl<'a> File<'a> {
             check_set(&mut self.bound_set, set)?;
         }
         let index = self.find_column(column)?;
-        let integer = self.columns[index].bounds.take(kind, column, value)?;
-        self.columns[index].integer |= integer;
-        Ok(())
+        self.columns[index].bounds.take(kind, column, value)
     }
 
     /// Whether of two words after a kind without value the first is the column.
@@ -369,7 +352,7 @@ impl<'a> File<'a> {
 
     fn indicator(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
         let [word, name, column, value] = expect(tokens, "IF, a row name, a column name, 0 or 1")?;
-        if word.text != "IF" {
+        if !word.text.eq_ignore_ascii_case("IF") {
             return Err(word.error(format!("expected IF, found `{}`", word.text)));
         }
         let row = self.find_row(&name)?;
@@ -396,6 +379,28 @@ impl<'a> File<'a> {
         Ok(())
     }
 
+    /// OBJNAME must name an N row.
+    fn check_chosen(&self) -> Result<(), Error> {
+        match self.chosen {
+            Some(chosen) if self.objective.is_none() => Err(chosen.error(format!(
+                "OBJNAME says `{}`, but ROWS (after it) has no N row of that name",
+                chosen.text
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// QSECTION may name its row; only the objective can be quadratic.
+    fn check_qsection(&mut self, name: &Token<'a>) -> Result<(), Error> {
+        match self.find_row(name)? {
+            row if self.objective == Some(row) => Ok(()),
+            _ => Err(name.error(format!(
+                "row `{}` is quadratic; only the objective can be, rows must be linear",
+                name.text
+            ))),
+        }
+    }
+
     fn find_row(&mut self, name: &Token<'a>) -> Result<usize, Error> {
         let found = self.row_names.find(name.text);
         found.ok_or_else(|| name.error(format!("row `{}` was not declared in ROWS", name.text)))
@@ -404,6 +409,14 @@ impl<'a> File<'a> {
     fn find_column(&mut self, name: &Token<'a>) -> Result<usize, Error> {
         let found = self.column_names.find(name.text);
         found.ok_or_else(|| name.error(format!("column `{}` is not in COLUMNS", name.text)))
+    }
+}
+
+fn direction(word: &Token<'_>) -> Option<Sense> {
+    match word.text.to_ascii_uppercase().as_str() {
+        "MIN" | "MINIMIZE" | "MINIMISE" => Some(Sense::Minimize),
+        "MAX" | "MAXIMIZE" | "MAXIMISE" => Some(Sense::Maximize),
+        _ => None,
     }
 }
 

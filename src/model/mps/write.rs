@@ -7,12 +7,12 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::ids::Variable;
 use crate::model::indicator::Literal;
-use crate::model::name::Name;
 use crate::model::objective::Sense;
+use crate::model::text::lines::{lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
-/// A row of the file: a linear row or the row of an indicator.
+/// A row of the file.
 struct Line<'a> {
     name: String,
     terms: &'a [(Variable, f64)],
@@ -29,12 +29,16 @@ struct Form {
 
 /// The text of a model as free MPS.
 pub(super) fn text(model: &Model) -> Result<String, Error> {
-    if model.name().chars().any(|c| c.is_control() && c != '\t') {
-        return Err(Error::InvalidName { name: model.name().to_owned() });
-    }
-    let lines = lines(model)?;
-    let columns = names(model)?;
+    let lines = lines(model, "MPS")?;
     let objective = objective_name(&lines);
+    let lines = lines.into_iter().map(|line| Line {
+        name: line.name.to_string(),
+        terms: line.terms,
+        form: form(line.limits),
+        condition: line.condition,
+    });
+    let lines: Vec<Line<'_>> = lines.collect();
+    let columns: Vec<String> = model.variables().map(|v| v.name().to_string()).collect();
     let mut text = String::new();
     write_rows(&mut text, model, &lines, &objective);
     write_columns(&mut text, model, &lines, &columns, &objective);
@@ -44,68 +48,21 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
     let conditions = lines.iter().filter_map(|line| Some((line, line.condition?)));
     for (k, (line, condition)) in conditions.enumerate() {
         section(&mut text, k, "INDICATORS");
-        let (column, on) = (&columns[condition.variable().index()], u8::from(condition.is_on()));
-        put(&mut text, format_args!(" IF {} {column} {on}\n", line.name));
+        let column = &columns[condition.variable().index()];
+        entry(&mut text, "IF", &line.name, column, if condition.is_on() { "1" } else { "0" });
     }
     text.push_str("ENDATA\n");
     Ok(text)
 }
 
-fn lines(model: &Model) -> Result<Vec<Line<'_>>, Error> {
-    let rows = model.constraints().map(|row| (row.name(), row.terms(), row.limits(), None));
-    let rows = rows.map(Ok);
-    let switched = model.indicators().map(|row| match row.condition().as_literal() {
-        Some(literal) => Ok((row.name(), row.terms(), row.limits(), Some(literal))),
-        None => Err(not_in_file("the compound condition of", row.name())),
-    });
-    if let Some(disjunction) = model.disjunctions().next() {
-        return Err(not_in_file("the disjunction", disjunction.name()));
-    }
-    if let Some(logical) = model.logical_constraints().next() {
-        return Err(not_in_file("the logic of", logical.name()));
-    }
-    if let Some(function) = model.functions().next() {
-        return Err(not_in_file("the function", function.name()));
-    }
-    rows.chain(switched)
-        .map(|line| {
-            let (name, terms, limits, condition) = line?;
-            Ok(Line { name: checked(name)?, terms, form: form(limits, name)?, condition })
-        })
-        .collect()
-}
-
-fn not_in_file(what: &'static str, name: &Name) -> Error {
-    Error::NotInFile { format: "MPS", what, name: name.to_string() }
-}
-
-fn names(model: &Model) -> Result<Vec<String>, Error> {
-    model.variables().map(|variable| checked(variable.name())).collect()
-}
-
-/// Names are checked once more here: a model read from elsewhere may hold any.
-fn checked(name: &Name) -> Result<String, Error> {
-    name.check()?;
-    Ok(name.to_string())
-}
-
-/// A name for the objective row that no other row has.
-fn objective_name(lines: &[Line<'_>]) -> String {
-    let mut name = "obj".to_owned();
-    while lines.iter().any(|line| line.name == name) {
-        name.push('_');
-    }
-    name
-}
-
 fn write_rows(text: &mut String, model: &Model, lines: &[Line<'_>], objective: &str) {
-    put(text, format_args!("NAME {}\n", model.name()));
+    put(text, format_args!("{}\n", format!("NAME          {}", model.name()).trim_end()));
     if model.sense() == Sense::Maximize {
-        text.push_str("OBJSENSE\n MAX\n");
+        text.push_str("OBJSENSE\n    MAX\n");
     }
-    put(text, format_args!("ROWS\n N {objective}\n"));
+    put(text, format_args!("ROWS\n N  {objective}\n"));
     for line in lines {
-        put(text, format_args!(" {} {}\n", line.form.kind, line.name));
+        put(text, format_args!(" {}  {}\n", line.form.kind, line.name));
     }
 }
 
@@ -131,7 +88,8 @@ fn write_columns(
     let mut mark = |text: &mut String, integer: bool| {
         if integer != open {
             let word = if integer { "INTORG" } else { "INTEND" };
-            put(text, format_args!(" MARKER{markers} 'MARKER' '{word}'\n"));
+            let name = format!("MARKER{markers}");
+            put(text, format_args!("    {name:<8}  'MARKER'                 '{word}'\n"));
             (open, markers) = (integer, markers + 1);
         }
     };
@@ -142,7 +100,7 @@ fn write_columns(
         }
         let column = &columns[variable.id().index()];
         for &(row, value) in &*entries {
-            put(text, format_args!(" {column} {row} {}\n", number(value)));
+            entry(text, "", column, row, &number(value));
         }
     }
     mark(text, false);
@@ -153,15 +111,15 @@ fn write_limits(text: &mut String, model: &Model, lines: &[Line<'_>], objective:
     // A right-hand side of the objective row is the negative of its constant.
     let constant = model.objective().affine().offset();
     if constant.to_bits() != 0 {
-        put(text, format_args!(" RHS {objective} {}\n", number(-constant)));
+        entry(text, "", "RHS", objective, &number(-constant));
     }
     for line in lines.iter().filter(|line| line.form.right.to_bits() != 0) {
-        put(text, format_args!(" RHS {} {}\n", line.name, number(line.form.right)));
+        entry(text, "", "RHS", &line.name, &number(line.form.right));
     }
     let ranges = lines.iter().filter_map(|line| Some((line, line.form.range.as_ref()?)));
     for (k, (line, range)) in ranges.enumerate() {
         section(text, k, "RANGES");
-        put(text, format_args!(" RANGE {} {range}\n", line.name));
+        entry(text, "", "RANGE", &line.name, range);
     }
 }
 
@@ -169,12 +127,7 @@ fn write_bounds(text: &mut String, model: &Model, columns: &[String]) {
     text.push_str("BOUNDS\n");
     for (variable, column) in model.variables().zip(columns) {
         for (kind, value) in bound_entries(&variable) {
-            match value {
-                Some(value) => {
-                    put(text, format_args!(" {kind} BOUND {column} {}\n", number(value)));
-                }
-                None => put(text, format_args!(" {kind} BOUND {column}\n")),
-            }
+            entry(text, kind, "BOUND", column, &value.map(number).unwrap_or_default());
         }
     }
 }
@@ -182,9 +135,14 @@ fn write_bounds(text: &mut String, model: &Model, columns: &[String]) {
 /// The entries of one variable; nothing is left to the defaults that readers differ in.
 fn bound_entries(variable: &VariableRef<'_>) -> Vec<(&'static str, Option<f64>)> {
     let Interval { lower, upper } = variable.bounds();
-    let integer = variable.kind().is_integral();
-    if variable.kind() == VariableKind::Binary && lower.to_bits() == 0 && upper == 1.0 {
+    let kind = variable.kind();
+    let integer = kind.is_integral();
+    if kind == VariableKind::Binary && lower.to_bits() == 0 && upper == 1.0 {
         return vec![("BV", None)];
+    }
+    // Other integer columns within these bounds are binaries.
+    if kind == VariableKind::Integer && lower >= 0.0 && upper <= 1.0 {
+        return vec![("LI", Some(lower)), ("UI", Some(upper))];
     }
     if lower.to_bits() == upper.to_bits() {
         return vec![("FX", Some(lower))];
@@ -210,20 +168,19 @@ fn write_products(text: &mut String, model: &Model, columns: &[String]) {
         // The file holds Q of 1/2 x'Qx, each pair once.
         let value = if first == second { 2.0 * value } else { value };
         let (first, second) = (&columns[first.index()], &columns[second.index()]);
-        put(text, format_args!(" {first} {second} {}\n", number(value)));
+        entry(text, "", first, second, &number(value));
     }
 }
 
 /// Chooses kind, right-hand side and range of a row.
-fn form(limits: Interval, name: &Name) -> Result<Form, Error> {
+fn form(limits: Interval) -> Form {
     let Interval { lower, upper } = limits;
-    Ok(match (lower.is_finite(), upper.is_finite()) {
-        (false, false) => return Err(Error::UnlimitedRow { name: name.to_string() }),
-        (false, true) => Form { kind: 'L', right: upper, range: None },
+    match (lower.is_finite(), upper.is_finite()) {
+        (false, _) => Form { kind: 'L', right: upper, range: None },
         (true, false) => Form { kind: 'G', right: lower, range: None },
         _ if lower.to_bits() == upper.to_bits() => Form { kind: 'E', right: lower, range: None },
         _ => two_sided(lower, upper),
-    })
+    }
 }
 
 /// Ranges longer than this are written through the limit of smaller magnitude.
@@ -260,21 +217,18 @@ fn two_sided(lower: f64, upper: f64) -> Form {
     if negative_zero { upward(width.to_string()) } else { downward(width.to_string()) }
 }
 
-/// The shortest text that reads back as the same double.
-fn number(value: f64) -> String {
-    let mut text = format!("{value:?}");
-    if text.ends_with(".0") {
-        text.truncate(text.len() - 2);
-    }
-    text
-}
-
 /// Writes a section's name before its first entry.
 fn section(text: &mut String, entry: usize, name: &str) {
     if entry == 0 {
         text.push_str(name);
         text.push('\n');
     }
+}
+
+/// A data line, in the columns of fixed MPS as far as names and number fit.
+fn entry(text: &mut String, kind: &str, first: &str, second: &str, value: &str) {
+    let line = format!(" {kind:<2} {first:<8}  {second:<8}  {value:>12}");
+    put(text, format_args!("{}\n", line.trim_end()));
 }
 
 fn put(text: &mut String, arguments: std::fmt::Arguments<'_>) {

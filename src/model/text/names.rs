@@ -7,7 +7,7 @@ use std::collections::HashMap;
 /// Files mostly go through their names in order, so a look-up first tries the name found last and
 /// the one after it.
 #[derive(Debug, Default)]
-pub(super) struct Names<'a> {
+pub(crate) struct Names<'a> {
     list: Vec<&'a str>,
     positions: HashMap<&'a str, usize>,
     last: usize,
@@ -15,7 +15,7 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     /// Appends a name; the position it already has when it is there.
-    pub(super) fn declare(&mut self, name: &'a str) -> Result<usize, usize> {
+    pub(crate) fn declare(&mut self, name: &'a str) -> Result<usize, usize> {
         let next = self.list.len();
         let position = *self.positions.entry(name).or_insert(next);
         if position < next {
@@ -26,7 +26,7 @@ impl<'a> Names<'a> {
     }
 
     /// The position of a name.
-    pub(super) fn find(&mut self, name: &str) -> Option<usize> {
+    pub(crate) fn find(&mut self, name: &str) -> Option<usize> {
         let near = [self.last, self.last + 1];
         let found = near.into_iter().find(|&position| self.list.get(position) == Some(&name));
         let found = found.or_else(|| self.positions.get(name).copied())?;

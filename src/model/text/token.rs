@@ -5,8 +5,8 @@ use crate::tolerance;
 
 /// A piece of a line between white space.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Token<'a> {
-    pub(super) text: &'a str,
+pub(crate) struct Token<'a> {
+    pub(crate) text: &'a str,
     line_text: &'a str,
     line: usize,
     /// Position of the first byte in the line.
@@ -14,19 +14,24 @@ pub(super) struct Token<'a> {
 }
 
 impl<'a> Token<'a> {
+    /// The piece of a line (counted from 1) that starts at a byte and has a length.
+    pub(crate) fn new(line_text: &'a str, line: usize, start: usize, length: usize) -> Self {
+        Token { text: &line_text[start..start + length], line_text, line, start }
+    }
+
     /// An error at this place.
-    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+    pub(crate) fn error(&self, message: impl Into<String>) -> Error {
         let column = self.line_text[..self.start].chars().count() + 1;
         Error::Parse { line: self.line, column, message: message.into() }
     }
 
     /// The line of the token, from 1.
-    pub(super) fn line(&self) -> usize {
+    pub(crate) fn line(&self) -> usize {
         self.line
     }
 
     /// A number as it stands, exponents marked with `E` or `D`; infinity included.
-    pub(super) fn raw(&self) -> Result<f64, Error> {
+    pub(crate) fn raw(&self) -> Result<f64, Error> {
         let fortran = |_| self.text.replace(['d', 'D'], "e").parse();
         match self.text.parse::<f64>().or_else(fortran) {
             Ok(value) if !value.is_nan() => Ok(value),
@@ -35,12 +40,12 @@ impl<'a> Token<'a> {
     }
 
     /// A number, with 1e20 and beyond (also `Infinity`, `1e30`) as infinity.
-    pub(super) fn number(&self) -> Result<f64, Error> {
+    pub(crate) fn number(&self) -> Result<f64, Error> {
         self.raw().map(or_infinite)
     }
 
     /// A number that is not infinite.
-    pub(super) fn finite(&self) -> Result<f64, Error> {
+    pub(crate) fn finite(&self) -> Result<f64, Error> {
         let value = self.number()?;
         if value.is_infinite() {
             let text = self.text;
@@ -53,12 +58,12 @@ impl<'a> Token<'a> {
 }
 
 /// Magnitudes that count as infinite become infinite.
-pub(super) fn or_infinite(value: f64) -> f64 {
+pub(crate) fn or_infinite(value: f64) -> f64 {
     if value.abs() < tolerance::INFINITE { value } else { f64::INFINITY.copysign(value) }
 }
 
 /// Splits a line (counted from 1) at white space.
-pub(super) fn split<'a>(line_text: &'a str, line: usize, tokens: &mut Vec<Token<'a>>) {
+pub(crate) fn split<'a>(line_text: &'a str, line: usize, tokens: &mut Vec<Token<'a>>) {
     tokens.clear();
     let mut rest = line_text;
     loop {

@@ -1,0 +1,75 @@
+//! The section `Bounds`.
+
+use super::lexer::Kind;
+use super::read::{File, is_infinity};
+use super::rows::flipped;
+use crate::error::Error;
+use crate::model::text::ends::{lower, upper};
+use crate::model::text::token::Token;
+
+impl<'a> File<'a> {
+    pub(super) fn read_bounds(&mut self) -> Result<(), Error> {
+        while self.section().is_none() && self.kind() != Kind::End {
+            self.bound()?;
+        }
+        Ok(())
+    }
+
+    /// `1 <= x <= 2`, one half of it, `x = 1` or `x free`.
+    fn bound(&mut self) -> Result<(), Error> {
+        let signs = matches!(self.kind(), Kind::Plus | Kind::Minus | Kind::Number);
+        let left = if signs || is_infinity(self.token().text) {
+            let value = self.value()?;
+            Some((flipped(self.relation()?), value))
+        } else {
+            None
+        };
+        if !self.at_name() {
+            return Err(self.unexpected("the name of a variable"));
+        }
+        let name = self.token();
+        let column = self.column()?;
+        if let Some((relation, value)) = left {
+            self.set(column, &name, relation, value)?;
+        }
+        match self.kind() {
+            Kind::AtMost | Kind::AtLeast | Kind::Equal => {
+                let place = self.token();
+                let relation = self.relation()?;
+                if left.is_some_and(|(left, _)| left != flipped(relation) || left == relation) {
+                    return Err(
+                        place.error("two bounds need the same comparison twice, `<=` or `>=`")
+                    );
+                }
+                let value = self.value()?;
+                self.set(column, &name, relation, value)
+            }
+            Kind::Word if left.is_none() && self.token().text.eq_ignore_ascii_case("free") => {
+                self.step();
+                let infinite = (Some(f64::NEG_INFINITY), Some(f64::INFINITY));
+                self.columns[column].ends.take(&name, infinite.0, infinite.1)
+            }
+            _ if left.is_none() => Err(self.unexpected("`<=`, `>=`, `=` or `free`")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Takes `x <= value`, `x >= value` or `x = value`.
+    fn set(
+        &mut self,
+        column: usize,
+        name: &Token<'a>,
+        relation: Kind,
+        (value, token): (f64, Token<'a>),
+    ) -> Result<(), Error> {
+        let low = match relation {
+            Kind::AtMost => None,
+            _ => Some(lower(value, &token)?),
+        };
+        let high = match relation {
+            Kind::AtLeast => None,
+            _ => Some(upper(value, &token)?),
+        };
+        self.columns[column].ends.take(name, low, high)
+    }
+}

@@ -1,0 +1,138 @@
+//! Expressions: terms, constants and, in the objective, products.
+
+use super::lexer::Kind;
+use super::read::{File, is_infinity};
+use crate::error::Error;
+use crate::model::text::token::{Token, or_infinite};
+
+/// An expression as the file has it: nothing is merged, and zeros are kept.
+#[derive(Debug, Default)]
+pub(super) struct Expression<'a> {
+    pub(super) terms: Vec<(usize, f64)>,
+    /// The sum of the constants, where there is one, and the last of them.
+    pub(super) constant: Option<(f64, Token<'a>)>,
+    pub(super) products: Vec<(usize, usize, f64)>,
+}
+
+impl<'a> Expression<'a> {
+    /// The constant, where it is not finite.
+    pub(super) fn infinite(&self) -> Option<Token<'a>> {
+        self.constant.filter(|(value, _)| !value.is_finite()).map(|(_, token)| token)
+    }
+
+    /// A number without the constant, for moving it to the other side.
+    pub(super) fn moved(&self, value: f64) -> f64 {
+        match self.constant {
+            Some((constant, _)) => or_infinite(value - constant),
+            None => value,
+        }
+    }
+
+    fn add_constant(&mut self, value: f64, token: Token<'a>) -> Result<(), Error> {
+        let sum = match self.constant {
+            None => value,
+            Some((sum, _)) if value.is_finite() && sum.is_finite() => or_infinite(sum + value),
+            Some(_) => return Err(token.error("infinity cannot be part of a sum")),
+        };
+        self.constant = Some((sum, token));
+        Ok(())
+    }
+}
+
+impl<'a> File<'a> {
+    /// An expression up to whatever cannot belong to it; maybe an empty one.
+    pub(super) fn expression(&mut self, quadratic: bool) -> Result<Expression<'a>, Error> {
+        let mut expression = Expression::default();
+        let mut first = true;
+        loop {
+            let signed = self.sign();
+            if signed.is_none() && !first {
+                return Ok(expression);
+            }
+            let sign = signed.unwrap_or(1.0);
+            first = false;
+            let token = self.token();
+            match self.kind() {
+                Kind::Number => {
+                    self.step();
+                    if self.at_name() {
+                        let coefficient = sign * token.finite()?;
+                        expression.terms.push((self.column()?, coefficient));
+                    } else if self.kind() == Kind::Open {
+                        return Err(token.error("no factor can stand before `[`"));
+                    } else {
+                        expression.add_constant(sign * token.number()?, token)?;
+                    }
+                }
+                Kind::Word if self.at_name() => expression.terms.push((self.column()?, sign)),
+                Kind::Word if is_infinity(token.text) && !self.at_label() => {
+                    self.step();
+                    expression.add_constant(sign * f64::INFINITY, token)?;
+                }
+                Kind::Open if quadratic => self.products(sign, &mut expression)?,
+                Kind::Open => {
+                    return Err(token.error(
+                        "products and squares can stand in the objective only; rows must be linear",
+                    ));
+                }
+                _ if signed.is_some() => return Err(self.unexpected("a number or a name")),
+                _ => return Ok(expression),
+            }
+        }
+    }
+
+    /// `[ ... ]` with products and squares, and the `/ 2` behind it.
+    fn products(&mut self, sign: f64, expression: &mut Expression<'a>) -> Result<(), Error> {
+        self.step();
+        let start = expression.products.len();
+        let mut places = Vec::new();
+        while !self.accept(Kind::Close) {
+            let signed = self.sign();
+            if signed.is_none() && !places.is_empty() {
+                return Err(self.unexpected("`+`, `-` or `]`"));
+            }
+            let place = self.token();
+            let mut coefficient = sign * signed.unwrap_or(1.0);
+            if self.kind() == Kind::Number {
+                coefficient *= self.step().raw()?;
+                self.accept(Kind::Times);
+            }
+            let first = self.factor()?;
+            let second = if self.accept(Kind::Power) {
+                let exponent = self.token();
+                if self.kind() != Kind::Number || self.step().raw()? != 2.0 {
+                    return Err(exponent.error("the exponent can only be 2"));
+                }
+                first
+            } else if self.accept(Kind::Times) {
+                self.factor()?
+            } else {
+                return Err(self.unexpected("`^2` or `*` and a name"));
+            };
+            expression.products.push((first, second, coefficient));
+            places.push(place);
+        }
+        let mut divisor = 1.0;
+        if self.accept(Kind::Over) {
+            let token = self.token();
+            if self.kind() != Kind::Number || self.step().raw()? != 2.0 {
+                return Err(token.error("only `/ 2` can stand behind `]`"));
+            }
+            divisor = 2.0;
+        }
+        for ((.., coefficient), place) in expression.products[start..].iter_mut().zip(places) {
+            *coefficient /= divisor;
+            if or_infinite(*coefficient).is_infinite() {
+                return Err(place.error(format!(
+                    "{coefficient:e} counts as infinite (1e20 and beyond do); a finite number is \
+                     needed here"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn factor(&mut self) -> Result<usize, Error> {
+        if self.at_name() { self.column() } else { Err(self.unexpected("the name of a variable")) }
+    }
+}

@@ -1,0 +1,158 @@
+//! From text to pieces: numbers, words and symbols, each with its place.
+
+use crate::error::Error;
+use crate::model::text::token::Token;
+
+/// A piece of the text.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece<'a> {
+    pub(super) token: Token<'a>,
+    pub(super) kind: Kind,
+}
+
+/// What a piece is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number,
+    /// A name or a keyword.
+    Word,
+    Plus,
+    Minus,
+    Times,
+    Over,
+    Power,
+    Colon,
+    Open,
+    Close,
+    AtMost,
+    AtLeast,
+    Equal,
+    /// `->`
+    Arrow,
+    /// Behind the last piece.
+    End,
+}
+
+/// Characters that end a word.
+pub(super) const OPERATORS: [char; 10] = ['+', '-', '*', '/', '^', ':', '<', '>', '=', '\\'];
+
+/// All pieces of a text, with one of kind [`Kind::End`] behind them.
+pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Error> {
+    let mut pieces = Vec::new();
+    let mut last = ("", 1);
+    for (line, number) in text.lines().zip(1..) {
+        last = (line, number);
+        let mut start = 0;
+        while let Some(letter) = line[start..].chars().next() {
+            let rest = &line[start..];
+            if letter.is_whitespace() {
+                start += letter.len_utf8();
+                continue;
+            }
+            if letter == '\\' {
+                break;
+            }
+            let place = |length| Token::new(line, number, start, length);
+            let (kind, length) = piece(rest).map_err(|message| place(1).error(message))?;
+            pieces.push(Piece { token: place(length), kind });
+            start += length;
+        }
+    }
+    let (line, number) = last;
+    pieces.push(Piece { token: Token::new(line, number, line.len(), 0), kind: Kind::End });
+    Ok(pieces)
+}
+
+/// The kind and the length of the piece that a text begins with.
+fn piece(text: &str) -> Result<(Kind, usize), &'static str> {
+    const SYMBOLS: [(&str, Kind); 16] = [
+        ("<=", Kind::AtMost),
+        ("=<", Kind::AtMost),
+        (">=", Kind::AtLeast),
+        ("=>", Kind::AtLeast),
+        ("->", Kind::Arrow),
+        ("<", Kind::AtMost),
+        (">", Kind::AtLeast),
+        ("=", Kind::Equal),
+        ("+", Kind::Plus),
+        ("-", Kind::Minus),
+        ("*", Kind::Times),
+        ("/", Kind::Over),
+        ("^", Kind::Power),
+        (":", Kind::Colon),
+        ("[", Kind::Open),
+        ("]", Kind::Close),
+    ];
+    if text.starts_with("<->") {
+        return Err("`<->` cannot be read; write an indicator for each direction (`->`)");
+    }
+    if text.starts_with("==") {
+        return Err("`==` is not a comparison; expected `=`");
+    }
+    if let Some(&(symbol, kind)) = SYMBOLS.iter().find(|(symbol, _)| text.starts_with(symbol)) {
+        return Ok((kind, symbol.len()));
+    }
+    let number = number_length(text);
+    Ok(if number > 0 { (Kind::Number, number) } else { (Kind::Word, word_length(text)) })
+}
+
+/// The length of the number that a text begins with, 0 for none.
+pub(super) fn number_length(text: &str) -> usize {
+    let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+    let whole = digits(0);
+    let mut end = whole;
+    if text[end..].starts_with('.') {
+        let fraction = digits(end + 1);
+        if whole + fraction == 0 {
+            return 0;
+        }
+        end += 1 + fraction;
+    }
+    if end > 0 && text[end..].starts_with(['e', 'E']) {
+        let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
+        let exponent = digits(end + 1 + sign);
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+        }
+    }
+    end
+}
+
+/// The length of the word that a text begins with. Brackets belong to it as far as they pair up.
+fn word_length(text: &str) -> usize {
+    let mut depth = 0_usize;
+    for (place, letter) in text.char_indices() {
+        match letter {
+            '[' => depth += 1,
+            ']' if depth == 0 => return place,
+            ']' => depth -= 1,
+            _ if letter.is_whitespace() || OPERATORS.contains(&letter) => return place,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(text: &str) -> Vec<&str> {
+        let pieces = pieces(text).unwrap();
+        pieces.iter().map(|piece| piece.token.text).collect()
+    }
+
+    #[test]
+    fn words_numbers_and_symbols() {
+        assert_eq!(texts("3x1+2.5e-3y"), ["3", "x1", "+", "2.5e-3", "y", ""]);
+        assert_eq!(texts("x<-5"), ["x", "<", "-", "5", ""]);
+        assert_eq!(texts("z=1->x=>.5"), ["z", "=", "1", "->", "x", "=>", ".5", ""]);
+        assert_eq!(
+            texts("[x[1]^2+y*z]/2"),
+            ["[", "x[1]", "^", "2", "+", "y", "*", "z", "]", "/", "2", ""]
+        );
+        assert_eq!(texts("3e 2e+ 1.e5 1.x"), ["3", "e", "2", "e", "+", "1.e5", "1.", "x", ""]);
+        assert_eq!(texts("a \\ b\n\tc\r\n"), ["a", "c", ""]);
+        assert_eq!(texts("höhe\u{a0}.x s.t."), ["höhe", ".x", "s.t.", ""]);
+    }
+}

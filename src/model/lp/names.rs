@@ -1,0 +1,108 @@
+//! Names in LP files: most as they are, the others with percent codes.
+//!
+//! A name is written so that common readers take it, and every written name leads back to the one
+//! that was meant. Text that no name is written as is read as it stands, so foreign names are kept.
+
+use super::lexer::OPERATORS;
+use super::section::is_keyword;
+use crate::model::name::Name;
+
+/// Endings of the two rows that stand for one with two limits.
+pub(super) const AT_LEAST: &str = "%ge";
+pub(super) const AT_MOST: &str = "%le";
+
+/// The text of a name in a file.
+pub(super) fn write(name: &Name) -> String {
+    let text = coded(name, false);
+    let ambiguous = text.ends_with(AT_LEAST) || text.ends_with(AT_MOST) || decoded(&text) != *name;
+    if ambiguous { coded(name, true) } else { text }
+}
+
+/// The name of a text in a file.
+pub(super) fn read(text: &str) -> Name {
+    let name = decoded(text);
+    if write(&name) == text { name } else { Name::from(text) }
+}
+
+/// A name with codes for what the format needs itself; `all` codes also what codes are made of.
+fn coded(name: &Name, all: bool) -> String {
+    let family = name.family();
+    let keyword = name.step().is_none() && is_keyword(family);
+    let mut text = String::with_capacity(family.len());
+    for (place, letter) in family.chars().enumerate() {
+        let first = place == 0
+            && (keyword || letter.is_ascii_digit() || ['.', '(', ')', ','].contains(&letter));
+        let inside = OPERATORS.contains(&letter) || ['[', ']'].contains(&letter);
+        if first && letter.is_ascii() || inside || all && ['%', '{'].contains(&letter) {
+            text.push_str(&format!("%{:02X}", u32::from(letter)));
+        } else {
+            text.push(letter);
+        }
+    }
+    if let Some(step) = name.step() {
+        text.push_str(&format!("{{{step}}}"));
+    }
+    text
+}
+
+/// Takes the codes out again.
+fn decoded(text: &str) -> Name {
+    let step = text.strip_suffix('}').and_then(|text| {
+        let (family, step) = text.rsplit_once('{')?;
+        Some((family, step.parse().ok()?))
+    });
+    let (family, step) = step.map_or((text, None), |(family, step)| (family, Some(step)));
+    let mut name = String::with_capacity(family.len());
+    let mut rest = family;
+    while let Some(place) = rest.find('%') {
+        let code =
+            rest.get(place + 1..place + 3).and_then(|code| u8::from_str_radix(code, 16).ok());
+        let code = code.filter(u8::is_ascii);
+        name.push_str(&rest[..place]);
+        name.push(code.map_or('%', char::from));
+        rest = &rest[place + if code.is_some() { 3 } else { 1 }..];
+    }
+    name.push_str(rest);
+    match step {
+        Some(step) => Name::from((name, step)),
+        None => Name::from(name),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back() {
+        let cases = [
+            ("x", "x"),
+            ("x[17]", "x{17}"),
+            ("x[1][2]", "x%5B1%5D{2}"),
+            ("x[01]", "x%5B01%5D"),
+            ("a-b", "a%2Db"),
+            ("1st", "%31st"),
+            ("Free", "%46ree"),
+            ("free[0]", "free{0}"),
+            ("x{3}", "x%7B3}"),
+            ("50%", "%350%"),
+            ("a%41", "a%2541"),
+            ("r%ge", "r%25ge"),
+            ("höhe", "höhe"),
+            ("e1", "e1"),
+            ("[3]", "%5B3%5D"),
+            ("{3}", "%7B3}"),
+        ];
+        for (name, text) in cases {
+            assert_eq!(write(&Name::from(name)), text);
+            assert_eq!(read(text), Name::from(name));
+        }
+    }
+
+    #[test]
+    fn foreign_names_are_kept() {
+        for text in ["x(3)", "x[3]", "a%41", "r%ge", "100%", "x{03}", "a%2db", "%", "%€"] {
+            assert_eq!(read(text), Name::from(text));
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Reading: from pieces to objective, rows and columns as the file lists them.
+
+use super::expression::Expression;
+use super::lexer::{self, Kind, Piece};
+use super::rows::Row;
+use super::section::{self, Section};
+use crate::error::Error;
+use crate::model::name::Name;
+use crate::model::objective::Sense;
+use crate::model::text::ends::Ends;
+use crate::model::text::names::Names;
+use crate::model::text::token::Token;
+
+/// The contents of a file; [`build`](super::build) makes a model of it.
+#[derive(Debug)]
+pub(super) struct File<'a> {
+    pub(super) name: &'a str,
+    pub(super) sense: Sense,
+    pub(super) objective: Expression<'a>,
+    pub(super) columns: Vec<Column<'a>>,
+    pub(super) rows: Vec<Row<'a>>,
+    names: Names<'a>,
+    pieces: Vec<Piece<'a>>,
+    /// The piece that is looked at next.
+    at: usize,
+}
+
+#[derive(Debug)]
+pub(super) struct Column<'a> {
+    pub(super) name: Token<'a>,
+    pub(super) integer: bool,
+    pub(super) binary: bool,
+    pub(super) ends: Ends<'a>,
+}
+
+impl<'a> File<'a> {
+    /// Goes through the sections up to `End`.
+    pub(super) fn scan(text: &'a str) -> Result<File<'a>, Error> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let pieces = lexer::pieces(text)?;
+        let mut file = File {
+            name: problem_name(text)?,
+            sense: Sense::Minimize,
+            objective: Expression::default(),
+            columns: Vec::new(),
+            rows: Vec::new(),
+            names: Names::default(),
+            pieces,
+            at: 0,
+        };
+        file.sense = match file.section() {
+            Some((Section::Minimize, _)) => Sense::Minimize,
+            Some((Section::Maximize, _)) => Sense::Maximize,
+            _ => return Err(file.unexpected("`Minimize` or `Maximize`")),
+        };
+        file.at += 1;
+        file.read_objective()?;
+        loop {
+            let Some((section, length)) = file.section() else {
+                return Err(match file.kind() {
+                    Kind::End => file.cut_off(),
+                    _ => file.unexpected("a section such as `Subject To`, `Bounds` or `End`"),
+                });
+            };
+            let place = file.token();
+            file.at += length;
+            match section {
+                Section::End => return Ok(file),
+                Section::Rows => file.read_rows()?,
+                Section::Bounds => file.read_bounds()?,
+                Section::Integers => file.read_kinds(|column| column.integer = true)?,
+                Section::Binaries => file.read_kinds(|column| column.binary = true)?,
+                Section::Minimize | Section::Maximize => {
+                    return Err(place.error("a second objective; a model has one, keep one"));
+                }
+                Section::Refused(mend) => {
+                    if file.section().is_none() && file.kind() != Kind::End {
+                        let name = place.text;
+                        return Err(place.error(format!("section `{name}` cannot be read: {mend}")));
+                    }
+                }
+            }
+        }
+    }
+
+    fn read_objective(&mut self) -> Result<(), Error> {
+        self.label();
+        if let Some((Section::Refused(mend), _)) = self.section() {
+            return Err(self.token().error(mend));
+        }
+        self.objective = self.expression(true)?;
+        if let Some(constant) = self.objective.infinite() {
+            return Err(constant.error("the objective must be finite"));
+        }
+        if self.label().is_some() {
+            self.at -= 2;
+            return Err(self.token().error("a second objective; a model has one, keep one"));
+        }
+        Ok(())
+    }
+
+    /// A list of names; each is marked.
+    fn read_kinds(&mut self, mark: impl Fn(&mut Column<'a>)) -> Result<(), Error> {
+        while self.section().is_none() && self.kind() != Kind::End {
+            if self.kind() != Kind::Word {
+                return Err(self.unexpected("the name of a variable"));
+            }
+            let column = self.column()?;
+            mark(&mut self.columns[column]);
+        }
+        Ok(())
+    }
+
+    // -- pieces ---------------------------------------------------------------------------------
+
+    pub(super) fn kind(&self) -> Kind {
+        self.pieces[self.at].kind
+    }
+
+    pub(super) fn token(&self) -> Token<'a> {
+        self.pieces[self.at].token
+    }
+
+    /// Steps over a piece; never beyond the end.
+    pub(super) fn step(&mut self) -> Token<'a> {
+        let token = self.token();
+        if self.kind() != Kind::End {
+            self.at += 1;
+        }
+        token
+    }
+
+    /// Steps over a piece of this kind, if one is there.
+    pub(super) fn accept(&mut self, kind: Kind) -> bool {
+        let found = self.kind() == kind;
+        if found {
+            self.step();
+        }
+        found
+    }
+
+    /// The section that begins here, and the number of pieces in its name.
+    pub(super) fn section(&self) -> Option<(Section, usize)> {
+        section::section(&self.pieces[self.at..])
+    }
+
+    /// The line of the piece before.
+    pub(super) fn last_line(&self) -> Option<usize> {
+        Some(self.pieces.get(self.at.checked_sub(1)?)?.token.line())
+    }
+
+    /// Whether a name with a colon stands here.
+    pub(super) fn at_label(&self) -> bool {
+        let next = self.pieces.get(self.at + 1).map(|piece| piece.kind);
+        self.kind() == Kind::Word && next == Some(Kind::Colon)
+    }
+
+    /// Steps over a name with a colon, if one is there.
+    pub(super) fn label(&mut self) -> Option<Token<'a>> {
+        let token = self.at_label().then(|| self.token())?;
+        self.at += 2;
+        Some(token)
+    }
+
+    /// Whether the name of a variable stands here.
+    pub(super) fn at_name(&self) -> bool {
+        self.kind() == Kind::Word
+            && !self.at_label()
+            && !is_infinity(self.token().text)
+            && self.section().is_none()
+    }
+
+    /// The column of the name that stands here; a new one where it is not known yet.
+    pub(super) fn column(&mut self) -> Result<usize, Error> {
+        let name = self.step();
+        if let Some(column) = self.names.find(name.text) {
+            return Ok(column);
+        }
+        Name::from(name.text).check().map_err(|error| name.error(error.to_string()))?;
+        let column = self.names.declare(name.text).unwrap_or_else(|known| known);
+        let (integer, binary, ends) = (false, false, Ends::default());
+        self.columns.push(Column { name, integer, binary, ends });
+        Ok(column)
+    }
+
+    /// `+1` or `-1` for the signs that stand here, if any do.
+    pub(super) fn sign(&mut self) -> Option<f64> {
+        let mut sign = None;
+        loop {
+            match self.kind() {
+                Kind::Plus => sign = Some(sign.unwrap_or(1.0)),
+                Kind::Minus => sign = Some(-sign.unwrap_or(1.0)),
+                _ => return sign,
+            }
+            self.step();
+        }
+    }
+
+    /// A number or infinity with its sign, and its place.
+    pub(super) fn value(&mut self) -> Result<(f64, Token<'a>), Error> {
+        let sign = self.sign().unwrap_or(1.0);
+        let token = self.token();
+        match self.kind() {
+            Kind::Number => {}
+            Kind::Word if is_infinity(token.text) => {}
+            _ => return Err(self.unexpected("a number")),
+        }
+        self.step();
+        Ok((sign * token.number()?, token))
+    }
+
+    /// The error that something else was expected here.
+    pub(super) fn unexpected(&self, expected: &str) -> Error {
+        let token = self.token();
+        match self.kind() {
+            Kind::End => self.cut_off(),
+            Kind::Times | Kind::Power | Kind::Open | Kind::Over => token.error(format!(
+                "expected {expected}, found `{}`; products and squares can stand in the objective \
+                 only, as `[ x ^2 + 2 x * y ] / 2`",
+                token.text
+            )),
+            _ => token.error(format!("expected {expected}, found `{}`", token.text)),
+        }
+    }
+
+    fn cut_off(&self) -> Error {
+        self.token().error("the file ends without `End`; it may have been cut off")
+    }
+}
+
+/// Whether a word means infinity.
+pub(super) fn is_infinity(text: &str) -> bool {
+    ["inf", "infinity"].iter().any(|word| text.eq_ignore_ascii_case(word))
+}
+
+/// The model's name: what a comment before the objective says behind `Problem name:`.
+fn problem_name(text: &str) -> Result<&str, Error> {
+    const WORDS: &str = "Problem name";
+    for (line, number) in text.lines().zip(1..) {
+        let Some(comment) = line.trim_start().strip_prefix('\\') else {
+            match line.trim().is_empty() {
+                true => continue,
+                false => break,
+            }
+        };
+        let comment = comment.trim();
+        if let Some(words) = comment.get(..WORDS.len())
+            && words.eq_ignore_ascii_case(WORDS)
+            && let Some(name) = comment[WORDS.len()..].trim_start().strip_prefix(':')
+        {
+            if name.chars().any(|c| c.is_control() && c != '\t') {
+                let place = Token::new(line, number, line.len() - line.trim_start().len(), 0);
+                return Err(place.error("the model's name has a control character"));
+            }
+            return Ok(name.trim());
+        }
+    }
+    Ok("")
+}

@@ -1,0 +1,162 @@
+//! The section `Subject To`: rows, with two limits and with conditions.
+
+use super::expression::Expression;
+use super::lexer::Kind;
+use super::read::File;
+use crate::error::Error;
+use crate::model::text::token::Token;
+
+/// A row as the file has it.
+#[derive(Debug)]
+pub(super) struct Row<'a> {
+    pub(super) label: Option<Token<'a>>,
+    /// Where it begins.
+    pub(super) place: Token<'a>,
+    pub(super) terms: Vec<(usize, f64)>,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) condition: Option<Condition<'a>>,
+}
+
+/// What switches a row on: a column and its value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Condition<'a> {
+    pub(super) column: usize,
+    pub(super) on: bool,
+    pub(super) place: Token<'a>,
+}
+
+/// `lower <= expression <= upper`.
+struct Comparison<'a> {
+    expression: Expression<'a>,
+    lower: f64,
+    upper: f64,
+}
+
+impl<'a> File<'a> {
+    pub(super) fn read_rows(&mut self) -> Result<(), Error> {
+        let mut last_line = None;
+        while self.section().is_none() && self.kind() != Kind::End {
+            if last_line == Some(self.token().line()) && !self.at_label() {
+                return Err(self.unexpected(
+                    "a new line or a label, as the row before is complete (its right-hand side is \
+                     a number; variables stand on the left)",
+                ));
+            }
+            let row = self.row()?;
+            self.rows.push(row);
+            last_line = self.last_line();
+        }
+        Ok(())
+    }
+
+    fn row(&mut self) -> Result<Row<'a>, Error> {
+        let label = self.label();
+        let place = self.token();
+        let mut comparison = self.comparison()?;
+        let mut condition = None;
+        if self.kind() == Kind::Arrow {
+            let Some((column, on)) = literal(&comparison) else {
+                return Err(place.error("expected `z = 0` or `z = 1` as the condition before `->`"));
+            };
+            condition = Some(Condition { column, on, place });
+            self.step();
+            comparison = self.comparison()?;
+        }
+        let Comparison { expression, lower, upper } = comparison;
+        let place = label.unwrap_or(place);
+        if let Some(token) = expression.infinite() {
+            return Err(token.error("infinity cannot be part of a sum"));
+        }
+        if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
+            return Err(place.error("no point can satisfy this row"));
+        }
+        if lower > upper {
+            return Err(
+                place.error(format!("the limits of this row are crossed: {lower} > {upper}"))
+            );
+        }
+        Ok(Row { label, place, terms: expression.terms, lower, upper, condition })
+    }
+
+    fn comparison(&mut self) -> Result<Comparison<'a>, Error> {
+        let left = self.expression(false)?;
+        let relation = self.relation()?;
+        let mut limits = (f64::NEG_INFINITY, f64::INFINITY);
+        if !left.terms.is_empty() || left.constant.is_none() {
+            if self.at_name() {
+                return Err(self.unexpected("a number (bring variables to the left)"));
+            }
+            let (value, _) = self.value()?;
+            limit(&mut limits, relation, left.moved(value));
+            return Ok(Comparison { expression: left, lower: limits.0, upper: limits.1 });
+        }
+        // A number stands on the left.
+        let right = self.expression(false)?;
+        if right.terms.is_empty() {
+            let Some((value, token)) = right.constant else {
+                return Err(self.unexpected("an expression"));
+            };
+            if let Some(infinite) = left.infinite().or(right.infinite()) {
+                return Err(infinite.error("infinity cannot be compared to a number"));
+            }
+            limit(&mut limits, relation, left.moved(value));
+            let expression = Expression { constant: Some((0.0, token)), ..Expression::default() };
+            return Ok(Comparison { expression, lower: limits.0, upper: limits.1 });
+        }
+        let number = left.constant.map_or(0.0, |(value, _)| value);
+        limit(&mut limits, flipped(relation), right.moved(number));
+        if matches!(self.kind(), Kind::AtMost | Kind::AtLeast | Kind::Equal) {
+            if self.kind() != relation || relation == Kind::Equal {
+                return Err(self
+                    .token()
+                    .error("a row with two limits needs the same comparison twice, `<=` or `>=`"));
+            }
+            self.step();
+            let (value, _) = self.value()?;
+            limit(&mut limits, relation, right.moved(value));
+        }
+        Ok(Comparison { expression: right, lower: limits.0, upper: limits.1 })
+    }
+
+    /// Steps over a comparison sign.
+    pub(super) fn relation(&mut self) -> Result<Kind, Error> {
+        match self.kind() {
+            kind @ (Kind::AtMost | Kind::AtLeast | Kind::Equal) => {
+                self.step();
+                Ok(kind)
+            }
+            _ => Err(self.unexpected("`+`, `-`, `<=`, `>=` or `=`")),
+        }
+    }
+}
+
+/// `3 <= x` says about x what `x >= 3` does.
+pub(super) fn flipped(relation: Kind) -> Kind {
+    match relation {
+        Kind::AtMost => Kind::AtLeast,
+        Kind::AtLeast => Kind::AtMost,
+        other => other,
+    }
+}
+
+fn limit(limits: &mut (f64, f64), relation: Kind, value: f64) {
+    if relation != Kind::AtLeast {
+        limits.1 = value;
+    }
+    if relation != Kind::AtMost {
+        limits.0 = value;
+    }
+}
+
+/// The column and the value of `z = 0` or `z = 1`.
+fn literal(comparison: &Comparison<'_>) -> Option<(usize, bool)> {
+    let &[(column, coefficient)] = &comparison.expression.terms[..] else { return None };
+    let (lower, upper) = (comparison.lower, comparison.upper);
+    let plain = coefficient == 1.0 && comparison.expression.constant.is_none() && lower == upper;
+    match lower {
+        0.0 if plain => Some((column, false)),
+        1.0 if plain => Some((column, true)),
+        _ => None,
+    }
+}

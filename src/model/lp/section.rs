@@ -1,0 +1,116 @@
+//! The keywords that begin a section, in all their spellings.
+
+use super::lexer::{Kind, Piece};
+
+/// What a keyword begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Section {
+    Minimize,
+    Maximize,
+    Rows,
+    Bounds,
+    Integers,
+    Binaries,
+    End,
+    /// A section that cannot be read unless it is empty, and what to do instead.
+    Refused(&'static str),
+}
+
+const SEMI: &str = "semi-continuous variables have no place in a model; write them with a binary \
+                    and an indicator";
+const SETS: &str =
+    "special ordered sets have no place in a model; write them with binaries and indicators";
+const LAZY: &str = "move its rows to `Subject To`, where they always hold";
+const FUNCTIONS: &str = "functions cannot be read from LP files; write them as rows, or in a \
+                         program with the functions of a model";
+const SCENARIOS: &str = "a model has one objective and one set of limits; keep one";
+
+/// Spellings of one word; sections of two words stand below.
+const WORDS: [(&str, Section); 42] = [
+    ("minimize", Section::Minimize),
+    ("minimise", Section::Minimize),
+    ("minimum", Section::Minimize),
+    ("min", Section::Minimize),
+    ("maximize", Section::Maximize),
+    ("maximise", Section::Maximize),
+    ("maximum", Section::Maximize),
+    ("max", Section::Maximize),
+    ("st", Section::Rows),
+    ("st.", Section::Rows),
+    ("s.t", Section::Rows),
+    ("s.t.", Section::Rows),
+    ("bounds", Section::Bounds),
+    ("bound", Section::Bounds),
+    ("generals", Section::Integers),
+    ("general", Section::Integers),
+    ("gens", Section::Integers),
+    ("gen", Section::Integers),
+    ("integers", Section::Integers),
+    ("integer", Section::Integers),
+    ("ints", Section::Integers),
+    ("int", Section::Integers),
+    ("binaries", Section::Binaries),
+    ("binary", Section::Binaries),
+    ("bins", Section::Binaries),
+    ("bin", Section::Binaries),
+    ("end", Section::End),
+    ("semis", Section::Refused(SEMI)),
+    ("semi", Section::Refused(SEMI)),
+    ("sos", Section::Refused(SETS)),
+    ("sos1", Section::Refused(SETS)),
+    ("sos2", Section::Refused(SETS)),
+    ("lazy", Section::Refused(LAZY)),
+    ("usercuts", Section::Refused(LAZY)),
+    ("pwlobj", Section::Refused(FUNCTIONS)),
+    ("pwl", Section::Refused(FUNCTIONS)),
+    ("gencons", Section::Refused(FUNCTIONS)),
+    ("gencon", Section::Refused(FUNCTIONS)),
+    ("genconstr", Section::Refused(FUNCTIONS)),
+    ("genconstrs", Section::Refused(FUNCTIONS)),
+    ("scenario", Section::Refused(SCENARIOS)),
+    ("scenarios", Section::Refused(SCENARIOS)),
+];
+
+/// Sections of two words, the second one in several spellings.
+const PAIRS: [(&str, &[&str], Section); 7] = [
+    ("subject", &["to", "to:"], Section::Rows),
+    ("such", &["that"], Section::Rows),
+    ("lazy", &["constraints", "constraint"], Section::Refused(LAZY)),
+    ("user", &["cuts", "cut"], Section::Refused(LAZY)),
+    ("general", &["constraints", "constraint"], Section::Refused(FUNCTIONS)),
+    ("generals", &["constraints", "constraint"], Section::Refused(FUNCTIONS)),
+    ("multi", &["objectives"], Section::Refused(SCENARIOS)),
+];
+
+/// Words that are part of the language without beginning a section.
+const OTHERS: [&str; 8] = ["free", "inf", "infinity", "nan", "subject", "such", "user", "multi"];
+
+/// The section that the pieces begin, and how many of them its name takes.
+pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
+    let kind = |at: usize| pieces.get(at).map(|piece: &Piece<'_>| piece.kind);
+    let is = |at: usize, word: &str| {
+        kind(at) == Some(Kind::Word) && pieces[at].token.text.eq_ignore_ascii_case(word)
+    };
+    if kind(0) != Some(Kind::Word) || kind(1) == Some(Kind::Colon) {
+        return None;
+    }
+    for (first, seconds, section) in PAIRS {
+        if is(0, first) && seconds.iter().any(|second| is(1, second)) {
+            return Some((section, 2));
+        }
+    }
+    let hyphenated = (is(0, "semi") && (is(2, "continuous") || is(2, "integer")))
+        || (is(0, "multi") && is(2, "objectives"));
+    if hyphenated && kind(1) == Some(Kind::Minus) {
+        let what = if is(0, "semi") { SEMI } else { SCENARIOS };
+        return Some((Section::Refused(what), 3));
+    }
+    let found = WORDS.iter().find(|(word, _)| is(0, word));
+    found.map(|&(_, section)| (section, 1))
+}
+
+/// Whether a name would be taken for something else.
+pub(super) fn is_keyword(text: &str) -> bool {
+    let words = WORDS.iter().map(|(word, _)| word).chain(&OTHERS);
+    words.into_iter().any(|word| word.eq_ignore_ascii_case(text))
+}

@@ -1,0 +1,243 @@
+//! Writing: the common denominator of the readers there are, every number in its shortest exact
+//! form.
+
+use std::fmt::Write as _;
+
+use super::names;
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::ids::Variable;
+use crate::model::indicator::Literal;
+use crate::model::objective::Sense;
+use crate::model::text::lines::{Line, lines, number, objective_name};
+use crate::model::variable::VariableKind;
+use crate::model::{Model, VariableRef};
+
+/// Lines are broken before a term that would lead beyond this.
+const WIDTH: usize = 100;
+
+/// The text of a model in the LP format.
+pub(super) fn text(model: &Model) -> Result<String, Error> {
+    let lines = lines(model, "LP")?;
+    let columns: Vec<String> = model.variables().map(|v| names::write(v.name())).collect();
+    let mut page = Page { text: String::new(), line: 0 };
+    let title = model.name().trim();
+    if !title.is_empty() {
+        page.word(&format!("\\ Problem name: {title}"));
+        page.end();
+    }
+    page.word(match model.sense() {
+        Sense::Minimize => "Minimize",
+        Sense::Maximize => "Maximize",
+    });
+    page.end();
+    write_objective(&mut page, model, &lines, &columns);
+    page.text.push_str("Subject To\n");
+    for line in &lines {
+        write_row(&mut page, line, &columns);
+    }
+    page.text.push_str("Bounds\n");
+    for (variable, column) in model.variables().zip(&columns) {
+        if let Some(bound) = bound(&variable, column) {
+            page.word(&format!(" {bound}"));
+            page.end();
+        }
+    }
+    for (title, kind) in [("General", VariableKind::Integer), ("Binary", VariableKind::Binary)] {
+        let mut members = model.variables().zip(&columns).filter(|(v, _)| v.kind() == kind);
+        if let Some((_, first)) = members.next() {
+            page.word(title);
+            page.end();
+            page.word(&format!(" {first}"));
+            members.for_each(|(_, column)| page.part(column));
+            page.end();
+        }
+    }
+    page.text.push_str("End\n");
+    Ok(page.text)
+}
+
+/// Text with lines of limited length.
+struct Page {
+    text: String,
+    /// Characters in the last line.
+    line: usize,
+}
+
+impl Page {
+    /// Appends to the line, whatever its length.
+    fn word(&mut self, word: &str) {
+        self.text.push_str(word);
+        self.line += word.chars().count();
+    }
+
+    /// Appends a part with a space before it, on a new line if this one is full.
+    fn part(&mut self, part: &str) {
+        if self.line + 1 + part.chars().count() > WIDTH {
+            self.end();
+            self.word(" ");
+        }
+        self.word(" ");
+        self.word(part);
+    }
+
+    fn end(&mut self) {
+        self.text.push('\n');
+        self.line = 0;
+    }
+
+    /// Appends terms; the first one without a plus.
+    fn terms<'a>(&mut self, first: bool, terms: impl IntoIterator<Item = (f64, &'a str)>) {
+        for (k, (coefficient, what)) in terms.into_iter().enumerate() {
+            self.part(&term(first && k == 0, coefficient, what));
+        }
+    }
+}
+
+/// `+ 2 x`; what is left out where it is empty.
+fn term(first: bool, coefficient: f64, what: &str) -> String {
+    let mut text = String::new();
+    match (coefficient.is_sign_negative(), first) {
+        (true, _) => text.push_str("- "),
+        (false, false) => text.push_str("+ "),
+        (false, true) => {}
+    }
+    let size = coefficient.abs();
+    match what {
+        "" => text.push_str(&number(size)),
+        _ if size == 1.0 => text.push_str(what),
+        // Writing into a string cannot fail.
+        _ => _ = write!(text, "{} {what}", number(size)),
+    }
+    text
+}
+
+fn write_objective(page: &mut Page, model: &Model, lines: &[Line<'_>], columns: &[String]) {
+    page.word(&format!(" {}:", objective_name(lines)));
+    let (terms, products) = (model.objective().affine().terms(), model.objective().products());
+    // A column is known from its first appearance, so the order may need some zeros.
+    let mut coefficients = vec![None; columns.len()];
+    terms.iter().for_each(|&(variable, value)| coefficients[variable.index()] = Some(value));
+    if !is_natural(&terms, &products, lines, columns.len()) {
+        coefficients.iter_mut().for_each(|value| *value = value.or(Some(0.0)));
+    }
+    let affine = coefficients.iter().zip(columns);
+    let mut affine = affine.filter_map(|(value, name)| Some(((*value)?, name.as_str()))).peekable();
+    let empty = affine.peek().is_none();
+    page.terms(true, affine);
+    if !products.is_empty() {
+        // All coefficients are doubled, because readers want the `/ 2`.
+        page.part(if empty { "[" } else { "+ [" });
+        for (k, &(first, second, value)) in products.iter().enumerate() {
+            let (a, b) = (&columns[first.index()], &columns[second.index()]);
+            // Some readers want this spacing.
+            let what = if first == second { format!("{a} ^2") } else { format!("{a} * {b}") };
+            page.terms(k == 0, [(2.0 * value, what.as_str())]);
+        }
+        page.part("] / 2");
+    }
+    // Behind everything else, where all readers take it.
+    let constant = model.objective().affine().offset();
+    if constant.to_bits() != 0 {
+        page.terms(empty && products.is_empty(), [(constant, "")]);
+    }
+    page.end();
+}
+
+/// Whether all columns appear, and for the first time in their order.
+fn is_natural(
+    terms: &[(Variable, f64)],
+    products: &[(Variable, Variable, f64)],
+    lines: &[Line<'_>],
+    count: usize,
+) -> bool {
+    let products = products.iter().flat_map(|&(a, b, _)| [a, b]);
+    let rows = lines.iter().flat_map(|line| {
+        let condition = line.condition.map(Literal::variable);
+        condition.into_iter().chain(line.terms.iter().map(|&(v, _)| v))
+    });
+    let mut known = 0;
+    for variable in terms.iter().map(|&(v, _)| v).chain(products).chain(rows) {
+        match variable.index() {
+            index if index > known => return false,
+            index if index == known => known += 1,
+            _ => {}
+        }
+    }
+    known == count
+}
+
+fn write_row(page: &mut Page, line: &Line<'_>, columns: &[String]) {
+    let Interval { lower, upper } = line.limits;
+    let name = names::write(line.name);
+    match (lower.is_finite(), upper.is_finite()) {
+        (false, _) => write_half(page, &name, line, ("<=", upper), columns),
+        (true, false) => write_half(page, &name, line, (">=", lower), columns),
+        _ if lower.to_bits() == upper.to_bits() => {
+            write_half(page, &name, line, ("=", lower), columns);
+        }
+        // Few readers take two limits in one row.
+        (true, true) => {
+            write_half(page, &(name.clone() + names::AT_LEAST), line, (">=", lower), columns);
+            write_half(page, &(name + names::AT_MOST), line, ("<=", upper), columns);
+        }
+    }
+}
+
+fn write_half(
+    page: &mut Page,
+    name: &str,
+    line: &Line<'_>,
+    (relation, limit): (&str, f64),
+    columns: &[String],
+) {
+    page.word(&format!(" {name}:"));
+    if let Some(literal) = line.condition {
+        let column = &columns[literal.variable().index()];
+        page.part(&format!("{column} = {} ->", u8::from(literal.is_on())));
+    }
+    let terms = line.terms.iter().map(|&(v, a)| (a, columns[v.index()].as_str()));
+    page.terms(true, terms);
+    if line.terms.is_empty() {
+        // Readers want a variable on the left.
+        page.part(&columns.first().map_or("0".into(), |column| format!("0 {column}")));
+    }
+    page.word(&format!(" {relation} {}", number(limit)));
+    page.end();
+}
+
+/// What the section of bounds says about a variable, if its kind does not say it.
+fn bound(variable: &VariableRef<'_>, column: &str) -> Option<String> {
+    let Interval { lower, upper } = variable.bounds();
+    let top = if variable.kind() == VariableKind::Binary { 1.0 } else { f64::INFINITY };
+    let low = lower.to_bits() != 0;
+    let (lower_text, upper_text) = (number(lower), number(upper));
+    match (lower.is_finite(), upper.is_finite()) {
+        (false, false) => Some(format!("{column} free")),
+        _ if lower.to_bits() == upper.to_bits() => Some(format!("{column} = {lower_text}")),
+        (false, true) => Some(format!("-inf <= {column} <= {upper_text}")),
+        (true, true) if low && upper != top => {
+            Some(format!("{lower_text} <= {column} <= {upper_text}"))
+        }
+        (true, true) if upper != top => Some(format!("0 <= {column} <= {upper_text}")),
+        _ if low => Some(format!("{column} >= {lower_text}")),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Affine;
+
+    #[test]
+    fn long_rows_are_broken_before_signs() {
+        let mut model = Model::new("");
+        let x = model.continuous_family("long_name", 20, 0.0, 1.0).unwrap();
+        let sum: Affine = x.iter().map(|v| 0.5 * v).sum();
+        model.add("sum", sum.le(1.0)).unwrap();
+        let text = text(&model).unwrap();
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH + 10), "{text}");
+        assert!(text.contains("\n  + 0.5 long_name{"), "{text}");
+    }
+}

@@ -1,0 +1,71 @@
+//! The names of sections: those that are read, and why others are not.
+
+use crate::error::Error;
+use crate::model::text::token::Token;
+
+/// Where in a file a line stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Section {
+    /// Before the first section that holds lines; also NAME.
+    Start,
+    Objsense,
+    Objname,
+    Rows,
+    Columns,
+    Rhs,
+    Ranges,
+    Bounds,
+    Quadobj,
+    Qsection,
+    Qmatrix,
+    Indicators,
+}
+
+impl Section {
+    /// The section of a name in any case of letters.
+    pub(super) fn named(head: &Token<'_>) -> Result<Section, Error> {
+        Ok(match head.text.to_ascii_uppercase().as_str() {
+            "NAME" => Section::Start,
+            "OBJSENSE" => Section::Objsense,
+            "OBJNAME" => Section::Objname,
+            "ROWS" => Section::Rows,
+            "COLUMNS" => Section::Columns,
+            "RHS" => Section::Rhs,
+            "RANGES" => Section::Ranges,
+            "BOUNDS" => Section::Bounds,
+            "QUADOBJ" => Section::Quadobj,
+            "QSECTION" => Section::Qsection,
+            "QMATRIX" => Section::Qmatrix,
+            "INDICATORS" => Section::Indicators,
+            other => {
+                return Err(head.error(match refused(other) {
+                    Some(mend) => format!("section `{}` cannot be read: {mend}", head.text),
+                    None => format!(
+                        "section `{}` is not known; expected NAME, OBJSENSE, ROWS, COLUMNS, RHS, \
+                         RANGES, BOUNDS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines begin \
+                         with a space)",
+                        head.text
+                    ),
+                }));
+            }
+        })
+    }
+}
+
+/// What to do about sections of other solvers that a model cannot hold.
+fn refused(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "SOS" | "SOS1" | "SOS2" | "SETS" => {
+            "special ordered sets have no place in a model; write them with binaries and \
+             indicators"
+        }
+        "QCMATRIX" | "CSECTION" => "rows must be linear; only the objective can be quadratic",
+        "LAZYCONS" | "USERCUTS" => "move its rows to ROWS, where they always hold",
+        "PWLOBJ" | "PWLNAM" | "PWLCON" | "GENCONS" => {
+            "functions cannot be read from MPS; write them as rows, or in a program with the \
+             functions of a model"
+        }
+        "OBJECTIVES" | "SCENARIOS" => "a model has one objective; keep one",
+        _ => return None,
+    })
+}

@@ -1,0 +1,74 @@
+//! The rows of a model as files hold them, and the refusal of what no file can say.
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::Model;
+use crate::model::ids::Variable;
+use crate::model::indicator::Literal;
+use crate::model::name::Name;
+
+/// A row of a file: a linear row or the row of an indicator.
+pub(crate) struct Line<'a> {
+    pub(crate) name: &'a Name,
+    pub(crate) terms: &'a [(Variable, f64)],
+    pub(crate) limits: Interval,
+    pub(crate) condition: Option<Literal>,
+}
+
+/// The linear rows and then the indicators, in the order of creation.
+///
+/// Names and limits are checked once more here: a model read from elsewhere may hold any.
+pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Line<'a>>, Error> {
+    if model.name().chars().any(|c| c.is_control() && c != '\t') {
+        return Err(Error::InvalidName { name: model.name().to_owned() });
+    }
+    let not_in_file = |what, name: &Name| Error::NotInFile { format, what, name: name.to_string() };
+    if let Some(disjunction) = model.disjunctions().next() {
+        return Err(not_in_file("the disjunction", disjunction.name()));
+    }
+    if let Some(logical) = model.logical_constraints().next() {
+        return Err(not_in_file("the logic of", logical.name()));
+    }
+    if let Some(function) = model.functions().next() {
+        return Err(not_in_file("the function", function.name()));
+    }
+    model.variables().try_for_each(|variable| variable.name().check())?;
+    let rows = model.constraints().map(|row| {
+        let (name, terms, limits) = (row.name(), row.terms(), row.limits());
+        Ok(Line { name, terms, limits, condition: None })
+    });
+    let switched = model.indicators().map(|row| {
+        let (name, terms, limits) = (row.name(), row.terms(), row.limits());
+        let literal = row.condition().as_literal();
+        let literal = literal.ok_or_else(|| not_in_file("the compound condition of", name))?;
+        Ok(Line { name, terms, limits, condition: Some(literal) })
+    });
+    rows.chain(switched)
+        .map(|line| {
+            let line: Line<'_> = line?;
+            line.name.check()?;
+            if line.limits.lower.is_infinite() && line.limits.upper.is_infinite() {
+                return Err(Error::UnlimitedRow { name: line.name.to_string() });
+            }
+            Ok(line)
+        })
+        .collect()
+}
+
+/// A name for the objective row that no other row has.
+pub(crate) fn objective_name(lines: &[Line<'_>]) -> String {
+    let mut name = "obj".to_owned();
+    while lines.iter().any(|line| line.name.step().is_none() && line.name.family() == name) {
+        name.push('_');
+    }
+    name
+}
+
+/// The shortest text that reads back as the same double.
+pub(crate) fn number(value: f64) -> String {
+    let mut text = format!("{value:?}");
+    if text.ends_with(".0") {
+        text.truncate(text.len() - 2);
+    }
+    text
+}

@@ -1,0 +1,7 @@
+//! What the file formats share: pieces of text with their place, numbers, names, bounds, and the
+//! statements that a file can hold.
+
+pub(crate) mod ends;
+pub(crate) mod lines;
+pub(crate) mod names;
+pub(crate) mod token;
