@@ -258,3 +258,54 @@ fn explanations_survive() {
     assert_eq!(copy(&relaxed).stretches(), relaxed.stretches());
     assert_eq!(copy(&relaxed).bound(), relaxed.bound());
 }
+
+/// Disjunctions, parameters and preferences are part of a model as well.
+#[test]
+fn disjunctions_and_parameters_survive() {
+    use carom::model::{Method, Reformulation, Term};
+
+    let mut model = Model::new("ways");
+    let x = model.continuous("x", -4.0, 4.0).unwrap();
+    let n = model.integer("n", 0.0, 3.0).unwrap();
+    let p = model.parameter("p", 1.0, 0.0, 2.0).unwrap();
+    let inner = either(n.le(1.0)).or(n.ge(3.0));
+    let ways = either((x - p).le(-1.0)).or(Term::from(x.ge(p)).and_either(inner));
+    model.add("way", ways.by(Method::Hull)).unwrap();
+    model.set_reformulation(Reformulation::default().with_linear_programs(true));
+    model.minimize(x.square() + n).unwrap();
+    let mut again: Model = copy(&model);
+    assert_eq!(again.to_string(), model.to_string());
+    assert_eq!(again.reformulation(), model.reformulation());
+    let (a, b) = (again.disjunctions().next().unwrap(), model.disjunctions().next().unwrap());
+    assert_eq!((a.id(), a.method()), (b.id(), b.method()));
+    assert_eq!(model.disjunction_by_name("way"), Ok(b.id()));
+    again.set_parameter(p, 2.0).unwrap();
+    assert!(again.set_parameter(p, 2.5).is_err());
+    // A lowered form belongs to the model it was made from, not to its copy.
+    let lowered = carom::reformulate::lower(&model).unwrap();
+    let mut solver = BranchAndBound::default();
+    assert!(lowered.solve(&model, &mut solver).is_ok());
+    assert!(matches!(lowered.solve(&again, &mut solver), Err(Error::Stale { .. })));
+
+    let whole = serde_json::to_value(&model).unwrap();
+    let error = |place: &str, value: serde_json::Value| {
+        let mut damaged = whole.clone();
+        *damaged.pointer_mut(place).unwrap_or_else(|| panic!("no {place} in {whole}")) = value;
+        serde_json::from_value::<Model>(damaged).unwrap_err().to_string()
+    };
+    let terms = "/disjunctions/0/terms";
+    for (place, value, expected) in [
+        ("/variables/2/lower".into(), 1.5.into(), "`p` is not a parameter"),
+        ("/variables/2/range/1".into(), 0.5.into(), "the value of the parameter `p` is 1"),
+        ("/variables/2/kind".into(), "Integer".into(), "`p` is not a parameter"),
+        (format!("{terms}/0/selector/variable/index"), 0.into(), "`x` is not binary"),
+        (format!("{terms}/0/selector/variable/index"), 99.into(), "variable number 99"),
+        (format!("{terms}/0/rows/0/upper"), "-inf".into(), "the upper limit of `way`"),
+        (format!("{terms}/1/nested/0"), serde_json::json!([]), "the number of levels or terms"),
+        (terms.into(), serde_json::json!([]), "the number of levels or terms of `way` is 0"),
+    ] {
+        let place: String = place;
+        let found = error(&place, value);
+        assert!(found.contains(expected), "{place}: {found}");
+    }
+}

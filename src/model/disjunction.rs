@@ -268,25 +268,34 @@ fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), E
 }
 
 impl StoredTerm {
-    /// Checks a term from a file.
+    /// Checks the terms of one level from a file.
     #[cfg(feature = "serde")]
-    pub(super) fn checked(self, model: &Model, name: &Name, depth: u32) -> Result<Self, Error> {
-        check_selector(self.selector, model, name)?;
-        if depth > DEEPEST || self.nested.iter().any(Vec::is_empty) {
+    pub(super) fn checked_all(
+        terms: Vec<StoredTerm>,
+        model: &Model,
+        name: &Name,
+        depth: u32,
+    ) -> Result<Vec<Self>, Error> {
+        if terms.is_empty() || depth > DEEPEST {
             return Err(Error::OutOfRange {
                 what: format!("the number of levels or terms of `{name}`"),
-                value: f64::from(depth),
+                value: if terms.is_empty() { 0.0 } else { f64::from(depth) },
                 range: format!("at least 1 term and at most {DEEPEST} levels"),
             });
         }
-        let rows = self.rows.into_iter().map(|row| row.checked(model, name));
-        let rows = rows.collect::<Result<_, _>>()?;
-        let level = |terms: Vec<StoredTerm>| {
-            let terms = terms.into_iter().map(|term| term.checked(model, name, depth + 1));
-            terms.collect::<Result<Vec<_>, _>>()
+        let check = |term: StoredTerm| {
+            check_selector(term.selector, model, name)?;
+            let rows = term.rows.into_iter().map(|row| row.checked(model, name));
+            let rows = rows.collect::<Result<_, _>>()?;
+            let nested = term.nested.into_iter();
+            let nested = nested.map(|inner| Self::checked_all(inner, model, name, depth + 1));
+            Ok(StoredTerm {
+                selector: term.selector,
+                rows,
+                nested: nested.collect::<Result<_, _>>()?,
+            })
         };
-        let nested = self.nested.into_iter().map(level).collect::<Result<_, _>>()?;
-        Ok(StoredTerm { selector: self.selector, rows, nested })
+        terms.into_iter().map(check).collect()
     }
 
     /// Calls `visit` with every row of the term and of those inside it.

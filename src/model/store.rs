@@ -141,8 +141,8 @@ impl TryFrom<Stored> for Model {
             model.add(name, logic)?;
         }
         for DisjunctionData { name, method, terms } in stored.disjunctions {
-            let checked = terms.into_iter().map(|term| term.checked(&model, &name, 1));
-            let terms = checked.collect::<Result<_, _>>()?;
+            name.check()?;
+            let terms = StoredTerm::checked_all(terms, &model, &name, 1)?;
             model.push_disjunction(name, method, terms)?;
         }
         model.set_reformulation(stored.reformulation);
