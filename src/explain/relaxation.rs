@@ -9,7 +9,7 @@ use super::groups::selected;
 use crate::error::Error;
 use crate::model::{Model, Name};
 use crate::reformulate::Side;
-use crate::solution::{Point, Termination, Verification};
+use crate::solution::{Point, Termination, Verification, for_reading};
 use crate::solver::{Budget, Interrupt, Solver};
 
 /// Options of [`relaxation`].
@@ -221,8 +221,8 @@ pub fn relaxation(
 impl fmt::Display for Stretch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.side {
-            Some(Side::Lower) => write!(f, "lower `{}` by {}", self.name, self.amount),
-            Some(Side::Upper) => write!(f, "raise `{}` by {}", self.name, self.amount),
+            Some(Side::Lower) => write!(f, "lower `{}` by {}", self.name, for_reading(self.amount)),
+            Some(Side::Upper) => write!(f, "raise `{}` by {}", self.name, for_reading(self.amount)),
             None => write!(f, "drop `{}`", self.name),
         }
     }

@@ -11,6 +11,7 @@ mod verification;
 
 pub use point::{Evaluate, Point};
 pub use status::{PrimalStatus, Statistics, Termination};
+pub(crate) use verification::for_reading;
 pub use verification::{Checked, Verification, Violation, ViolationKind};
 
 use crate::error::Error;

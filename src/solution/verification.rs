@@ -96,7 +96,7 @@ impl fmt::Display for Violation {
             ViolationKind::Disjunction => "the disjunction",
             ViolationKind::Function => "the function",
         };
-        write!(f, "{what} `{}` by {}", self.name, self.amount)
+        write!(f, "{what} `{}` by {}", self.name, for_reading(self.amount))
     }
 }
 
@@ -240,6 +240,11 @@ impl Verification {
             self.largest_residual = amount;
         }
     }
+}
+
+/// A number as a reader wants it: rounded to six significant digits.
+pub(crate) fn for_reading(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// By how much a statement is missed, the largest number in it, and the scale of its tolerance.
