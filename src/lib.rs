@@ -247,6 +247,8 @@ pub mod branch_and_bound;
 pub mod collision_tolerant;
 pub mod error;
 pub mod explain;
+#[cfg(not(target_family = "wasm"))]
+pub mod external;
 pub mod guide;
 pub mod hybrid;
 pub mod interval;

@@ -11,8 +11,16 @@ const GROUND: [&str; 7] = ["error", "tolerance", "wire", "interval", "model", "s
 const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];
 
 /// The solving tower on the ground, from the bottom up.
-const SOLVING: [&str; 7] =
-    ["program", "presolve", "relaxation", "reformulate", "search", "branch_and_bound", "explain"];
+const SOLVING: [&str; 8] = [
+    "program",
+    "presolve",
+    "relaxation",
+    "reformulate",
+    "search",
+    "branch_and_bound",
+    "explain",
+    "external",
+];
 
 /// Files that name everything.
 const EXEMPT: [&str; 3] = ["lib", "prelude", "guide"];

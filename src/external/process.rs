@@ -1,0 +1,143 @@
+//! Running a program: a folder of its own, a deadline, an interrupt.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
+use web_time::{Duration, Instant};
+
+use super::dialect::{Answer, Claim, Dialect, Files};
+use crate::error::Error;
+use crate::solution::Termination;
+use crate::solver::{Interrupt, Options};
+
+/// How often a running program is looked at.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// How long a program may go on after its own time limit, to finish its answer.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// One call of a program.
+pub(super) struct Run<'a> {
+    pub(super) dialect: &'a dyn Dialect,
+    pub(super) program: &'a str,
+    pub(super) options: &'a Options,
+    pub(super) time_left: Option<Duration>,
+    pub(super) interrupt: &'a Interrupt,
+}
+
+impl Run<'_> {
+    /// Hands the model over and reads the answer; with it, why the program was stopped, if it was.
+    pub(super) fn answer(&self, model: &str) -> Result<(Answer, Option<Termination>), Error> {
+        if self.interrupt.is_triggered() {
+            return Ok((Answer::new(Claim::Unknown), Some(Termination::Interrupted)));
+        }
+        if self.time_left == Some(Duration::ZERO) {
+            return Ok((Answer::new(Claim::Unknown), Some(Termination::TimeLimit)));
+        }
+        let folder = Folder::fresh().map_err(|e| self.failed("its folder cannot be made", &e))?;
+        let files = folder.files();
+        let written = |path: &Path, text: &str| {
+            fs::write(path, text).map_err(|e| self.failed("its files cannot be written", &e))
+        };
+        written(&files.model, model)?;
+        if let Some(settings) = self.dialect.settings(self.options, self.time_left) {
+            written(&files.settings, &settings)?;
+        }
+        let log = folder.path.join("printed");
+        let output = File::create(&log).and_then(|file| Ok((file.try_clone()?, file)));
+        let (output, errors) =
+            output.map_err(|e| self.failed("its files cannot be written", &e))?;
+        let child = Command::new(self.program)
+            .args(self.dialect.arguments(&files, self.options, self.time_left))
+            .current_dir(&folder.path)
+            .stdin(Stdio::null())
+            .stdout(output)
+            .stderr(errors)
+            .spawn()
+            .map_err(|e| self.failed("it cannot be started; is it on the PATH?", &e))?;
+        let stopped = self.wait(child)?;
+        let printed = fs::read(&log).unwrap_or_default();
+        let printed = String::from_utf8_lossy(&printed);
+        let solution = fs::read(&files.solution).ok();
+        let solution = solution.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        match self.dialect.read(solution.as_deref(), &printed) {
+            Ok(answer) => Ok((answer, stopped)),
+            Err(_) if stopped.is_some() => Ok((Answer::new(Claim::Unknown), stopped)),
+            Err(what) => {
+                let last: Vec<&str> = printed.lines().rev().take(3).collect();
+                let last: Vec<&str> = last.into_iter().rev().collect();
+                let (program, last) = (self.program, last.join(" / "));
+                let message = format!("{program}: {what}; it printed last: {last}");
+                Err(Error::Backend { message })
+            }
+        }
+    }
+
+    /// Waits for the end, or makes one at the deadline or on an interrupt.
+    fn wait(&self, mut child: Child) -> Result<Option<Termination>, Error> {
+        let deadline = self.time_left.and_then(|left| Instant::now().checked_add(left + GRACE));
+        loop {
+            match child.try_wait() {
+                Ok(Some(_)) => return Ok(None),
+                Ok(None) => {}
+                Err(error) => return Err(self.failed("it cannot be waited for", &error)),
+            }
+            let reason = if self.interrupt.is_triggered() {
+                Some(Termination::Interrupted)
+            } else {
+                let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+                late.then_some(Termination::TimeLimit)
+            };
+            if reason.is_some() {
+                // It may have ended by itself meanwhile; either way it is gone afterwards.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Ok(reason);
+            }
+            thread::sleep(PAUSE);
+        }
+    }
+
+    fn failed(&self, what: &str, error: &io::Error) -> Error {
+        Error::Backend { message: format!("{}: {what} ({error})", self.program) }
+    }
+}
+
+/// A folder that is removed when it is no longer needed.
+struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    fn fresh() -> io::Result<Self> {
+        static COUNTER: AtomicU64 = AtomicU64::new(0);
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let name = format!("carom-{}-{number}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        // What another process of the same number has left behind.
+        if path.exists() {
+            fs::remove_dir_all(&path)?;
+        }
+        fs::create_dir_all(&path)?;
+        Ok(Folder { path })
+    }
+
+    fn files(&self) -> Files {
+        Files {
+            model: self.path.join("model.mps"),
+            solution: self.path.join("solution.txt"),
+            settings: self.path.join("settings.txt"),
+        }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // Nothing can be done where the system refuses.
+        let _ = fs::remove_dir_all(&self.path);
+    }
+}

@@ -1,0 +1,83 @@
+//! A model of rows as a minimisation with plain names and without a constant, which every program
+//! reads the same way.
+
+use std::collections::HashMap;
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Affine, Model, Quadratic, Sense, Variable, mps};
+
+/// The text that is handed over, and the way back.
+pub(super) struct Translated {
+    pub(super) text: String,
+    /// Objective of the model = `sign * (objective of the file + offset)`.
+    pub(super) sign: f64,
+    pub(super) offset: f64,
+    columns: HashMap<String, usize>,
+}
+
+/// `None` when no whole number lies within the bounds of an integer variable.
+pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
+    let sign = model.sense().sign();
+    let mut plain = Model::new("carom");
+    let mut renamed: Vec<Variable> = Vec::with_capacity(model.variable_count());
+    let mut columns = HashMap::with_capacity(model.variable_count());
+    for (j, variable) in model.variables().enumerate() {
+        let (name, mut bounds) = (format!("c{j}"), variable.bounds());
+        if variable.kind().is_integral() {
+            // Some programs refuse integers whose bounds are not whole.
+            bounds = Interval::new(bounds.lower.ceil(), bounds.upper.floor());
+            if bounds.lower > bounds.upper {
+                return Ok(None);
+            }
+        }
+        renamed.push(plain.variable(&name[..], variable.kind(), bounds.lower, bounds.upper)?);
+        columns.insert(name, j);
+    }
+    let affine = |terms: &[(Variable, f64)], factor: f64| {
+        let mut sum = Affine::zero();
+        terms.iter().for_each(|&(v, a)| sum.add_term(factor * a, renamed[v.index()]));
+        sum
+    };
+    for (i, row) in model.constraints().enumerate() {
+        let limits = row.limits();
+        if row.terms().is_empty() {
+            // A row without variables is true or false; false is what no column can be.
+            if !limits.contains(0.0) {
+                let never = plain.continuous(format!("never{i}").as_str(), 0.0, 0.0)?;
+                let row = never.within(limits.lower, limits.upper);
+                plain.add(format!("r{i}").as_str(), row)?;
+            }
+            continue;
+        }
+        let row = affine(row.terms(), 1.0).within(limits.lower, limits.upper);
+        plain.add(format!("r{i}").as_str(), row)?;
+    }
+    let objective = model.objective();
+    let mut cost = Quadratic::from(affine(&objective.affine().terms(), sign));
+    for (first, second, q) in objective.products() {
+        cost.add_product(sign * q, renamed[first.index()], renamed[second.index()]);
+    }
+    plain.set_objective(Sense::Minimize, cost)?;
+    let offset = sign * objective.affine().offset();
+    Ok(Some(Translated { text: mps::write(&plain)?, sign, offset, columns }))
+}
+
+impl Translated {
+    /// One value per column of the model, in order.
+    pub(super) fn values(&self, found: &[(String, f64)]) -> Result<Vec<f64>, Error> {
+        let mut values = vec![0.0; self.columns.len()];
+        for (name, value) in found {
+            match self.columns.get(name) {
+                Some(&j) if value.is_finite() => values[j] = *value,
+                // Columns of rows without variables.
+                None if name.starts_with("never") => {}
+                _ => {
+                    let message = format!("it says that `{name}` is {value}");
+                    return Err(Error::Backend { message });
+                }
+            }
+        }
+        Ok(values)
+    }
+}

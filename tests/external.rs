@@ -1,0 +1,244 @@
+//! Other solvers as programs. Their answers are read from recorded texts; a pretended program shows
+//! what happens when one is missing, hangs, lies or babbles; and where CBC and GLPK are installed,
+//! they are compared with enumeration. `CAROM_EXTERNAL=required` makes it an error that they are not.
+#![cfg(unix)]
+
+mod common;
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use carom::external::{Answer, Cbc, Claim, Dialect, ExternalSolver, Files, Glpk, Highs, Scip};
+use carom::prelude::*;
+use common::config;
+use common::enumeration::optimum;
+use common::generate::{Shape, case};
+use common::quadratic_program::Minimum;
+use proptest::prelude::*;
+
+// -- what programs write ------------------------------------------------------------------------
+
+/// Maximises 3 c0 + 2 c1 - c2 as a minimisation: -11 at (3, 1, 0).
+fn expect(answer: Result<Answer, String>, bound: Option<f64>) {
+    let answer = answer.unwrap();
+    assert_eq!(
+        (answer.claim, answer.objective, answer.bound),
+        (Claim::Optimal, Some(-11.0), bound)
+    );
+    let values: Vec<f64> = answer.values.unwrap().iter().map(|(_, value)| *value).collect();
+    assert!(values == [3.0, 1.0, 0.0] || values == [3.0, 1.0], "{values:?}");
+}
+
+#[test]
+fn recorded_answers_are_read() {
+    let cbc = "Optimal - objective value -11.00000000\n      0 c0                     3            \
+               -3\n      1 c1                     1                      -2\n      2 c2            \
+               0                       1\n";
+    expect(Cbc.read(Some(cbc), "Enumerated nodes:               7\n"), None);
+    assert_eq!(Cbc.read(Some(cbc), "Enumerated nodes:    7\n").unwrap().nodes, Some(7));
+    let glpk = "c Problem:    a\nc Objective:  obj = -11 (MINimum)\nc\ns mip 2 3 o -11\ni 1 7\n\
+                i 2 3\nj 1 3\nj 2 1\nj 3 0\ne o f\n";
+    expect(Glpk.read(Some(glpk), ""), None);
+    let highs = "Model status\nOptimal\n\n# Primal solution values\nFeasible\nObjective -11\n# Columns 3\n\
+                 c0 3\nc1 1\nc2 0\n# Rows 2\nr0 7\nr1 3\n\n# Dual solution values\nNone\n";
+    expect(
+        Highs.read(Some(highs), "  Dual bound        -11\n  Nodes             0\n"),
+        Some(-11.0),
+    );
+    let scip = "solution status: optimal solution found\nobjective value:              -11\n\
+                c0                    3 \t(obj:-3)\nc1              1 \t(obj:-2)\n";
+    let printed = "SCIP Status        : problem is solved [optimal solution found]\n\
+                   Solving Nodes      : 1\nDual Bound         : -1.10000000000000e+01\n";
+    expect(Scip.read(Some(scip), printed), Some(-11.0));
+}
+
+#[test]
+fn other_endings_are_told_apart() {
+    let cbc = |first: &str| Cbc.read(Some(first), "Lower bound:      2.5\n").unwrap();
+    assert_eq!(cbc("Infeasible - objective value 0.00").claim, Claim::Infeasible);
+    assert_eq!(cbc("Integer infeasible - objective value 0.00").claim, Claim::Infeasible);
+    assert_eq!(cbc("Unbounded - objective value 0.00").claim, Claim::Unbounded);
+    let late = cbc("Stopped on time - objective value 7.5\n  0 c0  1  0");
+    assert_eq!(late.claim, Claim::Limit(Termination::TimeLimit));
+    assert_eq!((late.objective, late.bound), (Some(7.5), Some(2.5)));
+    let none = cbc("Stopped on time (no integer solution - continuous used) - objective value 1\n");
+    assert_eq!(none.values, None);
+    let glpk = |text: &str, log: &str| Glpk.read(Some(text), log).unwrap().claim;
+    assert_eq!(glpk("s mip 2 3 n 0\n", ""), Claim::Infeasible);
+    assert_eq!(glpk("s bas 2 3 n f 0\n", ""), Claim::Infeasible);
+    assert_eq!(glpk("s bas 2 3 f n 0\n", ""), Claim::Unbounded);
+    let late = Claim::Limit(Termination::TimeLimit);
+    assert_eq!(glpk("s mip 2 3 u 0\n", "TIME LIMIT EXCEEDED; SEARCH TERMINATED\n"), late);
+    let highs = "Model status\nInfeasible\n\n# Primal solution values\nNone\n";
+    assert_eq!(Highs.read(Some(highs), "").unwrap(), Answer::new(Claim::Infeasible));
+    let scip = "SCIP Status        : problem is solved [infeasible]\nDual Bound   : +1e+20\n";
+    assert_eq!(Scip.read(Some("no solution available\n"), scip).unwrap().claim, Claim::Infeasible);
+    for dialect in [&Cbc as &dyn Dialect, &Glpk, &Highs, &Scip] {
+        assert!(dialect.read(None, "").is_err(), "{dialect:?}");
+        // Whatever is in the texts, reading them does not panic.
+        for text in ["", "\n\n", "Model status", "s mip", "j x y", "# Columns 9\nc0", "** 1"] {
+            drop(dialect.read(Some(text), text));
+        }
+    }
+}
+
+// -- a pretended program ------------------------------------------------------------------------
+
+/// A shell script that stands in for CBC: it finds the solution's path in its last argument.
+struct Pretended {
+    path: PathBuf,
+}
+
+impl Pretended {
+    fn new(name: &str, body: &str) -> Self {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+        let path = folder.join(format!("pretended_{name}.sh"));
+        let script = format!("#!/bin/sh\nfor last; do :; done\nout=\"$last\"\n{body}\n");
+        std::fs::write(&path, script).unwrap();
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).unwrap();
+        Pretended { path }
+    }
+
+    fn solver(&self) -> ExternalSolver {
+        ExternalSolver::cbc().with_program(self.path.to_string_lossy())
+    }
+}
+
+/// Least x >= 0.5 with x >= 2 where z is off; opening costs 5: 2 at z = 0.
+fn gate() -> (Model, Variable) {
+    let mut model = Model::new("gate");
+    let z = model.binary("z").unwrap();
+    let x = model.continuous("x", 0.5, 1000.0).unwrap();
+    model.add("shut", z.off().implies(x.ge(2.0))).unwrap();
+    model.minimize(x + 5.0 * z + 100.0).unwrap();
+    (model, x)
+}
+
+#[test]
+fn a_point_is_certified_not_believed() {
+    let (model, x) = gate();
+    // Its binary is whole only nearly, and x has trickled below 2.
+    let sloppy = "printf 'Optimal - objective value 2\\n0 c0 0.000001 5\\n1 c1 1.9985 1\\n' > $out";
+    let solution = Pretended::new("sloppy", sloppy).solver().solve(&model).unwrap();
+    assert!(solution.is_optimal());
+    assert!((solution.value(x).unwrap() - 2.0).abs() < 1e-6);
+    assert!((solution.objective().unwrap() - 102.0).abs() < 1e-6);
+    assert!(solution.bound() <= 102.0 && solution.bound() > 101.99);
+    assert!(solution.verification().unwrap().holds());
+}
+
+#[test]
+fn what_is_missing_or_babbles_is_an_error_that_says_so() {
+    let (model, _) = gate();
+    let message = |solver: ExternalSolver| {
+        let mut solver = solver;
+        solver.solve(&model).unwrap_err().to_string()
+    };
+    let missing = message(ExternalSolver::cbc().with_program("no-such-solver"));
+    assert!(
+        missing.contains("no-such-solver: it cannot be started; is it on the PATH?"),
+        "{missing}"
+    );
+    let silent = message(Pretended::new("silent", "echo licence expired; exit 3").solver());
+    assert!(silent.contains("it wrote no solution; it printed last: licence expired"), "{silent}");
+    let babble = "printf 'Optimal - objective value 2\\nhello\\n' > $out";
+    let babble = message(Pretended::new("babble", babble).solver());
+    assert!(babble.contains("its solution has a line without a value"), "{babble}");
+    let stranger = "printf 'Optimal - objective value 2\\n0 speed 1 0\\n' > $out";
+    let stranger = message(Pretended::new("stranger", stranger).solver());
+    assert!(stranger.contains("it says that `speed` is 1"), "{stranger}");
+    let mut quadratic = model.clone();
+    quadratic.minimize(model.objective().clone() + Quadratic::zero()).unwrap();
+    let x = quadratic.variable_by_name("x").unwrap();
+    quadratic.minimize(x.square()).unwrap();
+    let refused = ExternalSolver::cbc().solve(&quadratic).unwrap_err().to_string();
+    assert!(refused.contains("cbc takes no quadratic objective with integers"), "{refused}");
+}
+
+#[test]
+fn what_hangs_is_stopped() {
+    let (model, _) = gate();
+    let hanging = Pretended::new("hanging", "exec sleep 60");
+    let interrupt = Interrupt::new();
+    let (mut solver, start) = (hanging.solver(), Instant::now());
+    let solution = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            std::thread::sleep(Duration::from_millis(200));
+            interrupt.trigger();
+        });
+        solver.solve_with(&model, &mut Control::default().with_interrupt(&interrupt)).unwrap()
+    });
+    assert_eq!(solution.termination(), Termination::Interrupted);
+    assert!(solution.point().is_none() && solution.bound() == f64::NEG_INFINITY);
+    let options = Options::default().with_time_limit(Duration::from_millis(100));
+    let solution = hanging.solver().with_options(options).solve(&model).unwrap();
+    assert_eq!(solution.termination(), Termination::TimeLimit);
+    // It sleeps for a minute; that it was not waited for is the point, not how long it took.
+    assert!(start.elapsed() < Duration::from_secs(50));
+}
+
+/// The file that is handed over, as the program sees it.
+#[test]
+fn the_file_is_a_minimisation_with_plain_names() {
+    #[derive(Debug)]
+    struct Copying;
+    impl Dialect for Copying {
+        fn program(&self) -> &str {
+            "cp"
+        }
+        fn arguments(&self, files: &Files, _: &Options, _: Option<Duration>) -> Vec<String> {
+            let path = |p: &PathBuf| p.to_string_lossy().into_owned();
+            vec![path(&files.model), path(&files.solution)]
+        }
+        fn read(&self, solution: Option<&str>, _: &str) -> Result<Answer, String> {
+            Err(solution.unwrap_or("nothing").replace('\n', ";"))
+        }
+    }
+    let mut model = Model::new("m");
+    let x = model.continuous("x y".replace(' ', "-").as_str(), -1.0, 4.0).unwrap();
+    model.add("limit", (2.0 * x).le(3.0)).unwrap();
+    model.maximize(x + 7.0).unwrap();
+    let text = ExternalSolver::new(Copying).solve(&model).unwrap_err().to_string();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    assert!(text.contains("N obj; L r0;COLUMNS; c0 obj -1; c0 r0 2;RHS; RHS r0 3;"), "{text}");
+}
+
+// -- real programs ------------------------------------------------------------------------------
+
+/// The programs that are installed; none is missing where that is required.
+fn installed() -> Vec<ExternalSolver> {
+    let required = std::env::var("CAROM_EXTERNAL").is_ok_and(|value| value == "required");
+    let found = |solver: &ExternalSolver, program: &str| {
+        let runs = Command::new(program).arg("--version").output().is_ok();
+        assert!(runs || !required, "{} is not installed", solver.name());
+        runs
+    };
+    let known = [(ExternalSolver::cbc(), "cbc"), (ExternalSolver::glpk(), "glpsol")];
+    known.into_iter().filter(|(solver, program)| found(solver, program)).map(|(s, _)| s).collect()
+}
+
+proptest! {
+    #![proptest_config(config(40, "tests/regressions/external.txt"))]
+
+    /// Random linear programs with integers and indicators.
+    #[test]
+    fn programs_agree_with_enumeration(case in case(Shape { quadratic: false, ..Shape::BOUNDED })) {
+        let (model, _) = case.build();
+        for mut solver in installed() {
+            let solution = solver.solve(&model).unwrap();
+            match optimum(&case) {
+                Minimum::Attained { value, point } => {
+                    prop_assert!(solution.is_optimal(), "{}: {solution:?}", solver.name());
+                    let found = case.sign() * solution.objective().unwrap();
+                    prop_assert!((found - value).abs() < 1e-5 * value.abs().max(1.0), "{point:?}");
+                    let point = solution.point().unwrap();
+                    prop_assert_eq!(case.violation(point.as_slice(), 1e-6), None);
+                }
+                _ => prop_assert!(solution.is_infeasible(), "{}: {solution:?}", solver.name()),
+            }
+        }
+    }
+}
