@@ -232,7 +232,7 @@
 //! | [`error`], [`tolerance`], [`interval`] | [`hybrid`] | [`reformulate`] |
 //! | [`model`] | [`collision_tolerant`] | [`program`], [`presolve`] |
 //! | [`solution`] | | [`relaxation`], [`search`] |
-//! | [`solver`] | | [`branch_and_bound`], [`explain`] |
+//! | [`solver`] | | [`branch_and_bound`], [`explain`], [`external`] |
 //!
 //! The towers never import each other: planners see a solver only through its trait.
 //!
