@@ -9,6 +9,7 @@ mod domain;
 mod probing;
 mod propagation;
 mod reduce;
+mod tightening;
 
 pub use domain::Domain;
 pub use probing::probe;
