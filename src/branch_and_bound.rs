@@ -65,7 +65,9 @@ impl Solver for BranchAndBound {
             Point::new(model, lowered.restore(values))
                 .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
         };
-        let found = search(Task { program: &program, accept: &accept, options, start }, control);
+        let (program, accept, cutoff) = (&program, &accept, f64::INFINITY);
+        let task = Task { program, accept, options, start, cutoff, nested: false };
+        let found = search(task, control);
         let mut statistics = found.statistics;
         statistics.time = start.elapsed();
         let outcome = Outcome {

@@ -84,7 +84,8 @@ impl Propagator {
     /// `cutoff`, where the objective is linear. What is then refuted is refuted *up to the
     /// cutoff*. Returns the cutoff in force: infinite for other objectives.
     pub fn set_cutoff(&mut self, program: &Program, cutoff: f64) -> f64 {
-        let objective = &mut self.rows[program.row_count()];
+        let last = self.objective();
+        let objective = &mut self.rows[last];
         if objective.range[0] == objective.range[1] {
             return f64::INFINITY;
         }
@@ -129,11 +130,16 @@ impl Propagator {
             }
             self.enqueue_uses(column, is_upper, usize::MAX);
         }
-        let objective = program.row_count();
+        let objective = self.objective();
         if self.rows[objective].limits[1] < f64::INFINITY {
             self.enqueue(objective);
         }
         self.run(program, domain)
+    }
+
+    /// The number of the objective's line: the last one.
+    fn objective(&self) -> usize {
+        self.rows.len() - 1
     }
 
     fn enqueue(&mut self, row: usize) {

@@ -10,7 +10,6 @@
 
 use super::node::Decision;
 use super::worker::{Verdict, Worker};
-use crate::presolve::{Reduction, reduce};
 
 /// Trials of new columns per node.
 const TRIALS: usize = 8;
@@ -28,6 +27,8 @@ pub(super) enum Split {
     Both([Decision; 2]),
     /// One child: the other one is refuted or beyond the cutoff.
     One(Decision),
+    /// A child a side of a disjunction, the one to visit first in front.
+    Sides(Vec<Vec<Decision>>),
     /// No child: both are.
     Nothing,
     /// No integral column is left to split.
@@ -51,6 +52,12 @@ impl Pseudocosts {
         self.count[column].iter().all(|&c| c > 0)
     }
 
+    /// Expected gain of raising a column by `fraction`, if anything is known.
+    pub(super) fn gain_up(&self, column: usize, fraction: f64) -> Option<f64> {
+        let count = self.count[column][1];
+        (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
+    }
+
     /// Product of the expected gains of both children.
     fn score(&self, column: usize, value: f64) -> f64 {
         let expected = |side: usize, fraction: f64| {
@@ -63,6 +70,11 @@ impl Pseudocosts {
 }
 
 impl Worker<'_> {
+    /// How many children are tried before a split: none in a search for one better point.
+    pub(super) fn trials(&self) -> usize {
+        if self.task.nested { 0 } else { TRIALS }
+    }
+
     /// Chooses a split of the current node with relaxed point `x` and bound `bound`.
     pub(super) fn choose_split(&mut self, x: &[f64], bound: f64) -> Split {
         let integrality = self.task.options.integrality;
@@ -78,11 +90,14 @@ impl Worker<'_> {
         if program.is_feasibility_problem() || bound == f64::NEG_INFINITY {
             return Split::Both(self.split(latest, x[latest]));
         }
+        if let Some(split) = self.split_disjunction(x, bound) {
+            return split;
+        }
         // The most fractional of the unknown columns are tried; then the best score wins.
         let mut unknown: Vec<usize> =
             open.iter().copied().filter(|&j| !self.pseudocosts.known(j)).collect();
         unknown.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)).then(a.cmp(&b)));
-        for &j in unknown.iter().take(TRIALS) {
+        for &j in unknown.iter().take(self.trials()) {
             let [first, second] = self.split(j, x[j]);
             let (a, b) = (self.try_child(first, x[j], bound), self.try_child(second, x[j], bound));
             match (a, b) {
@@ -101,14 +116,13 @@ impl Worker<'_> {
     }
 
     /// Solves a child on trial and learns from it; `true` when it needs no visit.
-    fn try_child(&mut self, decision: Decision, value: f64, bound: f64) -> bool {
+    pub(super) fn try_child(&mut self, decision: Decision, value: f64, bound: f64) -> bool {
         let mark = self.domain.mark();
         self.domain.apply(decision.column, decision.is_upper, decision.value);
-        let propagated = self.propagator.propagate_since(self.task.program, &mut self.domain, mark);
-        let reduced = propagated.ok().map(|()| reduce(self.program(), &self.domain));
-        let verdict = match reduced {
-            Some(Reduction::Reduced(reduced)) => self.relax(&reduced, false),
-            _ => Verdict::Refuted,
+        let propagated = self.propagate_since(mark);
+        let verdict = match propagated.ok().and_then(|()| self.project_node()) {
+            Some(projection) => self.relax(&projection.reduced, false),
+            None => Verdict::Refuted,
         };
         self.domain.undo_to(mark);
         match verdict {

@@ -1,13 +1,20 @@
 //! Processing nodes: propagate, reduce, relax, bound, branch.
 
 use super::branching::{Pseudocosts, Split};
+use super::neighbourhood::Schedule;
 use super::node::{Decision, Node};
+use super::probing::Probing;
 use super::reporter::Reporter;
-use super::root::{NODE_TRIALS, Root, late_first};
+use super::root::{Root, late_first};
 use super::tree::Tree;
 use super::unbounded::{is_descent_ray, recession_program};
 use super::{Found, Task, search};
-use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, probe, reduce};
+use std::cell::Cell;
+
+use crate::presolve::{
+    Conflict, Domain, Projection, Propagator, Reduced, Reduction, probe, project, reduce,
+    tighten_coefficients,
+};
 use crate::program::Program;
 use crate::relaxation::{
     Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
@@ -22,7 +29,12 @@ pub(super) struct Worker<'a> {
     pub(super) tree: &'a Tree<'a>,
     id: usize,
     pub(super) domain: Domain,
+    /// Of the tree's program.
     pub(super) propagator: Propagator,
+    /// Of the program to solve: points are sought among all of its points.
+    pub(super) plain: Propagator,
+    tree_program: &'a Program,
+    pub(super) covers: &'a [Vec<usize>],
     late_first: Vec<usize>,
     relaxation: ClarabelRelaxation,
     pub(super) pseudocosts: Pseudocosts,
@@ -35,6 +47,9 @@ pub(super) struct Worker<'a> {
     pub(super) cutoff: f64,
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
+    pub(super) neighbourhoods: Schedule,
+    probing: Probing,
+    root_domain: &'a Domain,
     /// Whether the root, probed before the search, has been processed.
     root_done: bool,
 }
@@ -52,7 +67,7 @@ pub(super) enum Verdict {
 }
 
 impl<'a> Worker<'a> {
-    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, root: &Root, id: usize) -> Self {
+    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, root: &'a Root, id: usize) -> Self {
         let domain = root.domain.clone();
         Worker {
             task,
@@ -60,7 +75,10 @@ impl<'a> Worker<'a> {
             id,
             root: domain.mark(),
             domain,
-            propagator: Propagator::new(task.program),
+            propagator: Propagator::new(&root.program),
+            plain: Propagator::new(task.program),
+            tree_program: &root.program,
+            covers: &root.covers,
             late_first: late_first(task.program),
             relaxation: ClarabelRelaxation::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
@@ -68,6 +86,9 @@ impl<'a> Worker<'a> {
             root_conflict: root.conflict,
             cutoff: f64::INFINITY,
             since_rounding: u64::MAX,
+            neighbourhoods: Schedule::new(),
+            probing: Probing::new(),
+            root_domain: &root.domain,
             root_done: false,
         }
     }
@@ -96,13 +117,14 @@ impl<'a> Worker<'a> {
     fn process(&mut self, node: Node) -> Option<Node> {
         self.tree.count(|s| s.nodes += 1);
         let entered = self.root_conflict.is_none() && self.enter(&node.path).is_ok();
-        let reduction = entered.then(|| reduce(self.program(), &self.domain));
-        let Some(Reduction::Reduced(reduced)) = reduction else {
+        let projection = if entered { self.project_node() } else { None };
+        let Some(projection) = projection else {
             self.tree.count(|s| s.refuted_by_propagation += 1);
             self.close_refuted();
             return None;
         };
-        let (bound, x) = match self.relax(&reduced, node.path.is_empty()) {
+        let reduced = &projection.reduced;
+        let (bound, x) = match self.relax(reduced, node.path.is_empty()) {
             Verdict::Refuted => {
                 self.close_refuted();
                 return None;
@@ -130,20 +152,30 @@ impl<'a> Worker<'a> {
         }
         if self.is_leaf() {
             // The relaxation of a leaf is the leaf.
-            if self.offer_leaf(&reduced, &x) {
+            if self.offer_leaf(reduced, &x) {
                 self.tree.close(bound);
             } else {
                 self.tree.stall(bound);
             }
             return None;
         }
-        let point = reduced.lift(&x);
-        self.look_for_points(&point, node.path.is_empty());
+        let point = projection.lift(&x);
+        self.look_for_points(&point, bound, node.path.is_empty());
         if bound >= self.tree.cutoff() {
             self.tree.close(bound);
             return None;
         }
         self.branch(node, bound, &point)
+    }
+
+    /// What is to be relaxed at the node of the domain; nothing when it is refuted.
+    pub(super) fn project_node(&self) -> Option<Projection> {
+        let Reduction::Reduced(mut reduced) = reduce(self.tree_program, &self.domain) else {
+            return None;
+        };
+        let integral = &self.tree_program.integral;
+        tighten_coefficients(&mut reduced, integral);
+        Some(project(*reduced, integral))
     }
 
     /// A node without a feasible point below the cutoff in force.
@@ -155,13 +187,14 @@ impl<'a> Worker<'a> {
 
     fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
         let split = self.choose_split(point, bound);
-        let child = |decision: Decision| {
-            let mut path = Vec::with_capacity(node.path.len() + 1);
+        let child_of = |decisions: &[Decision]| {
+            let mut path = Vec::with_capacity(node.path.len() + decisions.len());
             path.extend_from_slice(&node.path);
-            path.push(decision);
-            let fraction = (point[decision.column] - decision.value).abs();
-            Node { path, bound, fraction, serial: 0 }
+            path.extend_from_slice(decisions);
+            let moved = |last: &Decision| (point[last.column] - last.value).abs();
+            Node { path, bound, fraction: decisions.last().map_or(0.0, moved), serial: 0 }
         };
+        let child = |decision: Decision| child_of(&[decision]);
         let bounded = |d: &Decision| {
             self.domain.lower(d.column).is_finite() && self.domain.upper(d.column).is_finite()
         };
@@ -173,6 +206,12 @@ impl<'a> Worker<'a> {
             Split::One(only) => {
                 self.close_refuted();
                 Some(child(only))
+            }
+            Split::Sides(sides) => {
+                // Sides that a trial closed are not among them.
+                self.close_refuted();
+                sides.iter().skip(1).for_each(|side| self.tree.push(child_of(side)));
+                sides.first().map(|side| child_of(side))
             }
             // Without any bound, splitting an unbounded column would never end.
             Split::Both([first, second]) if bound > f64::NEG_INFINITY || bounded(&first) => {
@@ -194,18 +233,17 @@ impl<'a> Worker<'a> {
             self.domain.undo_to(self.root);
             self.path.clear();
         }
-        self.cutoff = self.propagator.set_cutoff(self.task.program, self.tree.cutoff());
+        self.cutoff = self.propagator.set_cutoff(self.tree_program, self.tree.cutoff());
+        self.plain.set_cutoff(self.task.program, self.tree.cutoff());
         let mark = self.domain.mark();
         let fresh = &path[self.path.len()..];
         for decision in fresh {
             self.domain.apply(decision.column, decision.is_upper, decision.value);
         }
-        let program = self.task.program;
+        let program = self.tree_program;
         let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
         if result.is_ok() && self.root_done {
-            let (domain, propagator) = (&mut self.domain, &mut self.propagator);
-            let go_on = || self.tree.limit_reached().is_none();
-            result = probe(program, domain, propagator, &self.late_first, NODE_TRIALS, &go_on);
+            result = self.probe_node();
         }
         self.root_done = true;
         if result.is_ok() {
@@ -213,6 +251,22 @@ impl<'a> Worker<'a> {
         } else {
             self.domain.undo_to(mark);
         }
+        result
+    }
+
+    /// Probes as much as probing has paid so far.
+    fn probe_node(&mut self) -> Result<(), Conflict> {
+        let trials = self.probing.trials();
+        let (before, done) = (self.domain.mark(), Cell::new(0));
+        let go_on = || {
+            done.set(done.get() + 1);
+            self.tree.limit_reached().is_none()
+        };
+        let (domain, propagator) = (&mut self.domain, &mut self.propagator);
+        let result = probe(self.tree_program, domain, propagator, &self.late_first, trials, &go_on);
+        let decided = |&(j, _): &(usize, bool)| self.task.program.integral[j];
+        let gains = self.domain.changed_since(before).filter(decided).count();
+        self.probing.book(done.get(), gains, result.is_err());
         result
     }
 
@@ -314,7 +368,8 @@ impl<'a> Worker<'a> {
         let mut flat = self.task.program.clone();
         flat.make_feasibility_problem();
         let options = self.task.options.clone().with_threads(1);
-        let task = Task { program: &flat, options: &options, ..self.task };
+        let cutoff = f64::INFINITY;
+        let task = Task { program: &flat, options: &options, cutoff, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
         let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
         self.tree.count(|s| {
@@ -334,7 +389,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn look_for_points(&mut self, point: &[f64], at_root: bool) {
+    fn look_for_points(&mut self, point: &[f64], bound: f64, at_root: bool) {
         let integrality = self.task.options.integrality;
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
         if self.program().integers.iter().all(whole) {
@@ -346,13 +401,25 @@ impl<'a> Worker<'a> {
             self.round_and_propagate(point);
         }
         self.since_rounding += 1;
+        self.explore_neighbourhood(point, bound);
+    }
+
+    /// Width of a column's domain at the root.
+    pub(super) fn root_width(&self, j: usize) -> f64 {
+        self.root_domain.upper(j) - self.root_domain.lower(j)
     }
 
     pub(super) fn is_leaf(&self) -> bool {
         self.program().integers.iter().all(|&j| self.domain.is_fixed(j))
     }
 
+    /// The program to solve.
     pub(super) fn program(&self) -> &'a Program {
         self.task.program
+    }
+
+    /// Propagates what changed since a mark, for the program of the tree.
+    pub(super) fn propagate_since(&mut self, mark: usize) -> Result<(), Conflict> {
+        self.propagator.propagate_since(self.tree_program, &mut self.domain, mark)
     }
 }
