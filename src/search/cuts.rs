@@ -93,6 +93,7 @@ fn solve(
         iterations: 60,
         tolerance: 1e-7,
         refinements: 1,
+        cutoff: f64::INFINITY,
         time: tree.time_left(),
         interrupt: tree.interrupt().clone(),
     };

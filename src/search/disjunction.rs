@@ -6,16 +6,13 @@
 //! and the child of side `s` excludes the sides before it. Sides are scored like columns, by
 //! pseudocosts of turning them on, initialised by trying them.
 
-use super::branching::Split;
+use super::branching::{LEAST_GAIN, Split};
 use super::node::Decision;
 use super::worker::Worker;
 use crate::program::Program;
 
 /// Numbers of sides that are split at once.
 const SIDES: std::ops::RangeInclusive<usize> = 3..=8;
-
-/// Smallest gain that counts in a score (objective's unit).
-const LEAST_GAIN: f64 = 1e-9;
 
 /// The covering rows of a program: the columns of each.
 pub(super) fn covers(program: &Program) -> Vec<Vec<usize>> {
@@ -55,10 +52,9 @@ impl Worker<'_> {
             }
             let mut left = Vec::with_capacity(disjunction.sides.len());
             for &j in &disjunction.sides {
-                let known = self.pseudocosts.gain_up(j, 1.0).is_some();
-                if !known && trials > 0 {
+                if !self.pseudocosts.known_up(j) && trials > 0 {
                     trials -= 1;
-                    if self.try_child(on(j), x[j], bound) {
+                    if self.try_child(on(j), x[j], bound).is_none() {
                         continue;
                     }
                 }

@@ -9,6 +9,7 @@
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
 //! * `disjunction` - splitting "one of these" into its sides
+//! * `purify` - whole values where the relaxed point leaves a choice
 //! * `rounding` - the round-and-propagate heuristic
 //! * `neighbourhood` - a small search around the incumbent
 //! * `reporter` - progress events
@@ -24,6 +25,7 @@ mod leaf;
 mod neighbourhood;
 mod node;
 mod probing;
+mod purify;
 mod reporter;
 mod root;
 mod rounding;

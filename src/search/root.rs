@@ -3,6 +3,7 @@
 use super::Task;
 use super::cuts::with_cuts;
 use super::disjunction::covers;
+use super::purify::groups;
 use super::tree::Tree;
 use crate::presolve::{Conflict, Domain, Propagator, probe, with_reversed_rows};
 use crate::program::Program;
@@ -17,6 +18,7 @@ pub(super) struct Root {
     /// some of its points.
     pub(super) program: Program,
     pub(super) covers: Vec<Vec<usize>>,
+    pub(super) groups: Vec<Vec<usize>>,
     pub(super) domain: Domain,
     pub(super) conflict: Option<Conflict>,
 }
@@ -34,12 +36,12 @@ impl Root {
                 probe(&program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
             })
             .err();
-        let covers = covers(&program);
+        let (covers, groups) = (covers(&program), groups(&program));
         let program = match conflict {
             None => with_cuts(program, &domain, task, tree),
             Some(_) => program,
         };
-        Root { program, covers, domain, conflict }
+        Root { program, covers, groups, domain, conflict }
     }
 }
 

@@ -4,6 +4,7 @@ use super::branching::{Pseudocosts, Split};
 use super::neighbourhood::Schedule;
 use super::node::{Decision, Node};
 use super::probing::Probing;
+use super::purify::purify;
 use super::reporter::Reporter;
 use super::root::{Root, late_first};
 use super::tree::Tree;
@@ -35,6 +36,7 @@ pub(super) struct Worker<'a> {
     pub(super) plain: Propagator,
     tree_program: &'a Program,
     pub(super) covers: &'a [Vec<usize>],
+    groups: &'a [Vec<usize>],
     late_first: Vec<usize>,
     relaxation: ClarabelRelaxation,
     pub(super) pseudocosts: Pseudocosts,
@@ -48,11 +50,17 @@ pub(super) struct Worker<'a> {
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
     pub(super) neighbourhoods: Schedule,
+    /// Whether a child is on trial, so that a rough answer will do.
+    pub(super) on_trial: bool,
     probing: Probing,
     root_domain: &'a Domain,
     /// Whether the root, probed before the search, has been processed.
     root_done: bool,
 }
+
+/// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
+/// like any other, if not the best.
+const TRIAL: [(u32, f64, u32); 1] = [(30, 1e-5, 1)];
 
 /// What a relaxation, verified, says about a node.
 pub(super) enum Verdict {
@@ -79,6 +87,7 @@ impl<'a> Worker<'a> {
             plain: Propagator::new(task.program),
             tree_program: &root.program,
             covers: &root.covers,
+            groups: &root.groups,
             late_first: late_first(task.program),
             relaxation: ClarabelRelaxation::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
@@ -87,6 +96,7 @@ impl<'a> Worker<'a> {
             cutoff: f64::INFINITY,
             since_rounding: u64::MAX,
             neighbourhoods: Schedule::new(),
+            on_trial: false,
             probing: Probing::new(),
             root_domain: &root.domain,
             root_done: false,
@@ -159,7 +169,9 @@ impl<'a> Worker<'a> {
             }
             return None;
         }
-        let point = projection.lift(&x);
+        let mut point = projection.lift(&x);
+        let integrality = self.task.options.integrality;
+        purify(self.tree_program, &self.domain, self.groups, integrality, &mut point);
         self.look_for_points(&point, bound, node.path.is_empty());
         if bound >= self.tree.cutoff() {
             self.tree.close(bound);
@@ -290,12 +302,19 @@ impl<'a> Worker<'a> {
         // busy without a verdict.
         let attempts = [(60, 1e-8, 1), (200, 1e-9, 10), (200, 1e-11, 10)];
         // The backend's gap is relative to an objective without the constant, which may be large.
-        let attempts = &attempts[..if leaf { 3 } else { 2 }];
-        for &(iterations, tolerance, refinements) in attempts {
+        let attempts = match (self.on_trial, leaf) {
+            (true, _) => &TRIAL[..],
+            (false, false) => &attempts[..2],
+            (false, true) => &attempts[..],
+        };
+        let mut cutoff = self.tree.cutoff();
+        let mut attempts = attempts.iter().peekable();
+        while let Some(&&(iterations, tolerance, refinements)) = attempts.peek() {
             let effort = Effort {
                 iterations,
                 tolerance,
                 refinements,
+                cutoff,
                 time: self.tree.time_left(),
                 interrupt: self.tree.interrupt().clone(),
             };
@@ -307,6 +326,7 @@ impl<'a> Worker<'a> {
             if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
                 return Verdict::Stopped;
             }
+            let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
             match answer.claim {
                 Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
                     return Verdict::Refuted;
@@ -324,6 +344,14 @@ impl<'a> Worker<'a> {
                     let solved = answer.claim == Claim::Solved;
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                     best.0 = bound.max(best.0);
+                    if bound >= cutoff {
+                        return Verdict::Relaxed { bound, x: answer.x };
+                    }
+                    if early && !solved {
+                        // What the backend promised does not hold: the same again, to the end.
+                        cutoff = f64::INFINITY;
+                        continue;
+                    }
                     // The point nearest to the bound; a later attempt wins a tie.
                     let distance = (value - best.0).abs();
                     if distance <= nearest {
@@ -337,6 +365,7 @@ impl<'a> Worker<'a> {
                 }
                 _ => {}
             }
+            attempts.next();
         }
         if look_for_descent && !settled && self.falls_forever(reduced) {
             return Verdict::Descent;
@@ -351,6 +380,7 @@ impl<'a> Worker<'a> {
             iterations: 200,
             tolerance: 1e-9,
             refinements: 10,
+            cutoff: f64::INFINITY,
             time: self.tree.time_left(),
             interrupt: self.tree.interrupt().clone(),
         };
