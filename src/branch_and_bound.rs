@@ -65,9 +65,7 @@ impl Solver for BranchAndBound {
             Point::new(model, lowered.restore(values))
                 .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
         };
-        let (program, accept, cutoff) = (&program, &accept, f64::INFINITY);
-        let task = Task { program, accept, options, start, cutoff, nested: false };
-        let found = search(task, control);
+        let found = search(Task { program: &program, accept: &accept, options, start }, control);
         let mut statistics = found.statistics;
         statistics.time = start.elapsed();
         let outcome = Outcome {

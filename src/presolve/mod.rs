@@ -6,20 +6,16 @@
 //! program.
 
 mod coefficients;
-mod cover;
 mod domain;
 mod probing;
 mod projection;
 mod propagation;
 mod reduce;
-mod reversal;
 mod tightening;
 
 pub use coefficients::tighten_coefficients;
-pub use cover::separate_covers;
 pub use domain::Domain;
 pub use probing::probe;
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};
 pub use reduce::{Compressed, Reduced, Reduction, reduce};
-pub use reversal::with_reversed_rows;

@@ -122,9 +122,7 @@ pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
         upper: (0..n).map(|j| domain.upper(j)).collect(),
         fixed: vec![false; n],
         slack: vec![0.0; n],
-        alive: (0..program.row_count())
-            .filter(|&i| program.switch[i].is_none_or(|j| domain.is_fixed(j)))
-            .collect(),
+        alive: (0..program.row_count()).collect(),
         row_lower: program.row_lower.clone(),
         row_upper: program.row_upper.clone(),
     };

@@ -67,7 +67,6 @@ impl Program {
             columns: SparseColMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,
             row_lower,
             row_upper,
-            switch: vec![None; m],
             lower,
             upper,
             integers: (0..n).filter(|&j| integral[j]).collect(),

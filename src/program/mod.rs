@@ -7,9 +7,6 @@
 //! nowhere else.
 
 mod assemble;
-mod extend;
-
-pub use extend::Row;
 
 use faer::sparse::{SparseColMat, SparseRowMat};
 
@@ -32,9 +29,6 @@ pub struct Program {
     pub row_lower: Vec<f64>,
     /// `u`, one entry a row, possibly `+inf`.
     pub row_upper: Vec<f64>,
-    /// By row: the column that must be fixed before relaxations take the row. Propagation takes it
-    /// always.
-    pub switch: Vec<Option<usize>>,
     /// Lower bounds of the columns; whole numbers for integral ones.
     pub lower: Vec<f64>,
     /// Upper bounds of the columns; whole numbers for integral ones.

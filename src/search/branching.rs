@@ -12,7 +12,7 @@ use super::node::Decision;
 use super::worker::{Verdict, Worker};
 
 /// Trials of new columns per node.
-const TRIALS: usize = 8;
+pub(super) const TRIALS: usize = 8;
 
 /// Trials in a row that may find no better column before the rest is taken at its pseudocosts.
 const PATIENCE: usize = 4;
@@ -93,11 +93,6 @@ impl Pseudocosts {
 }
 
 impl Worker<'_> {
-    /// How many children are tried before a split: none in a search for one better point.
-    pub(super) fn trials(&self) -> usize {
-        if self.task.nested { 0 } else { TRIALS }
-    }
-
     /// Chooses a split of the current node with relaxed point `x` and bound `bound`.
     pub(super) fn choose_split(&mut self, x: &[f64], bound: f64) -> Split {
         let integrality = self.task.options.integrality;
@@ -123,7 +118,7 @@ impl Worker<'_> {
             let fractional = || distance(b.1).total_cmp(&distance(a.1));
             b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
         });
-        let (mut trials, mut idle) = (self.trials(), 0);
+        let (mut trials, mut idle) = (TRIALS, 0);
         let mut best = (f64::NEG_INFINITY, latest);
         for (expected, j) in ranked {
             let mut score = expected;

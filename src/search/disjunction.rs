@@ -6,7 +6,7 @@
 //! and the child of side `s` excludes the sides before it. Sides are scored like columns, by
 //! pseudocosts of turning them on, initialised by trying them.
 
-use super::branching::{LEAST_GAIN, Split};
+use super::branching::{LEAST_GAIN, Split, TRIALS};
 use super::node::Decision;
 use super::worker::Worker;
 use crate::program::Program;
@@ -45,7 +45,7 @@ impl Worker<'_> {
         // Those least near to holding first: their sides are likely to cost most.
         let nearest = |v: &Violated| x[v.sides[0]];
         violated.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)).then(a.sides.cmp(&b.sides)));
-        let mut trials = self.trials();
+        let mut trials = TRIALS;
         for disjunction in &mut violated {
             if trials == 0 {
                 break;

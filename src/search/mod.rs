@@ -3,7 +3,6 @@
 //! * `node` - a node as a list of decisions, and the queue of open nodes
 //! * `tree` - what all workers share: queue, incumbent, bounds, limits
 //! * `root` - what holds before the first split: propagation and probing
-//! * `cuts` - rounds of cuts at the root
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `probing` - how much probing nodes get
 //! * `leaf` - a point from fixed integers: solve, polish, verify
@@ -11,7 +10,6 @@
 //! * `disjunction` - splitting "one of these" into its sides
 //! * `purify` - whole values where the relaxed point leaves a choice
 //! * `rounding` - the round-and-propagate heuristic
-//! * `neighbourhood` - a small search around the incumbent
 //! * `reporter` - progress events
 //! * `unbounded` - recession directions
 //!
@@ -19,10 +17,8 @@
 //! check refuses.
 
 mod branching;
-mod cuts;
 mod disjunction;
 mod leaf;
-mod neighbourhood;
 mod node;
 mod probing;
 mod purify;
@@ -58,10 +54,6 @@ pub struct Task<'a> {
     pub options: &'a Options,
     /// When the solve began.
     pub start: Instant,
-    /// Only points with a (minimised) objective below this count; infinite for all of them.
-    pub cutoff: f64,
-    /// Whether another search started this one.
-    pub nested: bool,
 }
 
 impl std::fmt::Debug for Task<'_> {
@@ -86,7 +78,7 @@ pub struct Found {
 /// Searches the tree of a program.
 pub fn search(task: Task<'_>, control: &mut Control<'_>) -> Found {
     let tree = Tree::new(task, control.interrupt().clone());
-    let root = Root::new(&task, &tree);
+    let root = Root::new(task.program, &tree);
     let mut reporter = Reporter::new();
     run(task, &tree, &root, (&mut reporter, control));
     // What other threads found while the caller's had nothing to do.

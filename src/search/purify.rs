@@ -3,8 +3,9 @@
 //! An interior-point method ends in the middle of the best points: a binary without a cost comes
 //! out near one half wherever its rows leave it any room, although 0 or 1 would do at the same
 //! point of the dynamics. Branching on it would change nothing. Here such binaries get whole
-//! values, one group ("exactly one mode", "at least one side") or single column after the other,
-//! while all of their rows still hold; what stays fractional is what the point really violates.
+//! values, group after group ("exactly one mode", "at least one side"), while all of their rows still
+//! hold; what stays fractional is what the point really violates. In violated groups, single columns
+//! get whole values where they can.
 
 use crate::presolve::Domain;
 use crate::program::Program;
@@ -12,6 +13,9 @@ use crate::program::Program;
 /// By how much, relative to its largest term, a row may be missed (no unit). The point only guides
 /// the search, nothing is concluded from it.
 const MISS: f64 = 1e-6;
+
+/// The choice of no column of a group.
+const NONE: usize = usize::MAX;
 
 /// Most columns of a group.
 const LARGEST: usize = 8;
@@ -47,7 +51,8 @@ pub(super) fn purify(
         let old: Vec<f64> = group.iter().map(|&j| point[j]).collect();
         let mut order: Vec<usize> = (0..group.len()).collect();
         order.sort_by(|&a, &b| old[b].total_cmp(&old[a]).then(a.cmp(&b)));
-        let fits = order.into_iter().any(|chosen| {
+        // One of them, or none where that is enough.
+        let fits = order.into_iter().chain([NONE]).any(|chosen| {
             for (k, &j) in group.iter().enumerate() {
                 point[j] = f64::from(u8::from(k == chosen));
             }
@@ -59,7 +64,7 @@ pub(super) fn purify(
             group.iter().zip(old).for_each(|(&j, value)| point[j] = value);
         }
     }
-    for &j in &program.integers {
+    for &j in groups.iter().flatten() {
         if domain.is_fixed(j) || !free(j) || !fractional(j, point) {
             continue;
         }

@@ -1,11 +1,9 @@
 //! The root: propagated and probed once, the start of every worker.
 
-use super::Task;
-use super::cuts::with_cuts;
 use super::disjunction::covers;
 use super::purify::groups;
 use super::tree::Tree;
-use crate::presolve::{Conflict, Domain, Propagator, probe, with_reversed_rows};
+use crate::presolve::{Conflict, Domain, Propagator, probe};
 use crate::program::Program;
 
 /// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
@@ -14,9 +12,6 @@ const ROOT_TRIALS: usize = 4000;
 
 /// The root after propagation and probing; every worker starts from it.
 pub(super) struct Root {
-    /// The program that the tree is about: it has the best value of the one to solve, but may lack
-    /// some of its points.
-    pub(super) program: Program,
     pub(super) covers: Vec<Vec<usize>>,
     pub(super) groups: Vec<Vec<usize>>,
     pub(super) domain: Domain,
@@ -24,24 +19,19 @@ pub(super) struct Root {
 }
 
 impl Root {
-    pub(super) fn new(task: &Task<'_>, tree: &Tree<'_>) -> Self {
-        let program = with_reversed_rows(task.program);
-        let mut domain = Domain::new(&program);
-        let mut propagator = Propagator::new(&program);
-        let order = late_first(&program);
+    pub(super) fn new(program: &Program, tree: &Tree<'_>) -> Self {
+        let mut domain = Domain::new(program);
+        let mut propagator = Propagator::new(program);
+        let order = late_first(program);
         let go_on = || tree.limit_reached().is_none();
         let conflict = propagator
-            .propagate_all(&program, &mut domain)
+            .propagate_all(program, &mut domain)
             .and_then(|()| {
-                probe(&program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
+                probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
             })
             .err();
-        let (covers, groups) = (covers(&program), groups(&program));
-        let program = match conflict {
-            None => with_cuts(program, &domain, task, tree),
-            Some(_) => program,
-        };
-        Root { program, covers, groups, domain, conflict }
+        let (covers, groups) = (covers(program), groups(program));
+        Root { covers, groups, domain, conflict }
     }
 }
 

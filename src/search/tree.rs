@@ -103,7 +103,7 @@ impl<'a> Tree<'a> {
 
     fn cutoff_of(&self, state: &State) -> f64 {
         match &state.incumbent {
-            None => self.task.cutoff,
+            None => f64::INFINITY,
             Some((value, _)) => {
                 let options = self.task.options;
                 let gap = options.absolute_gap.max(options.relative_gap * value.abs());
@@ -181,16 +181,6 @@ impl<'a> Tree<'a> {
         state.serial += 1;
         state.queue.push(node);
         self.wake.notify_one();
-    }
-
-    /// The best point so far and its value.
-    pub(super) fn incumbent(&self) -> Option<(f64, Vec<f64>)> {
-        self.lock().incumbent.clone()
-    }
-
-    /// Relaxations solved so far, by all workers.
-    pub(super) fn relaxations(&self) -> u64 {
-        self.lock().statistics.relaxations
     }
 
     /// Offers a verified point; `true` when it is the new incumbent.

@@ -1,7 +1,6 @@
 //! Processing nodes: propagate, reduce, relax, bound, branch.
 
 use super::branching::{Pseudocosts, Split};
-use super::neighbourhood::Schedule;
 use super::node::{Decision, Node};
 use super::probing::Probing;
 use super::purify::purify;
@@ -30,11 +29,7 @@ pub(super) struct Worker<'a> {
     pub(super) tree: &'a Tree<'a>,
     id: usize,
     pub(super) domain: Domain,
-    /// Of the tree's program.
     pub(super) propagator: Propagator,
-    /// Of the program to solve: points are sought among all of its points.
-    pub(super) plain: Propagator,
-    tree_program: &'a Program,
     pub(super) covers: &'a [Vec<usize>],
     groups: &'a [Vec<usize>],
     late_first: Vec<usize>,
@@ -49,11 +44,9 @@ pub(super) struct Worker<'a> {
     pub(super) cutoff: f64,
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
-    pub(super) neighbourhoods: Schedule,
     /// Whether a child is on trial, so that a rough answer will do.
     pub(super) on_trial: bool,
     probing: Probing,
-    root_domain: &'a Domain,
     /// Whether the root, probed before the search, has been processed.
     root_done: bool,
 }
@@ -83,9 +76,7 @@ impl<'a> Worker<'a> {
             id,
             root: domain.mark(),
             domain,
-            propagator: Propagator::new(&root.program),
-            plain: Propagator::new(task.program),
-            tree_program: &root.program,
+            propagator: Propagator::new(task.program),
             covers: &root.covers,
             groups: &root.groups,
             late_first: late_first(task.program),
@@ -95,10 +86,8 @@ impl<'a> Worker<'a> {
             root_conflict: root.conflict,
             cutoff: f64::INFINITY,
             since_rounding: u64::MAX,
-            neighbourhoods: Schedule::new(),
             on_trial: false,
             probing: Probing::new(),
-            root_domain: &root.domain,
             root_done: false,
         }
     }
@@ -171,8 +160,8 @@ impl<'a> Worker<'a> {
         }
         let mut point = projection.lift(&x);
         let integrality = self.task.options.integrality;
-        purify(self.tree_program, &self.domain, self.groups, integrality, &mut point);
-        self.look_for_points(&point, bound, node.path.is_empty());
+        purify(self.task.program, &self.domain, self.groups, integrality, &mut point);
+        self.look_for_points(&point, node.path.is_empty());
         if bound >= self.tree.cutoff() {
             self.tree.close(bound);
             return None;
@@ -182,10 +171,10 @@ impl<'a> Worker<'a> {
 
     /// What is to be relaxed at the node of the domain; nothing when it is refuted.
     pub(super) fn project_node(&self) -> Option<Projection> {
-        let Reduction::Reduced(mut reduced) = reduce(self.tree_program, &self.domain) else {
+        let Reduction::Reduced(mut reduced) = reduce(self.task.program, &self.domain) else {
             return None;
         };
-        let integral = &self.tree_program.integral;
+        let integral = &self.task.program.integral;
         tighten_coefficients(&mut reduced, integral);
         Some(project(*reduced, integral))
     }
@@ -245,14 +234,13 @@ impl<'a> Worker<'a> {
             self.domain.undo_to(self.root);
             self.path.clear();
         }
-        self.cutoff = self.propagator.set_cutoff(self.tree_program, self.tree.cutoff());
-        self.plain.set_cutoff(self.task.program, self.tree.cutoff());
+        self.cutoff = self.propagator.set_cutoff(self.task.program, self.tree.cutoff());
         let mark = self.domain.mark();
         let fresh = &path[self.path.len()..];
         for decision in fresh {
             self.domain.apply(decision.column, decision.is_upper, decision.value);
         }
-        let program = self.tree_program;
+        let program = self.task.program;
         let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
         if result.is_ok() && self.root_done {
             result = self.probe_node();
@@ -275,7 +263,7 @@ impl<'a> Worker<'a> {
             self.tree.limit_reached().is_none()
         };
         let (domain, propagator) = (&mut self.domain, &mut self.propagator);
-        let result = probe(self.tree_program, domain, propagator, &self.late_first, trials, &go_on);
+        let result = probe(self.task.program, domain, propagator, &self.late_first, trials, &go_on);
         let decided = |&(j, _): &(usize, bool)| self.task.program.integral[j];
         let gains = self.domain.changed_since(before).filter(decided).count();
         self.probing.book(done.get(), gains, result.is_err());
@@ -398,8 +386,7 @@ impl<'a> Worker<'a> {
         let mut flat = self.task.program.clone();
         flat.make_feasibility_problem();
         let options = self.task.options.clone().with_threads(1);
-        let cutoff = f64::INFINITY;
-        let task = Task { program: &flat, options: &options, cutoff, ..self.task };
+        let task = Task { program: &flat, options: &options, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
         let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
         self.tree.count(|s| {
@@ -419,7 +406,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn look_for_points(&mut self, point: &[f64], bound: f64, at_root: bool) {
+    fn look_for_points(&mut self, point: &[f64], at_root: bool) {
         let integrality = self.task.options.integrality;
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
         if self.program().integers.iter().all(whole) {
@@ -431,25 +418,18 @@ impl<'a> Worker<'a> {
             self.round_and_propagate(point);
         }
         self.since_rounding += 1;
-        self.explore_neighbourhood(point, bound);
-    }
-
-    /// Width of a column's domain at the root.
-    pub(super) fn root_width(&self, j: usize) -> f64 {
-        self.root_domain.upper(j) - self.root_domain.lower(j)
     }
 
     pub(super) fn is_leaf(&self) -> bool {
         self.program().integers.iter().all(|&j| self.domain.is_fixed(j))
     }
 
-    /// The program to solve.
     pub(super) fn program(&self) -> &'a Program {
         self.task.program
     }
 
-    /// Propagates what changed since a mark, for the program of the tree.
+    /// Propagates what changed since a mark.
     pub(super) fn propagate_since(&mut self, mark: usize) -> Result<(), Conflict> {
-        self.propagator.propagate_since(self.tree_program, &mut self.domain, mark)
+        self.propagator.propagate_since(self.task.program, &mut self.domain, mark)
     }
 }
