@@ -12,8 +12,8 @@ const ALWAYS: usize = 4;
 const CREDIT: i64 = 2000;
 
 /// What a bound of an integer moved by probing is worth, and a refuted node, in trials.
-const BOUND: i64 = 20;
-const REFUTED: i64 = 200;
+const BOUND: i64 = 50;
+const REFUTED: i64 = 400;
 
 /// The account of one worker.
 pub(super) struct Probing {
