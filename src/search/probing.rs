@@ -11,7 +11,8 @@ const ALWAYS: usize = 4;
 /// The credit at first and at most, in trials; about that of ten full nodes.
 const CREDIT: i64 = 2000;
 
-/// What a bound of an integer moved by probing is worth, and a refuted node, in trials.
+/// What a bound of an integer moved by probing is worth, and a refuted node, in trials. A tenth of
+/// these left a pendulum of 40 steps open after 40 s that takes 0.4 s; more changes little.
 const BOUND: i64 = 50;
 const REFUTED: i64 = 400;
 
