@@ -69,6 +69,7 @@ fn lower_and_relax(model: &Model) -> Result<f64, Error> {
         tolerance: 1e-8,
         refinements: 1,
         time: None,
+        cutoff: f64::INFINITY,
         interrupt: Interrupt::default(),
     };
     let answer = ClarabelRelaxation::new().solve(&reduced, &effort);

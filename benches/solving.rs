@@ -62,6 +62,7 @@ fn node(criterion: &mut Criterion) {
         iterations: 60,
         tolerance: 1e-8,
         refinements: 1,
+        cutoff: f64::INFINITY,
         time: None,
         interrupt: Interrupt::new(),
     };

@@ -484,7 +484,8 @@ fn is_bound(case: &Case, bound: f64, point: &[i64]) -> bool {
 
 fn effort() -> Effort {
     let interrupt = Interrupt::new();
-    Effort { iterations: 100, tolerance: 1e-8, refinements: 10, time: None, interrupt }
+    let cutoff = INF;
+    Effort { iterations: 100, tolerance: 1e-8, refinements: 10, cutoff, time: None, interrupt }
 }
 
 proptest! {

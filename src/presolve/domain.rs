@@ -6,8 +6,8 @@ use crate::program::Program;
 /// exactly what was done inside it.
 #[derive(Debug, Clone)]
 pub struct Domain {
-    lower: Vec<f64>,
-    upper: Vec<f64>,
+    /// Lower and upper bound side by side: propagation nearly always reads both.
+    bounds: Vec<[f64; 2]>,
     trail: Vec<Change>,
 }
 
@@ -21,43 +21,45 @@ struct Change {
 impl Domain {
     /// The bounds of a program.
     pub fn new(program: &Program) -> Self {
-        Domain { lower: program.lower.clone(), upper: program.upper.clone(), trail: Vec::new() }
+        let sides = program.lower.iter().zip(&program.upper);
+        Domain { bounds: sides.map(|(&lower, &upper)| [lower, upper]).collect(), trail: Vec::new() }
     }
 
     /// Lower bound of a column.
     pub fn lower(&self, column: usize) -> f64 {
-        self.lower[column]
+        self.bounds[column][0]
     }
 
     /// Upper bound of a column.
     pub fn upper(&self, column: usize) -> f64 {
-        self.upper[column]
+        self.bounds[column][1]
+    }
+
+    /// Lower and upper bound of a column.
+    pub fn bounds(&self, column: usize) -> [f64; 2] {
+        self.bounds[column]
     }
 
     /// Whether a column has one value left.
     pub fn is_fixed(&self, column: usize) -> bool {
-        self.lower[column] == self.upper[column]
+        let [lower, upper] = self.bounds[column];
+        lower == upper
     }
 
     /// Sets a lower bound, recording the old one.
     pub fn set_lower(&mut self, column: usize, value: f64) {
-        let old = std::mem::replace(&mut self.lower[column], value);
-        self.trail.push(Change { column, is_upper: false, old });
+        self.apply(column, false, value);
     }
 
     /// Sets an upper bound, recording the old one.
     pub fn set_upper(&mut self, column: usize, value: f64) {
-        let old = std::mem::replace(&mut self.upper[column], value);
-        self.trail.push(Change { column, is_upper: true, old });
+        self.apply(column, true, value);
     }
 
     /// Sets one bound, recording the old one.
     pub fn apply(&mut self, column: usize, is_upper: bool, value: f64) {
-        if is_upper {
-            self.set_upper(column, value);
-        } else {
-            self.set_lower(column, value);
-        }
+        let old = std::mem::replace(&mut self.bounds[column][usize::from(is_upper)], value);
+        self.trail.push(Change { column, is_upper, old });
     }
 
     /// A mark to return to with [`undo_to`](Self::undo_to).
@@ -65,19 +67,16 @@ impl Domain {
         self.trail.len()
     }
 
-    /// The columns changed since a mark, in the order of the changes, repeats included.
-    pub fn changed_since(&self, mark: usize) -> impl Iterator<Item = usize> + '_ {
-        self.trail[mark..].iter().map(|c| c.column)
+    /// The columns changed since a mark, and whether it was the upper bound, in the order of the
+    /// changes, repeats included.
+    pub fn changed_since(&self, mark: usize) -> impl Iterator<Item = (usize, bool)> + '_ {
+        self.trail[mark..].iter().map(|c| (c.column, c.is_upper))
     }
 
     /// Undoes all changes since the mark.
     pub fn undo_to(&mut self, mark: usize) {
         for change in self.trail.drain(mark..).rev() {
-            if change.is_upper {
-                self.upper[change.column] = change.old;
-            } else {
-                self.lower[change.column] = change.old;
-            }
+            self.bounds[change.column][usize::from(change.is_upper)] = change.old;
         }
     }
 }

@@ -5,12 +5,17 @@
 //! contradiction appears, and [`reduce`](reduce()) turns what is left into a smaller continuous
 //! program.
 
+mod coefficients;
 mod domain;
 mod probing;
+mod projection;
 mod propagation;
 mod reduce;
+mod tightening;
 
+pub use coefficients::tighten_coefficients;
 pub use domain::Domain;
 pub use probing::probe;
+pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};
 pub use reduce::{Compressed, Reduced, Reduction, reduce};

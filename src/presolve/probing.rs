@@ -3,12 +3,15 @@
 //! A binary whose value 1 contradicts the domain is fixed to 0, and the other way round. A trial
 //! costs one propagation, a small fraction of a relaxation; on wall programs most impacts that
 //! cannot happen are excluded this way, and many horizons are refuted without any relaxation.
+//!
+//! What is excluded at one step often lets the next step be excluded, forwards or backwards in time,
+//! so rounds change direction: a chain falls in one round instead of one link a round.
 
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 
-/// Probes columns in the given order until a full round changes nothing, or the trials run out.
+/// Probes columns in the given order and back until a full round changes nothing, or the trials run out.
 ///
 /// Only columns with two whole values left are probed; others are passed over. `go_on` is asked
 /// before every trial; what is proved until it says no is kept.
@@ -26,9 +29,11 @@ pub fn probe(
 ) -> Result<(), Conflict> {
     let open =
         |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
+    let mut backwards = false;
     loop {
         let before = domain.mark();
-        for &j in columns {
+        for k in 0..columns.len() {
+            let j = columns[if backwards { columns.len() - 1 - k } else { k }];
             for is_upper in [false, true] {
                 if !open(domain, j) {
                     break;
@@ -52,5 +57,6 @@ pub fn probe(
         if domain.mark() == before {
             return Ok(());
         }
+        backwards = !backwards;
     }
 }

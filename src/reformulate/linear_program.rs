@@ -145,6 +145,7 @@ impl<'a> Maximizer<'a> {
             tolerance: TOLERANCE,
             refinements: 2,
             time: None,
+            cutoff: f64::INFINITY,
             interrupt: Interrupt::default(),
         };
         let answer = relaxation.solve(&reduced, &effort);

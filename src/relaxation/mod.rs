@@ -28,6 +28,9 @@ pub struct Effort {
     pub tolerance: f64,
     /// Steps of iterative refinement in each linear solve.
     pub refinements: u32,
+    /// The solve may end as soon as its dual objective promises a bound of at least this; infinite
+    /// for a solve to the end.
+    pub cutoff: f64,
     /// Time left; `None` is no limit.
     pub time: Option<Duration>,
     /// Stops the solve when triggered.

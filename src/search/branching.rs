@@ -10,16 +10,23 @@
 
 use super::node::Decision;
 use super::worker::{Verdict, Worker};
-use crate::presolve::{Reduction, reduce};
 
 /// Trials of new columns per node.
-const TRIALS: usize = 8;
+pub(super) const TRIALS: usize = 8;
+
+/// Trials in a row that may find no better column before the rest is taken at its pseudocosts.
+const PATIENCE: usize = 4;
+
+/// Gains below this count as this much (objective's unit), so that products stay comparable.
+pub(super) const LEAST_GAIN: f64 = 1e-9;
 
 /// Average growth of the bound per unit of fraction, downwards and upwards, by column.
 #[derive(Debug, Clone)]
 pub(super) struct Pseudocosts {
     sum: Vec<[f64; 2]>,
     count: Vec<[u32; 2]>,
+    /// Over all columns, by direction.
+    total: [(f64, u32); 2],
 }
 
 /// How a node is split.
@@ -28,6 +35,8 @@ pub(super) enum Split {
     Both([Decision; 2]),
     /// One child: the other one is refuted or beyond the cutoff.
     One(Decision),
+    /// A child a side of a disjunction, the one to visit first in front.
+    Sides(Vec<Vec<Decision>>),
     /// No child: both are.
     Nothing,
     /// No integral column is left to split.
@@ -36,14 +45,21 @@ pub(super) enum Split {
 
 impl Pseudocosts {
     pub(super) fn new(columns: usize) -> Self {
-        Pseudocosts { sum: vec![[0.0; 2]; columns], count: vec![[0; 2]; columns] }
+        Pseudocosts {
+            sum: vec![[0.0; 2]; columns],
+            count: vec![[0; 2]; columns],
+            total: [(0.0, 0); 2],
+        }
     }
 
     /// Learns from a child: `gain` of the bound after moving a column by `fraction`.
     pub(super) fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
         if gain.is_finite() && fraction > 1e-6 {
-            self.sum[column][usize::from(up)] += gain.max(0.0) / fraction;
-            self.count[column][usize::from(up)] += 1;
+            let (side, gain) = (usize::from(up), gain.max(0.0) / fraction);
+            self.sum[column][side] += gain;
+            self.count[column][side] += 1;
+            self.total[side].0 += gain;
+            self.total[side].1 += 1;
         }
     }
 
@@ -51,11 +67,25 @@ impl Pseudocosts {
         self.count[column].iter().all(|&c| c > 0)
     }
 
-    /// Product of the expected gains of both children.
+    pub(super) fn known_up(&self, column: usize) -> bool {
+        self.count[column][1] > 0
+    }
+
+    /// Expected gain of raising a column by `fraction`, if anything is known.
+    pub(super) fn gain_up(&self, column: usize, fraction: f64) -> Option<f64> {
+        let count = self.count[column][1];
+        (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
+    }
+
+    /// Product of the expected gains of both children; columns that nothing is known about are taken
+    /// for average ones.
     fn score(&self, column: usize, value: f64) -> f64 {
         let expected = |side: usize, fraction: f64| {
-            let count = f64::from(self.count[column][side].max(1));
-            (self.sum[column][side] / count * fraction).max(1e-9)
+            let (sum, count) = match self.count[column][side] {
+                0 => self.total[side],
+                count => (self.sum[column][side], count),
+            };
+            (sum / f64::from(count.max(1)) * fraction).max(LEAST_GAIN)
         };
         let fraction = value - value.floor();
         expected(0, fraction) * expected(1, 1.0 - fraction)
@@ -78,41 +108,57 @@ impl Worker<'_> {
         if program.is_feasibility_problem() || bound == f64::NEG_INFINITY {
             return Split::Both(self.split(latest, x[latest]));
         }
-        // The most fractional of the unknown columns are tried; then the best score wins.
-        let mut unknown: Vec<usize> =
-            open.iter().copied().filter(|&j| !self.pseudocosts.known(j)).collect();
-        unknown.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)).then(a.cmp(&b)));
-        for &j in unknown.iter().take(TRIALS) {
-            let [first, second] = self.split(j, x[j]);
-            let (a, b) = (self.try_child(first, x[j], bound), self.try_child(second, x[j], bound));
-            match (a, b) {
-                (true, true) => return Split::Nothing,
-                (true, false) => return Split::One(second),
-                (false, true) => return Split::One(first),
-                (false, false) => {}
+        if let Some(split) = self.split_disjunction(x, bound) {
+            return split;
+        }
+        // By the expected gain, the most promising first; those that little is known about are tried.
+        let mut ranked: Vec<(f64, usize)> =
+            open.iter().map(|&j| (self.pseudocosts.score(j, x[j]), j)).collect();
+        ranked.sort_by(|a, b| {
+            let fractional = || distance(b.1).total_cmp(&distance(a.1));
+            b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
+        });
+        let (mut trials, mut idle) = (TRIALS, 0);
+        let mut best = (f64::NEG_INFINITY, latest);
+        for (expected, j) in ranked {
+            let mut score = expected;
+            if trials > 0 && idle < PATIENCE && !self.pseudocosts.known(j) {
+                trials -= 1;
+                let [first, second] = self.split(j, x[j]);
+                let a = self.try_child(first, x[j], bound);
+                let b = self.try_child(second, x[j], bound);
+                match (a, b) {
+                    (None, None) => return Split::Nothing,
+                    (None, Some(_)) => return Split::One(second),
+                    (Some(_), None) => return Split::One(first),
+                    (Some(a), Some(b)) => score = a.max(LEAST_GAIN) * b.max(LEAST_GAIN),
+                }
+                idle = if score > best.0 { 0 } else { idle + 1 };
+            }
+            if score > best.0 {
+                best = (score, j);
             }
         }
-        let score = |j: usize| self.pseudocosts.score(j, x[j]);
-        let best = open.iter().copied().max_by(|&a, &b| {
-            score(a).total_cmp(&score(b)).then(distance(a).total_cmp(&distance(b))).then(b.cmp(&a))
-        });
-        let best = best.unwrap_or(latest);
-        Split::Both(self.split(best, x[best]))
+        Split::Both(self.split(best.1, x[best.1]))
     }
 
-    /// Solves a child on trial and learns from it; `true` when it needs no visit.
-    fn try_child(&mut self, decision: Decision, value: f64, bound: f64) -> bool {
+    /// Solves a child on trial and learns from it: its gain, or nothing when it needs no visit.
+    pub(super) fn try_child(&mut self, decision: Decision, value: f64, bound: f64) -> Option<f64> {
         let mark = self.domain.mark();
         self.domain.apply(decision.column, decision.is_upper, decision.value);
-        let propagated = self.propagator.propagate_since(self.task.program, &mut self.domain, mark);
-        let reduced = propagated.ok().map(|()| reduce(self.program(), &self.domain));
-        let verdict = match reduced {
-            Some(Reduction::Reduced(reduced)) => self.relax(&reduced, false),
-            _ => Verdict::Refuted,
+        let propagated = self.propagate_since(mark);
+        let verdict = match propagated.ok().and_then(|()| self.project_node()) {
+            Some(projection) => {
+                self.on_trial = true;
+                let verdict = self.relax(&projection.reduced, false);
+                self.on_trial = false;
+                verdict
+            }
+            None => Verdict::Refuted,
         };
         self.domain.undo_to(mark);
         match verdict {
-            Verdict::Refuted => true,
+            Verdict::Refuted => None,
             Verdict::Relaxed { bound: child, .. } => {
                 let fraction = (value - decision.value).abs();
                 self.pseudocosts.learn(
@@ -121,14 +167,15 @@ impl Worker<'_> {
                     child - bound,
                     fraction,
                 );
+                let gain = child - bound;
                 let child = self.tree.strengthen(child.min(self.cutoff));
-                let beyond = child >= self.tree.cutoff();
-                if beyond {
+                if child >= self.tree.cutoff() {
                     self.tree.close(child);
+                    return None;
                 }
-                beyond
+                Some(if gain.is_finite() { gain } else { 0.0 })
             }
-            Verdict::Stopped | Verdict::Descent => false,
+            Verdict::Stopped | Verdict::Descent => Some(0.0),
         }
     }
 

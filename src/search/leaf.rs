@@ -22,7 +22,7 @@ impl Worker<'_> {
 
     /// Solves the leaf that the domain has become since `mark` and offers its point.
     pub(super) fn solve_assignment(&mut self, mark: usize) -> bool {
-        if self.propagator.propagate_since(self.task.program, &mut self.domain, mark).is_err() {
+        if self.propagate_since(mark).is_err() {
             return false;
         }
         if !self.is_leaf() {

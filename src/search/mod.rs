@@ -4,8 +4,11 @@
 //! * `tree` - what all workers share: queue, incumbent, bounds, limits
 //! * `root` - what holds before the first split: propagation and probing
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
+//! * `probing` - how much probing nodes get
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
+//! * `disjunction` - splitting "one of these" into its sides
+//! * `purify` - whole values where the relaxed point leaves a choice
 //! * `rounding` - the round-and-propagate heuristic
 //! * `reporter` - progress events
 //! * `unbounded` - recession directions
@@ -14,8 +17,11 @@
 //! check refuses.
 
 mod branching;
+mod disjunction;
 mod leaf;
 mod node;
+mod probing;
+mod purify;
 mod reporter;
 mod root;
 mod rounding;

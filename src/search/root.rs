@@ -1,16 +1,19 @@
 //! The root: propagated and probed once, the start of every worker.
 
+use super::disjunction::covers;
+use super::purify::groups;
 use super::tree::Tree;
 use crate::presolve::{Conflict, Domain, Propagator, probe};
 use crate::program::Program;
 
-/// Trials of probing at the root and at every other node. Each costs a propagation of the rows it
-/// reaches, a small part of a relaxation.
-pub(super) const ROOT_TRIALS: usize = 4000;
-pub(super) const NODE_TRIALS: usize = 200;
+/// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
+/// a relaxation.
+const ROOT_TRIALS: usize = 4000;
 
 /// The root after propagation and probing; every worker starts from it.
 pub(super) struct Root {
+    pub(super) covers: Vec<Vec<usize>>,
+    pub(super) groups: Vec<Vec<usize>>,
     pub(super) domain: Domain,
     pub(super) conflict: Option<Conflict>,
 }
@@ -27,7 +30,8 @@ impl Root {
                 probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
             })
             .err();
-        Root { domain, conflict }
+        let (covers, groups) = (covers(program), groups(program));
+        Root { covers, groups, domain, conflict }
     }
 }
 

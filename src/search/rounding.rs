@@ -37,7 +37,7 @@ impl Worker<'_> {
             let mark = self.domain.mark();
             self.domain.apply(j, false, candidate);
             self.domain.apply(j, true, candidate);
-            let result = self.propagator.propagate_since(self.task.program, &mut self.domain, mark);
+            let result = self.propagate_since(mark);
             if result.is_ok() {
                 return true;
             }

@@ -2,12 +2,19 @@
 
 use super::branching::{Pseudocosts, Split};
 use super::node::{Decision, Node};
+use super::probing::Probing;
+use super::purify::purify;
 use super::reporter::Reporter;
-use super::root::{NODE_TRIALS, Root, late_first};
+use super::root::{Root, late_first};
 use super::tree::Tree;
 use super::unbounded::{is_descent_ray, recession_program};
 use super::{Found, Task, search};
-use crate::presolve::{Conflict, Domain, Propagator, Reduced, Reduction, probe, reduce};
+use std::cell::Cell;
+
+use crate::presolve::{
+    Conflict, Domain, Projection, Propagator, Reduced, Reduction, probe, project, reduce,
+    tighten_coefficients,
+};
 use crate::program::Program;
 use crate::relaxation::{
     Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
@@ -23,6 +30,8 @@ pub(super) struct Worker<'a> {
     id: usize,
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
+    pub(super) covers: &'a [Vec<usize>],
+    groups: &'a [Vec<usize>],
     late_first: Vec<usize>,
     relaxation: ClarabelRelaxation,
     pub(super) pseudocosts: Pseudocosts,
@@ -35,9 +44,16 @@ pub(super) struct Worker<'a> {
     pub(super) cutoff: f64,
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
+    /// Whether a child is on trial, so that a rough answer will do.
+    pub(super) on_trial: bool,
+    probing: Probing,
     /// Whether the root, probed before the search, has been processed.
     root_done: bool,
 }
+
+/// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
+/// like any other, if not the best.
+const TRIAL: [(u32, f64, u32); 1] = [(30, 1e-5, 1)];
 
 /// What a relaxation, verified, says about a node.
 pub(super) enum Verdict {
@@ -52,7 +68,7 @@ pub(super) enum Verdict {
 }
 
 impl<'a> Worker<'a> {
-    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, root: &Root, id: usize) -> Self {
+    pub(super) fn new(task: Task<'a>, tree: &'a Tree<'a>, root: &'a Root, id: usize) -> Self {
         let domain = root.domain.clone();
         Worker {
             task,
@@ -61,6 +77,8 @@ impl<'a> Worker<'a> {
             root: domain.mark(),
             domain,
             propagator: Propagator::new(task.program),
+            covers: &root.covers,
+            groups: &root.groups,
             late_first: late_first(task.program),
             relaxation: ClarabelRelaxation::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
@@ -68,6 +86,8 @@ impl<'a> Worker<'a> {
             root_conflict: root.conflict,
             cutoff: f64::INFINITY,
             since_rounding: u64::MAX,
+            on_trial: false,
+            probing: Probing::new(),
             root_done: false,
         }
     }
@@ -96,13 +116,14 @@ impl<'a> Worker<'a> {
     fn process(&mut self, node: Node) -> Option<Node> {
         self.tree.count(|s| s.nodes += 1);
         let entered = self.root_conflict.is_none() && self.enter(&node.path).is_ok();
-        let reduction = entered.then(|| reduce(self.program(), &self.domain));
-        let Some(Reduction::Reduced(reduced)) = reduction else {
+        let projection = if entered { self.project_node() } else { None };
+        let Some(projection) = projection else {
             self.tree.count(|s| s.refuted_by_propagation += 1);
             self.close_refuted();
             return None;
         };
-        let (bound, x) = match self.relax(&reduced, node.path.is_empty()) {
+        let reduced = &projection.reduced;
+        let (bound, x) = match self.relax(reduced, node.path.is_empty()) {
             Verdict::Refuted => {
                 self.close_refuted();
                 return None;
@@ -130,20 +151,32 @@ impl<'a> Worker<'a> {
         }
         if self.is_leaf() {
             // The relaxation of a leaf is the leaf.
-            if self.offer_leaf(&reduced, &x) {
+            if self.offer_leaf(reduced, &x) {
                 self.tree.close(bound);
             } else {
                 self.tree.stall(bound);
             }
             return None;
         }
-        let point = reduced.lift(&x);
+        let mut point = projection.lift(&x);
+        let integrality = self.task.options.integrality;
+        purify(self.task.program, &self.domain, self.groups, integrality, &mut point);
         self.look_for_points(&point, node.path.is_empty());
         if bound >= self.tree.cutoff() {
             self.tree.close(bound);
             return None;
         }
         self.branch(node, bound, &point)
+    }
+
+    /// What is to be relaxed at the node of the domain; nothing when it is refuted.
+    pub(super) fn project_node(&self) -> Option<Projection> {
+        let Reduction::Reduced(mut reduced) = reduce(self.task.program, &self.domain) else {
+            return None;
+        };
+        let integral = &self.task.program.integral;
+        tighten_coefficients(&mut reduced, integral);
+        Some(project(*reduced, integral))
     }
 
     /// A node without a feasible point below the cutoff in force.
@@ -155,13 +188,14 @@ impl<'a> Worker<'a> {
 
     fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
         let split = self.choose_split(point, bound);
-        let child = |decision: Decision| {
-            let mut path = Vec::with_capacity(node.path.len() + 1);
+        let child_of = |decisions: &[Decision]| {
+            let mut path = Vec::with_capacity(node.path.len() + decisions.len());
             path.extend_from_slice(&node.path);
-            path.push(decision);
-            let fraction = (point[decision.column] - decision.value).abs();
-            Node { path, bound, fraction, serial: 0 }
+            path.extend_from_slice(decisions);
+            let moved = |last: &Decision| (point[last.column] - last.value).abs();
+            Node { path, bound, fraction: decisions.last().map_or(0.0, moved), serial: 0 }
         };
+        let child = |decision: Decision| child_of(&[decision]);
         let bounded = |d: &Decision| {
             self.domain.lower(d.column).is_finite() && self.domain.upper(d.column).is_finite()
         };
@@ -173,6 +207,12 @@ impl<'a> Worker<'a> {
             Split::One(only) => {
                 self.close_refuted();
                 Some(child(only))
+            }
+            Split::Sides(sides) => {
+                // Sides that a trial closed are not among them.
+                self.close_refuted();
+                sides.iter().skip(1).for_each(|side| self.tree.push(child_of(side)));
+                sides.first().map(|side| child_of(side))
             }
             // Without any bound, splitting an unbounded column would never end.
             Split::Both([first, second]) if bound > f64::NEG_INFINITY || bounded(&first) => {
@@ -203,9 +243,7 @@ impl<'a> Worker<'a> {
         let program = self.task.program;
         let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
         if result.is_ok() && self.root_done {
-            let (domain, propagator) = (&mut self.domain, &mut self.propagator);
-            let go_on = || self.tree.limit_reached().is_none();
-            result = probe(program, domain, propagator, &self.late_first, NODE_TRIALS, &go_on);
+            result = self.probe_node();
         }
         self.root_done = true;
         if result.is_ok() {
@@ -213,6 +251,22 @@ impl<'a> Worker<'a> {
         } else {
             self.domain.undo_to(mark);
         }
+        result
+    }
+
+    /// Probes as much as probing has paid so far.
+    fn probe_node(&mut self) -> Result<(), Conflict> {
+        let trials = self.probing.trials();
+        let (before, done) = (self.domain.mark(), Cell::new(0));
+        let go_on = || {
+            done.set(done.get() + 1);
+            self.tree.limit_reached().is_none()
+        };
+        let (domain, propagator) = (&mut self.domain, &mut self.propagator);
+        let result = probe(self.task.program, domain, propagator, &self.late_first, trials, &go_on);
+        let decided = |&(j, _): &(usize, bool)| self.task.program.integral[j];
+        let gains = self.domain.changed_since(before).filter(decided).count();
+        self.probing.book(done.get(), gains, result.is_err());
         result
     }
 
@@ -236,12 +290,19 @@ impl<'a> Worker<'a> {
         // busy without a verdict.
         let attempts = [(60, 1e-8, 1), (200, 1e-9, 10), (200, 1e-11, 10)];
         // The backend's gap is relative to an objective without the constant, which may be large.
-        let attempts = &attempts[..if leaf { 3 } else { 2 }];
-        for &(iterations, tolerance, refinements) in attempts {
+        let attempts = match (self.on_trial, leaf) {
+            (true, _) => &TRIAL[..],
+            (false, false) => &attempts[..2],
+            (false, true) => &attempts[..],
+        };
+        let mut cutoff = self.tree.cutoff();
+        let mut attempts = attempts.iter().peekable();
+        while let Some(&&(iterations, tolerance, refinements)) = attempts.peek() {
             let effort = Effort {
                 iterations,
                 tolerance,
                 refinements,
+                cutoff,
                 time: self.tree.time_left(),
                 interrupt: self.tree.interrupt().clone(),
             };
@@ -253,6 +314,7 @@ impl<'a> Worker<'a> {
             if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
                 return Verdict::Stopped;
             }
+            let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
             match answer.claim {
                 Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
                     return Verdict::Refuted;
@@ -270,6 +332,14 @@ impl<'a> Worker<'a> {
                     let solved = answer.claim == Claim::Solved;
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                     best.0 = bound.max(best.0);
+                    if bound >= cutoff {
+                        return Verdict::Relaxed { bound, x: answer.x };
+                    }
+                    if early && !solved {
+                        // What the backend promised does not hold: the same again, to the end.
+                        cutoff = f64::INFINITY;
+                        continue;
+                    }
                     // The point nearest to the bound; a later attempt wins a tie.
                     let distance = (value - best.0).abs();
                     if distance <= nearest {
@@ -283,6 +353,7 @@ impl<'a> Worker<'a> {
                 }
                 _ => {}
             }
+            attempts.next();
         }
         if look_for_descent && !settled && self.falls_forever(reduced) {
             return Verdict::Descent;
@@ -297,6 +368,7 @@ impl<'a> Worker<'a> {
             iterations: 200,
             tolerance: 1e-9,
             refinements: 10,
+            cutoff: f64::INFINITY,
             time: self.tree.time_left(),
             interrupt: self.tree.interrupt().clone(),
         };
@@ -354,5 +426,10 @@ impl<'a> Worker<'a> {
 
     pub(super) fn program(&self) -> &'a Program {
         self.task.program
+    }
+
+    /// Propagates what changed since a mark.
+    pub(super) fn propagate_since(&mut self, mark: usize) -> Result<(), Conflict> {
+        self.propagator.propagate_since(self.task.program, &mut self.domain, mark)
     }
 }

@@ -1,0 +1,185 @@
+//! What one row says about its columns.
+//!
+//! Most visits end after a single pass: where the row's room (its limit less its smallest activity)
+//! is at least the widest term, no bound can move. Bounds of continuous columns are loosened by a
+//! hair ([`tolerance::PROPAGATION_SLACK`]), so rounding never cuts a feasible point off.
+
+use super::domain::Domain;
+use crate::tolerance;
+
+/// One term of a row; the coefficient is not zero.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) column: usize,
+    pub(super) coefficient: f64,
+}
+
+/// A row: where its entries are, and its limits.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    pub(super) range: [usize; 2],
+    pub(super) limits: [f64; 2],
+}
+
+/// One tightened bound of a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tightening {
+    pub(super) column: usize,
+    pub(super) is_upper: bool,
+    pub(super) value: f64,
+}
+
+/// Smallest or largest activity of a row: the finite part, and how many terms are infinite.
+#[derive(Clone, Copy, Default)]
+struct Activity {
+    finite: f64,
+    infinite: usize,
+}
+
+impl Activity {
+    fn add(&mut self, term: f64) {
+        if term.is_finite() {
+            self.finite += term;
+        } else {
+            self.infinite += 1;
+        }
+    }
+
+    /// The activity without one of its terms; `None` when it is infinite.
+    fn without(&self, term: f64) -> Option<f64> {
+        match (self.infinite, term.is_finite()) {
+            (0, true) => Some(self.finite - term),
+            (1, false) => Some(self.finite),
+            _ => None,
+        }
+    }
+}
+
+/// Finds the bounds that one row tightens; `false` when the row cannot be satisfied.
+#[inline]
+pub(super) fn tighten(
+    integral: &[bool],
+    domain: &Domain,
+    entries: &[Entry],
+    limits: [f64; 2],
+    found: &mut Vec<Tightening>,
+) -> bool {
+    let (mut least, mut most, mut widest) = (0.0, 0.0, 0.0_f64);
+    for entry in entries {
+        let (low, high) = ends(domain, entry);
+        least += low;
+        most += high;
+        widest = widest.max(high - low);
+    }
+    // Sums that are not numbers compare false and take the long way.
+    if limits[1] - least >= widest && most - limits[0] >= widest && widest < f64::INFINITY {
+        return true;
+    }
+    tighten_binding(integral, domain, entries, limits, found)
+}
+
+/// As [`tighten`], for rows that may bind or have infinite activities.
+fn tighten_binding(
+    integral: &[bool],
+    domain: &Domain,
+    entries: &[Entry],
+    [row_lower, row_upper]: [f64; 2],
+    found: &mut Vec<Tightening>,
+) -> bool {
+    let (mut least, mut most, mut scale) = (Activity::default(), Activity::default(), 0.0_f64);
+    for entry in entries {
+        let (low, high) = ends(domain, entry);
+        least.add(low);
+        most.add(high);
+        scale += size(low).max(size(high));
+    }
+    let scale = scale.max(size(row_lower)).max(size(row_upper)).max(1.0);
+    let excess = tolerance::PROPAGATION_INFEASIBLE * scale;
+    if (least.infinite == 0 && least.finite > row_upper + excess)
+        || (most.infinite == 0 && most.finite < row_lower - excess)
+    {
+        return false;
+    }
+    let upper_binds = row_upper.is_finite() && (most.infinite > 0 || most.finite > row_upper);
+    let lower_binds = row_lower.is_finite() && (least.infinite > 0 || least.finite < row_lower);
+    if !upper_binds && !lower_binds {
+        return true;
+    }
+    // Accumulated rounding of the activity, in the row's unit.
+    let rounding = 1e-15 * scale * (entries.len() as f64);
+    for entry in entries {
+        let (low, high) = ends(domain, entry);
+        if low == high {
+            continue;
+        }
+        // No gain where the room is as wide as the term, before any division.
+        let width = high - low;
+        let mut offer = |rest: f64, limit: f64, room: f64, is_upper: bool| {
+            if room < width {
+                let value = (limit - rest) / entry.coefficient;
+                found.extend(worthwhile(integral, domain, entry.column, is_upper, value));
+            }
+        };
+        if upper_binds && let Some(rest) = least.without(low) {
+            let limit = row_upper + rounding;
+            offer(rest, limit, limit - rest - low, entry.coefficient > 0.0);
+        }
+        if lower_binds && let Some(rest) = most.without(high) {
+            let limit = row_lower - rounding;
+            offer(rest, limit, rest + high - limit, entry.coefficient < 0.0);
+        }
+    }
+    true
+}
+
+fn size(value: f64) -> f64 {
+    if value.is_finite() { value.abs() } else { 0.0 }
+}
+
+/// Smallest and largest value of a term.
+#[inline]
+fn ends(domain: &Domain, entry: &Entry) -> (f64, f64) {
+    let [lower, upper] = domain.bounds(entry.column);
+    let (p, q) = (entry.coefficient * lower, entry.coefficient * upper);
+    if entry.coefficient > 0.0 { (p, q) } else { (q, p) }
+}
+
+/// A candidate bound, when it is worth it.
+fn worthwhile(
+    integral: &[bool],
+    domain: &Domain,
+    column: usize,
+    is_upper: bool,
+    value: f64,
+) -> Option<Tightening> {
+    if !value.is_finite() || value.abs() >= tolerance::INFINITE {
+        return None;
+    }
+    let [lower, upper] = domain.bounds(column);
+    let value = if integral[column] {
+        let value = if is_upper {
+            (value + tolerance::INTEGRALITY).floor()
+        } else {
+            (value - tolerance::INTEGRALITY).ceil()
+        };
+        if if is_upper { value >= upper } else { value <= lower } {
+            return None;
+        }
+        value
+    } else {
+        let slack = tolerance::PROPAGATION_SLACK * value.abs().max(1.0);
+        let value = if is_upper { value + slack } else { value - slack };
+        let gain = if is_upper { upper - value } else { value - lower };
+        let width = upper - lower;
+        let worth = if width.is_finite() {
+            (tolerance::PROPAGATION_GAIN * width).max(10.0 * slack)
+        } else {
+            1e-3 * value.abs().max(1.0)
+        };
+        if gain.is_nan() || gain <= worth {
+            return None;
+        }
+        value
+    };
+    Some(Tightening { column, is_upper, value })
+}

@@ -1,0 +1,136 @@
+//! Splitting a disjunction into its sides.
+//!
+//! A covering row `z_1 + ... + z_k >= 1` says that one of `k` things must happen. Split column by
+//! column, only the children that turn something on move the relaxation; the others say "not this
+//! one" and leave the relaxed point where it was, a node each. Here the node gets one child a side,
+//! and the child of side `s` excludes the sides before it. Sides are scored like columns, by
+//! pseudocosts of turning them on, initialised by trying them.
+
+use super::branching::{LEAST_GAIN, Split, TRIALS};
+use super::node::Decision;
+use super::worker::Worker;
+use crate::program::Program;
+
+/// Numbers of sides that are split at once.
+const SIDES: std::ops::RangeInclusive<usize> = 3..=8;
+
+/// The covering rows of a program: the columns of each.
+pub(super) fn covers(program: &Program) -> Vec<Vec<usize>> {
+    let binary =
+        |j: usize| program.integral[j] && program.lower[j] == 0.0 && program.upper[j] == 1.0;
+    let cover = |row: usize| {
+        let (columns, values) = program.row(row);
+        let first = *values.first()?;
+        let unit = values.iter().all(|&a| a == first) && columns.iter().all(|&j| binary(j));
+        let limit = if first > 0.0 { program.row_lower[row] } else { program.row_upper[row] };
+        (SIDES.contains(&columns.len()) && unit && limit == first).then(|| columns.to_vec())
+    };
+    (0..program.row_count()).filter_map(cover).collect()
+}
+
+/// A disjunction that the relaxed point violates.
+struct Violated {
+    /// The sides that are left, the nearest to holding first.
+    sides: Vec<usize>,
+    score: f64,
+}
+
+impl Worker<'_> {
+    /// Splits a violated disjunction, where there is one.
+    pub(super) fn split_disjunction(&mut self, x: &[f64], bound: f64) -> Option<Split> {
+        let mut violated = self.violated_disjunctions(x);
+        if violated.is_empty() {
+            return None;
+        }
+        // Those least near to holding first: their sides are likely to cost most.
+        let nearest = |v: &Violated| x[v.sides[0]];
+        violated.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)).then(a.sides.cmp(&b.sides)));
+        let mut trials = TRIALS;
+        for disjunction in &mut violated {
+            if trials == 0 {
+                break;
+            }
+            let mut left = Vec::with_capacity(disjunction.sides.len());
+            for &j in &disjunction.sides {
+                if !self.pseudocosts.known_up(j) && trials > 0 {
+                    trials -= 1;
+                    if self.try_child(on(j), x[j], bound).is_none() {
+                        continue;
+                    }
+                }
+                left.push(j);
+            }
+            if left.len() < disjunction.sides.len() {
+                // Some sides are closed: that is as good as a split.
+                disjunction.sides = left;
+                return Some(self.sides(&disjunction.sides));
+            }
+        }
+        let average = self.average_gain(&violated);
+        for disjunction in &mut violated {
+            disjunction.score = self.score_of(&disjunction.sides, x, average);
+        }
+        let best = violated
+            .iter()
+            .max_by(|a, b| a.score.total_cmp(&b.score).then_with(|| b.sides.cmp(&a.sides)))?;
+        Some(self.sides(&best.sides))
+    }
+
+    fn violated_disjunctions(&self, x: &[f64]) -> Vec<Violated> {
+        let near = 1.0 - self.task.options.integrality;
+        let mut violated = Vec::new();
+        for cover in self.covers {
+            if cover.iter().any(|&j| x[j] >= near || self.domain.lower(j) == 1.0) {
+                continue;
+            }
+            let mut sides: Vec<usize> =
+                cover.iter().copied().filter(|&j| self.domain.upper(j) > 0.0).collect();
+            sides.sort_by(|&a, &b| x[b].total_cmp(&x[a]).then(a.cmp(&b)));
+            if !sides.is_empty() {
+                violated.push(Violated { sides, score: 0.0 });
+            }
+        }
+        violated
+    }
+
+    /// Mean gain of turning a side on, per unit of fraction, over what is known.
+    fn average_gain(&self, violated: &[Violated]) -> f64 {
+        let known = violated.iter().flat_map(|v| &v.sides);
+        let gains: Vec<f64> = known.filter_map(|&j| self.pseudocosts.gain_up(j, 1.0)).collect();
+        gains.iter().sum::<f64>() / (gains.len().max(1) as f64)
+    }
+
+    /// The geometric mean of the sides' gains, in the unit of a product of two.
+    fn score_of(&self, sides: &[usize], x: &[f64], average: f64) -> f64 {
+        let log: f64 = sides
+            .iter()
+            .map(|&j| {
+                let fraction = 1.0 - x[j];
+                let gain = self.pseudocosts.gain_up(j, fraction).unwrap_or(average * fraction);
+                gain.max(LEAST_GAIN).ln()
+            })
+            .sum();
+        log / (sides.len() as f64) - (sides.len() as f64).ln()
+    }
+
+    /// The children of a disjunction's sides.
+    fn sides(&self, sides: &[usize]) -> Split {
+        match sides {
+            [] => Split::Nothing,
+            [only] => Split::One(on(*only)),
+            _ => {
+                let child = |k: usize| {
+                    let off = |&column: &usize| Decision { column, is_upper: true, value: 0.0 };
+                    let mut path: Vec<Decision> = sides[..k].iter().map(off).collect();
+                    path.push(on(sides[k]));
+                    path
+                };
+                Split::Sides((0..sides.len()).map(child).collect())
+            }
+        }
+    }
+}
+
+fn on(column: usize) -> Decision {
+    Decision { column, is_upper: false, value: 1.0 }
+}

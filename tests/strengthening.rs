@@ -1,0 +1,230 @@
+//! What is added to a program, or taken out of it, before the search keeps what it must keep.
+//!
+//! Random programs of binaries and small integers, made of the rows that the pieces look for
+//! (sides of disjunctions, covering rows, knapsacks), are enumerated completely. Tightened
+//! coefficients keep every whole point, and a projection keeps every point of the relaxation.
+
+mod common;
+
+use carom::prelude::*;
+use carom::presolve::{Domain, Reduced, Reduction, project, reduce, tighten_coefficients};
+use carom::program::Program;
+use common::config;
+use proptest::prelude::*;
+
+const REGRESSIONS: &str = "tests/regressions/strengthening.txt";
+
+/// Binaries come first, then two integers within `0..=TOP`.
+const BINARIES: usize = 6;
+const OTHERS: usize = 2;
+const TOP: i64 = 3;
+
+/// What rows may be missed by through rounding.
+const SLACK: f64 = 1e-7;
+
+#[derive(Debug, Clone)]
+struct Case {
+    /// Coefficients of all columns, lower limit, upper limit.
+    rows: Vec<(Vec<i64>, Option<i64>, Option<i64>)>,
+    cost: Vec<i64>,
+}
+
+fn case() -> impl Strategy<Value = Case> {
+    let column = 0..BINARIES;
+    let other = 0..OTHERS;
+    let side =
+        (column, other, any::<bool>(), 0..=TOP, 1..=TOP + 1).prop_map(|(z, x, down, at, m)| {
+            let mut row = vec![0; BINARIES + OTHERS];
+            let sign = if down { -1 } else { 1 };
+            (row[z], row[BINARIES + x]) = (m, sign);
+            (row, None, Some(sign * at + m))
+        });
+    let cover = (prop::collection::vec(0..=1i64, BINARIES), any::<bool>());
+    let cover = cover.prop_map(|(mut row, exactly)| {
+        row.extend([0; OTHERS]);
+        (row, Some(1), exactly.then_some(1))
+    });
+    let knapsack = (prop::collection::vec(-4..=6i64, BINARIES + OTHERS), -2..=12i64, any::<bool>());
+    let knapsack = knapsack.prop_map(|(row, limit, below)| {
+        if below { (row, None, Some(limit)) } else { (row, Some(limit - 8), None) }
+    });
+    let row = prop_oneof![3 => side, 1 => cover, 2 => knapsack];
+    let cost = prop::collection::vec(prop_oneof![Just(0i64), -3..=3i64], BINARIES + OTHERS);
+    (prop::collection::vec(row, 1..8), cost).prop_map(|(rows, cost)| Case { rows, cost })
+}
+
+impl Case {
+    fn program(&self, whole: bool) -> Program {
+        Program::assemble(&self.model(whole)).unwrap()
+    }
+
+    /// The model; the last columns are integers, or continuous.
+    fn model(&self, whole: bool) -> Model {
+        let mut model = Model::new("case");
+        let mut variables = Vec::new();
+        for j in 0..BINARIES {
+            variables.push(model.binary(format!("z{j}")).unwrap());
+        }
+        for j in 0..OTHERS {
+            let name = format!("x{j}");
+            variables.push(if whole {
+                model.integer(name, 0.0, TOP as f64).unwrap()
+            } else {
+                model.continuous(name, 0.0, TOP as f64).unwrap()
+            });
+        }
+        let sum = |row: &[i64]| {
+            let mut sum = Affine::default();
+            for (&v, &a) in variables.iter().zip(row).filter(|(_, a)| **a != 0) {
+                sum += a as f64 * v;
+            }
+            sum
+        };
+        for (i, (row, lower, upper)) in self.rows.iter().enumerate() {
+            if row.iter().all(|&a| a == 0) {
+                continue;
+            }
+            let lower = lower.map_or(f64::NEG_INFINITY, |l| l as f64);
+            let upper = upper.map_or(f64::INFINITY, |u| u as f64);
+            model.add(format!("r{i}"), sum(row).within(lower, upper)).unwrap();
+        }
+        model.minimize(sum(&self.cost)).unwrap();
+        model
+    }
+
+    /// All points in whole numbers that satisfy the rows.
+    fn points(&self) -> Vec<Vec<f64>> {
+        let mut points = vec![Vec::new()];
+        for j in 0..BINARIES + OTHERS {
+            let top = if j < BINARIES { 1 } else { TOP };
+            points = points
+                .into_iter()
+                .flat_map(|p| (0..=top).map(move |v| [&p[..], &[v]].concat()))
+                .collect();
+        }
+        points.retain(|p| {
+            self.rows.iter().all(|(row, lower, upper)| {
+                let sum: i64 = row.iter().zip(p).map(|(a, v)| a * v).sum();
+                row.iter().all(|&a| a == 0)
+                    || (lower.is_none_or(|l| l <= sum) && upper.is_none_or(|u| sum <= u))
+            })
+        });
+        points.into_iter().map(|p| p.into_iter().map(|v| v as f64).collect()).collect()
+    }
+}
+
+/// The first row of a program that a point misses.
+fn missed(program: &Program, point: &[f64]) -> Option<usize> {
+    (0..program.row_count()).find(|&row| {
+        let (columns, values) = program.row(row);
+        let sum: f64 = columns.iter().zip(values).map(|(&j, a)| a * point[j]).sum();
+        sum < program.row_lower[row] - SLACK || sum > program.row_upper[row] + SLACK
+    })
+}
+
+/// The first row of a reduced program that a point misses.
+fn missed_in(reduced: &Reduced, x: &[f64]) -> Option<usize> {
+    (0..reduced.rows.len()).find(|&row| {
+        let (columns, values) = reduced.rows.vector(row);
+        let sum: f64 = columns.iter().zip(values).map(|(&k, a)| a * x[k]).sum();
+        sum < reduced.row_lower[row] - SLACK || sum > reduced.row_upper[row] + SLACK
+    })
+}
+
+fn restricted(reduced: &Reduced, point: &[f64]) -> Vec<f64> {
+    reduced.columns.iter().map(|&j| point[j]).collect()
+}
+
+proptest! {
+    #![proptest_config(config(500, REGRESSIONS))]
+
+    #[test]
+    fn tightened_coefficients_keep_whole_points(case in case()) {
+        let program = case.program(false);
+        let Reduction::Reduced(mut reduced) = reduce(&program, &Domain::new(&program)) else {
+            prop_assert!(case.points().is_empty());
+            return Ok(());
+        };
+        tighten_coefficients(&mut reduced, &program.integral);
+        for point in case.points() {
+            let row = missed_in(&reduced, &restricted(&reduced, &point));
+            prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, point, reduced);
+        }
+    }
+
+    #[test]
+    fn projections_keep_the_relaxation(case in case(), weights in prop::collection::vec(0.0..1.0, 3)) {
+        let program = case.program(false);
+        let points = case.points();
+        let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+            prop_assert!(points.is_empty());
+            return Ok(());
+        };
+        let projection = project(*reduced, &program.integral);
+        for (k, point) in points.iter().enumerate() {
+            // Means of points are points of the relaxation.
+            let other = &points[(7 * k + 3) % points.len()];
+            let share = weights[k % weights.len()];
+            let mean: Vec<f64> =
+                point.iter().zip(other).map(|(a, b)| share * a + (1.0 - share) * b).collect();
+            for point in [point, &mean] {
+                let x = restricted(&projection.reduced, point);
+                let row = missed_in(&projection.reduced, &x);
+                prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, point, projection);
+                // The way back is a point of the relaxation where nothing is rounded to idle.
+                let lifted = projection.lift(&x);
+                for &j in &projection.reduced.columns {
+                    prop_assert_eq!(lifted[j], point[j]);
+                }
+                let whole = lifted.iter().all(|v| v.fract() == 0.0);
+                if whole {
+                    let row = missed(&program, &lifted);
+                    prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, lifted, projection);
+                }
+            }
+        }
+    }
+
+    /// Splits into sides, whole values of relaxed points and all the rest together.
+    #[test]
+    fn disjunctions_have_the_optimum_of_an_enumeration(case in case(), threads in 1usize..=2) {
+        let model = case.model(true);
+        let mut solver = BranchAndBound::new(Options::default().with_threads(threads));
+        let solution = solver.solve(&model).expect("a solvable model");
+        let program = case.program(true);
+        let values = case.points().into_iter().map(|p| program.objective(&p));
+        let best = values.fold(f64::INFINITY, f64::min);
+        if best == f64::INFINITY {
+            prop_assert_eq!(solution.termination(), Termination::Infeasible, "{}", model);
+        } else {
+            prop_assert_eq!(solution.termination(), Termination::Optimal, "{}", model);
+            let value = solution.objective().expect("a point");
+            prop_assert!((value - best).abs() <= 1e-6, "{} instead of {}\n{}", value, best, model);
+            prop_assert!(solution.bound() <= best + 1e-9, "{}\n{}", solution.bound(), model);
+        }
+    }
+}
+
+/// The shapes that the pieces were written for are found.
+#[test]
+fn a_disjunction_of_two_sides() {
+    let mut model = Model::new("disjunction");
+    let x = model.continuous("x", 0.0, 10.0).unwrap();
+    let (left, right) = (model.binary("left").unwrap(), model.binary("right").unwrap());
+    model.add("l", (x + 6.0 * left).le(10.0)).unwrap();
+    model.add("r", (x - 7.0 * right).ge(0.0)).unwrap();
+    model.add("one", (left + right).ge(1.0)).unwrap();
+    model.minimize((x - 5.0).square()).unwrap();
+    let program = Program::assemble(&model).unwrap();
+
+    let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+        panic!("feasible");
+    };
+    let projection = project(*reduced, &program.integral);
+    assert_eq!(projection.reduced.columns, [0], "{projection:?}");
+    // Inside the gap both sides stay fractional, the nearer one larger; outside they are whole.
+    let inside = projection.lift(&[5.0]);
+    assert!(inside[1] > inside[2] && inside[2] > 0.5 && inside[1] < 1.0, "{inside:?}");
+    assert_eq!(projection.lift(&[3.0]), [3.0, 1.0, 0.0]);
+    assert_eq!(projection.lift(&[8.0]), [8.0, 0.0, 1.0]);
+}
