@@ -746,11 +746,15 @@ fn no_backend_can_vouch_for_itself() {
     // The tolerance is 1e-6, on either side.
     assert!(claim(&m, Termination::Optimal, Some(&[7.0 + 0.9e-6, 1.0])).unwrap().is_optimal());
 
+    // A binary that is nearly whole is made so, and then the point is checked.
+    let rounded = claim(&m, Termination::Optimal, Some(&[1.0, 1e-8])).unwrap();
+    assert_eq!((rounded.value(z), rounded.rounding()), (Ok(0.0), 1e-8));
+
     let wrong: [(&[f64], &[_]); 7] = [
         (&[7.0 + 1.1e-6, 1.0], &[(Row, "row")]),
         (&[-1.0, 0.0], &[(Bound, "x")]),
         (&[f64::NAN, 0.0], &[(Bound, "x"), (Row, "row"), (Implication, "off")]),
-        (&[1.0, 1e-8], &[(Integrality, "z")]),
+        (&[1.0, 1e-5], &[(Integrality, "z")]),
         (&[4.0, 0.0], &[(Implication, "off")]),
         (&[4.0, 1.0], &[(Implication, "on")]),
         (&[9.0, 2.0], &[(Bound, "z"), (Row, "row"), (Implication, "off")]),
