@@ -625,3 +625,22 @@ fn narrow_columns_contradict_nothing_that_their_width_allows() {
         assert!((solution.value(y).unwrap() - 0.5).abs() < 1e-6);
     }
 }
+
+/// A bound is found where there was none, on one side and on both.
+#[test]
+fn missing_bounds_are_found() {
+    let mut model = Model::new("open");
+    let inf = f64::INFINITY;
+    let x = model.continuous_family("x", 3, -inf, inf).unwrap();
+    model.add("start", (2.0 * x[0]).within(-1.0, 3.0)).unwrap();
+    model.add("up", (x[1] - x[0]).le(0.5)).unwrap();
+    model.add("down", (x[2] + x[1]).ge(1.0)).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let mut domain = Domain::new(&program);
+    Propagator::new(&program).propagate_all(&program, &mut domain).unwrap();
+    let near = |found: f64, wanted: f64| found == wanted || (found - wanted).abs() < 1e-6;
+    for (column, lower, upper) in [(0, -0.5, 1.5), (1, -inf, 2.0), (2, -1.0, inf)] {
+        let bounds = domain.bounds(column);
+        assert!(near(bounds[0], lower) && near(bounds[1], upper), "{column}: {bounds:?}");
+    }
+}

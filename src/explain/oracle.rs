@@ -122,7 +122,8 @@ impl<'a> Oracle<'a> {
             let &[(variable, coefficient)] = row.terms() else { continue };
             let variable = part.variable_ref(variable)?;
             let (id, bounds) = (variable.id(), variable.bounds());
-            if variable.kind() != VariableKind::Continuous || coefficient.abs() != 1.0 {
+            let fixed = variable.parameter_range().is_some();
+            if fixed || variable.kind() != VariableKind::Continuous || coefficient.abs() != 1.0 {
                 continue;
             }
             let bounds = bounds.intersection(row.limits() * coefficient);

@@ -112,10 +112,11 @@ fn tighten_binding(
         if low == high {
             continue;
         }
-        // No gain where the room is as wide as the term, before any division.
+        // No gain where the room is as wide as the term, before any division; an infinite width
+        // has room for any gain.
         let width = high - low;
         let mut offer = |rest: f64, limit: f64, room: f64, is_upper: bool| {
-            if room < width {
+            if room < width || width.is_infinite() {
                 let value = (limit - rest) / entry.coefficient;
                 found.extend(worthwhile(integral, domain, entry.column, is_upper, value));
             }
