@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{
-    Affine, AnyStatement, IndicatorRef, Literal, Logic, Model, Name, StoredRow, StoredTerm,
-    Variable, VariableKind, at_most, exactly,
+    Affine, AnyStatement, IndicatorRef, Literal, Model, Name, StoredRow, StoredTerm, Variable,
+    VariableKind, at_most, exactly,
 };
 
 /// A model whose statements may give, and the variables that say by how much.
@@ -87,7 +87,7 @@ impl<'a> Elastic<'a> {
         outer: Option<Literal>,
     ) -> Result<Vec<StoredTerm>, Error> {
         let selectors = || terms.iter().map(|term| term.selector);
-        let one = Logic::from(exactly(1, selectors()));
+        let one = exactly(1, selectors());
         let selects = match outer {
             None => one,
             Some(outer) => outer.implies(one) & (!outer).implies(at_most(0, selectors())),
