@@ -258,3 +258,15 @@ fn explanations_survive() {
     assert_eq!(copy(&relaxed).stretches(), relaxed.stretches());
     assert_eq!(copy(&relaxed).bound(), relaxed.bound());
 }
+
+#[test]
+fn disjunctions_without_terms_are_refused() {
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 9.0).unwrap();
+    model.add("way", either(x.le(1.0)).or(x.ge(2.0))).unwrap();
+    assert_eq!(copy(&model).to_string(), model.to_string());
+    let mut value = serde_json::to_value(&model).unwrap();
+    value["disjunctions"][0]["terms"] = serde_json::json!([]);
+    let error = serde_json::from_value::<Model>(value).unwrap_err().to_string();
+    assert_eq!(error, "the number of terms of `way` is 0; it must be at least 1");
+}

@@ -267,28 +267,36 @@ fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), E
     Ok(())
 }
 
-impl StoredTerm {
-    /// Checks a term from a file.
-    #[cfg(feature = "serde")]
-    pub(super) fn checked(self, model: &Model, name: &Name, depth: u32) -> Result<Self, Error> {
-        check_selector(self.selector, model, name)?;
-        if depth > DEEPEST || self.nested.iter().any(Vec::is_empty) {
-            return Err(Error::OutOfRange {
-                what: format!("the number of levels or terms of `{name}`"),
-                value: f64::from(depth),
-                range: format!("at least 1 term and at most {DEEPEST} levels"),
-            });
-        }
-        let rows = self.rows.into_iter().map(|row| row.checked(model, name));
-        let rows = rows.collect::<Result<_, _>>()?;
-        let level = |terms: Vec<StoredTerm>| {
-            let terms = terms.into_iter().map(|term| term.checked(model, name, depth + 1));
-            terms.collect::<Result<Vec<_>, _>>()
-        };
-        let nested = self.nested.into_iter().map(level).collect::<Result<_, _>>()?;
-        Ok(StoredTerm { selector: self.selector, rows, nested })
+/// Checks the terms of a disjunction from a file, at a level from 1 on.
+#[cfg(feature = "serde")]
+pub(super) fn checked(
+    terms: Vec<StoredTerm>,
+    model: &Model,
+    name: &Name,
+    level: u32,
+) -> Result<Vec<StoredTerm>, Error> {
+    name.check()?;
+    let wrong = |what: &str, value: u32, range: String| {
+        let what = format!("the number of {what} of `{name}`");
+        Err(Error::OutOfRange { what, value: f64::from(value), range })
+    };
+    if terms.is_empty() {
+        return wrong("terms", 0, "at least 1".into());
     }
+    if level > DEEPEST {
+        return wrong("levels", level, format!("at most {DEEPEST}"));
+    }
+    let term = |StoredTerm { selector, rows, nested }| {
+        check_selector(selector, model, name)?;
+        let rows = rows.into_iter().map(|row: StoredRow| row.checked(model, name));
+        let nested = nested.into_iter().map(|inner| checked(inner, model, name, level + 1));
+        let (rows, nested) = (rows.collect::<Result<_, _>>()?, nested.collect::<Result<_, _>>()?);
+        Ok(StoredTerm { selector, rows, nested })
+    };
+    terms.into_iter().map(term).collect()
+}
 
+impl StoredTerm {
     /// Calls `visit` with every row of the term and of those inside it.
     pub(crate) fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
         self.rows.iter().for_each(&mut *visit);

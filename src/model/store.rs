@@ -141,8 +141,7 @@ impl TryFrom<Stored> for Model {
             model.add(name, logic)?;
         }
         for DisjunctionData { name, method, terms } in stored.disjunctions {
-            let checked = terms.into_iter().map(|term| term.checked(&model, &name, 1));
-            let terms = checked.collect::<Result<_, _>>()?;
+            let terms = super::disjunction::checked(terms, &model, &name, 1)?;
             model.push_disjunction(name, method, terms)?;
         }
         model.set_reformulation(stored.reformulation);
