@@ -750,7 +750,7 @@ fn no_backend_can_vouch_for_itself() {
         (&[7.0 + 1.1e-6, 1.0], &[(Row, "row")]),
         (&[-1.0, 0.0], &[(Bound, "x")]),
         (&[f64::NAN, 0.0], &[(Bound, "x"), (Row, "row"), (Implication, "off")]),
-        (&[1.0, 1e-8], &[(Integrality, "z")]),
+        (&[1.0, 1e-5], &[(Integrality, "z")]),
         (&[4.0, 0.0], &[(Implication, "off")]),
         (&[4.0, 1.0], &[(Implication, "on")]),
         (&[9.0, 2.0], &[(Bound, "z"), (Row, "row"), (Implication, "off")]),
