@@ -144,6 +144,8 @@ impl Either {
 
     /// Selects the terms by these conditions, in order, instead of binaries of its own: exactly
     /// one of them is true. For two terms, one binary is enough: `[z.on(), z.off()]`.
+    /// In a nested disjunction exactly one is true where the term around it is selected, and none
+    /// elsewhere: there, `[z.on(), z.off()]` would force that term.
     pub fn selected_by(mut self, selectors: impl IntoIterator<Item = Literal>) -> Self {
         self.selectors = Some(selectors.into_iter().collect());
         self
