@@ -54,7 +54,7 @@ fn main() -> ExitCode {
 fn run() -> Result<(), Box<dyn Error>> {
     let arguments = arguments()?;
     let file = &arguments.file;
-    let text = std::fs::read_to_string(file).map_err(|error| format!("{file}: {error}"))?;
+    let text = text(file)?;
     let model = read(file, &text).map_err(|error| format!("{file}: {error}"))?;
     println!("{}", counts(&model));
     if let Some(path) = arguments.write {
@@ -82,6 +82,18 @@ fn run() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// The text of a file; what is no text is named with its place.
+fn text(path: &str) -> Result<String, String> {
+    let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let before = String::from_utf8_lossy(before);
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().map_or(0, |line| line.chars().count()) + 1;
+        format!("{path}: line {line}, column {column}: this is no text in UTF-8; save it as UTF-8")
+    })
 }
 
 /// The format of a file: its extension, or what its text looks like.

@@ -350,3 +350,27 @@ fn values_where_there_is_no_point() {
     solver.options_mut().time_limit = Some(Duration::ZERO);
     assert!(solver.solve(&model).is_ok());
 }
+
+#[test]
+fn an_m_that_counts_as_infinite_is_a_missing_bound() {
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 9e19).unwrap();
+    let z = model.binary("z").unwrap();
+    model.add("w", z.on().implies((100.0 * x).le(1.0))).unwrap();
+    let error = reformulate::lower(&model).unwrap_err();
+    assert!(matches!(&error, Error::UnboundedIndicator { variable, .. } if variable == "x"));
+}
+
+/// Bounds that a function cannot reach make a model infeasible, not a bound missing.
+#[test]
+fn bounds_beyond_the_range_are_infeasible() {
+    for (lower, upper) in [(3.5, f64::INFINITY), (f64::NEG_INFINITY, -0.5)] {
+        let mut model = Model::new("m");
+        let x = model.continuous("x", -3.0, 2.0).unwrap();
+        let z = model.binary("z").unwrap();
+        let far = model.absolute("far", x).unwrap();
+        model.set_bounds(far, lower, upper).unwrap();
+        model.add("if", z.on().implies((far + x).within(-1.0, 1.0))).unwrap();
+        assert!(BranchAndBound::default().solve(&model).unwrap().is_infeasible());
+    }
+}

@@ -301,8 +301,8 @@ fn disjunctions_and_parameters_survive() {
         (format!("{terms}/0/selector/variable/index"), 0.into(), "`x` is not binary"),
         (format!("{terms}/0/selector/variable/index"), 99.into(), "variable number 99"),
         (format!("{terms}/0/rows/0/upper"), "-inf".into(), "the upper limit of `way`"),
-        (format!("{terms}/1/nested/0"), serde_json::json!([]), "the number of levels or terms"),
-        (terms.into(), serde_json::json!([]), "the number of levels or terms of `way` is 0"),
+        (format!("{terms}/1/nested/0"), serde_json::json!([]), "the number of terms of `way` is 0"),
+        (terms.into(), serde_json::json!([]), "the number of terms of `way` is 0"),
     ] {
         let place: String = place;
         let found = error(&place, value);

@@ -378,6 +378,47 @@ fn leaks_are_listed_worst_first_with_advice() {
     assert!(lowered.audit(1e-12, 1e-4).is_tight());
 }
 
+#[test]
+fn advice_can_be_followed() {
+    let mut model = Model::new("m");
+    let x = model.continuous_family("x", 5, -1e4, 1e4).unwrap();
+    let n = model.integer("n", 0.0, 1e5).unwrap();
+    let low = model.continuous("low", -5e4, -10.0).unwrap();
+    let (a, b) = (model.binary("a").unwrap(), model.binary("b").unwrap());
+    model.fix(x[0], 0.0).unwrap();
+    for t in 0..4 {
+        model.add(("step", t), (x[t + 1] - x[t]).within(-1.0, 1.0)).unwrap();
+    }
+    model.add("turn", a.on().implies((x[3] + x[4]).le(-1.0))).unwrap();
+    model.add("never", b.on().implies(low.ge(0.0))).unwrap();
+    model.add("few", b.on().implies(n.le(3.0))).unwrap();
+    model.product("part", b, low).unwrap();
+    model.set_reformulation(Reformulation::default().with_linear_programs(true));
+    let audit = reformulate::lower(&model).unwrap().audit(1e-6, 1e-6);
+    let advice = audit.leaks().iter().map(|l| (&l.row[..], &l.advice[..]));
+    let (part, advice): (Vec<_>, Vec<_>) = advice.partition(|(row, _)| row.starts_with("part"));
+    let hint =
+        "tighten the bounds of the continuous variables in it, from which its coefficients come";
+    assert!(part.len() == 4 && part.iter().all(|(_, advice)| *advice == hint), "{part:?}");
+    // The M of `turn` is 8 because of the steps, which bounds that are a little tighter do not change;
+    // and no lower bound of `low` can be -1.
+    assert_eq!(
+        advice,
+        [
+            ("few_upper", "lower the upper bound of `n` from 100000 to at most 4"),
+            (
+                "never_lower",
+                "tighten the bounds of `low` and its neighbours, or ask for linear programs \
+                 (`Reformulation::with_linear_programs`)"
+            ),
+            (
+                "turn_upper",
+                "tighten the bounds of `x[3]` and its neighbours, or the rows that limit them"
+            ),
+        ]
+    );
+}
+
 // -- certificates -------------------------------------------------------------------------------
 
 /// A backend that answers one point and calls it optimal.

@@ -122,8 +122,10 @@ impl<'a> Oracle<'a> {
             let &[(variable, coefficient)] = row.terms() else { continue };
             let variable = part.variable_ref(variable)?;
             let (id, bounds) = (variable.id(), variable.bounds());
-            let fixed = variable.parameter_range().is_some();
-            if fixed || variable.kind() != VariableKind::Continuous || coefficient.abs() != 1.0 {
+            let is_plain = variable.kind() == VariableKind::Continuous
+                && variable.parameter_range().is_none()
+                && coefficient.abs() == 1.0;
+            if !is_plain {
                 continue;
             }
             let bounds = bounds.intersection(row.limits() * coefficient);

@@ -11,6 +11,7 @@ use crate::model::{Model, Name};
 use crate::reformulate::Side;
 use crate::solution::{Point, Termination, Verification, for_reading};
 use crate::solver::{Budget, Interrupt, Solver};
+use crate::tolerance;
 
 /// Options of [`relaxation`].
 ///
@@ -21,7 +22,8 @@ pub struct ElasticOptions {
     /// Statements that never give, besides those that the model declares to be background.
     pub background: Vec<Name>,
     /// What it costs when a statement gives by one of its own unit, greater than 0; 1 where nothing
-    /// is said. The last word on a statement counts. With an infinite weight it never gives.
+    /// is said. The last word on a statement counts. With an infinite weight (1e20 and
+    /// beyond count as such) it never gives.
     pub weights: Vec<(Name, f64)>,
     /// Wall-clock limit; default none.
     pub time_limit: Option<Duration>,
@@ -70,7 +72,8 @@ impl ElasticOptions {
                     range: "greater than 0; infinite for a statement that never gives".into(),
                 });
             }
-            selected(&names, name)?.into_iter().for_each(|position| weights[position] = *weight);
+            let weight = if *weight < tolerance::INFINITE { *weight } else { f64::INFINITY };
+            selected(&names, name)?.into_iter().for_each(|position| weights[position] = weight);
         }
         for name in &self.background {
             selected(&names, name)?.into_iter().for_each(|k| weights[k] = f64::INFINITY);
@@ -104,9 +107,10 @@ pub struct Relaxed {
 pub struct Stretch {
     /// The statement.
     pub name: Name,
-    /// Which of its limits has to be moved outward; none for a logic statement, which is dropped.
+    /// Which of its limits has to be moved outward; none for a logic statement or a
+    /// disjunction, which is dropped.
     pub side: Option<Side>,
-    /// By how much, in the statement's own unit; 1 for a logic statement.
+    /// By how much, in the statement's own unit; 1 for what is dropped.
     pub amount: f64,
 }
 
@@ -149,9 +153,9 @@ impl Relaxed {
 ///
 /// The cost is the sum of all amounts, each times its statement's weight: a linear price, which
 /// makes few statements give much rather than many a little. Rows give at either side; of an
-/// indicator, the implied row gives; a logic statement holds or is dropped, at its weight. Bounds
-/// and kinds of variables, functions and background never give, and the model's own objective plays
-/// no role.
+/// indicator, the implied row gives; a logic statement or a disjunction holds or is dropped, at its
+/// weight. Bounds and kinds of variables, functions and background never give, and the model's own
+/// objective plays no role.
 ///
 /// ```
 /// use carom::explain::{ElasticOptions, relaxation};

@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::solution::{Point, Verification, Violation};
 
-/// All bounds, integrality conditions, rows, indicators, logic statements and functions that a
-/// point violates, the worst first by their [relative](Violation::relative) amounts.
+/// All bounds, integrality conditions, rows, indicators, disjunctions, logic statements and
+/// functions that a point violates, the worst first by their [relative](Violation::relative) amounts.
 ///
 /// ```
 /// use carom::explain::violations;

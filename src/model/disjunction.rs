@@ -144,6 +144,8 @@ impl Either {
 
     /// Selects the terms by these conditions, in order, instead of binaries of its own: exactly
     /// one of them is true. For two terms, one binary is enough: `[z.on(), z.off()]`.
+    /// In a nested disjunction exactly one is true where the term around it is selected, and none
+    /// elsewhere: there, `[z.on(), z.off()]` would force that term.
     pub fn selected_by(mut self, selectors: impl IntoIterator<Item = Literal>) -> Self {
         self.selectors = Some(selectors.into_iter().collect());
         self
@@ -267,37 +269,36 @@ fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), E
     Ok(())
 }
 
-impl StoredTerm {
-    /// Checks the terms of one level from a file.
-    #[cfg(feature = "serde")]
-    pub(super) fn checked_all(
-        terms: Vec<StoredTerm>,
-        model: &Model,
-        name: &Name,
-        depth: u32,
-    ) -> Result<Vec<Self>, Error> {
-        if terms.is_empty() || depth > DEEPEST {
-            return Err(Error::OutOfRange {
-                what: format!("the number of levels or terms of `{name}`"),
-                value: if terms.is_empty() { 0.0 } else { f64::from(depth) },
-                range: format!("at least 1 term and at most {DEEPEST} levels"),
-            });
-        }
-        let check = |term: StoredTerm| {
-            check_selector(term.selector, model, name)?;
-            let rows = term.rows.into_iter().map(|row| row.checked(model, name));
-            let rows = rows.collect::<Result<_, _>>()?;
-            let nested = term.nested.into_iter();
-            let nested = nested.map(|inner| Self::checked_all(inner, model, name, depth + 1));
-            Ok(StoredTerm {
-                selector: term.selector,
-                rows,
-                nested: nested.collect::<Result<_, _>>()?,
-            })
-        };
-        terms.into_iter().map(check).collect()
+/// Checks the terms of a disjunction from a file, at a level from 1 on.
+#[cfg(feature = "serde")]
+pub(super) fn checked(
+    terms: Vec<StoredTerm>,
+    model: &Model,
+    name: &Name,
+    level: u32,
+) -> Result<Vec<StoredTerm>, Error> {
+    name.check()?;
+    let wrong = |what: &str, value: u32, range: String| {
+        let what = format!("the number of {what} of `{name}`");
+        Err(Error::OutOfRange { what, value: f64::from(value), range })
+    };
+    if terms.is_empty() {
+        return wrong("terms", 0, "at least 1".into());
     }
+    if level > DEEPEST {
+        return wrong("levels", level, format!("at most {DEEPEST}"));
+    }
+    let term = |StoredTerm { selector, rows, nested }| {
+        check_selector(selector, model, name)?;
+        let rows = rows.into_iter().map(|row: StoredRow| row.checked(model, name));
+        let nested = nested.into_iter().map(|inner| checked(inner, model, name, level + 1));
+        let (rows, nested) = (rows.collect::<Result<_, _>>()?, nested.collect::<Result<_, _>>()?);
+        Ok(StoredTerm { selector, rows, nested })
+    };
+    terms.into_iter().map(term).collect()
+}
 
+impl StoredTerm {
     /// Calls `visit` with every row of the term and of those inside it.
     pub(crate) fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
         self.rows.iter().for_each(&mut *visit);

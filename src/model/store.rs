@@ -141,8 +141,7 @@ impl TryFrom<Stored> for Model {
             model.add(name, logic)?;
         }
         for DisjunctionData { name, method, terms } in stored.disjunctions {
-            name.check()?;
-            let terms = StoredTerm::checked_all(terms, &model, &name, 1)?;
+            let terms = super::disjunction::checked(terms, &model, &name, 1)?;
             model.push_disjunction(name, method, terms)?;
         }
         model.set_reformulation(stored.reformulation);

@@ -9,9 +9,17 @@
 use std::collections::HashMap;
 use std::fmt;
 
-use super::report::{BigMEntry, BigMSource, Side};
+use super::report::{BigMEntry, BigMSource, Share, Side};
 use super::{BigMReport, Lowered};
 use crate::model::{ConstraintRef, Model, VariableKind};
+
+/// What to do about a row of the model itself.
+const BY_HAND: &str = "say it as an indicator, so that its M comes from the bounds, or tighten the \
+                       bounds it comes from";
+
+/// What to do about a row of a function or a hull.
+const WITHOUT_M: &str = "tighten the bounds of the continuous variables in it, from which its \
+                         coefficients come";
 
 /// A row through which something may trickle.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,23 +122,27 @@ impl Lowered {
     pub fn audit(&self, integrality: f64, feasibility: f64) -> Audit {
         let sources = by_row(self.report());
         let (model, mut audit) = (self.model(), Audit::default());
-        for row in model.constraints() {
-            let Some((switch, big_m)) = switch(model, &row) else { continue };
+        for (place, row) in model.constraints().enumerate() {
+            let name = row.name().to_string();
+            let entry = sources.get(name.as_str()).copied();
+            let Some((switch, big_m)) = switch(model, &row, entry.is_some()) else { continue };
             audit.rows += 1;
             let leak = integrality * big_m;
             if leak <= feasibility {
                 continue;
             }
-            let row = row.name().to_string();
-            let entry = sources.get(row.as_str()).copied();
             audit.leaks.push(Trickle {
-                row,
+                row: name,
                 statement: entry.map(|entry| entry.indicator.clone()),
                 switch,
                 big_m,
                 leak,
                 allowed: feasibility,
-                advice: advice(entry, feasibility / integrality),
+                advice: match entry {
+                    Some(entry) => advice(model, entry, feasibility / integrality),
+                    None if place < self.written => BY_HAND.into(),
+                    None => WITHOUT_M.into(),
+                },
             });
         }
         audit.leaks.sort_by(|a, b| b.leak.total_cmp(&a.leak));
@@ -142,27 +154,24 @@ fn by_row(report: &BigMReport) -> HashMap<&str, &BigMEntry> {
     report.entries().iter().filter_map(|entry| Some((entry.row.as_deref()?, entry))).collect()
 }
 
-/// The integer variable with the largest coefficient in a row that continuous ones take part in.
-fn switch(model: &Model, row: &ConstraintRef<'_>) -> Option<(String, f64)> {
-    let (mut continuous, mut largest) = (false, None::<(String, f64)>);
+/// The integer variable with the largest coefficient in a row that continuous ones take part in, or,
+/// where the row has a big-M, integers that are no binaries.
+fn switch(model: &Model, row: &ConstraintRef<'_>, has_m: bool) -> Option<(String, f64)> {
+    let (mut switched, mut largest) = (false, None::<(String, f64)>);
     for &(variable, coefficient) in row.terms() {
         let variable = model.variable_ref(variable).ok()?;
+        switched |= has_m && variable.kind() == VariableKind::Integer;
         if variable.kind() == VariableKind::Continuous {
-            continuous = true;
+            switched = true;
         } else if largest.as_ref().is_none_or(|(_, most)| coefficient.abs() > *most) {
             largest = Some((variable.name().to_string(), coefficient.abs()));
         }
     }
-    largest.filter(|_| continuous)
+    largest.filter(|_| switched)
 }
 
 /// What would bring an M down to `most`.
-fn advice(entry: Option<&BigMEntry>, most: f64) -> String {
-    let Some(entry) = entry else {
-        return "say it as an indicator, so that its M comes from the bounds, or tighten the \
-                bounds it comes from"
-            .into();
-    };
+fn advice(model: &Model, entry: &BigMEntry, most: f64) -> String {
     if matches!(entry.source, BigMSource::Given | BigMSource::Assumed) && entry.needed < entry.value
     {
         return format!("leave its M out: the bounds prove {}", entry.needed);
@@ -170,11 +179,9 @@ fn advice(entry: Option<&BigMEntry>, most: f64) -> String {
     // Which bound, and how far, if it alone shall do.
     let spread = |part: f64| if part.is_finite() { part } else { f64::INFINITY };
     let widest = entry.shares.iter().max_by(|a, b| spread(a.part).total_cmp(&spread(b.part)));
-    if let Some(share) = widest
-        && share.part > 0.0
-        && share.part >= entry.value - most
+    if let Some((share, bound)) =
+        widest.and_then(|share| Some((share, moved(model, share, entry.needed - most)?)))
     {
-        let bound = share.value * (share.part - (entry.value - most)) / share.part;
         let name = &share.variable;
         return match share.bound {
             Side::Lower => {
@@ -189,10 +196,26 @@ fn advice(entry: Option<&BigMEntry>, most: f64) -> String {
         };
     }
     match &entry.largest {
+        Some(name) if entry.source == BigMSource::LinearProgram => {
+            format!(
+                "tighten the bounds of `{name}` and its neighbours, or the rows that limit them"
+            )
+        }
         Some(name) => format!(
             "tighten the bounds of `{name}` and its neighbours, or ask for linear programs \
              (`Reformulation::with_linear_programs`)"
         ),
         None => "ask for linear programs (`Reformulation::with_linear_programs`)".into(),
     }
+}
+
+/// Where a bound has to be so that its share shrinks by `excess`; none where the share is smaller,
+/// or where that would cross the variable's other bound.
+fn moved(model: &Model, share: &Share, excess: f64) -> Option<f64> {
+    let variable =
+        model.variable_ref(model.variable_by_name(share.variable.as_str()).ok()?).ok()?;
+    let bounds = variable.parameter_range().unwrap_or(variable.bounds());
+    // No negative zero.
+    let bound = share.value * (share.part - excess) / share.part + 0.0;
+    (share.part > 0.0 && share.part >= excess && bounds.contains(bound)).then_some(bound)
 }

@@ -15,6 +15,7 @@ use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::{Interval, add_down, add_up};
 use crate::model::{BigM, IndicatorRef, Literal, Model, Name, Variable};
+use crate::tolerance;
 
 /// A row that must hold wherever its condition does.
 pub(super) struct Implied<'a> {
@@ -120,16 +121,21 @@ fn need(model: &Model, terms: &[(Variable, f64)], limit: f64, side: Side) -> Res
     let (mut largest, mut unbounded, mut share) = (None, None, -1.0);
     for &(variable, coefficient) in terms {
         let part = model.variable_ref(variable)?.bounds() * (sign * coefficient);
+        let bound = (variable, if sign * coefficient > 0.0 { "upper" } else { "lower" });
         if part.upper.is_infinite() && unbounded.is_none() {
-            unbounded = Some((variable, if sign * coefficient > 0.0 { "upper" } else { "lower" }));
+            unbounded = Some(bound);
         }
         let spread = part.width();
         if spread > share || part.upper.is_infinite() {
-            (largest, share) =
-                (Some(variable), if spread.is_nan() { f64::INFINITY } else { spread });
+            (largest, share) = (Some(bound), if spread.is_nan() { f64::INFINITY } else { spread });
         }
         total = total + part;
     }
+    // Bounds whose M counts as infinite are as good as none.
+    if total.upper >= tolerance::INFINITE {
+        unbounded = unbounded.or(largest);
+    }
+    let largest = largest.map(|(variable, _)| variable);
     Ok(Need { value: total.upper, by_program: false, largest, unbounded })
 }
 

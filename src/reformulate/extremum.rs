@@ -13,6 +13,7 @@ use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::add_up;
 use crate::model::{Affine, Variable, VariableKind};
+use crate::tolerance;
 
 /// Adds the rows of `sign * result = max(sign * of)`.
 pub(super) fn apply(
@@ -100,7 +101,7 @@ fn miss(
     for &other in kept {
         let ahead = sign * (other - expression);
         let upper = lowering.model.range(&ahead)?.upper;
-        if upper.is_infinite() {
+        if upper >= tolerance::INFINITE {
             return Err(lowering.unbounded(&ahead, 1.0)?);
         }
         if upper > most {

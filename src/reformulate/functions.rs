@@ -6,6 +6,7 @@ use super::{extremum, piecewise, product};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Variable};
+use crate::tolerance;
 
 /// Adds the rows of one function and the bounds that follow for its variable.
 pub(super) fn apply(
@@ -28,20 +29,23 @@ pub(super) fn apply(
 
 impl Lowering<'_> {
     /// Intersects a variable's bounds with what a function's range allows. Where nothing is left,
-    /// the bounds stay, and the rows say that there is no point.
+    /// the bound next to the range stays alone, and the rows say that there is no point.
     fn tighten(&mut self, variable: Variable, range: Interval) -> Result<(), Error> {
-        let bounds = self.model.variable_ref(variable)?.bounds().intersection(range);
-        if bounds.lower <= bounds.upper {
-            self.model.set_bounds(variable, bounds.lower, bounds.upper)?;
-        }
-        Ok(())
+        let own = self.model.variable_ref(variable)?.bounds();
+        let common = own.intersection(range);
+        let (lower, upper) = match () {
+            () if common.lower <= common.upper => (common.lower, common.upper),
+            () if own.lower > range.upper => (own.lower, own.lower),
+            () => (own.upper, own.upper),
+        };
+        self.model.set_bounds(variable, lower, upper)
     }
 
     /// The range of an expression, or the error that names the variable without a bound.
     pub(super) fn bounded_range(&self, of: &Affine) -> Result<Interval, Error> {
         let range = self.model.range(of)?;
         for (missing, sign) in [(range.upper, 1.0), (range.lower, -1.0)] {
-            if missing.is_infinite() {
+            if missing.abs() >= tolerance::INFINITE {
                 return Err(self.unbounded(of, sign)?);
             }
         }

@@ -115,7 +115,8 @@ impl<'a> Maximizer<'a> {
         }
         let most = self.most_in_domain(terms, mark);
         self.domain.undo_to(mark);
-        most + MARGIN * most.abs().max(1.0)
+        // Infinities stay as they are.
+        if most.is_finite() { most + MARGIN * most.abs().max(1.0) } else { most }
     }
 
     fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {

@@ -55,6 +55,8 @@ pub struct Lowered {
     model: Model,
     report: BigMReport,
     original: usize,
+    /// Number of rows that the model had itself; they come first.
+    written: usize,
     relaxed: Vec<(Variable, Function, Tie)>,
     /// The state of the model that this was made from.
     revision: u64,
@@ -183,5 +185,6 @@ fn lower_with<'a>(
         logic::apply(&statement, &mut lowering)?;
     }
     let Lowering { model: lowered, report, original, .. } = lowering;
-    Ok(Lowered { model: lowered, report, original, relaxed, revision: model.revision() })
+    let (written, revision) = (model.constraint_count(), model.revision());
+    Ok(Lowered { model: lowered, report, original, written, relaxed, revision })
 }

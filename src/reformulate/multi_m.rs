@@ -14,6 +14,7 @@ use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::Error;
 use crate::interval::add_up;
 use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable};
+use crate::tolerance;
 
 /// A term that may be selected instead: its selector and all rows that then hold.
 #[derive(Clone)]
@@ -87,7 +88,7 @@ fn relaxed(
     let mut slack = Affine::zero();
     for other in others {
         let most = most(&up, other, lowering)?;
-        if most == f64::INFINITY {
+        if most >= tolerance::INFINITE {
             return Err(lowering.unbounded(&row, 1.0)?);
         }
         if most == f64::NEG_INFINITY {

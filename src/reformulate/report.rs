@@ -144,8 +144,8 @@ impl BigMEntry {
     }
 }
 
-/// Every side of every indicator, in the order of the model; before them the functions that need
-/// an M. A compound condition may need several rows a side, with an entry each.
+/// Every side of every indicator and of every row of a disjunction, in the order of the model;
+/// before them the functions that need an M. A compound condition may need several rows a side, with an entry each.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMReport {
@@ -153,7 +153,8 @@ pub struct BigMReport {
 }
 
 impl BigMReport {
-    /// All entries: functions in the order of the model, then its indicators, lower side first.
+    /// All entries: functions in the order of the model, then its indicators, then the rows of its
+    /// disjunctions (but by hulls, which have no M), lower side first.
     pub fn entries(&self) -> &[BigMEntry] {
         &self.entries
     }

@@ -8,6 +8,7 @@ use super::Solver;
 use crate::error::Error;
 use crate::model::Model;
 use crate::solution::{Point, Solution, Verification};
+use crate::tolerance;
 
 /// What is left of a point when its integers are whole and the rest is solved again; made by
 /// [`certify`].
@@ -89,7 +90,7 @@ pub fn certify<S: Solver + ?Sized>(
     let given = Point::new(model, values.to_vec())?;
     let (mut fixed, mut rounding) = (model.clone(), 0.0_f64);
     for (variable, &value) in model.variables().zip(values) {
-        if !value.is_finite() {
+        if value.is_nan() || value.abs() >= tolerance::INFINITE {
             let name = variable.name().to_string();
             return Err(Error::NotFinite { name, what: "the value", value });
         }

@@ -206,3 +206,17 @@ fn domains_that_play_a_part_are_named() {
     let domains: Vec<String> = why.domains().iter().map(Name::to_string).collect();
     assert_eq!(domains, ["x[0]", "x[20]"]);
 }
+
+/// A row on a parameter alone narrows nothing: parameters have values, not bounds.
+#[test]
+fn rows_on_parameters_can_be_asked_about() {
+    let mut model = Model::new("m");
+    let x = model.continuous("x", 0.0, 10.0).unwrap();
+    let wall = model.parameter("wall", 6.0, 0.0, 10.0).unwrap();
+    model.add("near", wall.le(7.0)).unwrap();
+    model.add("behind", x.ge(wall)).unwrap();
+    model.add("low", x.le(3.0)).unwrap();
+    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let names: Vec<&str> = why.groups().iter().map(|group| group.name()).collect();
+    assert_eq!(names, ["behind", "low"]);
+}

@@ -125,8 +125,8 @@ pub fn read(text: &str) -> Result<Model, Error> {
 /// # Errors
 ///
 /// [`Error::InvalidName`] when the model's name contains a line break or another control
-/// character; [`Error::NotInFile`] for logic, compound conditions and functions, which the lowered
-/// model has no more.
+/// character; [`Error::NotInFile`] for logic, compound conditions, disjunctions and functions, which
+/// the lowered model has no more.
 ///
 /// # Complexity
 ///
