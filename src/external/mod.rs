@@ -7,7 +7,7 @@
 //! program that takes them.
 //!
 //! Points are never taken on trust: the integers are rounded, the rest is solved again by
-//! [`BranchAndBound`](crate::BranchAndBound), and every statement is checked as what it means
+//! [`BranchAndBound`], and every statement is checked as what it means
 //! ([`certify`]). Bounds and claims of infeasibility are the program's own and cannot be checked;
 //! they are as good as it is, up to its tolerances.
 //!

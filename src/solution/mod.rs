@@ -51,7 +51,7 @@ pub struct Outcome {
 impl Solution {
     /// Builds a solution from a backend's report. The objective and the verification are
     /// computed here, from the model, so that no backend can vouch for itself: integers that are
-    /// whole up to [`tolerance::INTEGRALITY`](crate::tolerance::INTEGRALITY) are made whole, every
+    /// whole up to [`tolerance::INTEGRALITY`] are made whole, every
     /// statement is then checked as what it means, a point that fails is dropped, and `Optimal`
     /// becomes [`Termination::Stalled`]. A backend whose points fail for their rounding can have
     /// them solved again by [`certify`](crate::solver::certify).
@@ -59,7 +59,7 @@ impl Solution {
     /// # Arguments
     ///
     /// * `feasibility`: the feasibility tolerance, see
-    ///   [`tolerance::FEASIBILITY`](crate::tolerance::FEASIBILITY).
+    ///   [`tolerance::FEASIBILITY`].
     ///
     /// # Errors
     ///
