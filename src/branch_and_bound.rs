@@ -8,7 +8,7 @@ use crate::program::Program;
 use crate::reformulate;
 use crate::search::{Task, search};
 use crate::solution::{Outcome, Point, Solution, Verification};
-use crate::solver::{Control, Options, Solver};
+use crate::solver::{Budget, Control, Options, Solver};
 
 /// Branch and bound over continuous relaxations.
 ///
@@ -59,12 +59,8 @@ impl Solver for BranchAndBound {
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         let (start, options) = (Instant::now(), &self.options);
         options.check()?;
-        let interrupt = control.interrupt();
-        let stop = || {
-            interrupt.is_triggered()
-                || options.time_limit.is_some_and(|limit| start.elapsed() >= limit)
-        };
-        let lowered = reformulate::lower_until(model, &stop)?;
+        let budget = Budget::new(options.time_limit, control.interrupt());
+        let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
         let program = Program::assemble(lowered.model())?;
         let accept = |values: &[f64]| {
             Point::new(model, lowered.restore(values))

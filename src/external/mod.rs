@@ -32,14 +32,12 @@ mod translate;
 pub use dialect::{Answer, Claim, Dialect, Files};
 pub use programs::{Cbc, Glpk, Highs, Scip};
 
-use web_time::Instant;
-
 use crate::branch_and_bound::BranchAndBound;
 use crate::error::Error;
 use crate::model::Model;
 use crate::reformulate;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
-use crate::solver::{Control, Event, Options, Progress, Solver, certify};
+use crate::solver::{Budget, Control, Event, Options, Progress, Solver, certify};
 
 /// A solver program on the `PATH`.
 #[derive(Debug)]
@@ -109,9 +107,9 @@ impl Solver for ExternalSolver {
     /// Besides those of every solver, [`Error::Backend`] when the program cannot be started, fails,
     /// or answers something that its dialect cannot read.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
-        let start = Instant::now();
         self.options.check()?;
-        let lowered = reformulate::lower(model)?;
+        let budget = Budget::new(self.options.time_limit, control.interrupt());
+        let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
         if !self.dialect.takes_quadratic() && !lowered.model().objective().products().is_empty() {
             let program = &self.program;
             let message = format!("{program} takes no quadratic objective with integers");
@@ -120,16 +118,15 @@ impl Solver for ExternalSolver {
         let Some(translated) = translate::translate(lowered.model())? else {
             let (termination, values) = (Termination::Infeasible, None);
             let bound = model.sense().sign() * f64::INFINITY;
-            let statistics = Statistics { time: start.elapsed(), ..Statistics::default() };
+            let statistics = Statistics { time: budget.elapsed(), ..Statistics::default() };
             let outcome = Outcome { termination, values, bound, statistics };
             return Solution::new(model, outcome, self.options.feasibility);
         };
-        let time_left = self.options.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
         let run = process::Run {
             dialect: &*self.dialect,
             program: &self.program,
             options: &self.options,
-            time_left,
+            time_left: budget.remaining(),
             interrupt: control.interrupt(),
         };
         let (answer, stopped) = run.answer(&translated.text)?;
@@ -148,7 +145,7 @@ impl Solver for ExternalSolver {
         let statistics = Statistics {
             nodes: answer.nodes.unwrap_or(0),
             incumbents: u64::from(values.is_some()),
-            time: start.elapsed(),
+            time: budget.elapsed(),
             ..Statistics::default()
         };
         let outcome = Outcome { termination, values, bound, statistics };
@@ -159,7 +156,7 @@ impl Solver for ExternalSolver {
             0,
             solution.objective(),
             solution.bound(),
-            start.elapsed(),
+            budget.elapsed(),
         );
         if solution.objective().is_some() {
             control.report(&Event::Incumbent(progress));

@@ -5,10 +5,11 @@
 //! it need be, never too small. Bounds are propagated first, which alone often says enough.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::model::{Literal, Model, StoredRow, Variable, VariableKind};
+use crate::model::{Literal, Model, StoredRow, Variable};
 use crate::presolve::{Domain, Propagator, Reduction, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
@@ -68,14 +69,11 @@ impl<'a> Maximizer<'a> {
         let mut renamed = BTreeMap::new();
         let all = rows.iter().flat_map(|row| &row.terms).chain(terms);
         for &(variable, _) in all {
-            if let std::collections::btree_map::Entry::Vacant(entry) = renamed.entry(variable) {
-                let (kind, bounds) = {
-                    let variable = model.variable_ref(variable)?;
-                    (variable.kind(), variable.bounds())
-                };
-                let kind = if bounds.is_bounded() { kind } else { VariableKind::Continuous };
+            if let Entry::Vacant(entry) = renamed.entry(variable) {
                 let name = format!("v{}", variable.index());
-                entry.insert(small.variable(name, kind, bounds.lower, bounds.upper)?);
+                let variable = model.variable_ref(variable)?;
+                let Interval { lower, upper } = variable.bounds();
+                entry.insert(small.variable(name, variable.kind(), lower, upper)?);
             }
         }
         for (k, row) in rows.iter().enumerate() {
