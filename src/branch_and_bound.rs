@@ -1,5 +1,7 @@
 //! The default backend: the whole pipeline in one short function.
 
+mod seeding;
+
 use web_time::Instant;
 
 use crate::error::Error;
@@ -8,7 +10,8 @@ use crate::program::Program;
 use crate::reformulate;
 use crate::search::{Task, search};
 use crate::solution::{Outcome, Point, Solution, Verification};
-use crate::solver::{Budget, Control, Options, Solver};
+use crate::solver::{Budget, Control, Options, Solver, TreeSeed};
+use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
 ///
@@ -66,15 +69,39 @@ impl Solver for BranchAndBound {
             Point::new(model, lowered.restore(values))
                 .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
         };
-        let found = search(Task { program: &program, accept: &accept, options, start }, control);
+        let integral: Vec<bool> = model.variables().map(|v| v.kind().is_integral()).collect();
+        let key = |values: &[f64]| {
+            let values = lowered.restore(values);
+            let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
+            integers.map(|(value, _)| value.round() as i64).collect()
+        };
+        let describe = |values: &[f64]| Point::new(model, lowered.restore(values)).ok();
+        let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
+        let task = Task {
+            program: &program,
+            accept: &accept,
+            key: &key,
+            describe: &describe,
+            options,
+            start,
+        };
+        let found = search(task, control, given.as_ref().map(|(seed, _)| seed));
+        let report = given.as_ref().map(|(_, ignored)| report(model, &found, *ignored));
         let mut statistics = found.statistics;
         statistics.time = start.elapsed();
         let outcome = Outcome {
             termination: found.termination,
-            values: found.incumbent.map(|values| lowered.restore(&values)),
+            values: found.points.first().map(|values| lowered.restore(values)),
             bound: program.sign * found.bound,
             statistics,
         };
-        Solution::new(model, outcome, options.feasibility)
+        let solution = Solution::new(model, outcome, options.feasibility)?;
+        let others = found.points.iter().skip(1).map(|values| lowered.restore(values));
+        let leaves = found.leaves.iter().map(|leaf| leaf_of(model, leaf, program.sign)).collect();
+        let solution = solution
+            .with_pool(model, others, found.pool_complete, options.feasibility)?
+            .with_leaves(leaves)
+            .with_seed_report(report);
+        Ok(solution)
     }
 }

@@ -21,13 +21,17 @@
 mod budget;
 mod certificate;
 mod control;
+mod log;
 mod options;
 mod progress;
+mod seed;
 
 pub use certificate::{Certificate, certify};
-pub use control::{Control, Interrupt};
-pub use options::Options;
-pub use progress::{Event, Progress};
+pub use control::{Control, Interrupt, OnIncumbent};
+pub use log::Log;
+pub use options::{Options, PoolMode};
+pub use progress::{Event, Incumbent, Progress};
+pub use seed::TreeSeed;
 
 use crate::error::Error;
 use crate::model::Model;

@@ -28,6 +28,16 @@ pub(super) struct Pseudocosts {
     count: Vec<[u32; 2]>,
     /// Over all columns, by direction.
     total: [(f64, u32); 2],
+    /// What was learned and not yet told to others, where there are any.
+    fresh: Option<Vec<Lesson>>,
+}
+
+/// What one child taught about a column.
+#[derive(Debug, Clone, Copy)]
+struct Lesson {
+    column: usize,
+    side: usize,
+    gain: f64,
 }
 
 /// How a node is split.
@@ -50,18 +60,41 @@ impl Pseudocosts {
             sum: vec![[0.0; 2]; columns],
             count: vec![[0; 2]; columns],
             total: [(0.0, 0); 2],
+            fresh: None,
         }
     }
 
     /// Learns from a child: `gain` of the bound after moving a column by `fraction`.
     pub(super) fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
         if gain.is_finite() && fraction > 1e-6 {
-            let (side, gain) = (usize::from(up), gain.max(0.0) / fraction);
-            self.sum[column][side] += gain;
-            self.count[column][side] += 1;
-            self.total[side].0 += gain;
-            self.total[side].1 += 1;
+            let lesson = Lesson { column, side: usize::from(up), gain: gain.max(0.0) / fraction };
+            self.take_in(lesson);
+            self.fresh.iter_mut().for_each(|fresh| fresh.push(lesson));
         }
+    }
+
+    fn take_in(&mut self, Lesson { column, side, gain }: Lesson) {
+        self.sum[column][side] += gain;
+        self.count[column][side] += 1;
+        self.total[side].0 += gain;
+        self.total[side].1 += 1;
+    }
+
+    /// Keeps what is learned from here on, to tell it.
+    pub(super) fn record(&mut self) {
+        self.fresh = Some(Vec::new());
+    }
+
+    /// Tells what was learned since the last time.
+    pub(super) fn tell(&mut self, shared: &mut Pseudocosts) {
+        self.fresh.iter_mut().for_each(|fresh| fresh.drain(..).for_each(|l| shared.take_in(l)));
+    }
+
+    /// Knows from here on what all together learned.
+    pub(super) fn learn_all(&mut self, shared: &Pseudocosts) {
+        self.sum.copy_from_slice(&shared.sum);
+        self.count.copy_from_slice(&shared.count);
+        self.total = shared.total;
     }
 
     fn known(&self, column: usize) -> bool {
@@ -159,7 +192,10 @@ impl Worker<'_> {
         };
         self.domain.undo_to(mark);
         match verdict {
-            Verdict::Refuted => None,
+            Verdict::Refuted => {
+                self.tree.count(|s| s.closed_by_trials += 1);
+                None
+            }
             Verdict::Relaxed { bound: child, .. } => {
                 let fraction = (value - decision.value).abs();
                 self.pseudocosts.learn(
@@ -172,6 +208,7 @@ impl Worker<'_> {
                 let child = self.tree.strengthen(child.min(self.cutoff));
                 if child >= self.tree.cutoff() {
                     self.tree.close(child);
+                    self.tree.count(|s| s.closed_by_trials += 1);
                     return None;
                 }
                 Some(if gain.is_finite() { gain } else { 0.0 })

@@ -1,5 +1,6 @@
 //! Points from fixed integers: solve what is left, polish, verify, offer.
 
+use super::clock::Activity;
 use super::node_relaxation::Verdict;
 use super::worker::Worker;
 use crate::presolve::{Reduced, Reduction, reduce};
@@ -40,6 +41,13 @@ impl Worker<'_> {
 
     /// Polishes a leaf's point and offers it; `false` when the check refuses it.
     pub(super) fn offer_leaf(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
+        let activity = self.clock.switch(Activity::Verification);
+        let found = self.offer_verified(reduced, x);
+        self.clock.switch(activity);
+        found
+    }
+
+    fn offer_verified(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
         let mut polished = x.to_vec();
         polish(reduced, &mut polished);
         // Bounds are proved inside a radius only; a point outside must not be measured by them.

@@ -1,7 +1,13 @@
 //! The tree search: best bound first, plunging, with every conclusion verified.
 //!
-//! * `node` - a node as a list of decisions, and the queue of open nodes
-//! * `tree` - what all workers share: queue, incumbent, bounds, limits
+//! * `node` - a node as shared bound changes, and the queue of open nodes
+//! * `tree` - what all workers share: queue, best points, bounds, limits
+//! * `best_points` - the incumbent and those after it
+//! * `desk` - what one worker sees of the tree
+//! * `live` - one thread, or several that exchange everything at once
+//! * `rounds` - the deterministic search, the same for any number of threads
+//! * `clock` - what the time is spent on
+//! * `seed`, `guess` - what an earlier solve hands over: boxes, and a point
 //! * `root` - what holds before the first split: propagation and probing
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `descend` - from node to node: decisions applied, propagated and probed
@@ -18,10 +24,15 @@
 //! Nothing is pruned on an unverified relaxation, and no incumbent is accepted that the caller's
 //! check refuses.
 
+mod best_points;
 mod branching;
+mod clock;
 mod descend;
+mod desk;
 mod disjunction;
+mod guess;
 mod leaf;
+mod live;
 mod node;
 mod node_relaxation;
 mod probing;
@@ -29,6 +40,8 @@ mod purify;
 mod reporter;
 mod root;
 mod rounding;
+mod rounds;
+mod seed;
 mod tree;
 mod unbounded;
 mod worker;
@@ -36,12 +49,14 @@ mod worker;
 use web_time::Instant;
 
 use crate::program::Program;
-use crate::solution::{Statistics, Termination};
+use crate::solution::{Point, Statistics, Termination};
 use crate::solver::{Control, Options};
-use reporter::Reporter;
+pub use guess::GuessEnd;
+use node::Path;
+use reporter::Watch;
 use root::Root;
+pub use seed::{Seed, SeedBox, Seeded};
 use tree::Tree;
-use worker::Worker;
 
 /// A check of a full point against the model it came from; decides whether an incumbent is
 /// accepted.
@@ -54,6 +69,10 @@ pub struct Task<'a> {
     pub program: &'a Program,
     /// The check of incumbents.
     pub accept: &'a Accept<'a>,
+    /// The integers that tell two points apart.
+    pub key: &'a (dyn Fn(&[f64]) -> Vec<i64> + Sync),
+    /// The user's point that a point stands for.
+    pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
     /// When the solve began.
@@ -71,36 +90,51 @@ impl std::fmt::Debug for Task<'_> {
 pub struct Found {
     /// Why it stopped.
     pub termination: Termination,
-    /// The best accepted point.
-    pub incumbent: Option<Vec<f64>>,
+    /// The best accepted points, best first.
+    pub points: Vec<Vec<f64>>,
+    /// Whether these are proved to be the best ones.
+    pub pool_complete: bool,
     /// Proved lower bound; `+inf` when infeasible.
     pub bound: f64,
     /// Counts; the time is left to the caller.
     pub statistics: Statistics,
+    /// The ends of the tree, where they were wanted.
+    pub leaves: Vec<Closed>,
+    /// What became of a guess.
+    pub guess: Option<GuessEnd>,
+    /// What became of the boxes of a seed.
+    pub seeded: Option<Seeded>,
 }
 
-/// Searches the tree of a program.
-pub fn search(task: Task<'_>, control: &mut Control<'_>) -> Found {
-    let tree = Tree::new(task, control.interrupt().clone());
+/// An end of the tree: refuted, cut off, solved, or still open.
+#[derive(Debug, Clone)]
+pub struct Closed {
+    /// Changes of bounds on the way from the root: column, whether it is the upper bound, value.
+    pub decisions: Vec<(usize, bool, f64)>,
+    /// The bound proved for it.
+    pub bound: f64,
+}
+
+impl Closed {
+    fn new(path: &Path, bound: f64) -> Self {
+        let decisions = path.backwards().map(|d| (d.column, d.is_upper, d.value)).collect();
+        Closed { decisions, bound }
+    }
+}
+
+/// Searches the tree of a program, from a seed where there is one.
+pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+    let rounds = task.options.deterministic;
+    let workers = if rounds { rounds::WORKERS } else { task.options.threads };
+    let tree = Tree::new(task, control.interrupt().linked(), seed, workers);
     let root = Root::new(task.program, &tree);
-    let mut reporter = Reporter::new();
-    run(task, &tree, &root, (&mut reporter, control));
+    let mut watch = Watch::new(control);
+    if rounds {
+        rounds::run(task, &tree, &root, &mut watch);
+    } else {
+        live::run(task, &tree, &root, &mut watch);
+    }
     // What other threads found while the caller's had nothing to do.
-    reporter.report(&tree, control);
+    watch.report(&tree);
     tree.into_found()
-}
-
-#[cfg(not(target_family = "wasm"))]
-fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, watch: (&mut Reporter, &mut Control<'_>)) {
-    std::thread::scope(|scope| {
-        for id in 1..task.options.threads {
-            scope.spawn(move || Worker::new(task, tree, root, id).run(None));
-        }
-        Worker::new(task, tree, root, 0).run(Some(watch));
-    });
-}
-
-#[cfg(target_family = "wasm")]
-fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, watch: (&mut Reporter, &mut Control<'_>)) {
-    Worker::new(task, tree, root, 0).run(Some(watch));
 }

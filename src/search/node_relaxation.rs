@@ -5,6 +5,7 @@ use super::unbounded::{is_descent_ray, recession_program};
 use super::worker::Worker;
 use super::{Found, Task, search};
 
+use super::clock::Activity;
 use super::node::Node;
 use crate::presolve::{Projection, Reduced, Reduction, project, reduce, tighten_coefficients};
 use crate::relaxation::{Claim, Effort, Relaxation, lower_bound, polish, proves_infeasible};
@@ -30,13 +31,18 @@ pub(super) enum Verdict {
 
 impl Worker<'_> {
     /// What is to be relaxed at the node of the domain; nothing when it is refuted.
-    pub(super) fn project_node(&self) -> Option<Projection> {
-        let Reduction::Reduced(mut reduced) = reduce(self.task.program, &self.domain) else {
-            return None;
+    pub(super) fn project_node(&mut self) -> Option<Projection> {
+        let activity = self.clock.switch(Activity::Reduction);
+        let projection = match reduce(self.task.program, &self.domain) {
+            Reduction::Reduced(mut reduced) => {
+                let integral = &self.task.program.integral;
+                tighten_coefficients(&mut reduced, integral);
+                Some(project(*reduced, integral))
+            }
+            Reduction::Infeasible => None,
         };
-        let integral = &self.task.program.integral;
-        tighten_coefficients(&mut reduced, integral);
-        Some(project(*reduced, integral))
+        self.clock.switch(activity);
+        projection
     }
 
     /// Solves a reduced program and verifies the answer, trying harder where it is not good
@@ -75,7 +81,9 @@ impl Worker<'_> {
                 time: self.tree.time_left(),
                 interrupt: self.tree.interrupt().clone(),
             };
+            let activity = self.clock.switch(Activity::Relaxation);
             let answer = self.relaxation.solve(reduced, &effort);
+            self.clock.switch(Activity::Proof);
             self.tree.count(|s| {
                 s.relaxations += 1;
                 s.iterations += answer.iterations;
@@ -86,6 +94,7 @@ impl Worker<'_> {
             let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
             match answer.claim {
                 Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
+                    self.clock.switch(activity);
                     return Verdict::Refuted;
                 }
                 Claim::Unbounded if look_for_descent && is_descent_ray(reduced, &answer.x) => {
@@ -102,6 +111,7 @@ impl Worker<'_> {
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                     best.0 = bound.max(best.0);
                     if bound >= cutoff {
+                        self.clock.switch(activity);
                         return Verdict::Relaxed { bound, x: answer.x };
                     }
                     if early && !solved {
@@ -122,6 +132,7 @@ impl Worker<'_> {
                 }
                 _ => {}
             }
+            self.clock.switch(activity);
             attempts.next();
         }
         if look_for_descent && !settled && self.falls_forever(reduced) {
@@ -141,7 +152,9 @@ impl Worker<'_> {
             time: self.tree.time_left(),
             interrupt: self.tree.interrupt().clone(),
         };
+        let activity = self.clock.switch(Activity::Relaxation);
         let mut answer = self.relaxation.solve(&directions, &effort);
+        self.clock.switch(activity);
         self.tree.count(|s| {
             s.relaxations += 1;
             s.iterations += answer.iterations;
@@ -154,15 +167,13 @@ impl Worker<'_> {
     pub(super) fn settle_descent(&mut self, node: Node) {
         let mut flat = self.task.program.clone();
         flat.make_feasibility_problem();
-        let options = self.task.options.clone().with_threads(1);
+        let options = self.task.options.nested();
         let task = Task { program: &flat, options: &options, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
-        let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
-        self.tree.count(|s| {
-            s.nodes += statistics.nodes;
-            s.relaxations += statistics.relaxations;
-            s.iterations += statistics.iterations;
-        });
+        let Found { termination, points, statistics, .. } = search(task, &mut control, None);
+        let incumbent = points.into_iter().next();
+        self.clock.restart();
+        self.tree.count(|s| s.add(&statistics));
         match (termination, incumbent) {
             (Termination::Infeasible, _) => {}
             (_, Some(point)) => {
@@ -170,7 +181,7 @@ impl Worker<'_> {
                 self.tree.offer(value, point);
                 self.tree.stop(Termination::Unbounded);
             }
-            (reason, None) if reason.is_limit() => self.tree.give_back(self.id, node, reason),
+            (reason, None) if reason.is_limit() => self.tree.give_back(node, reason),
             _ => self.tree.stall(f64::NEG_INFINITY),
         }
     }

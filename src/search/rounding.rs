@@ -22,7 +22,7 @@ impl Worker<'_> {
     }
 
     /// Fixes one integer near `value`; `false` when both sides contradict the domain.
-    fn fix_rounded(&mut self, j: usize, value: f64) -> bool {
+    pub(super) fn fix_rounded(&mut self, j: usize, value: f64) -> bool {
         if self.domain.is_fixed(j) {
             return true;
         }
