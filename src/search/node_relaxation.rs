@@ -15,7 +15,26 @@ use crate::tolerance;
 
 /// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
 /// like any other, if not the best.
-const TRIAL: [(u32, f64, u32); 1] = [(30, 1e-5, 1)];
+const TRIAL: [Attempt; 1] = [(Method::InteriorPoint, 30, 1e-5, 1)];
+
+/// The ladder of attempts at a node: method, iterations, tolerance, refinements. Iterations are
+/// capped: a program infeasible by a hair keeps an interior-point method busy without a verdict.
+const LADDER: [Attempt; 4] = [
+    (Method::InteriorPoint, 60, 1e-8, 1),
+    (Method::Clarabel, 60, 1e-8, 1),
+    (Method::Clarabel, 200, 1e-9, 10),
+    (Method::Clarabel, 200, 1e-11, 10),
+];
+
+type Attempt = (Method, u32, f64, u32);
+
+/// Who is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Method {
+    /// The crate's own method: quick, gives up early.
+    InteriorPoint,
+    Clarabel,
+}
 
 /// What a relaxation, verified, says about a node.
 pub(super) enum Verdict {
@@ -48,6 +67,13 @@ impl Worker<'_> {
     /// Solves a reduced program and verifies the answer, trying harder where it is not good
     /// enough. A leaf's point may become the answer, so there the gap asked for counts.
     pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
+        let activity = self.clock.switch(Activity::Proof);
+        let verdict = self.solve_and_verify(reduced, look_for_descent);
+        self.clock.switch(activity);
+        verdict
+    }
+
+    fn solve_and_verify(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
         if reduced.columns.is_empty() {
             return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
         }
@@ -61,18 +87,15 @@ impl Worker<'_> {
         };
         let (mut settled, mut nearest) = (false, f64::INFINITY);
         let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
-        // Iterations are capped: a program infeasible by a hair keeps an interior-point method
-        // busy without a verdict.
-        let attempts = [(60, 1e-8, 1), (200, 1e-9, 10), (200, 1e-11, 10)];
         // The backend's gap is relative to an objective without the constant, which may be large.
         let attempts = match (self.on_trial, leaf) {
             (true, _) => &TRIAL[..],
-            (false, false) => &attempts[..2],
-            (false, true) => &attempts[..],
+            (false, false) => &LADDER[..3],
+            (false, true) => &LADDER[..],
         };
         let mut cutoff = self.tree.cutoff();
         let mut attempts = attempts.iter().peekable();
-        while let Some(&&(iterations, tolerance, refinements)) = attempts.peek() {
+        while let Some(&&(method, iterations, tolerance, refinements)) = attempts.peek() {
             let effort = Effort {
                 iterations,
                 tolerance,
@@ -82,8 +105,11 @@ impl Worker<'_> {
                 interrupt: self.tree.interrupt().clone(),
             };
             let activity = self.clock.switch(Activity::Relaxation);
-            let answer = self.relaxation.solve(reduced, &effort);
-            self.clock.switch(Activity::Proof);
+            let answer = match method {
+                Method::InteriorPoint => self.interior.solve(reduced, &effort),
+                Method::Clarabel => self.relaxation.solve(reduced, &effort),
+            };
+            self.clock.switch(activity);
             self.tree.count(|s| {
                 s.relaxations += 1;
                 s.iterations += answer.iterations;
@@ -94,7 +120,6 @@ impl Worker<'_> {
             let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
             match answer.claim {
                 Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
-                    self.clock.switch(activity);
                     return Verdict::Refuted;
                 }
                 Claim::Unbounded if look_for_descent && is_descent_ray(reduced, &answer.x) => {
@@ -111,7 +136,6 @@ impl Worker<'_> {
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
                     best.0 = bound.max(best.0);
                     if bound >= cutoff {
-                        self.clock.switch(activity);
                         return Verdict::Relaxed { bound, x: answer.x };
                     }
                     if early && !solved {
@@ -132,7 +156,6 @@ impl Worker<'_> {
                 }
                 _ => {}
             }
-            self.clock.switch(activity);
             attempts.next();
         }
         if look_for_descent && !settled && self.falls_forever(reduced) {

@@ -12,7 +12,7 @@ use super::root::{Root, late_first};
 use super::seed::{Seeded, divide};
 use crate::presolve::{Conflict, Domain, Propagator};
 use crate::program::Program;
-use crate::relaxation::ClarabelRelaxation;
+use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
 use crate::solution::{Heuristic, Termination};
 
 /// One thread of the search, with its own domain and propagation.
@@ -26,6 +26,7 @@ pub(super) struct Worker<'a> {
     groups: &'a [Vec<usize>],
     pub(super) late_first: Vec<usize>,
     pub(super) relaxation: ClarabelRelaxation,
+    pub(super) interior: InteriorPoint,
     pub(super) pseudocosts: Pseudocosts,
     /// The decisions that the domain currently reflects.
     pub(super) path: Vec<Decision>,
@@ -59,6 +60,7 @@ impl<'a> Worker<'a> {
             groups: &root.groups,
             late_first: late_first(task.program),
             relaxation: ClarabelRelaxation::new(),
+            interior: InteriorPoint::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
             route: Vec::new(),
