@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::program::Program;
 use crate::reformulate;
-use crate::search::{Task, search};
+use crate::search::{Guide, Task, search};
 use crate::solution::{Outcome, Point, Solution, Verification};
 use crate::solver::{Budget, Control, Options, Solver, TreeSeed};
 use seeding::{leaf_of, report, seed_of};
@@ -77,7 +77,10 @@ impl Solver for BranchAndBound {
         };
         let describe = |values: &[f64]| Point::new(model, lowered.restore(values)).ok();
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
+        let guide = Guide::new(model, control.guidance())?;
         let task = Task {
+            guide: &guide,
+            windows: None,
             program: &program,
             accept: &accept,
             key: &key,

@@ -60,7 +60,7 @@ impl Worker<'_> {
     }
 
     /// Fixes one guessed value; `false`, and nothing changed, where that is a contradiction.
-    fn fix_guessed(&mut self, j: usize, value: f64) -> bool {
+    pub(super) fn fix_guessed(&mut self, j: usize, value: f64) -> bool {
         let (value, [lower, upper]) = (value.round(), self.domain.bounds(j));
         if !(lower <= value && value <= upper) {
             return false;
@@ -85,15 +85,14 @@ impl Worker<'_> {
             }
             let Some(projection) = self.project_node() else { return };
             let Verdict::Relaxed { x, .. } = self.relax(&projection.reduced, false) else { return };
-            let point = projection.lift(&x);
+            let point = self.complete_point(projection.lift(&x));
             self.round_and_propagate(&point);
             if self.tree.has_last_found() {
                 return;
             }
             let distance = |j: usize| (point[j] - point[j].round()).abs();
             let open = |&&j: &&usize| !self.domain.is_fixed(j);
-            let mut order: Vec<usize> =
-                self.program().integers.iter().filter(open).copied().collect();
+            let mut order: Vec<usize> = self.own_integers().iter().filter(open).copied().collect();
             order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
             let sure = order.iter().take_while(|&&j| distance(j) <= 1e-3).count();
             for &j in order.iter().take(sure.max(1)) {

@@ -12,8 +12,7 @@ impl Worker<'_> {
     /// result. The domain is left as it was.
     pub(super) fn try_assignment(&mut self, point: &[f64]) {
         let mark = self.domain.mark();
-        let program = self.program();
-        for &j in &program.integers {
+        for &j in self.own_integers() {
             let value = point[j].round();
             self.domain.apply(j, false, value.max(self.domain.lower(j)));
             self.domain.apply(j, true, value.min(self.domain.upper(j)));
@@ -57,7 +56,7 @@ impl Worker<'_> {
             if candidate.iter().enumerate().any(far) {
                 continue;
             }
-            let mut point = reduced.lift(candidate);
+            let mut point = self.complete_point(reduced.lift(candidate));
             for &j in &self.program().integers {
                 point[j] = point[j].round();
             }

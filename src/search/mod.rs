@@ -16,6 +16,11 @@
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
 //! * `disjunction` - splitting "one of these" into its sides
+//! * `guide` - priorities, splits and points that the user knows
+//! * `trial` - children on trial, and what they leave behind
+//! * `reduced_cost` - bounds of integers from multipliers
+//! * `windows` - splitting "nothing happens in these steps", `order` - which binaries are steps
+//! * `symmetry` - interchangeable columns in falling order
 //! * `purify` - whole values where the relaxed point leaves a choice
 //! * `rounding` - the round-and-propagate heuristic
 //! * `reporter` - progress events
@@ -31,32 +36,40 @@ mod descend;
 mod desk;
 mod disjunction;
 mod guess;
+mod guide;
 mod leaf;
 mod live;
 mod node;
 mod node_relaxation;
+mod order;
 mod probing;
 mod purify;
+mod reduced_cost;
 mod reporter;
 mod root;
 mod rounding;
 mod rounds;
 mod seed;
+mod symmetry;
 mod tree;
+mod trial;
 mod unbounded;
+mod windows;
 mod worker;
 
 use web_time::Instant;
 
 use crate::program::Program;
 use crate::solution::{Point, Statistics, Termination};
-use crate::solver::{Control, Options};
+use crate::solver::{BranchingRule, Control, Options};
 pub use guess::GuessEnd;
+pub use guide::Guide;
 use node::Path;
 use reporter::Watch;
 use root::Root;
 pub use seed::{Seed, SeedBox, Seeded};
 use tree::Tree;
+pub use windows::Windows;
 
 /// A check of a full point against the model it came from; decides whether an incumbent is
 /// accepted.
@@ -73,6 +86,10 @@ pub struct Task<'a> {
     pub key: &'a (dyn Fn(&[f64]) -> Vec<i64> + Sync),
     /// The user's point that a point stands for.
     pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
+    /// Windows of events, whose columns `program` has then; made by the search itself.
+    pub windows: Option<&'a Windows<'a>>,
+    /// What the user knows about the search.
+    pub guide: &'a Guide<'a>,
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
     /// When the solve began.
@@ -126,8 +143,21 @@ impl Closed {
 pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
     let rounds = task.options.deterministic;
     let workers = if rounds { rounds::WORKERS } else { task.options.threads };
-    let tree = Tree::new(task, control.interrupt().linked(), seed, workers);
-    let root = Root::new(task.program, &tree);
+    let interrupt = control.interrupt().linked();
+    let limit = task.options.time_limit;
+    let in_time = || limit.is_none_or(|limit| task.start.elapsed() < limit);
+    let go_on = || !interrupt.is_triggered() && in_time();
+    let ordered = ordered(task, seed);
+    let task = Task { program: ordered.as_ref().unwrap_or(task.program), ..task };
+    let mut root = Root::new(task.program, &go_on);
+    let windows = windows(task, &root);
+    let task = Task {
+        program: windows.as_ref().map_or(task.program, Windows::program),
+        windows: windows.as_ref(),
+        ..task
+    };
+    root.extend(task.program);
+    let tree = Tree::new(task, interrupt, seed, workers);
     let mut watch = Watch::new(control);
     if rounds {
         rounds::run(task, &tree, &root, &mut watch);
@@ -137,4 +167,34 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     // What other threads found while the caller's had nothing to do.
     watch.report(&tree);
     tree.into_found()
+}
+
+/// The program with its interchangeable columns in falling order, where it has any. Not where points
+/// are told apart by their integers, or come from elsewhere: they would have to be sorted.
+fn ordered(task: Task<'_>, seed: Option<&Seed>) -> Option<Program> {
+    let options = task.options;
+    let plain = options.pool <= 1 && !options.keep_leaves && seed.is_none();
+    if !options.symmetry || !plain || task.windows.is_some() || task.guide.steers() {
+        return None;
+    }
+    let orderings = symmetry::orderings(task.program);
+    let row = |(a, b)| (vec![(a, 1.0), (b, -1.0)], [0.0, f64::INFINITY]);
+    let rows: Vec<_> = orderings.into_iter().map(row).collect();
+    let mut program = task.program.clone();
+    (!rows.is_empty()).then(|| program.append(&[], &rows))??;
+    Some(program)
+}
+
+/// The windows of events that the options ask for, where the program has any. Kept leaves are about
+/// the program's own columns, so there are none then.
+fn windows<'a>(task: Task<'a>, root: &Root) -> Option<Windows<'a>> {
+    let wanted = match task.options.branching {
+        BranchingRule::EventWindows => true,
+        BranchingRule::Automatic => task.program.is_feasibility_problem(),
+        _ => false,
+    };
+    if !wanted || task.options.keep_leaves || task.windows.is_some() || root.conflict.is_some() {
+        return None;
+    }
+    Windows::new(task.program, &root.domain, &order::in_time(task.program)?)
 }

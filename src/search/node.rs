@@ -97,6 +97,13 @@ impl Path {
     }
 }
 
+/// What is known of a node's relaxation before it is visited.
+#[derive(Debug, Clone)]
+pub(super) struct Known {
+    /// The relaxed point, over all columns.
+    pub(super) point: Vec<f64>,
+}
+
 /// An open node: the decisions from the root, and a proved bound on its subtree.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
@@ -104,6 +111,8 @@ pub(super) struct Node {
     pub(super) bound: f64,
     /// How far the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
+    /// The relaxation of a trial, where there was one.
+    pub(super) known: Option<Box<Known>>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
     pub(super) serial: u64,
 }
@@ -111,7 +120,8 @@ pub(super) struct Node {
 impl Node {
     /// The root of a tree.
     pub(super) fn root() -> Self {
-        Node { path: Path::default(), bound: f64::NEG_INFINITY, fraction: 0.0, serial: 0 }
+        let (path, bound) = (Path::default(), f64::NEG_INFINITY);
+        Node { path, bound, fraction: 0.0, known: None, serial: 0 }
     }
 }
 
@@ -216,6 +226,7 @@ mod tests {
             path: path.clone(),
             bound,
             fraction: 0.0,
+            known: None,
             serial,
         };
         let mut queue = NodeQueue::default();

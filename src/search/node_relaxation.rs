@@ -2,6 +2,7 @@
 //! enough.
 
 use super::unbounded::{is_descent_ray, recession_program};
+use super::windows::Windows;
 use super::worker::Worker;
 use super::{Found, Task, search};
 
@@ -10,7 +11,7 @@ use super::node::Node;
 use crate::presolve::{Projection, Reduced, Reduction, project, reduce, tighten_coefficients};
 use crate::relaxation::{Claim, Effort, Relaxation, lower_bound, polish, proves_infeasible};
 use crate::solution::Termination;
-use crate::solver::Control;
+use crate::solver::{BranchingRule, Control};
 use crate::tolerance;
 
 /// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
@@ -44,17 +45,22 @@ pub(super) enum Verdict {
     Stopped,
     /// The objective falls without limit along a verified direction.
     Descent,
-    /// A proved bound and a point, not necessarily optimal.
-    Relaxed { bound: f64, x: Vec<f64> },
+    /// A proved bound and a point, not necessarily optimal; `settled` when the two are close
+    /// together. `y` are the multipliers behind the bound, empty where there are none.
+    Relaxed { bound: f64, x: Vec<f64>, y: Vec<f64>, settled: bool },
 }
 
 impl Worker<'_> {
     /// What is to be relaxed at the node of the domain; nothing when it is refuted.
     pub(super) fn project_node(&mut self) -> Option<Projection> {
         let activity = self.clock.switch(Activity::Reduction);
-        let projection = match reduce(self.task.program, &self.domain) {
+        let program = self.task.windows.map_or(self.task.program, Windows::base);
+        let projection = match reduce(program, &self.domain) {
             Reduction::Reduced(mut reduced) => {
                 let integral = &self.task.program.integral;
+                if let Some(windows) = self.task.windows {
+                    windows.add_rows(&self.domain, &mut reduced);
+                }
                 tighten_coefficients(&mut reduced, integral);
                 Some(project(*reduced, integral))
             }
@@ -75,7 +81,8 @@ impl Worker<'_> {
 
     fn solve_and_verify(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
         if reduced.columns.is_empty() {
-            return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
+            let (bound, x, y) = (reduced.offset, Vec::new(), Vec::new());
+            return Verdict::Relaxed { bound, x, y, settled: true };
         }
         let feasibility_problem = reduced.is_feasibility_problem();
         let options = self.task.options;
@@ -87,6 +94,7 @@ impl Worker<'_> {
         };
         let (mut settled, mut nearest) = (false, f64::INFINITY);
         let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
+        let mut multipliers = Vec::new();
         // The backend's gap is relative to an objective without the constant, which may be large.
         let attempts = match (self.on_trial, leaf) {
             (true, _) => &TRIAL[..],
@@ -134,9 +142,12 @@ impl Worker<'_> {
                     let value = reduced.objective(&answer.x);
                     let solved = answer.claim == Claim::Solved;
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-                    best.0 = bound.max(best.0);
+                    if bound >= best.0 {
+                        (best.0, multipliers) = (bound, answer.y);
+                    }
                     if bound >= cutoff {
-                        return Verdict::Relaxed { bound, x: answer.x };
+                        let (x, y) = (answer.x, multipliers);
+                        return Verdict::Relaxed { bound, x, y, settled: false };
                     }
                     if early && !solved {
                         // What the backend promised does not hold: the same again, to the end.
@@ -149,7 +160,7 @@ impl Worker<'_> {
                         (nearest, best.1) = (distance, answer.x);
                     }
                     let near = answer_size <= tolerance::FREE_RADIUS;
-                    settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
+                    settled = near && value - bound <= self.slack() * value.abs().max(1.0);
                     if solved && value - bound <= close(value) {
                         break;
                     }
@@ -161,7 +172,12 @@ impl Worker<'_> {
         if look_for_descent && !settled && self.falls_forever(reduced) {
             return Verdict::Descent;
         }
-        Verdict::Relaxed { bound: best.0, x: best.1 }
+        Verdict::Relaxed { bound: best.0, x: best.1, y: multipliers, settled }
+    }
+
+    /// Distance of a value from its bound, relative, up to which a relaxation counts as settled.
+    fn slack(&self) -> f64 {
+        if self.on_trial { 1e-3 } else { 1e-6 }
     }
 
     /// Looks for a direction of descent without end where the backend named none.
@@ -190,8 +206,9 @@ impl Worker<'_> {
     pub(super) fn settle_descent(&mut self, node: Node) {
         let mut flat = self.task.program.clone();
         flat.make_feasibility_problem();
-        let options = self.task.options.nested();
-        let task = Task { program: &flat, options: &options, ..self.task };
+        let mut options = self.task.options.nested();
+        options.branching = BranchingRule::LatestFirst;
+        let task = Task { program: &flat, windows: None, options: &options, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
         let Found { termination, points, statistics, .. } = search(task, &mut control, None);
         let incumbent = points.into_iter().next();

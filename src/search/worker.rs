@@ -1,7 +1,7 @@
 //! Processing nodes: propagate, reduce, relax, bound, branch.
 
 use super::Task;
-use super::branching::{Pseudocosts, Split};
+use super::branching::{Child, Pseudocosts, Split};
 use super::clock::{Activity, Clock};
 use super::desk::Desk;
 use super::node::{Decision, Node, Path};
@@ -10,6 +10,7 @@ use super::probing::Probing;
 use super::purify::purify;
 use super::root::{Root, late_first};
 use super::seed::{Seeded, divide};
+use super::windows::Windows;
 use crate::presolve::{Conflict, Domain, Propagator};
 use crate::program::Program;
 use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
@@ -58,7 +59,8 @@ impl<'a> Worker<'a> {
             propagator: Propagator::new(task.program),
             covers: &root.covers,
             groups: &root.groups,
-            late_first: late_first(task.program),
+            // Windows are not probed: their binaries are.
+            late_first: late_first(task.windows.map_or(task.program, Windows::base)),
             relaxation: ClarabelRelaxation::new(),
             interior: InteriorPoint::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
@@ -91,7 +93,7 @@ impl<'a> Worker<'a> {
         next
     }
 
-    fn conclude(&mut self, node: Node) -> Option<Node> {
+    fn conclude(&mut self, mut node: Node) -> Option<Node> {
         let at_root = node.path.is_empty();
         let mut route = std::mem::take(&mut self.route);
         node.path.write_to(&mut route);
@@ -100,14 +102,37 @@ impl<'a> Worker<'a> {
         if entered && at_root {
             self.try_guess();
         }
-        let projection = if entered { self.project_node() } else { None };
-        let Some(projection) = projection else {
+        if !entered {
+            self.tree.count(|s| s.refuted_by_propagation += 1);
+            self.close_refuted(&node.path);
+            return None;
+        }
+        let known = node.known.take().filter(|k| !self.is_leaf() && self.may_reuse(k, node.bound));
+        let (bound, mut point) = match known {
+            Some(known) => (node.bound, known.point),
+            None => self.relax_node(&node)?,
+        };
+        if bound >= self.tree.cutoff() {
+            return self.cut_off(&node.path, bound);
+        }
+        let integrality = self.task.options.integrality;
+        purify(self.task.program, &self.domain, self.groups, integrality, &mut point);
+        self.look_for_points(&point, bound, at_root);
+        if bound >= self.tree.cutoff() {
+            return self.cut_off(&node.path, bound);
+        }
+        self.branch(node, bound, &point)
+    }
+
+    /// Solves the relaxation of a node: its bound and its point, or nothing when the node is done.
+    fn relax_node(&mut self, node: &Node) -> Option<(f64, Vec<f64>)> {
+        let Some(projection) = self.project_node() else {
             self.tree.count(|s| s.refuted_by_propagation += 1);
             self.close_refuted(&node.path);
             return None;
         };
         let reduced = &projection.reduced;
-        let (bound, x) = match self.relax(reduced, at_root) {
+        let (bound, x, y) = match self.relax(reduced, node.path.is_empty()) {
             Verdict::Refuted => {
                 self.tree.count(|s| s.refuted_by_relaxation += 1);
                 self.close_refuted(&node.path);
@@ -116,24 +141,25 @@ impl<'a> Worker<'a> {
             Verdict::Stopped => {
                 self.tree.count(|s| s.unfinished += 1);
                 let reason = self.tree.limit_reached().unwrap_or(Termination::Interrupted);
-                self.tree.give_back(node, reason);
+                self.tree.give_back(node.clone(), reason);
                 return None;
             }
             Verdict::Descent => {
                 self.tree.count(|s| s.unfinished += 1);
-                self.settle_descent(node);
+                self.settle_descent(node.clone());
                 return None;
             }
-            Verdict::Relaxed { bound, x } => {
+            Verdict::Relaxed { bound, x, y, .. } => {
                 if let Some(last) = node.path.last() {
                     let gain = bound - node.bound;
                     self.pseudocosts.learn(last.column, !last.is_upper, gain, node.fraction);
                 }
-                (self.tree.strengthen(bound.min(self.cutoff)).max(node.bound), x)
+                (self.tree.strengthen(bound.min(self.cutoff)).max(node.bound), x, y)
             }
         };
         if bound >= self.tree.cutoff() {
-            return self.cut_off(&node.path, bound);
+            self.cut_off(&node.path, bound);
+            return None;
         }
         if self.is_leaf() {
             // The relaxation of a leaf is the leaf.
@@ -148,14 +174,12 @@ impl<'a> Worker<'a> {
             self.tree.keep_leaf(&node.path, bound);
             return None;
         }
-        let mut point = projection.lift(&x);
-        let integrality = self.task.options.integrality;
-        purify(self.task.program, &self.domain, self.groups, integrality, &mut point);
-        self.look_for_points(&point, at_root);
-        if bound >= self.tree.cutoff() {
-            return self.cut_off(&node.path, bound);
+        let cutoff = self.tree.strengthen(self.tree.cutoff());
+        if !self.fix_by_reduced_costs(reduced, &x, &y) {
+            self.cut_off(&node.path, cutoff);
+            return None;
         }
-        self.branch(node, bound, &point)
+        Some((bound, self.complete_point(projection.lift(&x))))
     }
 
     /// A node whose bound is at the cutoff.
@@ -176,66 +200,81 @@ impl<'a> Worker<'a> {
         self.tree.keep_leaf(path, bound);
     }
 
-    /// What the trials of a node's split closed; its siblings hold the rest.
-    fn close_on_trial(&self) {
-        if self.cutoff < f64::INFINITY {
-            self.tree.close(self.tree.strengthen(self.cutoff));
-        }
+    /// The bound of what was closed at the current node by its trials or multipliers.
+    fn closed_bound(&self) -> f64 {
+        self.tree.strengthen(self.tree.cutoff().min(self.cutoff))
     }
 
     fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
-        let child_of = |worker: &Self, decisions: &[Decision]| {
-            let step = |path: Path, decision| path.then(decision, worker.tree.steps());
-            let path = decisions.iter().fold(node.path.clone(), step);
-            let moved = |last: &Decision| (point[last.column] - last.value).abs();
-            Node { path, bound, fraction: decisions.last().map_or(0.0, moved), serial: 0 }
-        };
         if node.path.is_empty() && bound > f64::NEG_INFINITY {
             let parts = self.parts_of_seed();
-            let (first, rest) = parts.split_first().unzip();
-            if let (Some(first), Some(rest)) = (first, rest) {
+            let node_of = |decisions: Vec<Decision>| {
+                let path = self.path_with(&node.path, &decisions);
+                Node { path, bound, fraction: 0.0, known: None, serial: 0 }
+            };
+            let mut nodes = parts.into_iter().map(node_of);
+            if let Some(first) = nodes.next() {
                 self.tree.count(|s| s.split += 1);
-                rest.iter().for_each(|part| self.tree.push(child_of(self, part)));
-                return Some(child_of(self, first));
+                nodes.for_each(|node| self.tree.push(node));
+                return Some(first);
             }
         }
-        let split = self.choose_split(point, bound);
-        let child = |worker: &Self, decision: Decision| child_of(worker, &[decision]);
+        let Split { children, closed } = self.choose_split(point, bound);
+        let facts = self.path.get(node.path.len()..).unwrap_or_default();
+        let path = self.path_with(&node.path, facts);
+        if closed && self.closed_bound() < f64::INFINITY {
+            self.tree.close(self.closed_bound());
+        }
         let bounded = |d: &Decision| {
             self.domain.lower(d.column).is_finite() && self.domain.upper(d.column).is_finite()
         };
-        match split {
-            Split::Nothing => {
-                self.tree.count(|s| s.split += 1);
-                self.close_refuted(&node.path);
-                None
-            }
-            Split::One(only) => {
-                self.tree.count(|s| s.split += 1);
-                self.close_on_trial();
-                let child = child(self, only);
-                self.tree.keep_leaf(&child_of(self, &[opposite(only)]).path, self.cutoff);
-                Some(child)
-            }
-            Split::Sides(sides) => {
-                self.tree.count(|s| s.split += 1);
-                // Sides that a trial closed are not among them.
-                self.close_on_trial();
-                sides.iter().skip(1).for_each(|side| self.tree.push(child_of(self, side)));
-                sides.first().map(|side| child_of(self, side))
-            }
-            // Without any bound, splitting an unbounded column would never end.
-            Split::Both([first, second]) if bound > f64::NEG_INFINITY || bounded(&first) => {
-                self.tree.count(|s| s.split += 1);
-                self.tree.push(child(self, second));
-                Some(child(self, first))
-            }
-            Split::Both(_) | Split::Impossible => {
-                self.tree.count(|s| s.unfinished += 1);
-                self.tree.stall(bound);
-                self.tree.keep_leaf(&node.path, bound);
-                None
-            }
+        // Without any bound, splitting an unbounded column would never end.
+        let ends = bound > f64::NEG_INFINITY || children.len() < 2;
+        if !ends && !children.iter().flat_map(|c| &c.decisions).all(bounded) {
+            self.tree.count(|s| s.unfinished += 1);
+            self.tree.stall(bound);
+            self.tree.keep_leaf(&node.path, bound);
+            return None;
+        }
+        self.tree.count(|s| s.split += 1);
+        self.keep_closed(&node.path, facts, &children);
+        let node_of = |child: Child| {
+            let moved = |last: &Decision| (point[last.column] - last.value).abs();
+            let fraction = child.decisions.last().map_or(0.0, moved);
+            let (path, bound) = (self.path_with(&path, &child.decisions), child.bound.max(bound));
+            Node { path, bound, fraction, known: child.known, serial: 0 }
+        };
+        let mut nodes = children.into_iter().map(node_of);
+        let first = nodes.next();
+        nodes.for_each(|node| self.tree.push(node));
+        first
+    }
+
+    fn path_with(&self, path: &Path, decisions: &[Decision]) -> Path {
+        let step = |path: Path, decision| path.then(decision, self.tree.steps());
+        decisions.iter().fold(path.clone(), step)
+    }
+
+    /// Keeps the ends of the tree that a split's facts and trials closed, where they are wanted.
+    fn keep_closed(&self, path: &Path, facts: &[Decision], children: &[Child]) {
+        if !self.task.options.keep_leaves {
+            return;
+        }
+        let bound = self.closed_bound();
+        let Some(last) = children.last() else {
+            self.tree.keep_leaf(path, bound);
+            return;
+        };
+        let mut path = path.clone();
+        for fact in facts {
+            self.tree.keep_leaf(&self.path_with(&path, &[opposite(*fact)]), bound);
+            path = self.path_with(&path, &[*fact]);
+        }
+        // What a split into both sides of a column leaves is nothing.
+        let covers = children.len() == 2 && last.decisions.len() == 1;
+        if let Some((last, before)) = last.decisions.split_last().filter(|_| !covers) {
+            let neither: Vec<Decision> = before.iter().copied().chain([opposite(*last)]).collect();
+            self.tree.keep_leaf(&self.path_with(&path, &neither), bound);
         }
     }
 
@@ -261,7 +300,7 @@ impl<'a> Worker<'a> {
         parts.into_iter().map(|part| part.path).collect()
     }
 
-    fn look_for_points(&mut self, point: &[f64], at_root: bool) {
+    fn look_for_points(&mut self, point: &[f64], bound: f64, at_root: bool) {
         let integrality = self.task.options.integrality;
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
         let activity = self.clock.switch(Activity::Heuristic);
@@ -276,6 +315,7 @@ impl<'a> Worker<'a> {
             let before = self.tree.begin(Heuristic::Rounding);
             self.round_and_propagate(point);
             self.tree.end(before);
+            self.try_proposals(point, bound);
         }
         self.since_rounding += 1;
         self.clock.switch(activity);

@@ -33,6 +33,10 @@ pub struct Statistics {
     pub unfinished: u64,
     /// Children closed by trials of branching; they never became nodes.
     pub closed_by_trials: u64,
+    /// Splits that a [`Branching`](crate::solver::Branching) rule of the user's made.
+    pub user_splits: u64,
+    /// Answers of such a rule that did not divide their node and were not taken.
+    pub refused_splits: u64,
     /// Improving points that were found, verified and accepted.
     pub incumbents: u64,
     /// Largest depth of a processed node, in decisions from the root.
@@ -91,6 +95,8 @@ pub enum Heuristic {
     Rounding,
     /// The guess that was handed over, completed or repaired.
     Guess,
+    /// Values proposed by a [`Proposal`](crate::solver::Proposal), completed.
+    Proposal,
 }
 
 /// What one source of points tried and found.
@@ -116,12 +122,18 @@ pub struct Heuristics {
     relaxation: HeuristicCount,
     rounding: HeuristicCount,
     guess: HeuristicCount,
+    proposal: HeuristicCount,
 }
 
 impl Heuristic {
     /// All sources of points.
-    pub const ALL: [Heuristic; 4] =
-        [Heuristic::Leaf, Heuristic::Relaxation, Heuristic::Rounding, Heuristic::Guess];
+    pub const ALL: [Heuristic; 5] = [
+        Heuristic::Leaf,
+        Heuristic::Relaxation,
+        Heuristic::Rounding,
+        Heuristic::Guess,
+        Heuristic::Proposal,
+    ];
 
     /// The letter that marks its points in a [`Log`](crate::solver::Log).
     pub fn mark(self) -> char {
@@ -130,6 +142,7 @@ impl Heuristic {
             Heuristic::Relaxation => '*',
             Heuristic::Rounding => 'R',
             Heuristic::Guess => 'G',
+            Heuristic::Proposal => 'P',
         }
     }
 }
@@ -141,6 +154,7 @@ impl fmt::Display for Heuristic {
             Heuristic::Relaxation => "relaxation",
             Heuristic::Rounding => "rounding",
             Heuristic::Guess => "guess",
+            Heuristic::Proposal => "proposal",
         })
     }
 }
@@ -153,6 +167,7 @@ impl Heuristics {
             Heuristic::Relaxation => self.relaxation,
             Heuristic::Rounding => self.rounding,
             Heuristic::Guess => self.guess,
+            Heuristic::Proposal => self.proposal,
         }
     }
 
@@ -168,6 +183,7 @@ impl Heuristics {
             Heuristic::Relaxation => &mut self.relaxation,
             Heuristic::Rounding => &mut self.rounding,
             Heuristic::Guess => &mut self.guess,
+            Heuristic::Proposal => &mut self.proposal,
         }
     }
 }
@@ -237,6 +253,8 @@ impl Statistics {
         self.split += part.split;
         self.unfinished += part.unfinished;
         self.closed_by_trials += part.closed_by_trials;
+        self.user_splits += part.user_splits;
+        self.refused_splits += part.refused_splits;
         self.incumbents += part.incumbents;
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::guidance::Guidance;
 use super::progress::{Event, Incumbent};
 use super::seed::TreeSeed;
 
@@ -72,6 +73,7 @@ pub struct Control<'a> {
     progress: Option<&'a mut dyn FnMut(&Event)>,
     incumbent: Option<&'a mut OnIncumbent<'a>>,
     seed: Option<&'a TreeSeed>,
+    guidance: Guidance<'a>,
     interrupt: Interrupt,
 }
 
@@ -118,6 +120,12 @@ impl<'a> Control<'a> {
         self
     }
 
+    /// Steers the search by what is known about the model: see [`Guidance`].
+    pub fn with_guidance(mut self, guidance: Guidance<'a>) -> Self {
+        self.guidance = guidance;
+        self
+    }
+
     /// Stops the solve when the handle is triggered.
     pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
         self.interrupt = interrupt.clone();
@@ -132,6 +140,11 @@ impl<'a> Control<'a> {
     /// The seed, for backends.
     pub fn seed(&self) -> Option<&'a TreeSeed> {
         self.seed
+    }
+
+    /// The guidance, for backends.
+    pub fn guidance(&self) -> &Guidance<'a> {
+        &self.guidance
     }
 
     /// Whether new best points are to be reported, for backends.
@@ -161,6 +174,7 @@ impl fmt::Debug for Control<'_> {
             .field("progress", &self.progress.is_some())
             .field("incumbent", &self.incumbent.is_some())
             .field("seed", &self.seed)
+            .field("guidance", &self.guidance)
             .field("interrupt", &self.interrupt)
             .finish()
     }

@@ -2,6 +2,7 @@
 
 use web_time::Duration;
 
+use super::rules::BranchingRule;
 use crate::error::Error;
 use crate::tolerance;
 
@@ -25,6 +26,8 @@ use crate::tolerance;
 /// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
+/// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
+/// | `symmetry` | on or off | on | on | on | decisions, *Interchangeable columns* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +76,11 @@ pub struct Options {
     /// Keep the ends of the tree in [`Solution::leaves`](crate::solution::Solution::leaves), for a
     /// [`TreeSeed`](crate::solver::TreeSeed); default off.
     pub keep_leaves: bool,
+    /// Which column a node is split on; default [`BranchingRule::Automatic`].
+    pub branching: BranchingRule,
+    /// Whether interchangeable columns are asked for falling values; default on. It is left out where
+    /// a pool or leaves are kept, or points come from a seed or from guidance.
+    pub symmetry: bool,
 }
 
 /// Which points a pool holds.
@@ -105,6 +113,8 @@ impl Default for Options {
             pool_mode: PoolMode::Found,
             pool_gap: None,
             keep_leaves: false,
+            branching: BranchingRule::Automatic,
+            symmetry: true,
         }
     }
 }
@@ -208,6 +218,20 @@ impl Options {
     #[must_use]
     pub fn with_leaves(mut self, keep: bool) -> Self {
         self.keep_leaves = keep;
+        self
+    }
+
+    /// Sets the branching rule.
+    #[must_use]
+    pub fn with_branching(mut self, rule: BranchingRule) -> Self {
+        self.branching = rule;
+        self
+    }
+
+    /// Orders interchangeable columns, or not.
+    #[must_use]
+    pub fn with_symmetry(mut self, symmetry: bool) -> Self {
+        self.symmetry = symmetry;
         self
     }
 
