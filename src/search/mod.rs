@@ -42,6 +42,7 @@ mod root;
 mod rounding;
 mod rounds;
 mod seed;
+mod trace;
 mod tree;
 mod unbounded;
 mod worker;
@@ -56,6 +57,7 @@ use node::Path;
 use reporter::Watch;
 use root::Root;
 pub use seed::{Seed, SeedBox, Seeded};
+use trace::span;
 use tree::Tree;
 
 /// A check of a full point against the model it came from; decides whether an incumbent is
@@ -124,6 +126,13 @@ impl Closed {
 
 /// Searches the tree of a program, from a seed where there is one.
 pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+    span!(
+        INFO,
+        "search",
+        rows = task.program.row_count(),
+        columns = task.program.column_count(),
+        integers = task.program.integers.len()
+    );
     let rounds = task.options.deterministic;
     let workers = if rounds { rounds::WORKERS } else { task.options.threads };
     let tree = Tree::new(task, control.interrupt().linked(), seed, workers);

@@ -10,6 +10,7 @@ use super::probing::Probing;
 use super::purify::purify;
 use super::root::{Root, late_first};
 use super::seed::{Seeded, divide};
+use super::trace::span;
 use crate::presolve::{Conflict, Domain, Propagator};
 use crate::program::Program;
 use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
@@ -80,6 +81,7 @@ impl<'a> Worker<'a> {
 
     /// Processes a node; returns the child to plunge into.
     pub(super) fn process(&mut self, node: Node) -> Option<Node> {
+        span!(DEBUG, "node", depth = node.path.len(), bound = node.bound);
         let depth = node.path.len() as u64;
         let next = self.conclude(node);
         let times = self.clock.take();
@@ -222,6 +224,11 @@ impl<'a> Worker<'a> {
                 // Sides that a trial closed are not among them.
                 self.close_on_trial();
                 sides.iter().skip(1).for_each(|side| self.tree.push(child_of(self, side)));
+                if let Some((last, before)) = sides.last().and_then(|side| side.split_last()) {
+                    let neither: Vec<Decision> =
+                        before.iter().copied().chain([opposite(*last)]).collect();
+                    self.tree.keep_leaf(&child_of(self, &neither).path, self.cutoff);
+                }
                 sides.first().map(|side| child_of(self, side))
             }
             // Without any bound, splitting an unbounded column would never end.
@@ -266,12 +273,14 @@ impl<'a> Worker<'a> {
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
         let activity = self.clock.switch(Activity::Heuristic);
         if self.program().integers.iter().all(whole) {
+            span!(DEBUG, "heuristic", name = "relaxation");
             let before = self.tree.begin(Heuristic::Relaxation);
             self.try_assignment(point);
             self.tree.end(before);
         }
         let pause = if self.tree.cutoff() == f64::INFINITY { 5 } else { 50 };
         if at_root || self.since_rounding >= pause {
+            span!(DEBUG, "heuristic", name = "rounding");
             self.since_rounding = 0;
             let before = self.tree.begin(Heuristic::Rounding);
             self.round_and_propagate(point);
