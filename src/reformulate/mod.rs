@@ -102,7 +102,10 @@ impl Lowered {
         let others = found.pool().iter().skip(1);
         let others = others.map(|best| self.restore(best.point().as_slice()));
         let complete = found.pool().is_complete();
-        Solution::new(model, outcome, feasibility)?.with_pool(model, others, complete, feasibility)
+        let own = |v: Variable| (v.index() < self.original).then_some(v);
+        let leaves = found.leaves().iter().map(|leaf| leaf.mapped(own)).collect();
+        let solution = Solution::new(model, outcome, feasibility)?.with_leaves(leaves);
+        solution.with_pool(model, others, complete, feasibility)
     }
 
     /// From a point of the lowered model, one value per variable, to the point of the original
