@@ -60,6 +60,8 @@ impl Solver for BranchAndBound {
     }
 
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
+        #[cfg(feature = "tracing")]
+        let _span = tracing::info_span!("solve", model = model.name()).entered();
         let (start, options) = (Instant::now(), &self.options);
         options.check()?;
         let budget = Budget::new(options.time_limit, control.interrupt());
@@ -105,6 +107,14 @@ impl Solver for BranchAndBound {
             .with_pool(model, others, found.pool_complete, options.feasibility)?
             .with_leaves(leaves)
             .with_seed_report(report);
+        #[cfg(feature = "tracing")]
+        tracing::info!(
+            termination = %solution.termination(),
+            objective = solution.objective(),
+            bound = solution.bound(),
+            nodes = solution.statistics().nodes,
+            "done"
+        );
         Ok(solution)
     }
 }

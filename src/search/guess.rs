@@ -2,6 +2,7 @@
 //! program.
 
 use super::node_relaxation::Verdict;
+use super::trace::span;
 use super::worker::Worker;
 use crate::solution::Heuristic;
 
@@ -28,6 +29,7 @@ impl Worker<'_> {
     /// Tries the guess at the root. The domain is left as it was.
     pub(super) fn try_guess(&mut self) {
         let Some(seed) = self.tree.seed().filter(|seed| !seed.guess.is_empty()) else { return };
+        span!(DEBUG, "heuristic", name = "guess");
         let before = self.tree.begin(Heuristic::Guess);
         let mut contradiction = None;
         let mut found = None;

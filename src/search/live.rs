@@ -16,6 +16,8 @@ use super::desk::Desk;
 use super::node::Node;
 use super::reporter::Watch;
 use super::root::Root;
+#[cfg(not(target_family = "wasm"))]
+use super::trace::Around;
 use super::tree::{State, Tree};
 use super::worker::Worker;
 
@@ -52,7 +54,9 @@ fn with_helpers(
         work(&mut || {
             let Some(own) = deques.pop() else { return };
             let id = crew.helpers.fetch_add(1, Ordering::Relaxed) + 1;
+            let around = Around::current();
             scope.spawn(move || {
+                let _inside = around.enter();
                 let worker = Worker::new(task, Desk::new(tree, id, Some(own)), root);
                 worker.run_live(crew, None, &mut || ());
             });

@@ -51,6 +51,7 @@ mod rounding;
 mod rounds;
 mod seed;
 mod symmetry;
+mod trace;
 mod tree;
 mod trial;
 mod unbounded;
@@ -68,6 +69,7 @@ use node::Path;
 use reporter::Watch;
 use root::Root;
 pub use seed::{Seed, SeedBox, Seeded};
+use trace::span;
 use tree::Tree;
 pub use windows::Windows;
 
@@ -141,6 +143,13 @@ impl Closed {
 
 /// Searches the tree of a program, from a seed where there is one.
 pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+    span!(
+        INFO,
+        "search",
+        rows = task.program.row_count(),
+        columns = task.program.column_count(),
+        integers = task.program.integers.len()
+    );
     let rounds = task.options.deterministic;
     let workers = if rounds { rounds::WORKERS } else { task.options.threads };
     let interrupt = control.interrupt().linked();

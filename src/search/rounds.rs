@@ -13,6 +13,8 @@ use super::desk::Desk;
 use super::node::Node;
 use super::reporter::Watch;
 use super::root::Root;
+#[cfg(not(target_family = "wasm"))]
+use super::trace::Around;
 use super::tree::Tree;
 use super::worker::Worker;
 
@@ -154,7 +156,11 @@ fn with_helpers(
         work(&mut |wanted| {
             while helpers < wanted.min(threads - 1) {
                 helpers += 1;
-                scope.spawn(helper);
+                let around = Around::current();
+                scope.spawn(move || {
+                    let _inside = around.enter();
+                    helper();
+                });
             }
         });
     });

@@ -10,6 +10,7 @@ use super::branching::Pseudocosts;
 use super::guess::GuessEnd;
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::seed::{Seed, Seeded};
+use super::trace::event;
 use super::{Closed, Found, Task};
 use crate::program::Program;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -204,6 +205,7 @@ impl<'a> Tree<'a> {
         let news = accepted.clone();
         let better = state.points.offer(accepted);
         if better {
+            event!(INFO, value = news.value, found_by = %found_by, "incumbent");
             state.statistics.incumbents += 1;
             state.statistics.heuristics.of_mut(found_by).incumbents += 1;
             state.news.push(news);

@@ -10,6 +10,7 @@ use super::probing::Probing;
 use super::purify::purify;
 use super::root::{Root, late_first};
 use super::seed::{Seeded, divide};
+use super::trace::span;
 use super::windows::Windows;
 use crate::presolve::{Conflict, Domain, Propagator};
 use crate::program::Program;
@@ -82,6 +83,7 @@ impl<'a> Worker<'a> {
 
     /// Processes a node; returns the child to plunge into.
     pub(super) fn process(&mut self, node: Node) -> Option<Node> {
+        span!(DEBUG, "node", depth = node.path.len(), bound = node.bound);
         let depth = node.path.len() as u64;
         let next = self.conclude(node);
         let times = self.clock.take();
@@ -305,12 +307,14 @@ impl<'a> Worker<'a> {
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
         let activity = self.clock.switch(Activity::Heuristic);
         if self.program().integers.iter().all(whole) {
+            span!(DEBUG, "heuristic", name = "relaxation");
             let before = self.tree.begin(Heuristic::Relaxation);
             self.try_assignment(point);
             self.tree.end(before);
         }
         let pause = if self.tree.cutoff() == f64::INFINITY { 5 } else { 50 };
         if at_root || self.since_rounding >= pause {
+            span!(DEBUG, "heuristic", name = "rounding");
             self.since_rounding = 0;
             let before = self.tree.begin(Heuristic::Rounding);
             self.round_and_propagate(point);
