@@ -248,7 +248,10 @@ impl<'a> Worker<'a> {
         };
         let mut nodes = children.into_iter().map(node_of);
         let first = nodes.next();
-        nodes.for_each(|node| self.tree.push(node));
+        for mut node in nodes {
+            node.known = node.known.filter(|_| self.tree.has_room());
+            self.tree.push(node);
+        }
         first
     }
 

@@ -27,7 +27,7 @@ use crate::tolerance;
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `symmetry` | on or off | on | on | on | decisions, *Interchangeable columns* |
+/// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ pub struct Options {
     pub keep_leaves: bool,
     /// Which column a node is split on; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
-    /// Whether interchangeable columns are asked for falling values; default on. It is left out where
+    /// Whether interchangeable columns are asked for falling values; default off. It is left out where
     /// a pool or leaves are kept, or points come from a seed or from guidance.
     pub symmetry: bool,
 }
@@ -114,7 +114,7 @@ impl Default for Options {
             pool_gap: None,
             keep_leaves: false,
             branching: BranchingRule::Automatic,
-            symmetry: true,
+            symmetry: false,
         }
     }
 }
