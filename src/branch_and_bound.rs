@@ -1,14 +1,17 @@
 //! The default backend: the whole pipeline in one short function.
 
+mod seeding;
+
 use web_time::Instant;
 
 use crate::error::Error;
 use crate::model::Model;
 use crate::program::Program;
 use crate::reformulate;
-use crate::search::{Task, search};
+use crate::search::{Guide, Task, search};
 use crate::solution::{Outcome, Point, Solution, Verification};
-use crate::solver::{Budget, Control, Options, Solver};
+use crate::solver::{Budget, Control, Options, Solver, TreeSeed};
+use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
 ///
@@ -57,6 +60,8 @@ impl Solver for BranchAndBound {
     }
 
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
+        #[cfg(feature = "tracing")]
+        let _span = tracing::info_span!("solve", model = model.name()).entered();
         let (start, options) = (Instant::now(), &self.options);
         options.check()?;
         let budget = Budget::new(options.time_limit, control.interrupt());
@@ -66,15 +71,50 @@ impl Solver for BranchAndBound {
             Point::new(model, lowered.restore(values))
                 .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
         };
-        let found = search(Task { program: &program, accept: &accept, options, start }, control);
+        let integral: Vec<bool> = model.variables().map(|v| v.kind().is_integral()).collect();
+        let key = |values: &[f64]| {
+            let values = lowered.restore(values);
+            let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
+            integers.map(|(value, _)| value.round() as i64).collect()
+        };
+        let describe = |values: &[f64]| Point::new(model, lowered.restore(values)).ok();
+        let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
+        let guide = Guide::new(model, control.guidance())?;
+        let task = Task {
+            guide: &guide,
+            windows: None,
+            program: &program,
+            accept: &accept,
+            key: &key,
+            describe: &describe,
+            options,
+            start,
+        };
+        let found = search(task, control, given.as_ref().map(|(seed, _)| seed));
+        let report = given.as_ref().map(|(_, ignored)| report(model, &found, *ignored));
         let mut statistics = found.statistics;
         statistics.time = start.elapsed();
         let outcome = Outcome {
             termination: found.termination,
-            values: found.incumbent.map(|values| lowered.restore(&values)),
+            values: found.points.first().map(|values| lowered.restore(values)),
             bound: program.sign * found.bound,
             statistics,
         };
-        Solution::new(model, outcome, options.feasibility)
+        let solution = Solution::new(model, outcome, options.feasibility)?;
+        let others = found.points.iter().skip(1).map(|values| lowered.restore(values));
+        let leaves = found.leaves.iter().map(|leaf| leaf_of(model, leaf, program.sign)).collect();
+        let solution = solution
+            .with_pool(model, others, found.pool_complete, options.feasibility)?
+            .with_leaves(leaves)
+            .with_seed_report(report);
+        #[cfg(feature = "tracing")]
+        tracing::info!(
+            termination = %solution.termination(),
+            objective = solution.objective(),
+            bound = solution.bound(),
+            nodes = solution.statistics().nodes,
+            "done"
+        );
+        Ok(solution)
     }
 }

@@ -13,7 +13,7 @@ mod extended;
 mod interior;
 mod polish;
 
-pub use bound::{lower_bound, proves_infeasible};
+pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
 pub use interior::InteriorPoint;
 pub use polish::polish;
