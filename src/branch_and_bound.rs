@@ -4,15 +4,16 @@ use web_time::Instant;
 
 use crate::error::Error;
 use crate::model::Model;
+use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate;
-use crate::search::{Task, search};
+use crate::search::{Found, Task, search};
 use crate::solution::{Outcome, Point, Solution, Verification};
 use crate::solver::{Budget, Control, Options, Solver};
 
 /// Branch and bound over continuous relaxations.
 ///
-/// A model is lowered (indicators and logic to rows), assembled, and searched; incumbents are
+/// A model is lowered (indicators and logic to rows), assembled, presolved, and searched; incumbents are
 /// accepted only when they pass the model's own [`Verification`], implications included.
 ///
 /// ```
@@ -62,11 +63,21 @@ impl Solver for BranchAndBound {
         let budget = Budget::new(options.time_limit, control.interrupt());
         let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
         let program = Program::assemble(lowered.model())?;
-        let accept = |values: &[f64]| {
-            Point::new(model, lowered.restore(values))
-                .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
+        let rules: &[Rule] = if options.presolve { &Rule::ALL } else { &[] };
+        let go_on = || budget.exhausted().is_none();
+        let found = match presolve(&program, rules, &go_on)? {
+            Presolve::Infeasible => Found::infeasible(),
+            Presolve::Presolved(presolved) => {
+                let Presolved { program, postsolve } = &*presolved;
+                let accept = |values: &[f64]| {
+                    Point::new(model, lowered.restore(&postsolve.point(values))).is_ok_and(
+                        |point| Verification::of(model, &point, options.feasibility).holds(),
+                    )
+                };
+                let found = search(Task { program, accept: &accept, options, start }, control);
+                Found { incumbent: found.incumbent.map(|x| postsolve.point(&x)), ..found }
+            }
         };
-        let found = search(Task { program: &program, accept: &accept, options, start }, control);
         let mut statistics = found.statistics;
         statistics.time = start.elapsed();
         let outcome = Outcome {

@@ -102,6 +102,8 @@ pub struct Options {
     /// deterministic, unless a time limit or an interrupt ends it. Backends that have no threads,
     /// and targets without them, use one.
     pub threads: usize,
+    /// Whether the program is presolved before the search; default `true`.
+    pub presolve: bool,
 }
 
 impl Default for Options {
@@ -114,6 +116,7 @@ impl Default for Options {
             time_limit: None,
             node_limit: None,
             threads: 1,
+            presolve: true,
         }
     }
 }
@@ -151,6 +154,13 @@ impl Options {
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = threads;
+        self
+    }
+
+    /// Sets whether the program is presolved before the search.
+    #[must_use]
+    pub fn with_presolve(mut self, presolve: bool) -> Self {
+        self.presolve = presolve;
         self
     }
 

@@ -11,6 +11,7 @@ mod probing;
 mod projection;
 mod propagation;
 mod reduce;
+pub mod root;
 mod tightening;
 
 pub use coefficients::tighten_coefficients;

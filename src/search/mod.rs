@@ -75,6 +75,18 @@ pub struct Found {
     pub statistics: Statistics,
 }
 
+impl Found {
+    /// The answer where infeasibility was proved without a search.
+    pub fn infeasible() -> Self {
+        Found {
+            termination: Termination::Infeasible,
+            incumbent: None,
+            bound: f64::INFINITY,
+            statistics: Statistics::default(),
+        }
+    }
+}
+
 /// Searches the tree of a program.
 pub fn search(task: Task<'_>, control: &mut Control<'_>) -> Found {
     let tree = Tree::new(task, control.interrupt().clone());

@@ -1,0 +1,8 @@
+//! Presolve before the search: the same optimum, points that are restored, multipliers that are.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod kkt;
+mod programs;
+mod rules;
