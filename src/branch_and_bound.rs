@@ -7,8 +7,9 @@ use crate::model::Model;
 use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate;
+use crate::search::cuts::strengthen;
 use crate::search::{Found, Task, search};
-use crate::solution::{Outcome, Point, Solution, Verification};
+use crate::solution::{Outcome, Point, Solution, Statistics, Verification};
 use crate::solver::{Budget, Control, Options, Solver};
 
 /// Branch and bound over continuous relaxations.
@@ -65,6 +66,7 @@ impl Solver for BranchAndBound {
         let program = Program::assemble(lowered.model())?;
         let rules: &[Rule] = if options.presolve { &Rule::ALL } else { &[] };
         let go_on = || budget.exhausted().is_none();
+        let mut at_root = Statistics::default();
         let found = match presolve(&program, rules, &go_on)? {
             Presolve::Infeasible => Found::infeasible(),
             Presolve::Presolved(presolved) => {
@@ -74,11 +76,21 @@ impl Solver for BranchAndBound {
                         |point| Verification::of(model, &point, options.feasibility).holds(),
                     )
                 };
+                let time_left =
+                    || options.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
+                let cut = if options.cuts {
+                    strengthen(program, &time_left, control.interrupt(), &mut at_root)
+                } else {
+                    None
+                };
+                let program = cut.as_ref().unwrap_or(program);
                 let found = search(Task { program, accept: &accept, options, start }, control);
                 Found { incumbent: found.incumbent.map(|x| postsolve.point(&x)), ..found }
             }
         };
         let mut statistics = found.statistics;
+        statistics.relaxations += at_root.relaxations;
+        statistics.iterations += at_root.iterations;
         statistics.time = start.elapsed();
         let outcome = Outcome {
             termination: found.termination,

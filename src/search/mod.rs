@@ -3,6 +3,7 @@
 //! * `node` - a node as a list of decisions, and the queue of open nodes
 //! * `tree` - what all workers share: queue, incumbent, bounds, limits
 //! * `root` - what holds before the first split: propagation and probing
+//! * `cuts` - rows that cut the relaxed point of the root off
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `descend` - from node to node: decisions applied, propagated and probed
 //! * `node_relaxation` - what is relaxed at a node, how hard to try, what is believed
@@ -19,6 +20,7 @@
 //! check refuses.
 
 mod branching;
+pub mod cuts;
 mod descend;
 mod disjunction;
 mod leaf;

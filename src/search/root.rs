@@ -3,7 +3,7 @@
 use super::disjunction::covers;
 use super::purify::groups;
 use super::tree::Tree;
-use crate::presolve::{Conflict, Domain, Propagator, probe};
+use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
 use crate::program::Program;
 
 /// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
@@ -15,6 +15,8 @@ pub(super) struct Root {
     pub(super) covers: Vec<Vec<usize>>,
     pub(super) groups: Vec<Vec<usize>>,
     pub(super) domain: Domain,
+    /// With what is known about implications.
+    pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
 }
 
@@ -29,9 +31,14 @@ impl Root {
             .and_then(|()| {
                 probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
             })
+            .and_then(|()| {
+                let (domain, trials) = (&mut domain, ROOT_TRIALS);
+                Implications::probe(program, domain, &mut propagator, &order, trials, &go_on)
+            })
+            .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covers(program), groups(program));
-        Root { covers, groups, domain, conflict }
+        Root { covers, groups, domain, propagator, conflict }
     }
 }
 

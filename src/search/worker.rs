@@ -53,7 +53,7 @@ impl<'a> Worker<'a> {
             id,
             root: domain.mark(),
             domain,
-            propagator: Propagator::new(task.program),
+            propagator: root.propagator.clone(),
             covers: &root.covers,
             groups: &root.groups,
             late_first: late_first(task.program),

@@ -34,6 +34,8 @@ pub struct Options {
     pub threads: usize,
     /// Whether the program is presolved before the search; default `true`.
     pub presolve: bool,
+    /// Whether cuts are added to the root relaxation where they lift its bound; default `true`.
+    pub cuts: bool,
 }
 
 impl Default for Options {
@@ -47,6 +49,7 @@ impl Default for Options {
             node_limit: None,
             threads: 1,
             presolve: true,
+            cuts: true,
         }
     }
 }
@@ -91,6 +94,13 @@ impl Options {
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
         self.presolve = presolve;
+        self
+    }
+
+    /// Sets whether cuts are added to the root relaxation.
+    #[must_use]
+    pub fn with_cuts(mut self, cuts: bool) -> Self {
+        self.cuts = cuts;
         self
     }
 

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod cuts;
 mod kkt;
 mod programs;
 mod rules;
