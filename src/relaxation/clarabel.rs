@@ -77,6 +77,9 @@ impl Relaxation for ClarabelRelaxation {
                     SolverStatus::Solved => Claim::Solved,
                     SolverStatus::PrimalInfeasible => Claim::Infeasible,
                     SolverStatus::DualInfeasible => Claim::Unbounded,
+                    SolverStatus::CallbackTerminated if !effort.interrupt.is_triggered() => {
+                        Claim::Beyond
+                    }
                     _ => Claim::Unknown,
                 },
                 y: conic.row_multipliers(&solution.z, program.rows.len()),

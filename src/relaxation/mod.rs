@@ -49,6 +49,8 @@ pub enum Claim {
     Infeasible,
     /// The objective is unbounded; `x` is a ray.
     Unbounded,
+    /// `y` promises a bound of at least the cutoff; `x` is the last iterate.
+    Beyond,
     /// Nothing; `x` and `y` hold the last iterates.
     Unknown,
 }

@@ -102,15 +102,18 @@ impl Worker<'_> {
             if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
                 return Verdict::Stopped;
             }
-            let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
             match answer.claim {
-                Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
+                Claim::Infeasible | Claim::Beyond | Claim::Unknown
+                    if proves_infeasible(reduced, &answer.y) =>
+                {
                     return Verdict::Refuted;
                 }
                 Claim::Unbounded if look_for_descent && is_descent_ray(reduced, &answer.x) => {
                     return Verdict::Descent;
                 }
-                Claim::Solved | Claim::Unknown if answer.x.iter().all(|v| v.is_finite()) => {
+                Claim::Solved | Claim::Beyond | Claim::Unknown
+                    if answer.x.iter().all(|v| v.is_finite()) =>
+                {
                     let bound = if feasibility_problem {
                         reduced.offset
                     } else {
@@ -123,7 +126,7 @@ impl Worker<'_> {
                     if bound >= cutoff {
                         return Verdict::Relaxed { bound, x: answer.x };
                     }
-                    if early && !solved {
+                    if answer.claim == Claim::Beyond && cutoff.is_finite() {
                         // What the backend promised does not hold: the same again, to the end.
                         cutoff = f64::INFINITY;
                         continue;

@@ -9,8 +9,16 @@ const FRACTION: f64 = 0.995;
 /// Smallest initial slack of a row's side, in scaled units.
 const FIRST_SLACK: f64 = 1.0;
 
+/// Complementarity, in scaled units, that nothing is gained by reducing.
+const CLOSED: f64 = 1e-9;
+
 /// Margin of a certificate of infeasibility, relative to its terms.
 const MARGIN: f64 = 1e-8;
+
+/// Most steps of iterative refinement of a direction, and the residual, in scaled units, at which
+/// there is nothing to refine.
+const REFINEMENTS: usize = 2;
+const ACCURATE: f64 = 1e-11;
 
 /// A primal-dual point with its residuals.
 pub(super) struct Iterate {
@@ -30,6 +38,8 @@ pub(super) struct Iterate {
     barrier: f64,
     // Work space of `advance`.
     right: Vec<f64>,
+    target: Vec<f64>,
+    scratch: Vec<f64>,
     residual: Vec<f64>,
     column_weight: Vec<f64>,
     row_weight: Vec<f64>,
@@ -58,7 +68,7 @@ impl Iterate {
                 Target::Row(i) => (side.sign * (activity[i] - side.limit)).max(FIRST_SLACK),
             });
         }
-        let dual = slack.iter().map(|s| 1.0 / s).collect();
+        let dual: Vec<f64> = slack.iter().map(|s| 1.0 / s).collect();
         Iterate {
             x,
             multipliers: vec![0.0; m],
@@ -72,6 +82,8 @@ impl Iterate {
             side_residual: vec![0.0; k],
             barrier: 0.0,
             right: Vec::new(),
+            target: Vec::new(),
+            scratch: vec![0.0; n],
             residual: Vec::new(),
             column_weight: vec![0.0; n],
             row_weight: vec![0.0; m],
@@ -149,6 +161,12 @@ impl Iterate {
     pub(super) fn is_optimal(&self, tolerance: f64) -> bool {
         let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         residual <= tolerance && self.barrier <= tolerance
+    }
+
+    /// Whether the gap is closed but for residuals of the duals that rounding brings back.
+    pub(super) fn diverges(&self) -> bool {
+        let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        self.barrier < CLOSED && residual > 1e3 * CLOSED
     }
 
     /// Whether the multipliers prove that no point of the box satisfies the rows.
@@ -259,10 +277,20 @@ impl Iterate {
             }
         }
         program.add_transposed(&self.row_term, &mut self.right[..n]);
-        self.residual.clear();
-        self.residual.extend_from_slice(&self.right);
+        self.target.clear();
+        self.target.extend_from_slice(&self.right);
         kkt.solve(&mut self.right);
         program.activities(&self.right[..n], &mut self.row_move);
+        for _ in 0..REFINEMENTS {
+            self.miss(program, kkt);
+            let miss = self.residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+            if miss <= ACCURATE || !miss.is_finite() {
+                break;
+            }
+            kkt.solve(&mut self.residual);
+            self.right.iter_mut().zip(&self.residual).for_each(|(v, r)| *v += r);
+            program.activities(&self.right[..n], &mut self.row_move);
+        }
         for (k, side) in program.sides.iter().enumerate() {
             let along = match side.target {
                 Target::Column(j) => self.right[j],
@@ -272,6 +300,73 @@ impl Iterate {
             self.slack_move[k] = step;
             self.dual_move[k] = -(self.centre[k] + self.dual[k] * step) / self.slack[k];
         }
+    }
+
+    /// A better start: the point that misses the sides least in the squares, traded against the
+    /// objective, with what it misses as multipliers; both moved inside.
+    pub(super) fn improve_start(&mut self, program: &Scaled, kkt: &mut Kkt) -> bool {
+        let n = self.x.len();
+        self.x.fill(0.0);
+        self.multipliers.fill(0.0);
+        self.slack.fill(0.0);
+        self.dual.fill(0.0);
+        self.measure(program);
+        self.column_weight.fill(0.0);
+        self.row_weight.fill(0.0);
+        for side in &program.sides {
+            match side.target {
+                Target::Column(j) => self.column_weight[j] += 1.0,
+                Target::Row(i) => self.row_weight[i] += 1.0,
+            }
+        }
+        if !kkt.factorise(&self.column_weight, &self.row_weight) {
+            return false;
+        }
+        // With unit slacks and duals of zero, a side pulls by its residual.
+        self.slack.fill(1.0);
+        self.dual.fill(1.0);
+        self.centre.fill(0.0);
+        self.solve(program, kkt);
+        self.x.copy_from_slice(&self.right[..n]);
+        for (e, &(i, _)) in program.equalities.iter().enumerate() {
+            self.multipliers[i] = self.right[n + e];
+        }
+        // The move of a slack is its value; the multiplier is its negative.
+        let least = self.slack_move.iter().fold(f64::INFINITY, |m, s| m.min(*s));
+        let most = self.slack_move.iter().fold(f64::NEG_INFINITY, |m, s| m.max(*s));
+        let shift = if least < 1e-3 { 1.0 - least } else { 0.0 };
+        let lift = if most > -1e-3 { 1.0 + most } else { 0.0 };
+        for k in 0..program.sides.len() {
+            self.slack[k] = self.slack_move[k] + shift;
+            self.dual[k] = lift - self.slack_move[k];
+        }
+        true
+    }
+
+    /// By how much `right` misses the system with the right side `target`, into `residual`.
+    fn miss(&mut self, program: &Scaled, kkt: &Kkt) {
+        let (n, e) = (self.x.len(), program.equalities.len());
+        self.residual.clear();
+        self.residual.extend_from_slice(&self.target);
+        let (columns, rest) = self.residual.split_at_mut(n);
+        let (equalities, long) = rest.split_at_mut(e);
+        program.curvature(&self.right[..n], &mut self.scratch);
+        let weighted = self.column_weight.iter().zip(&self.right);
+        for ((column, bent), (w, step)) in columns.iter_mut().zip(&self.scratch).zip(weighted) {
+            *column -= bent + w * step;
+        }
+        for (i, term) in self.row_term.iter_mut().enumerate() {
+            *term = -self.row_weight[i] * self.row_move[i];
+        }
+        for (k, &(i, _)) in program.equalities.iter().enumerate() {
+            equalities[k] -= self.row_move[i];
+            self.row_term[i] = -self.right[n + k];
+        }
+        for (k, &i) in kkt.long.iter().enumerate() {
+            long[k] -= self.row_move[i] - self.right[n + e + k] / self.row_weight[i];
+            self.row_term[i] = -self.right[n + e + k];
+        }
+        program.add_transposed(&self.row_term, columns);
     }
 
     /// How far slacks and duals stay positive, at most 1.

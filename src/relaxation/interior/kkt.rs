@@ -20,8 +20,10 @@ use faer::{Conj, MatMut, Par};
 
 use super::scaled::Scaled;
 
-/// Added to the diagonal of columns, subtracted from that of rows.
-const REGULARISATION: f64 = 1e-10;
+/// Added to the diagonal of columns, subtracted from that of rows; refinement takes its effect out.
+/// With 1e-10 for the rows a pendulum of 40 steps took 1796 iterations instead of 971, since 62
+/// relaxations broke down near their optimum.
+const REGULARISATION: f64 = 1e-8;
 
 /// Rows with at most this many entries are always condensed.
 const SHORT: usize = 12;

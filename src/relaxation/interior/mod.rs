@@ -30,7 +30,7 @@ impl InteriorPoint {
     }
 }
 
-/// Iterations without a step worth the name after which the method gives up.
+/// Iterations in a row without a step worth the name after which the method gives up.
 const STUCK: u32 = 3;
 
 /// Steps below this length are not worth the name (no unit).
@@ -51,6 +51,11 @@ impl Relaxation for InteriorPoint {
         };
         let Some(mut kkt) = Kkt::new(&scaled) else { return nothing(0) };
         let mut at = Iterate::start(&scaled);
+        // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
+        let linear = scaled.quadratic.index.is_empty();
+        if linear && !at.improve_start(&scaled, &mut kkt) {
+            return nothing(0);
+        }
         let feasibility_problem = program.is_feasibility_problem();
         let objective = |value: f64| value / scaled.objective + program.offset;
         let answer = |claim, at: &Iterate, iterations| {
@@ -75,7 +80,7 @@ impl Relaxation for InteriorPoint {
                 let bound = objective(at.dual_value(&scaled));
                 let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
                 if !feasibility_problem && bound > enough {
-                    return done(Claim::Unknown);
+                    return done(Claim::Beyond);
                 }
                 let value = objective(at.value(&scaled));
                 let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
@@ -85,6 +90,10 @@ impl Relaxation for InteriorPoint {
                 if at.refutes(&scaled) {
                     return done(Claim::Infeasible);
                 }
+            }
+            // Centred, and the residual of the duals grows: their set has no inside.
+            if at.diverges() {
+                break;
             }
             let late = effort.time.is_some_and(|time| began.elapsed() >= time);
             if late || effort.interrupt.is_triggered() {

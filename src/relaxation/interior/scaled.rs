@@ -58,9 +58,9 @@ impl Scaled {
         let objective = if largest > 0.0 { (1.0 / largest).clamp(1.0 / MOST, MOST) } else { 1.0 };
         quadratic.value.iter_mut().chain(&mut linear).for_each(|v| *v *= objective);
         let mut rows = program.rows.clone();
-        for i in 0..row.len() {
+        for (i, factor) in row.iter().enumerate() {
             for k in rows.start[i]..rows.start[i + 1] {
-                rows.value[k] *= row[i] * column[rows.index[k]];
+                rows.value[k] *= factor * column[rows.index[k]];
             }
         }
         let (mut equalities, mut sides) = (Vec::new(), Vec::new());
