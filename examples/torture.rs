@@ -77,6 +77,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
 struct Counts {
     right: u64,
     borderline: u64,
+    beyond: u64,
     stalled: u64,
     wrong: u64,
     infeasible: u64,
@@ -129,6 +130,7 @@ fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
         match &verdict {
             Verdict::Right => counts.right += 1,
             Verdict::Borderline => counts.borderline += 1,
+            Verdict::Beyond => counts.beyond += 1,
             Verdict::Stalled(_) => counts.stalled += 1,
             Verdict::Wrong(_) => counts.wrong += 1,
         }

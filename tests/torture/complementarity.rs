@@ -113,11 +113,8 @@ impl Whole {
         }
         // Without a cost every feasible point is stationary.
         let n = self.cost.len();
-        let feasible = Whole {
-            curvature: vec![vec![0; n]; n],
-            cost: vec![0; n],
-            rows: self.rows.clone(),
-        };
+        let feasible =
+            Whole { curvature: vec![vec![0; n]; n], cost: vec![0; n], rows: self.rows.clone() };
         match feasible.stationary() {
             Some(_) => Answer::Unbounded,
             None => Answer::Infeasible,

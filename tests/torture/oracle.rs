@@ -10,10 +10,18 @@
 //! one does. So a claimed point is checked by the rows of the program as it was generated, within
 //! the promised tolerance, and is then taken for what it is: its objective may be *better* than
 //! the exact optimum, and a program may be called feasible because of it ([`Verdict::Borderline`]
-//! counts the latter). Nothing else is forgiven: no claim of infeasibility where an exact point
-//! exists, no bound beyond the exact optimum, no objective worse than it by more than the gap.
+//! counts the latter).
+//!
+//! The crate proves its bounds for points within [`FREE_RADIUS`] where nothing bounds a variable.
+//! Where the exact answer lies beyond, a solve may end unfinished with a bound that holds within, or
+//! may call a program unbounded whose objective turns only there ([`Verdict::Beyond`]); it may not
+//! call such a program solved.
+//!
+//! Nothing else is forgiven: no claim of infeasibility where an exact point exists, no bound beyond
+//! the exact optimum, no objective worse than it by more than the gap.
 
 use carom::prelude::*;
+use carom::tolerance::FREE_RADIUS;
 use num_rational::BigRational;
 
 use crate::common::case::{Case, Line};
@@ -35,6 +43,8 @@ pub(crate) enum Truth {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Verdict {
     Right,
+    /// True of the points within [`FREE_RADIUS`], and the exact answer lies beyond it.
+    Beyond,
     /// Feasible within the tolerance only.
     Borderline,
     /// The solver says itself that it could not finish.
@@ -233,10 +243,32 @@ pub(crate) fn judge(
     solution: &Solution,
     truth: &Truth,
 ) -> Verdict {
-    match checked(case, variables, options, solution, truth) {
-        Ok(verdict) => verdict,
-        Err(what) => Verdict::Wrong(format!("{what}; the exact answer is {truth:?}")),
+    let what = match checked(case, variables, options, solution, truth) {
+        Ok(verdict) => return verdict,
+        Err(what) => what,
+    };
+    let far = match truth {
+        Truth::Unbounded => true,
+        Truth::Least { point, .. } => point.iter().any(|x| x.abs() > FREE_RADIUS),
+        Truth::Infeasible => false,
+    };
+    if far {
+        let mut near = case.clone();
+        for column in &mut near.columns {
+            column.lower = column.lower.max(-FREE_RADIUS);
+            column.upper = column.upper.min(FREE_RADIUS);
+        }
+        let bound = case.sign() * solution.bound();
+        let holds = match self::truth(&near) {
+            Truth::Least { value, .. } => bound <= value + 1e-9 * value.abs().max(1.0),
+            _ => false,
+        };
+        let ended = solution.termination();
+        if holds && matches!(ended, Termination::Stalled | Termination::Unbounded) {
+            return Verdict::Beyond;
+        }
     }
+    Verdict::Wrong(format!("{what}; the exact answer is {truth:?}"))
 }
 
 fn checked(
