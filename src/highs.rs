@@ -7,14 +7,15 @@
 //! Models are [lowered](crate::reformulate::lower) first, so it solves everything that the language
 //! can say with a linear objective. A quadratic one is refused with [`Error::Unsupported`]. Points
 //! are never taken on trust: the integers are rounded, the rest is solved again by
-//! [`BranchAndBound`], and every statement is checked as what it means ([`certify`]). Bounds and
-//! claims of infeasibility are those of HiGHS, up to its tolerances.
+//! [`BranchAndBound`](crate::BranchAndBound), and every statement is checked as what it means
+//! ([`certify`](crate::solver::certify)). Bounds and claims of infeasibility are those of HiGHS, up
+//! to its tolerances.
 //!
 //! # Options and limits
 //!
 //! | option | in HiGHS |
 //! | --- | --- |
-//! | `relative_gap`, `absolute_gap` | `mip_rel_gap`, `mip_abs_gap` |
+//! | `relative_gap`, `absolute_gap` | `mip_rel_gap`, `mip_abs_gap`: half of ours, for what the certificate moves |
 //! | `feasibility` | `primal_feasibility_tolerance` |
 //! | `integrality` | `mip_feasibility_tolerance` |
 //! | `time_limit` | `time_limit`, less what lowering took |
@@ -45,13 +46,13 @@ use ::highs as library;
 use library::{ColProblem, HighsModelStatus, HighsSolutionStatus, HighsStatus};
 use web_time::Duration;
 
-use crate::branch_and_bound::BranchAndBound;
 use crate::error::Error;
+use crate::external::{settled, with_half_the_gap};
 use crate::model::Model;
 use crate::program::Program;
 use crate::reformulate;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
-use crate::solver::{Budget, Control, Event, Options, Progress, Solver, certify};
+use crate::solver::{Budget, Control, Options, Solver};
 use crate::tolerance;
 
 /// HiGHS, linked into the program.
@@ -108,51 +109,22 @@ impl Solver for HighsSolver {
         }
         let sign = program.sign;
         let nothing = (-sign * f64::INFINITY, None, Statistics::default());
-        let (mut termination, (mut bound, mut values, mut statistics)) =
-            match self.early(&program, &budget) {
-                Some(Termination::Infeasible) => {
-                    let bound = sign * f64::INFINITY;
-                    (Termination::Infeasible, (bound, None, Statistics::default()))
-                }
-                Some(ended) => (ended, nothing),
-                None => self.run(&program, &budget)?,
-            };
+        let (mut termination, (bound, values, statistics)) = match self.early(&program, &budget) {
+            Some(Termination::Infeasible) => {
+                let bound = sign * f64::INFINITY;
+                (Termination::Infeasible, (bound, None, Statistics::default()))
+            }
+            Some(ended) => (ended, nothing),
+            None => self.run(&program, &budget)?,
+        };
         if let Some(interrupted) = budget.exhausted().filter(|&e| e == Termination::Interrupted) {
             // Whatever is proved stays proved.
             let proved = matches!(termination, Termination::Optimal | Termination::Infeasible);
             termination = if proved { termination } else { interrupted };
         }
-        if let Some(found) = values.take() {
-            let options = Options { time_limit: None, node_limit: None, ..self.options.clone() };
-            let restored = lowered.restore(&found);
-            let certificate = certify(model, &restored, &mut BranchAndBound::new(options))?;
-            let certified = certificate.solution();
-            values = certified.point().map(|point| point.as_slice().to_vec());
-            if let Some(objective) = certified.objective() {
-                // A certified point is better than the bound by tolerances only.
-                if termination != Termination::Unbounded {
-                    bound = sign * (sign * bound).min(sign * objective);
-                }
-                let gap = self.options.relative_gap * objective.abs();
-                let gap = gap.max(self.options.absolute_gap);
-                if termination == Termination::Optimal && sign * (objective - bound) > gap {
-                    termination = Termination::Stalled;
-                }
-            } else if termination == Termination::Unbounded {
-                // Nobody has seen a feasible point.
-                termination = Termination::Stalled;
-            }
-        }
-        statistics.incumbents = u64::from(values.is_some());
-        statistics.time = budget.elapsed();
-        let outcome = Outcome { termination, values, bound, statistics };
-        let solution = Solution::new(model, outcome, self.options.feasibility)?;
-        if let Some(objective) = solution.objective() {
-            let bound = solution.bound();
-            let progress = Progress::new(0, 0, 0, Some(objective), bound, budget.elapsed());
-            control.report(&Event::Incumbent(progress));
-        }
-        Ok(solution)
+        let values = values.map(|found| lowered.restore(&found));
+        let claimed = Outcome { termination, values, bound, statistics };
+        settled(model, claimed, &self.options, &budget, control)
     }
 }
 
@@ -201,8 +173,9 @@ impl HighsSolver {
             Status::Optimal if open => (Termination::Unbounded, nothing, found.values),
             Status::Optimal => {
                 // A linear program has no gap of its own: proved is its objective up to ours.
-                let gap = self.options.relative_gap * found.objective.abs();
-                let proved = found.objective - gap.max(self.options.absolute_gap);
+                let options = with_half_the_gap(&self.options);
+                let gap = options.relative_gap * found.objective.abs();
+                let proved = found.objective - gap.max(options.absolute_gap);
                 let bound = if program.integers.is_empty() { proved } else { found.bound };
                 (Termination::Optimal, outside(bound.min(found.objective)), found.values)
             }
@@ -245,7 +218,7 @@ impl HighsSolver {
         cost: &[f64],
         time_left: Option<Duration>,
     ) -> Result<Found, HighsStatus> {
-        let options = &self.options;
+        let options = with_half_the_gap(&self.options);
         let mut problem = ColProblem::new();
         let limits = program.row_lower.iter().zip(&program.row_upper);
         let rows: Vec<library::Row> =

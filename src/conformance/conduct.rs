@@ -225,5 +225,8 @@ pub(super) fn as_good_as_new(solver: &mut dyn Solver, complaints: &mut Complaint
         // Whatever comes of it, an error included.
         let _ = solver.solve(&case.model);
         usable(solver, &Interrupt::new(), complaints);
+        if !complaints.is_empty() {
+            break;
+        }
     }
 }

@@ -39,6 +39,10 @@ impl Complaints {
         }
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.texts.is_empty()
+    }
+
     pub(super) fn outcome(self) -> Outcome {
         if self.texts.is_empty() { Outcome::Passed } else { Outcome::Failed(self.texts) }
     }
@@ -100,7 +104,7 @@ pub(super) fn judge(
         return;
     };
     let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
-    complaints.unless(solution.gap() <= gap, || {
+    complaints.unless(solution.gap() <= gap + ROUNDING * objective.abs(), || {
         format!("it claims to be optimal with gap {}, {gap} is asked for", solution.gap())
     });
     let allowed = 1.01 * gap.max(1e-6 * optimum.abs().max(1.0));

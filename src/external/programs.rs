@@ -195,7 +195,8 @@ impl Dialect for Highs {
         let mut answer = Answer::new(match status {
             "Optimal" => Claim::Optimal,
             "Infeasible" => Claim::Infeasible,
-            "Unbounded" => Claim::Unbounded,
+            // Which of the two it is, is asked without the objective.
+            "Unbounded" | "Primal infeasible or unbounded" => Claim::Unbounded,
             "Time limit reached" => Claim::Limit(Termination::TimeLimit),
             "Solution limit reached" => Claim::Limit(Termination::NodeLimit),
             _ => Claim::Unknown,
@@ -259,7 +260,8 @@ impl Dialect for Scip {
             Claim::Optimal
         } else if says("[infeasible]") {
             Claim::Infeasible
-        } else if says("[unbounded]") {
+        } else if says("[unbounded]") || says("[infeasible or unbounded]") {
+            // Which of the two it is, is asked without the objective.
             Claim::Unbounded
         } else if says("[time limit reached]") {
             Claim::Limit(Termination::TimeLimit)
