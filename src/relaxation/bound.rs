@@ -13,9 +13,7 @@
 //! press, again with twice the digits, and what is left of `g_j` (about 1e-30) is charged over
 //! [`tolerance::FREE_RADIUS`].
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-
+use super::correction::Correction;
 use super::extended::Extended;
 use crate::presolve::Reduced;
 use crate::tolerance;
@@ -30,9 +28,6 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
 /// bound (no unit).
 const FAR: f64 = 1e6;
-
-/// Most columns that are corrected together, by a dense factorisation.
-const MOST_CORRECTED: usize = 400;
 
 /// Most rounds of correction; a round gains about ten digits.
 const CORRECTIONS: usize = 8;
@@ -77,17 +72,17 @@ fn clipped(program: &Reduced, y: &[f64]) -> Vec<f64> {
     y.iter().enumerate().map(|(i, &y)| if limit(i, y).is_finite() { y } else { 0.0 }).collect()
 }
 
-struct Pair<'a> {
-    program: &'a Reduced,
-    x: Vec<Extended>,
-    y: Vec<Extended>,
+pub(super) struct Pair<'a> {
+    pub(super) program: &'a Reduced,
+    pub(super) x: Vec<Extended>,
+    pub(super) y: Vec<Extended>,
     /// Whether the objective takes part; certificates of infeasibility leave it out.
-    objective: bool,
+    pub(super) objective: bool,
 }
 
 /// `g` and, per entry, the sum of its terms' magnitudes.
-struct Gradient {
-    value: Vec<Extended>,
+pub(super) struct Gradient {
+    pub(super) value: Vec<Extended>,
     size: Vec<f64>,
 }
 
@@ -137,6 +132,7 @@ impl Pair<'_> {
     fn corrected_bound(mut self) -> f64 {
         let mut gradient = self.gradient();
         let mut corrected: Vec<usize> = Vec::new();
+        let mut correction: Option<Correction> = None;
         for _ in 0..CORRECTIONS {
             let stuck = self.loose_columns(&gradient);
             if stuck.iter().all(|&j| gradient.value[j].high.abs() <= gradient.error(j)) {
@@ -145,11 +141,17 @@ impl Pair<'_> {
             // All columns without any bound are corrected together, or fixing one unsettles the
             // next.
             let free = |j: &usize| self.program.lower[*j] < -FAR && self.program.upper[*j] > FAR;
+            let known = corrected.len();
             corrected.extend(stuck);
             corrected.extend((0..self.x.len()).filter(free));
             corrected.sort_unstable();
             corrected.dedup();
-            if !self.correct(&corrected, &gradient) {
+            // The same columns again: the next digits come from the same factors.
+            if corrected.len() != known || correction.is_none() {
+                correction = Correction::new(&self, &corrected);
+            }
+            let Some(correction) = &correction else { break };
+            if !correction.apply(&mut self, &gradient) {
                 break;
             }
             gradient = self.gradient();
@@ -234,93 +236,13 @@ impl Pair<'_> {
         let bound = (sum.value.high - ROUNDING * sum.size).next_down();
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
     }
-
-    /// Makes the gradient vanish on the given columns by the least change of `x̂` on them and of
-    /// the multipliers of rows that press.
-    fn correct(&mut self, columns: &[usize], gradient: &Gradient) -> bool {
-        let (program, k) = (self.program, columns.len());
-        if k == 0 || k > MOST_CORRECTED {
-            return false;
-        }
-        let mut position = vec![usize::MAX; self.x.len()];
-        columns.iter().enumerate().for_each(|(r, &j)| position[j] = r);
-        let within = |j: &usize| position[*j] < k;
-
-        // Each change of one entry of `x̂` or `y` moves the gradient along one of these.
-        let mut levers = Vec::new();
-        if self.objective {
-            let mut curvature = vec![Vec::new(); k];
-            for &j in columns {
-                let (rows, entries) = program.quadratic.vector(j);
-                for (&i, &p) in rows.iter().zip(entries).filter(|(i, _)| within(i)) {
-                    curvature[position[j]].push((position[i], p));
-                    if i != j {
-                        curvature[position[i]].push((position[j], p));
-                    }
-                }
-            }
-            let levers_of = columns.iter().zip(curvature);
-            levers.extend(levers_of.map(|(&j, effect)| (Lever::Point(j), 1.0, effect)));
-        }
-        for (i, y) in self.y.iter().enumerate() {
-            // Multipliers of inequalities move little when they are small, so that signs survive.
-            // Measured in the unit of the gradient, so that a row's own unit does not matter.
-            let unit = largest(program, i);
-            let weight =
-                if is_equality(program, i) { 1.0 / unit } else { y.high.abs().min(1.0 / unit) };
-            let (columns, values) = program.rows.vector(i);
-            let entries = columns.iter().zip(values).filter(|(j, _)| within(j));
-            let effect = entries.map(|(&j, &a)| (position[j], a)).collect();
-            levers.push((Lever::Multiplier(i), weight, effect));
-        }
-        levers.retain(|(_, weight, effect)| *weight > 0.0 && !effect.is_empty());
-
-        let mut normal = Mat::<f64>::zeros(k, k);
-        for (_, weight, effect) in &levers {
-            for &(r, a) in effect {
-                for &(c, b) in effect {
-                    normal[(r, c)] += weight * weight * a * b;
-                }
-            }
-        }
-        let largest = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
-        (0..k).for_each(|r| normal[(r, r)] += 1e-13 * largest);
-        let Ok(factor) = normal.llt(faer::Side::Lower) else { return false };
-        let target = Mat::from_fn(k, 1, |r, _| -gradient.value[columns[r]].high);
-        let multiplier = factor.solve(&target);
-        for (lever, weight, effect) in levers {
-            let along: f64 = effect.iter().map(|&(r, a)| a * multiplier[(r, 0)]).sum();
-            let step = weight * weight * along;
-            if !step.is_finite() {
-                return false;
-            }
-            match lever {
-                Lever::Point(j) => self.x[j] = self.x[j].plus(step),
-                Lever::Multiplier(i) => {
-                    let moved = self.y[i].plus(step);
-                    let keeps_sign = moved.high * self.y[i].high >= 0.0;
-                    let allowed = keeps_sign || is_equality(program, i);
-                    self.y[i] = if allowed { moved } else { Extended::default() };
-                }
-            }
-        }
-        true
-    }
 }
 
-/// What may be moved to change the gradient.
-enum Lever {
-    /// An entry of `x̂`.
-    Point(usize),
-    /// An entry of `y`.
-    Multiplier(usize),
-}
-
-fn is_equality(program: &Reduced, row: usize) -> bool {
+pub(super) fn is_equality(program: &Reduced, row: usize) -> bool {
     program.row_lower[row] == program.row_upper[row]
 }
 
 /// Largest coefficient of a row.
-fn largest(program: &Reduced, row: usize) -> f64 {
+pub(super) fn largest(program: &Reduced, row: usize) -> f64 {
     program.rows.vector(row).1.iter().fold(f64::MIN_POSITIVE, |m, a| m.max(a.abs()))
 }

@@ -7,11 +7,14 @@
 
 mod bound;
 mod clarabel;
+mod correction;
 mod extended;
+mod interior;
 mod polish;
 
 pub use bound::{lower_bound, proves_infeasible};
 pub use clarabel::ClarabelRelaxation;
+pub use interior::InteriorPoint;
 pub use polish::polish;
 
 use web_time::Duration;

@@ -9,7 +9,8 @@
 //!   that the trial refutes is never queued.
 
 use super::node::Decision;
-use super::worker::{Verdict, Worker};
+use super::node_relaxation::Verdict;
+use super::worker::Worker;
 
 /// Trials of new columns per node.
 pub(super) const TRIALS: usize = 8;

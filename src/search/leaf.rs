@@ -1,6 +1,7 @@
 //! Points from fixed integers: solve what is left, polish, verify, offer.
 
-use super::worker::{Verdict, Worker};
+use super::node_relaxation::Verdict;
+use super::worker::Worker;
 use crate::presolve::{Reduced, Reduction, reduce};
 use crate::relaxation::polish;
 use crate::tolerance;

@@ -4,6 +4,8 @@
 //! * `tree` - what all workers share: queue, incumbent, bounds, limits
 //! * `root` - what holds before the first split: propagation and probing
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
+//! * `descend` - from node to node: decisions applied, propagated and probed
+//! * `node_relaxation` - what is relaxed at a node, how hard to try, what is believed
 //! * `probing` - how much probing nodes get
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
@@ -17,9 +19,11 @@
 //! check refuses.
 
 mod branching;
+mod descend;
 mod disjunction;
 mod leaf;
 mod node;
+mod node_relaxation;
 mod probing;
 mod purify;
 mod reporter;

@@ -1,70 +1,47 @@
 //! Processing nodes: propagate, reduce, relax, bound, branch.
 
+use super::Task;
 use super::branching::{Pseudocosts, Split};
 use super::node::{Decision, Node};
+use super::node_relaxation::Verdict;
 use super::probing::Probing;
 use super::purify::purify;
 use super::reporter::Reporter;
 use super::root::{Root, late_first};
 use super::tree::Tree;
-use super::unbounded::{is_descent_ray, recession_program};
-use super::{Found, Task, search};
-use std::cell::Cell;
-
-use crate::presolve::{
-    Conflict, Domain, Projection, Propagator, Reduced, Reduction, probe, project, reduce,
-    tighten_coefficients,
-};
+use crate::presolve::{Conflict, Domain, Propagator};
 use crate::program::Program;
-use crate::relaxation::{
-    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
-};
+use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
 use crate::solution::Termination;
 use crate::solver::Control;
-use crate::tolerance;
 
 /// One thread of the search, with its own domain and propagation.
 pub(super) struct Worker<'a> {
     pub(super) task: Task<'a>,
     pub(super) tree: &'a Tree<'a>,
-    id: usize,
+    pub(super) id: usize,
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
     pub(super) covers: &'a [Vec<usize>],
     groups: &'a [Vec<usize>],
-    late_first: Vec<usize>,
-    relaxation: ClarabelRelaxation,
+    pub(super) late_first: Vec<usize>,
+    pub(super) relaxation: ClarabelRelaxation,
+    pub(super) interior: InteriorPoint,
     pub(super) pseudocosts: Pseudocosts,
     /// The decisions that the domain currently reflects.
-    path: Vec<Decision>,
+    pub(super) path: Vec<Decision>,
     /// Trail position after root propagation.
-    root: usize,
-    root_conflict: Option<Conflict>,
+    pub(super) root: usize,
+    pub(super) root_conflict: Option<Conflict>,
     /// The cutoff that propagation uses at the current node.
     pub(super) cutoff: f64,
     /// Nodes since the rounding heuristic last ran.
-    since_rounding: u64,
+    pub(super) since_rounding: u64,
     /// Whether a child is on trial, so that a rough answer will do.
     pub(super) on_trial: bool,
-    probing: Probing,
+    pub(super) probing: Probing,
     /// Whether the root, probed before the search, has been processed.
-    root_done: bool,
-}
-
-/// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
-/// like any other, if not the best.
-const TRIAL: [(u32, f64, u32); 1] = [(30, 1e-5, 1)];
-
-/// What a relaxation, verified, says about a node.
-pub(super) enum Verdict {
-    /// No feasible point: proved.
-    Refuted,
-    /// A limit or an interrupt came first.
-    Stopped,
-    /// The objective falls without limit along a verified direction.
-    Descent,
-    /// A proved bound and a point, not necessarily optimal.
-    Relaxed { bound: f64, x: Vec<f64> },
+    pub(super) root_done: bool,
 }
 
 impl<'a> Worker<'a> {
@@ -81,6 +58,7 @@ impl<'a> Worker<'a> {
             groups: &root.groups,
             late_first: late_first(task.program),
             relaxation: ClarabelRelaxation::new(),
+            interior: InteriorPoint::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
             root_conflict: root.conflict,
@@ -169,16 +147,6 @@ impl<'a> Worker<'a> {
         self.branch(node, bound, &point)
     }
 
-    /// What is to be relaxed at the node of the domain; nothing when it is refuted.
-    pub(super) fn project_node(&self) -> Option<Projection> {
-        let Reduction::Reduced(mut reduced) = reduce(self.task.program, &self.domain) else {
-            return None;
-        };
-        let integral = &self.task.program.integral;
-        tighten_coefficients(&mut reduced, integral);
-        Some(project(*reduced, integral))
-    }
-
     /// A node without a feasible point below the cutoff in force.
     fn close_refuted(&self) {
         if self.cutoff < f64::INFINITY {
@@ -226,186 +194,6 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Brings the domain to a node: on from the current path where it is a prefix, else from the
-    /// root.
-    fn enter(&mut self, path: &[Decision]) -> Result<(), Conflict> {
-        let shared = path.len() >= self.path.len() && path[..self.path.len()] == self.path[..];
-        if !shared {
-            self.domain.undo_to(self.root);
-            self.path.clear();
-        }
-        self.cutoff = self.propagator.set_cutoff(self.task.program, self.tree.cutoff());
-        let mark = self.domain.mark();
-        let fresh = &path[self.path.len()..];
-        for decision in fresh {
-            self.domain.apply(decision.column, decision.is_upper, decision.value);
-        }
-        let program = self.task.program;
-        let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
-        if result.is_ok() && self.root_done {
-            result = self.probe_node();
-        }
-        self.root_done = true;
-        if result.is_ok() {
-            self.path.extend_from_slice(fresh);
-        } else {
-            self.domain.undo_to(mark);
-        }
-        result
-    }
-
-    /// Probes as much as probing has paid so far.
-    fn probe_node(&mut self) -> Result<(), Conflict> {
-        let trials = self.probing.trials();
-        let (before, done) = (self.domain.mark(), Cell::new(0));
-        let go_on = || {
-            done.set(done.get() + 1);
-            self.tree.limit_reached().is_none()
-        };
-        let (domain, propagator) = (&mut self.domain, &mut self.propagator);
-        let result = probe(self.task.program, domain, propagator, &self.late_first, trials, &go_on);
-        let decided = |&(j, _): &(usize, bool)| self.task.program.integral[j];
-        let gains = self.domain.changed_since(before).filter(decided).count();
-        self.probing.book(done.get(), gains, result.is_err());
-        result
-    }
-
-    /// Solves a reduced program and verifies the answer, trying harder where it is not good
-    /// enough. A leaf's point may become the answer, so there the gap asked for counts.
-    pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
-        if reduced.columns.is_empty() {
-            return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
-        }
-        let feasibility_problem = reduced.is_feasibility_problem();
-        let options = self.task.options;
-        let leaf = self.is_leaf();
-        let close = |value: f64| {
-            let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
-            let enough = 1e-6 * value.abs().max(1.0);
-            if leaf { enough.min(wanted) } else { enough }
-        };
-        let (mut settled, mut nearest) = (false, f64::INFINITY);
-        let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
-        // Iterations are capped: a program infeasible by a hair keeps an interior-point method
-        // busy without a verdict.
-        let attempts = [(60, 1e-8, 1), (200, 1e-9, 10), (200, 1e-11, 10)];
-        // The backend's gap is relative to an objective without the constant, which may be large.
-        let attempts = match (self.on_trial, leaf) {
-            (true, _) => &TRIAL[..],
-            (false, false) => &attempts[..2],
-            (false, true) => &attempts[..],
-        };
-        let mut cutoff = self.tree.cutoff();
-        let mut attempts = attempts.iter().peekable();
-        while let Some(&&(iterations, tolerance, refinements)) = attempts.peek() {
-            let effort = Effort {
-                iterations,
-                tolerance,
-                refinements,
-                cutoff,
-                time: self.tree.time_left(),
-                interrupt: self.tree.interrupt().clone(),
-            };
-            let answer = self.relaxation.solve(reduced, &effort);
-            self.tree.count(|s| {
-                s.relaxations += 1;
-                s.iterations += answer.iterations;
-            });
-            if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
-                return Verdict::Stopped;
-            }
-            let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
-            match answer.claim {
-                Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
-                    return Verdict::Refuted;
-                }
-                Claim::Unbounded if look_for_descent && is_descent_ray(reduced, &answer.x) => {
-                    return Verdict::Descent;
-                }
-                Claim::Solved | Claim::Unknown if answer.x.iter().all(|v| v.is_finite()) => {
-                    let bound = if feasibility_problem {
-                        reduced.offset
-                    } else {
-                        lower_bound(reduced, &answer.x, &answer.y)
-                    };
-                    let value = reduced.objective(&answer.x);
-                    let solved = answer.claim == Claim::Solved;
-                    let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-                    best.0 = bound.max(best.0);
-                    if bound >= cutoff {
-                        return Verdict::Relaxed { bound, x: answer.x };
-                    }
-                    if early && !solved {
-                        // What the backend promised does not hold: the same again, to the end.
-                        cutoff = f64::INFINITY;
-                        continue;
-                    }
-                    // The point nearest to the bound; a later attempt wins a tie.
-                    let distance = (value - best.0).abs();
-                    if distance <= nearest {
-                        (nearest, best.1) = (distance, answer.x);
-                    }
-                    let near = answer_size <= tolerance::FREE_RADIUS;
-                    settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
-                    if solved && value - bound <= close(value) {
-                        break;
-                    }
-                }
-                _ => {}
-            }
-            attempts.next();
-        }
-        if look_for_descent && !settled && self.falls_forever(reduced) {
-            return Verdict::Descent;
-        }
-        Verdict::Relaxed { bound: best.0, x: best.1 }
-    }
-
-    /// Looks for a direction of descent without end where the backend named none.
-    fn falls_forever(&mut self, reduced: &Reduced) -> bool {
-        let Some(directions) = recession_program(reduced) else { return false };
-        let effort = Effort {
-            iterations: 200,
-            tolerance: 1e-9,
-            refinements: 10,
-            cutoff: f64::INFINITY,
-            time: self.tree.time_left(),
-            interrupt: self.tree.interrupt().clone(),
-        };
-        let mut answer = self.relaxation.solve(&directions, &effort);
-        self.tree.count(|s| {
-            s.relaxations += 1;
-            s.iterations += answer.iterations;
-        });
-        polish(&directions, &mut answer.x);
-        is_descent_ray(reduced, &answer.x)
-    }
-
-    /// A root without a bound below: unbounded if there is any feasible point.
-    fn settle_descent(&mut self, node: Node) {
-        let mut flat = self.task.program.clone();
-        flat.make_feasibility_problem();
-        let options = self.task.options.clone().with_threads(1);
-        let task = Task { program: &flat, options: &options, ..self.task };
-        let mut control = Control::default().with_interrupt(self.tree.interrupt());
-        let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
-        self.tree.count(|s| {
-            s.nodes += statistics.nodes;
-            s.relaxations += statistics.relaxations;
-            s.iterations += statistics.iterations;
-        });
-        match (termination, incumbent) {
-            (Termination::Infeasible, _) => {}
-            (_, Some(point)) => {
-                let value = self.program().objective(&point);
-                self.tree.offer(value, point);
-                self.tree.stop(Termination::Unbounded);
-            }
-            (reason, None) if reason.is_limit() => self.tree.give_back(self.id, node, reason),
-            _ => self.tree.stall(f64::NEG_INFINITY),
-        }
-    }
-
     fn look_for_points(&mut self, point: &[f64], at_root: bool) {
         let integrality = self.task.options.integrality;
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
@@ -426,10 +214,5 @@ impl<'a> Worker<'a> {
 
     pub(super) fn program(&self) -> &'a Program {
         self.task.program
-    }
-
-    /// Propagates what changed since a mark.
-    pub(super) fn propagate_since(&mut self, mark: usize) -> Result<(), Conflict> {
-        self.propagator.propagate_since(self.task.program, &mut self.domain, mark)
     }
 }

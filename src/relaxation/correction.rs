@@ -1,0 +1,113 @@
+//! Corrections of a pair `(x̂, y)` that make the gradient vanish on given columns.
+//!
+//! The least change of `x̂` on these columns, where the objective curves, and of the multipliers of
+//! rows that press: a least-squares problem whose dense normal matrix is factorised once and used
+//! for every round of digits.
+
+use faer::Mat;
+use faer::linalg::solvers::{Llt, Solve};
+
+use super::bound::{Gradient, Pair, is_equality, largest};
+
+/// Most columns that are corrected together.
+const MOST_CORRECTED: usize = 400;
+
+/// What may be moved to change the gradient.
+#[derive(Debug, Clone, Copy)]
+enum Lever {
+    /// An entry of `x̂`.
+    Point(usize),
+    /// An entry of `y`.
+    Multiplier(usize),
+}
+
+/// A lever, its weight, and the positions of the gradient that it moves.
+type Weighted = (Lever, f64, Vec<(usize, f64)>);
+
+/// A factorised correction of some columns.
+pub(super) struct Correction {
+    columns: Vec<usize>,
+    levers: Vec<Weighted>,
+    factor: Llt<f64>,
+}
+
+impl Correction {
+    /// The correction of the given columns; nothing where there are too many, or where nothing
+    /// moves them.
+    pub(super) fn new(pair: &Pair<'_>, columns: &[usize]) -> Option<Self> {
+        let k = columns.len();
+        if k == 0 || k > MOST_CORRECTED {
+            return None;
+        }
+        let levers = levers(pair, columns);
+        let mut effects = Mat::<f64>::zeros(k, levers.len());
+        for (l, (_, weight, effect)) in levers.iter().enumerate() {
+            effect.iter().for_each(|&(r, a)| effects[(r, l)] += weight * a);
+        }
+        let mut normal = &effects * effects.transpose();
+        let largest = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
+        (0..k).for_each(|r| normal[(r, r)] += 1e-13 * largest);
+        let factor = normal.llt(faer::Side::Lower).ok()?;
+        Some(Correction { columns: columns.to_vec(), levers, factor })
+    }
+
+    /// Moves the pair; `false` where the step is not finite.
+    pub(super) fn apply(&self, pair: &mut Pair<'_>, gradient: &Gradient) -> bool {
+        let target =
+            Mat::from_fn(self.columns.len(), 1, |r, _| -gradient.value[self.columns[r]].high);
+        let multiplier = self.factor.solve(&target);
+        for (lever, weight, effect) in &self.levers {
+            let along: f64 = effect.iter().map(|&(r, a)| a * multiplier[(r, 0)]).sum();
+            let step = weight * weight * along;
+            if !step.is_finite() {
+                return false;
+            }
+            match *lever {
+                Lever::Point(j) => pair.x[j] = pair.x[j].plus(step),
+                Lever::Multiplier(i) => {
+                    let moved = pair.y[i].plus(step);
+                    let keeps_sign = moved.high * pair.y[i].high >= 0.0;
+                    let allowed = keeps_sign || is_equality(pair.program, i);
+                    pair.y[i] = if allowed { moved } else { Default::default() };
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Each change of one entry of `x̂` or `y` moves the gradient along one of these.
+fn levers(pair: &Pair<'_>, columns: &[usize]) -> Vec<Weighted> {
+    let (program, k) = (pair.program, columns.len());
+    let mut position = vec![usize::MAX; pair.x.len()];
+    columns.iter().enumerate().for_each(|(r, &j)| position[j] = r);
+    let within = |j: &usize| position[*j] < k;
+    let mut levers = Vec::new();
+    if pair.objective {
+        let mut curvature = vec![Vec::new(); k];
+        for &j in columns {
+            let (rows, entries) = program.quadratic.vector(j);
+            for (&i, &p) in rows.iter().zip(entries).filter(|(i, _)| within(i)) {
+                curvature[position[j]].push((position[i], p));
+                if i != j {
+                    curvature[position[i]].push((position[j], p));
+                }
+            }
+        }
+        let levers_of = columns.iter().zip(curvature);
+        levers.extend(levers_of.map(|(&j, effect)| (Lever::Point(j), 1.0, effect)));
+    }
+    for (i, y) in pair.y.iter().enumerate() {
+        // Multipliers of inequalities move little when they are small, so that signs survive.
+        // Measured in the unit of the gradient, so that a row's own unit does not matter.
+        let unit = largest(program, i);
+        let weight =
+            if is_equality(program, i) { 1.0 / unit } else { y.high.abs().min(1.0 / unit) };
+        let (columns, values) = program.rows.vector(i);
+        let entries = columns.iter().zip(values).filter(|(j, _)| within(j));
+        let effect = entries.map(|(&j, &a)| (position[j], a)).collect();
+        levers.push((Lever::Multiplier(i), weight, effect));
+    }
+    levers.retain(|(_, weight, effect)| *weight > 0.0 && !effect.is_empty());
+    levers
+}

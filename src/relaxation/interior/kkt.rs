@@ -1,0 +1,222 @@
+//! The linear system of an iteration, condensed onto columns, equalities and long rows.
+//!
+//! With weights `w` of the sides, an inequality row adds `w a a'` to the block of the columns, so
+//! that only equalities (and rows so long that `a a'` would fill the block) keep an unknown of their
+//! own:
+//!
+//! `[ P + D + A_s' W A_s + δ   A_e'   A_l'      ]`
+//! `[ A_e                      -δ               ]`
+//! `[ A_l                             -1/w_l - δ ]`
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par};
+
+use super::scaled::Scaled;
+
+/// Added to the diagonal of columns, subtracted from that of rows.
+const REGULARISATION: f64 = 1e-10;
+
+/// Rows with at most this many entries are always condensed.
+const SHORT: usize = 12;
+
+/// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
+const SUPERNODAL: f64 = 0.25;
+
+/// Where a term of a condensed row goes.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    position: usize,
+    row: usize,
+    product: f64,
+}
+
+pub(super) struct Kkt {
+    start: Vec<usize>,
+    index: Vec<usize>,
+    value: Vec<f64>,
+    /// The matrix without weights.
+    constant: Vec<f64>,
+    diagonal: Vec<usize>,
+    terms: Vec<Term>,
+    /// Rows with an unknown of their own, after the equalities.
+    pub(super) long: Vec<usize>,
+    signs: Vec<i8>,
+    symbolic: SymbolicCholesky<usize>,
+    factor: Vec<f64>,
+    memory: MemBuffer,
+}
+
+impl Kkt {
+    /// The pattern of the system; nothing where it cannot be ordered.
+    pub(super) fn new(program: &Scaled) -> Option<Self> {
+        let n = program.column.len();
+        let m = program.rows.len();
+        let mut kind = vec![Kind::Short; m];
+        program.equalities.iter().for_each(|&(i, _)| kind[i] = Kind::Equality);
+        let room = program.quadratic.index.len();
+        let mut long = Vec::new();
+        for (i, kind) in kind.iter_mut().enumerate() {
+            let length = program.rows.vector(i).0.len();
+            if *kind == Kind::Short && length > SHORT && length * (length + 1) / 2 > room {
+                *kind = Kind::Long;
+                long.push(i);
+            }
+        }
+        // Entries of short rows by column.
+        let mut first = vec![0usize; n + 1];
+        let short = |i: &usize| kind[*i] == Kind::Short;
+        for i in (0..m).filter(short) {
+            program.rows.vector(i).0.iter().for_each(|&j| first[j + 1] += 1);
+        }
+        (0..n).for_each(|j| first[j + 1] += first[j]);
+        let mut next = first.clone();
+        let mut entries = vec![(0usize, 0.0); first[n]];
+        for i in (0..m).filter(short) {
+            let (columns, values) = program.rows.vector(i);
+            for (&j, &a) in columns.iter().zip(values) {
+                entries[next[j]] = (i, a);
+                next[j] += 1;
+            }
+        }
+        let owned: Vec<usize> =
+            program.equalities.iter().map(|e| e.0).chain(long.clone()).collect();
+        let size = n + owned.len();
+        let (mut start, mut index, mut constant) = (vec![0usize], Vec::new(), Vec::new());
+        let (mut terms, mut diagonal) = (Vec::new(), Vec::with_capacity(size));
+        let mut slot = vec![usize::MAX; n];
+        for c in 0..n {
+            let begin = index.len();
+            let (above, curvature) = program.quadratic.vector(c);
+            let mut visit = |i: usize, index: &mut Vec<usize>| {
+                if slot[i] == usize::MAX {
+                    slot[i] = 0;
+                    index.push(i);
+                }
+            };
+            visit(c, &mut index);
+            above.iter().for_each(|&i| visit(i, &mut index));
+            for &(row, _) in &entries[first[c]..first[c + 1]] {
+                let columns = program.rows.vector(row).0;
+                columns.iter().filter(|i| **i <= c).for_each(|&i| visit(i, &mut index));
+            }
+            index[begin..].sort_unstable();
+            for (k, &i) in index.iter().enumerate().skip(begin) {
+                slot[i] = k;
+            }
+            constant.resize(index.len(), 0.0);
+            above.iter().zip(curvature).for_each(|(&i, p)| constant[slot[i]] += p);
+            constant[slot[c]] += REGULARISATION;
+            for &(row, a) in &entries[first[c]..first[c + 1]] {
+                let (columns, values) = program.rows.vector(row);
+                for (&i, b) in columns.iter().zip(values).filter(|(i, _)| **i <= c) {
+                    terms.push(Term { position: slot[i], row, product: a * b });
+                }
+            }
+            diagonal.push(slot[c]);
+            index[begin..].iter().for_each(|&i| slot[i] = usize::MAX);
+            start.push(index.len());
+        }
+        for (k, &row) in owned.iter().enumerate() {
+            let (columns, values) = program.rows.vector(row);
+            let mut sorted: Vec<(usize, f64)> =
+                columns.iter().copied().zip(values.iter().copied()).collect();
+            sorted.sort_unstable_by_key(|entry| entry.0);
+            for (j, a) in sorted {
+                index.push(j);
+                constant.push(a);
+            }
+            index.push(n + k);
+            constant.push(-REGULARISATION);
+            diagonal.push(index.len() - 1);
+            start.push(index.len());
+        }
+        let signs = (0..size).map(|k| if k < n { 1 } else { -1 }).collect();
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &start, None, &index);
+        let symbolic = factorize_symbolic_cholesky(
+            pattern,
+            faer::Side::Upper,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+                ..CholeskySymbolicParams::default()
+            },
+        )
+        .ok()?;
+        let need = symbolic
+            .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let memory = MemBuffer::try_new(need).ok()?;
+        Some(Kkt {
+            value: constant.clone(),
+            factor: vec![0.0; symbolic.len_val()],
+            start,
+            index,
+            constant,
+            diagonal,
+            terms,
+            long,
+            signs,
+            symbolic,
+            memory,
+        })
+    }
+
+    /// Factorises with the weights of columns and rows; `false` where that breaks down.
+    pub(super) fn factorise(&mut self, of_columns: &[f64], of_rows: &[f64]) -> bool {
+        self.value.copy_from_slice(&self.constant);
+        for (&k, w) in self.diagonal.iter().zip(of_columns) {
+            self.value[k] += w;
+        }
+        for term in &self.terms {
+            self.value[term.position] += of_rows[term.row] * term.product;
+        }
+        let owned = self.diagonal.len() - self.long.len();
+        for (k, &row) in self.long.iter().enumerate() {
+            self.value[self.diagonal[owned + k]] -= 1.0 / of_rows[row].max(1e-12);
+        }
+        let size = self.diagonal.len();
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(size, size, &self.start, None, &self.index);
+        let matrix = SparseColMatRef::new(pattern, &self.value);
+        let regularization = LdltRegularization {
+            dynamic_regularization_signs: Some(&self.signs),
+            dynamic_regularization_delta: 1e-8,
+            dynamic_regularization_epsilon: 1e-14,
+        };
+        let stack = MemStack::new(&mut self.memory);
+        self.symbolic
+            .factorize_numeric_ldlt(
+                &mut self.factor,
+                matrix,
+                faer::Side::Upper,
+                regularization,
+                Par::Seq,
+                stack,
+                Default::default(),
+            )
+            .is_ok()
+    }
+
+    /// Solves with the factors; `right` holds columns, equalities, long rows.
+    pub(super) fn solve(&mut self, right: &mut [f64]) {
+        let size = right.len();
+        let factor = LdltRef::new(&self.symbolic, &self.factor);
+        let stack = MemStack::new(&mut self.memory);
+        let right = MatMut::from_column_major_slice_mut(right, size, 1);
+        factor.solve_in_place_with_conj(Conj::No, right, Par::Seq, stack);
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Short,
+    Long,
+    Equality,
+}

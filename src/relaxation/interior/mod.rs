@@ -1,0 +1,102 @@
+//! A primal-dual interior-point method for the small sparse programs of a tree.
+//!
+//! Mehrotra's predictor and corrector from an infeasible start, on a system condensed onto columns
+//! and equalities (`kkt`). A tree asks thousands of such questions, and most need no accurate
+//! optimum: every iteration looks whether the multipliers at hand already prove a bound beyond the
+//! cutoff, or that there is no feasible point, with the same formulas as
+//! [`lower_bound`](super::lower_bound) and [`proves_infeasible`](super::proves_infeasible) in plain
+//! floats. Whoever asked proves it again with twice the digits.
+//!
+//! The method gives up early rather than late: what it cannot settle goes to Clarabel.
+
+mod iterate;
+mod kkt;
+mod scaled;
+
+use super::{Answer, Claim, Effort, Relaxation};
+use crate::presolve::Reduced;
+use iterate::Iterate;
+use kkt::Kkt;
+use scaled::Scaled;
+
+/// The crate's own interior-point method.
+#[derive(Debug, Clone, Default)]
+pub struct InteriorPoint {}
+
+impl InteriorPoint {
+    /// A fresh instance.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+/// Iterations without a step worth the name after which the method gives up.
+const STUCK: u32 = 3;
+
+/// Steps below this length are not worth the name (no unit).
+const SHORT_STEP: f64 = 1e-3;
+
+/// By how much, relative, a bound must be beyond a cutoff before the method stops for it.
+const PROMISE: f64 = 1e-7;
+
+impl Relaxation for InteriorPoint {
+    fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer {
+        let scaled = Scaled::of(program);
+        let (n, m) = (program.columns.len(), program.rows.len());
+        let nothing = |iterations| Answer {
+            claim: Claim::Unknown,
+            x: vec![f64::NAN; n],
+            y: vec![0.0; m],
+            iterations,
+        };
+        let Some(mut kkt) = Kkt::new(&scaled) else { return nothing(0) };
+        let mut at = Iterate::start(&scaled);
+        let feasibility_problem = program.is_feasibility_problem();
+        let objective = |value: f64| value / scaled.objective + program.offset;
+        let answer = |claim, at: &Iterate, iterations| {
+            let x: Vec<f64> = at.x.iter().zip(&scaled.column).map(|(x, d)| x * d).collect();
+            let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
+            let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
+            Answer { claim, x, y, iterations }
+        };
+        let began = web_time::Instant::now();
+        let (mut stuck, mut iterations) = (0, 0);
+        while iterations < effort.iterations {
+            at.measure(&scaled);
+            if !at.is_finite() {
+                return nothing(u64::from(iterations));
+            }
+            let done = |claim| answer(claim, &at, u64::from(iterations));
+            let feasible = at.violation(&scaled) <= effort.tolerance;
+            if feasibility_problem && feasible {
+                return Answer { y: vec![0.0; m], ..done(Claim::Solved) };
+            }
+            if iterations > 0 {
+                let bound = objective(at.dual_value(&scaled));
+                let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+                if !feasibility_problem && bound > enough {
+                    return done(Claim::Unknown);
+                }
+                let value = objective(at.value(&scaled));
+                let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
+                if feasible && (value - bound <= gap || at.is_optimal(effort.tolerance)) {
+                    return done(Claim::Solved);
+                }
+                if at.refutes(&scaled) {
+                    return done(Claim::Infeasible);
+                }
+            }
+            let late = effort.time.is_some_and(|time| began.elapsed() >= time);
+            if late || effort.interrupt.is_triggered() {
+                break;
+            }
+            let Some(step) = at.advance(&scaled, &mut kkt) else { break };
+            iterations += 1;
+            stuck = if step < SHORT_STEP { stuck + 1 } else { 0 };
+            if stuck >= STUCK {
+                break;
+            }
+        }
+        answer(Claim::Unknown, &at, u64::from(iterations))
+    }
+}

@@ -1,0 +1,144 @@
+//! The program in even units: rows, columns and objective scaled, bounds and row limits as sides.
+
+use crate::presolve::{Compressed, Reduced};
+
+/// Rounds of scaling; each takes the square root of the largest entry of every row and column.
+const ROUNDS: usize = 3;
+
+/// Largest factor by which a column, a row or the objective is scaled.
+const MOST: f64 = 1e6;
+
+/// What a side limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    Column(usize),
+    /// An inequality row.
+    Row(usize),
+}
+
+/// One finite limit: `sign * (target - limit) >= 0`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    pub(super) target: Target,
+    /// 1 for a lower limit, -1 for an upper one.
+    pub(super) sign: f64,
+    pub(super) limit: f64,
+}
+
+/// `min 1/2 x'Px + q'x` over rows and sides, with `x` in units of `column`, rows in units of `1 /
+/// row`, and the objective in units of `1 / objective`.
+#[derive(Debug)]
+pub(super) struct Scaled {
+    pub(super) column: Vec<f64>,
+    pub(super) row: Vec<f64>,
+    pub(super) objective: f64,
+    pub(super) quadratic: Compressed,
+    pub(super) linear: Vec<f64>,
+    pub(super) rows: Compressed,
+    /// Equality rows and their right sides.
+    pub(super) equalities: Vec<(usize, f64)>,
+    pub(super) sides: Vec<Side>,
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+}
+
+impl Scaled {
+    pub(super) fn of(program: &Reduced) -> Self {
+        let (column, row) = factors(program);
+        let mut quadratic = program.quadratic.clone();
+        let mut largest = 0.0_f64;
+        for j in 0..column.len() {
+            for k in quadratic.start[j]..quadratic.start[j + 1] {
+                quadratic.value[k] *= column[j] * column[quadratic.index[k]];
+                largest = largest.max(quadratic.value[k].abs());
+            }
+        }
+        let mut linear: Vec<f64> = program.linear.iter().zip(&column).map(|(q, d)| q * d).collect();
+        let largest = linear.iter().fold(largest, |m, q| m.max(q.abs()));
+        let objective = if largest > 0.0 { (1.0 / largest).clamp(1.0 / MOST, MOST) } else { 1.0 };
+        quadratic.value.iter_mut().chain(&mut linear).for_each(|v| *v *= objective);
+        let mut rows = program.rows.clone();
+        for i in 0..row.len() {
+            for k in rows.start[i]..rows.start[i + 1] {
+                rows.value[k] *= row[i] * column[rows.index[k]];
+            }
+        }
+        let (mut equalities, mut sides) = (Vec::new(), Vec::new());
+        let mut add = |target, lower: f64, upper: f64| {
+            for (sign, limit) in [(1.0, lower), (-1.0, upper)] {
+                if limit.is_finite() {
+                    sides.push(Side { target, sign, limit });
+                }
+            }
+        };
+        for (i, &factor) in row.iter().enumerate() {
+            let (lower, upper) = (program.row_lower[i], program.row_upper[i]);
+            if lower == upper {
+                equalities.push((i, lower * factor));
+            } else {
+                add(Target::Row(i), lower * factor, upper * factor);
+            }
+        }
+        let per = |bounds: &[f64]| -> Vec<f64> {
+            bounds.iter().zip(&column).map(|(bound, d)| bound / d).collect()
+        };
+        let (lower, upper) = (per(&program.lower), per(&program.upper));
+        (0..column.len()).for_each(|j| add(Target::Column(j), lower[j], upper[j]));
+        Scaled { column, row, objective, quadratic, linear, rows, equalities, sides, lower, upper }
+    }
+
+    /// `P x`.
+    pub(super) fn curvature(&self, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for j in 0..x.len() {
+            let (index, value) = self.quadratic.vector(j);
+            for (&i, &p) in index.iter().zip(value) {
+                out[i] += p * x[j];
+                if i != j {
+                    out[j] += p * x[i];
+                }
+            }
+        }
+    }
+
+    /// `A x`.
+    pub(super) fn activities(&self, x: &[f64], out: &mut [f64]) {
+        for (i, activity) in out.iter_mut().enumerate() {
+            let (index, value) = self.rows.vector(i);
+            *activity = index.iter().zip(value).map(|(&j, a)| a * x[j]).sum();
+        }
+    }
+
+    /// Adds `A'y` to `out`.
+    pub(super) fn add_transposed(&self, y: &[f64], out: &mut [f64]) {
+        for (i, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+            let (index, value) = self.rows.vector(i);
+            index.iter().zip(value).for_each(|(&j, a)| out[j] += a * y);
+        }
+    }
+}
+
+/// Factors of columns and rows that bring the largest entry of each near 1.
+fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
+    let (n, m) = (program.columns.len(), program.rows.len());
+    let (mut column, mut row) = (vec![1.0; n], vec![1.0; m]);
+    for _ in 0..ROUNDS {
+        let (mut of_column, mut of_row) = (vec![0.0_f64; n], vec![0.0_f64; m]);
+        for i in 0..m {
+            let (index, value) = program.rows.vector(i);
+            for (&j, a) in index.iter().zip(value) {
+                let size = (a * row[i] * column[j]).abs();
+                of_row[i] = of_row[i].max(size);
+                of_column[j] = of_column[j].max(size);
+            }
+        }
+        let adjust = |factor: &mut f64, largest: f64| {
+            if largest > 0.0 {
+                *factor = (*factor / largest.sqrt()).clamp(1.0 / MOST, MOST);
+            }
+        };
+        column.iter_mut().zip(of_column).for_each(|(f, l)| adjust(f, l));
+        row.iter_mut().zip(of_row).for_each(|(f, l)| adjust(f, l));
+    }
+    (column, row)
+}

@@ -1,0 +1,196 @@
+//! The relaxation of a node: reduce, solve, verify, and try harder where the answer is not good
+//! enough.
+
+use super::unbounded::{is_descent_ray, recession_program};
+use super::worker::Worker;
+use super::{Found, Task, search};
+
+use super::node::Node;
+use crate::presolve::{Projection, Reduced, Reduction, project, reduce, tighten_coefficients};
+use crate::relaxation::{Claim, Effort, Relaxation, lower_bound, polish, proves_infeasible};
+use crate::solution::Termination;
+use crate::solver::Control;
+use crate::tolerance;
+
+/// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
+/// like any other, if not the best.
+const TRIAL: [Attempt; 1] = [(Method::InteriorPoint, 30, 1e-5, 1)];
+
+/// The ladder of attempts at a node: method, iterations, tolerance, refinements. Iterations are
+/// capped: a program infeasible by a hair keeps an interior-point method busy without a verdict.
+const LADDER: [Attempt; 4] = [
+    (Method::InteriorPoint, 60, 1e-8, 1),
+    (Method::Clarabel, 60, 1e-8, 1),
+    (Method::Clarabel, 200, 1e-9, 10),
+    (Method::Clarabel, 200, 1e-11, 10),
+];
+
+type Attempt = (Method, u32, f64, u32);
+
+/// Who is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Method {
+    /// The crate's own method: quick, gives up early.
+    InteriorPoint,
+    Clarabel,
+}
+
+/// What a relaxation, verified, says about a node.
+pub(super) enum Verdict {
+    /// No feasible point: proved.
+    Refuted,
+    /// A limit or an interrupt came first.
+    Stopped,
+    /// The objective falls without limit along a verified direction.
+    Descent,
+    /// A proved bound and a point, not necessarily optimal.
+    Relaxed { bound: f64, x: Vec<f64> },
+}
+
+impl Worker<'_> {
+    /// What is to be relaxed at the node of the domain; nothing when it is refuted.
+    pub(super) fn project_node(&self) -> Option<Projection> {
+        let Reduction::Reduced(mut reduced) = reduce(self.task.program, &self.domain) else {
+            return None;
+        };
+        let integral = &self.task.program.integral;
+        tighten_coefficients(&mut reduced, integral);
+        Some(project(*reduced, integral))
+    }
+
+    /// Solves a reduced program and verifies the answer, trying harder where it is not good
+    /// enough. A leaf's point may become the answer, so there the gap asked for counts.
+    pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
+        if reduced.columns.is_empty() {
+            return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
+        }
+        let feasibility_problem = reduced.is_feasibility_problem();
+        let options = self.task.options;
+        let leaf = self.is_leaf();
+        let close = |value: f64| {
+            let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
+            let enough = 1e-6 * value.abs().max(1.0);
+            if leaf { enough.min(wanted) } else { enough }
+        };
+        let (mut settled, mut nearest) = (false, f64::INFINITY);
+        let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
+        // The backend's gap is relative to an objective without the constant, which may be large.
+        let attempts = match (self.on_trial, leaf) {
+            (true, _) => &TRIAL[..],
+            (false, false) => &LADDER[..3],
+            (false, true) => &LADDER[..],
+        };
+        let mut cutoff = self.tree.cutoff();
+        let mut attempts = attempts.iter().peekable();
+        while let Some(&&(method, iterations, tolerance, refinements)) = attempts.peek() {
+            let effort = Effort {
+                iterations,
+                tolerance,
+                refinements,
+                cutoff,
+                time: self.tree.time_left(),
+                interrupt: self.tree.interrupt().clone(),
+            };
+            let answer = match method {
+                Method::InteriorPoint => self.interior.solve(reduced, &effort),
+                Method::Clarabel => self.relaxation.solve(reduced, &effort),
+            };
+            self.tree.count(|s| {
+                s.relaxations += 1;
+                s.iterations += answer.iterations;
+            });
+            if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
+                return Verdict::Stopped;
+            }
+            let early = cutoff.is_finite() && answer.iterations < u64::from(iterations);
+            match answer.claim {
+                Claim::Infeasible | Claim::Unknown if proves_infeasible(reduced, &answer.y) => {
+                    return Verdict::Refuted;
+                }
+                Claim::Unbounded if look_for_descent && is_descent_ray(reduced, &answer.x) => {
+                    return Verdict::Descent;
+                }
+                Claim::Solved | Claim::Unknown if answer.x.iter().all(|v| v.is_finite()) => {
+                    let bound = if feasibility_problem {
+                        reduced.offset
+                    } else {
+                        lower_bound(reduced, &answer.x, &answer.y)
+                    };
+                    let value = reduced.objective(&answer.x);
+                    let solved = answer.claim == Claim::Solved;
+                    let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+                    best.0 = bound.max(best.0);
+                    if bound >= cutoff {
+                        return Verdict::Relaxed { bound, x: answer.x };
+                    }
+                    if early && !solved {
+                        // What the backend promised does not hold: the same again, to the end.
+                        cutoff = f64::INFINITY;
+                        continue;
+                    }
+                    // The point nearest to the bound; a later attempt wins a tie.
+                    let distance = (value - best.0).abs();
+                    if distance <= nearest {
+                        (nearest, best.1) = (distance, answer.x);
+                    }
+                    let near = answer_size <= tolerance::FREE_RADIUS;
+                    settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
+                    if solved && value - bound <= close(value) {
+                        break;
+                    }
+                }
+                _ => {}
+            }
+            attempts.next();
+        }
+        if look_for_descent && !settled && self.falls_forever(reduced) {
+            return Verdict::Descent;
+        }
+        Verdict::Relaxed { bound: best.0, x: best.1 }
+    }
+
+    /// Looks for a direction of descent without end where the backend named none.
+    fn falls_forever(&mut self, reduced: &Reduced) -> bool {
+        let Some(directions) = recession_program(reduced) else { return false };
+        let effort = Effort {
+            iterations: 200,
+            tolerance: 1e-9,
+            refinements: 10,
+            cutoff: f64::INFINITY,
+            time: self.tree.time_left(),
+            interrupt: self.tree.interrupt().clone(),
+        };
+        let mut answer = self.relaxation.solve(&directions, &effort);
+        self.tree.count(|s| {
+            s.relaxations += 1;
+            s.iterations += answer.iterations;
+        });
+        polish(&directions, &mut answer.x);
+        is_descent_ray(reduced, &answer.x)
+    }
+
+    /// A root without a bound below: unbounded if there is any feasible point.
+    pub(super) fn settle_descent(&mut self, node: Node) {
+        let mut flat = self.task.program.clone();
+        flat.make_feasibility_problem();
+        let options = self.task.options.clone().with_threads(1);
+        let task = Task { program: &flat, options: &options, ..self.task };
+        let mut control = Control::default().with_interrupt(self.tree.interrupt());
+        let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
+        self.tree.count(|s| {
+            s.nodes += statistics.nodes;
+            s.relaxations += statistics.relaxations;
+            s.iterations += statistics.iterations;
+        });
+        match (termination, incumbent) {
+            (Termination::Infeasible, _) => {}
+            (_, Some(point)) => {
+                let value = self.program().objective(&point);
+                self.tree.offer(value, point);
+                self.tree.stop(Termination::Unbounded);
+            }
+            (reason, None) if reason.is_limit() => self.tree.give_back(self.id, node, reason),
+            _ => self.tree.stall(f64::NEG_INFINITY),
+        }
+    }
+}
