@@ -73,6 +73,15 @@ fn other_endings_are_told_apart() {
     assert_eq!(glpk("s bas 2 3 f n 0\n", ""), Claim::Unbounded);
     let late = Claim::Limit(Termination::TimeLimit);
     assert_eq!(glpk("s mip 2 3 u 0\n", "TIME LIMIT EXCEEDED; SEARCH TERMINATED\n"), late);
+    // As printed where its own preparation finds it out.
+    let early = glpk("s bas 2 2 u u 0\n", "LP HAS NO PRIMAL FEASIBLE SOLUTION\n");
+    assert_eq!(early, Claim::Infeasible);
+    let falling = "LP RELAXATION HAS NO DUAL FEASIBLE SOLUTION\n";
+    assert_eq!(glpk("s mip 1 3 u 0\n", falling), Claim::Unbounded);
+    let either = "Model status\nPrimal infeasible or unbounded\n\n# Primal solution values\nNone\n";
+    assert_eq!(Highs.read(Some(either), "").unwrap(), Answer::new(Claim::Unbounded));
+    let empty = Highs.read(Some("Model status\nEmpty\n"), "").unwrap();
+    assert_eq!((empty.claim, empty.objective), (Claim::Optimal, Some(0.0)));
     let highs = "Model status\nInfeasible\n\n# Primal solution values\nNone\n";
     assert_eq!(Highs.read(Some(highs), "").unwrap(), Answer::new(Claim::Infeasible));
     let scip = "SCIP Status        : problem is solved [infeasible]\nDual Bound   : +1e+20\n";

@@ -147,10 +147,9 @@ impl Dialect for Glpk {
         if answer.claim == Claim::Unknown {
             if says("TIME LIMIT EXCEEDED") {
                 answer.claim = Claim::Limit(Termination::TimeLimit);
-            } else if says("PROBLEM HAS NO PRIMAL FEASIBLE SOLUTION") {
+            } else if says("HAS NO PRIMAL FEASIBLE SOLUTION") {
                 answer.claim = Claim::Infeasible;
-            } else if says("LP HAS UNBOUNDED PRIMAL SOLUTION")
-                || says("PROBLEM HAS NO DUAL FEASIBLE SOLUTION")
+            } else if says("HAS UNBOUNDED PRIMAL SOLUTION") || says("HAS NO DUAL FEASIBLE SOLUTION")
             {
                 answer.claim = Claim::Unbounded;
             }
@@ -201,6 +200,12 @@ impl Dialect for Highs {
             "Solution limit reached" => Claim::Limit(Termination::NodeLimit),
             _ => Claim::Unknown,
         });
+        if status == "Empty" {
+            // Neither columns nor rows.
+            (answer.claim, answer.objective, answer.values) =
+                (Claim::Optimal, Some(0.0), Some(Vec::new()));
+            return Ok(answer);
+        }
         answer.bound = labelled(printed, "Dual bound");
         answer.nodes = labelled(printed, "Nodes").map(|nodes| nodes as u64);
         let mut feasible = false;
