@@ -33,6 +33,11 @@ impl<'a> Guide<'a> {
         self.guidance.branching().is_some() || !self.guidance.proposals().is_empty()
     }
 
+    /// Whether the user says nothing.
+    pub fn is_idle(&self) -> bool {
+        !self.steers() && !self.has_priorities()
+    }
+
     /// Whether some columns go before others.
     pub(super) fn has_priorities(&self) -> bool {
         !self.priorities.is_empty()

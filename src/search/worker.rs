@@ -57,7 +57,7 @@ impl<'a> Worker<'a> {
             clock: Clock::new(),
             root: domain.mark(),
             domain,
-            propagator: Propagator::new(task.program),
+            propagator: root.propagator.clone(),
             covers: &root.covers,
             groups: &root.groups,
             // Windows are not probed: their binaries are.

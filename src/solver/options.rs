@@ -81,6 +81,13 @@ pub struct Options {
     /// Whether interchangeable columns are asked for falling values; default off. It is left out where
     /// a pool or leaves are kept, or points come from a seed or from guidance.
     pub symmetry: bool,
+    /// Whether the program is presolved before the search; default on. It is left out where a pool
+    /// or leaves are kept, or points or splits come from a seed or from guidance: these speak of the
+    /// columns as they are.
+    pub presolve: bool,
+    /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
+    /// where presolve is.
+    pub cuts: bool,
 }
 
 /// Which points a pool holds.
@@ -115,6 +122,8 @@ impl Default for Options {
             keep_leaves: false,
             branching: BranchingRule::Automatic,
             symmetry: false,
+            presolve: true,
+            cuts: true,
         }
     }
 }
@@ -233,6 +242,20 @@ impl Options {
     #[must_use]
     pub fn with_symmetry(mut self, symmetry: bool) -> Self {
         self.symmetry = symmetry;
+        self
+    }
+
+    /// Sets whether the program is presolved before the search.
+    #[must_use]
+    pub fn with_presolve(mut self, presolve: bool) -> Self {
+        self.presolve = presolve;
+        self
+    }
+
+    /// Sets whether cuts are added to the root relaxation.
+    #[must_use]
+    pub fn with_cuts(mut self, cuts: bool) -> Self {
+        self.cuts = cuts;
         self
     }
 
