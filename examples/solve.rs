@@ -1,7 +1,7 @@
 //! Solves a model file, or writes it in another format.
 //!
 //! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
-//! [--write OUT] [--lowered OUT]`
+//! [--deterministic] [--log] [--pool K] [--write OUT] [--lowered OUT]`
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
 //! `.lp`, `.json`; other files by their contents.
@@ -10,6 +10,9 @@
 //! * `--time-limit S`: stop after S seconds
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
+//! * `--deterministic`: the same search for any number of threads
+//! * `--log`: progress and a summary on the standard error
+//! * `--pool K`: the objectives of the K best points with distinct integers, proved
 //! * `--write OUT`: write the model as it was read, and do not solve it
 //! * `--lowered OUT`: write the model with its indicators and logic as rows, and solve it
 //!
@@ -26,11 +29,14 @@ use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use carom::model::{lp, mps};
-use carom::prelude::{BranchAndBound, Model, Options, Solution, Solver, Termination};
+use carom::prelude::{
+    BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
+};
 use carom::reformulate;
+use carom::solver::PoolMode;
 
 const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
-                     [--write OUT] [--lowered OUT]";
+                     [--deterministic] [--log] [--pool K] [--write OUT] [--lowered OUT]";
 
 #[derive(Default)]
 struct Arguments {
@@ -38,6 +44,7 @@ struct Arguments {
     write: Option<String>,
     lowered: Option<String>,
     solution: bool,
+    log: bool,
     options: Options,
 }
 
@@ -64,8 +71,18 @@ fn run() -> Result<(), Box<dyn Error>> {
         write(reformulate::lower(&model)?.model(), &path)?;
     }
     let start = Instant::now();
-    let solution = BranchAndBound::new(arguments.options).solve(&model)?;
+    let mut log = Log::new(std::io::stderr());
+    let mut callback = |event: &Event| log.record(event);
+    let mut control = Control::default();
+    if arguments.log {
+        control = control.with_progress(&mut callback);
+    }
+    let mut solver = BranchAndBound::new(arguments.options);
+    let solution = solver.solve_with(&model, &mut control)?;
     let seconds = start.elapsed().as_secs_f64();
+    if arguments.log {
+        log.finish(&solution);
+    }
     println!(
         "status={} objective={} bound={} nodes={} seconds={seconds:.6}",
         status(&solution),
@@ -73,6 +90,11 @@ fn run() -> Result<(), Box<dyn Error>> {
         twelve_digits(solution.bound()),
         solution.statistics().nodes,
     );
+    if solver.options().pool > 1 {
+        let proved = if solution.pool().is_complete() { "proved" } else { "found" };
+        let values = solution.pool().iter().map(|p| twelve_digits(p.objective()));
+        println!("pool ({proved}): {}", values.collect::<Vec<_>>().join(" "));
+    }
     if arguments.solution && solution.point().is_some() {
         for variable in model.variables() {
             let value = solution.value(variable.id())?;
@@ -159,6 +181,12 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
                 arguments.options.time_limit = Some(Duration::try_from_secs_f64(seconds)?);
             }
             "--threads" => arguments.options.threads = number(&word, &value()?)?,
+            "--deterministic" => arguments.options.deterministic = true,
+            "--log" => arguments.log = true,
+            "--pool" => {
+                arguments.options.pool = number(&word, &value()?)?;
+                arguments.options.pool_mode = PoolMode::Best;
+            }
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),
             "--lowered" => arguments.lowered = Some(value()?),

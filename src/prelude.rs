@@ -11,4 +11,4 @@ pub use crate::model::{
     Model, Name, Quadratic, Row, Sense, Variable, VariableKind, at_least, at_most, either, exactly,
 };
 pub use crate::solution::{PrimalStatus, Solution, Statistics, Termination, Verification};
-pub use crate::solver::{Control, Event, Interrupt, Options, Progress, Solver};
+pub use crate::solver::{Control, Event, Incumbent, Interrupt, Log, Options, Progress, Solver};

@@ -21,13 +21,21 @@
 mod budget;
 mod certificate;
 mod control;
+mod guidance;
+mod log;
 mod options;
 mod progress;
+mod rules;
+mod seed;
 
 pub use certificate::{Certificate, certify};
-pub use control::{Control, Interrupt};
-pub use options::Options;
-pub use progress::{Event, Progress};
+pub use control::{Control, Interrupt, OnIncumbent};
+pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
+pub use log::Log;
+pub use options::{Options, PoolMode};
+pub use progress::{Event, Incumbent, Progress};
+pub use rules::BranchingRule;
+pub use seed::TreeSeed;
 
 use crate::error::Error;
 use crate::model::Model;

@@ -5,6 +5,7 @@
 use carom::collision_tolerant::{Objective, Plan, Scenario, plan};
 use carom::model::{PiecewiseAffine, VariableKind};
 use carom::prelude::*;
+use carom::solver::{PoolMode, TreeSeed};
 use proptest::prelude::*;
 
 fn copy<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
@@ -102,6 +103,37 @@ fn solutions_survive_with_and_without_a_point() {
 fn options_survive() {
     let options = Options::default().with_relative_gap(1e-4).with_threads(2).with_node_limit(7);
     assert_eq!(copy(&options), options);
+    let options = Options::proof()
+        .with_pool(3, PoolMode::Best)
+        .with_pool_gap(0.25)
+        .with_memory_limit(1 << 20)
+        .with_leaves(true);
+    assert_eq!(copy(&options), options);
+    // Fields that a file does not have are at their defaults.
+    let some: Options = serde_json::from_str(r#"{"threads": 2}"#).unwrap();
+    assert_eq!(some, Options::default().with_threads(2));
+}
+
+/// What a solve leaves for the next one, infinite bounds included.
+#[test]
+fn pools_leaves_and_seeds_survive() {
+    let mut model = Model::new("m");
+    let n = model.integer("n", 0.0, 9.0).unwrap();
+    let m = model.integer("m", 0.0, 9.0).unwrap();
+    model.add("r", (2.0 * n + 3.0 * m).ge(7.5)).unwrap();
+    model.minimize(3.0 * n + 4.0 * m).unwrap();
+    let options = Options::default().with_pool(3, PoolMode::Best).with_leaves(true);
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert!(solution.pool().len() == 3 && !solution.leaves().is_empty());
+    let again: Solution = copy(&solution);
+    assert_eq!(again.pool(), solution.pool());
+    assert_eq!(again.leaves(), solution.leaves());
+    let seed = TreeSeed::of(&solution, [n, m]);
+    assert_eq!(copy(&seed), seed);
+    let mut control = Control::default().with_seed(&seed);
+    let next = BranchAndBound::default().solve_with(&model, &mut control).unwrap();
+    assert!(next.seed_report().is_some());
+    assert_eq!(copy(&next).seed_report(), next.seed_report());
 }
 
 #[test]

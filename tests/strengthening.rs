@@ -9,6 +9,7 @@ mod common;
 use carom::prelude::*;
 use carom::presolve::{Domain, Reduced, Reduction, project, reduce, tighten_coefficients};
 use carom::program::Program;
+use carom::relaxation::reduced_costs;
 use common::config;
 use proptest::prelude::*;
 
@@ -201,6 +202,29 @@ proptest! {
             let value = solution.objective().expect("a point");
             prop_assert!((value - best).abs() <= 1e-6, "{} instead of {}\n{}", value, best, model);
             prop_assert!(solution.bound() <= best + 1e-9, "{}\n{}", solution.bound(), model);
+        }
+    }
+
+    /// Any point and any multipliers prove something; what they prove holds at every whole point.
+    #[test]
+    fn reduced_costs_hold_at_whole_points(
+        case in case(),
+        point in prop::collection::vec(-1.0..4.0f64, BINARIES + OTHERS),
+        multipliers in prop::collection::vec(-3.0..3.0f64, 8),
+    ) {
+        let program = case.program(true);
+        let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+            return Ok(());
+        };
+        let (x, y) = (restricted(&reduced, &point), &multipliers[..reduced.rows.len()]);
+        let (bound, slopes) = reduced_costs(&reduced, &x, y);
+        for point in case.points() {
+            let x = restricted(&reduced, &point);
+            for (k, &slope) in slopes.iter().enumerate() {
+                let from = if slope > 0.0 { reduced.lower[k] } else { reduced.upper[k] };
+                let least = bound + slope * (x[k] - from);
+                prop_assert!(reduced.objective(&x) >= least - SLACK, "column {k}: {least}");
+            }
         }
     }
 }

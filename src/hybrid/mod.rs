@@ -51,7 +51,7 @@ pub mod shortest_horizon;
 pub mod simulate;
 pub mod wall;
 
-pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution};
+pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution, RollOut};
 pub use damage::{Damage, DamageFunction, DamageLimits};
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;

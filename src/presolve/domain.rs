@@ -25,6 +25,11 @@ impl Domain {
         Domain { bounds: sides.map(|(&lower, &upper)| [lower, upper]).collect(), trail: Vec::new() }
     }
 
+    /// Number of columns.
+    pub fn column_count(&self) -> usize {
+        self.bounds.len()
+    }
+
     /// Lower bound of a column.
     pub fn lower(&self, column: usize) -> f64 {
         self.bounds[column][0]

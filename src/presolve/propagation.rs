@@ -83,6 +83,11 @@ impl Propagator {
         self.rows.push(Line { range: [start, self.entries.len()], limits });
     }
 
+    /// The table of implications that propagation follows.
+    pub fn implications(&self) -> &Implications {
+        &self.implications
+    }
+
     /// Makes every later propagation follow a table of implications as well.
     pub fn set_implications(&mut self, implications: Implications) {
         self.implications = implications;

@@ -6,6 +6,7 @@
 //! order of creation, rows its constraints. Maximisation is turned into minimisation here and
 //! nowhere else.
 
+mod append;
 mod assemble;
 
 use faer::sparse::{SparseColMat, SparseRowMat};

@@ -98,7 +98,14 @@ impl Lowered {
             bound: found.bound(),
             statistics: *found.statistics(),
         };
-        Solution::new(model, outcome, solver.options().feasibility)
+        let feasibility = solver.options().feasibility;
+        let others = found.pool().iter().skip(1);
+        let others = others.map(|best| self.restore(best.point().as_slice()));
+        let complete = found.pool().is_complete();
+        let own = |v: Variable| (v.index() < self.original).then_some(v);
+        let leaves = found.leaves().iter().map(|leaf| leaf.mapped(own)).collect();
+        let solution = Solution::new(model, outcome, feasibility)?.with_leaves(leaves);
+        solution.with_pool(model, others, complete, feasibility)
     }
 
     /// From a point of the lowered model, one value per variable, to the point of the original

@@ -35,12 +35,34 @@ const CORRECTIONS: usize = 8;
 /// A proved lower bound on the objective of a reduced program, from a claimed solution.
 /// `-inf` when the pair proves nothing.
 pub fn lower_bound(program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
+    pair(program, x, y).map_or(f64::NEG_INFINITY, Pair::best_bound)
+}
+
+/// What a claimed solution proves of single columns: a lower bound on the objective, and for each
+/// column the least by which it grows per unit that the column moves away from one of its bounds;
+/// from the lower bound where the entry is positive, from the upper one where it is negative.
+/// Zero where nothing is proved.
+pub fn reduced_costs(program: &Reduced, x: &[f64], y: &[f64]) -> (f64, Vec<f64>) {
+    let Some(pair) = pair(program, x, y) else {
+        return (f64::NEG_INFINITY, vec![0.0; program.columns.len()]);
+    };
+    let gradient = pair.gradient();
+    let slope = |j: usize| {
+        let g = gradient.value[j].high;
+        let proved = g.abs() * (1.0 - 1e-9) - gradient.error(j);
+        if proved > 0.0 { proved.copysign(g) } else { 0.0 }
+    };
+    (pair.bound(&gradient), (0..program.columns.len()).map(slope).collect())
+}
+
+/// The pair of a claimed solution; nothing where it holds what is no number.
+fn pair<'a>(program: &'a Reduced, x: &[f64], y: &[f64]) -> Option<Pair<'a>> {
     if x.iter().chain(y).any(|v| !v.is_finite()) {
-        return f64::NEG_INFINITY;
+        return None;
     }
     let extended = |v: &f64| Extended::from(*v);
     let (x, y) = (x.iter().map(extended).collect(), clipped(program, y));
-    Pair { program, x, y: y.iter().map(extended).collect(), objective: true }.best_bound()
+    Some(Pair { program, x, y: y.iter().map(extended).collect(), objective: true })
 }
 
 /// Whether row multipliers prove that a reduced program has no feasible point.

@@ -27,6 +27,8 @@ type Weighted = (Lever, f64, Vec<(usize, f64)>);
 /// A factorised correction of some columns.
 pub(super) struct Correction {
     columns: Vec<usize>,
+    /// What each entry of the gradient is multiplied by.
+    units: Vec<f64>,
     levers: Vec<Weighted>,
     factor: Llt<f64>,
 }
@@ -45,19 +47,24 @@ impl Correction {
             effect.iter().for_each(|&(r, a)| effects[(r, l)] += weight * a);
         }
         let mut normal = &effects * effects.transpose();
-        let largest = (0..k).map(|r| normal[(r, r)]).fold(0.0, f64::max);
-        (0..k).for_each(|r| normal[(r, r)] += 1e-13 * largest);
+        // Each entry of the gradient in its own unit: curvatures may differ by many digits.
+        let unit = |r: usize| 1.0 / normal[(r, r)].max(f64::MIN_POSITIVE).sqrt();
+        let units: Vec<f64> = (0..k).map(unit).collect();
+        for c in 0..k {
+            (0..k).for_each(|r| normal[(r, c)] *= units[r] * units[c]);
+            normal[(c, c)] += 1e-13;
+        }
         let factor = normal.llt(faer::Side::Lower).ok()?;
-        Some(Correction { columns: columns.to_vec(), levers, factor })
+        Some(Correction { columns: columns.to_vec(), units, levers, factor })
     }
 
     /// Moves the pair; `false` where the step is not finite.
     pub(super) fn apply(&self, pair: &mut Pair<'_>, gradient: &Gradient) -> bool {
-        let target =
-            Mat::from_fn(self.columns.len(), 1, |r, _| -gradient.value[self.columns[r]].high);
-        let multiplier = self.factor.solve(&target);
+        let entry = |r: usize, _| -gradient.value[self.columns[r]].high * self.units[r];
+        let multiplier = self.factor.solve(&Mat::from_fn(self.columns.len(), 1, entry));
         for (lever, weight, effect) in &self.levers {
-            let along: f64 = effect.iter().map(|&(r, a)| a * multiplier[(r, 0)]).sum();
+            let along: f64 =
+                effect.iter().map(|&(r, a)| a * self.units[r] * multiplier[(r, 0)]).sum();
             let step = weight * weight * along;
             if !step.is_finite() {
                 return false;

@@ -1,7 +1,8 @@
 //! Continuous relaxations: solve, and prove what was solved.
 //!
-//! The trait [`Relaxation`] is all the search knows of an interior-point or simplex code;
-//! [`ClarabelRelaxation`] is the only implementation that names one. Whatever a backend claims is
+//! The trait [`Relaxation`] is all the search knows of an interior-point or simplex code.
+//! [`InteriorPoint`] is quick on the small sparse programs of a tree and gives up early;
+//! [`ClarabelRelaxation`] settles the rest, and is the only one that names a library. Whatever a backend claims is
 //! checked here: [`lower_bound`] recomputes a rigorous bound from the multipliers, and the
 //! infeasibility of a node is believed only when the same computation proves it.
 
@@ -12,7 +13,7 @@ mod extended;
 mod interior;
 mod polish;
 
-pub use bound::{lower_bound, proves_infeasible};
+pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
 pub use interior::InteriorPoint;
 pub use polish::polish;

@@ -8,9 +8,10 @@
 //!   unit of fraction, initialised by trying both children of a column (strong branching). A child
 //!   that the trial refutes is never queued.
 
-use super::node::Decision;
-use super::node_relaxation::Verdict;
+use super::node::{Decision, Known};
+use super::trial::{Trial, common};
 use super::worker::Worker;
+use crate::solver::BranchingRule;
 
 /// Trials of new columns per node.
 pub(super) const TRIALS: usize = 8;
@@ -28,20 +29,62 @@ pub(super) struct Pseudocosts {
     count: Vec<[u32; 2]>,
     /// Over all columns, by direction.
     total: [(f64, u32); 2],
+    /// What was learned and not yet told to others, where there are any.
+    fresh: Option<Vec<Lesson>>,
+}
+
+/// What one child taught about a column.
+#[derive(Debug, Clone, Copy)]
+struct Lesson {
+    column: usize,
+    side: usize,
+    gain: f64,
+}
+
+/// A child of a split: what it decides, and what a trial has found out about it.
+pub(super) struct Child {
+    pub(super) decisions: Vec<Decision>,
+    /// Proved bound.
+    pub(super) bound: f64,
+    pub(super) known: Option<Box<Known>>,
 }
 
 /// How a node is split.
-pub(super) enum Split {
-    /// Two children, the one to visit first in front.
-    Both([Decision; 2]),
-    /// One child: the other one is refuted or beyond the cutoff.
-    One(Decision),
-    /// A child a side of a disjunction, the one to visit first in front.
-    Sides(Vec<Vec<Decision>>),
-    /// No child: both are.
-    Nothing,
-    /// No integral column is left to split.
-    Impossible,
+pub(super) struct Split {
+    /// The child to visit first is in front. No child: all of the node is closed.
+    pub(super) children: Vec<Child>,
+    /// Whether anything that no child has is refuted or beyond the cutoff.
+    pub(super) closed: bool,
+}
+
+impl Split {
+    /// No child: all of the node is refuted or beyond the cutoff.
+    pub(super) fn nothing() -> Self {
+        Split { children: Vec::new(), closed: true }
+    }
+
+    fn both(decisions: [Decision; 2], bound: f64) -> Self {
+        let child = |d| Child { decisions: vec![d], bound, known: None };
+        Split { children: decisions.map(child).into(), closed: false }
+    }
+
+    /// Both sides of a value of a column, the one of the relaxed value in front.
+    pub(super) fn at(column: usize, value: f64, relaxed: f64, bound: f64) -> Self {
+        let down = Decision { column, is_upper: true, value };
+        let up = Decision { column, is_upper: false, value: value + 1.0 };
+        Split::both(if relaxed - value > 0.5 { [up, down] } else { [down, up] }, bound)
+    }
+
+    /// The same node, with what is now known of its bounds.
+    fn again(bound: f64) -> Self {
+        Split { children: vec![Child { decisions: Vec::new(), bound, known: None }], closed: true }
+    }
+}
+
+impl Child {
+    fn tried(decision: Decision, trial: Trial, bound: f64) -> Self {
+        Child { decisions: vec![decision], bound: trial.bound.max(bound), known: trial.known }
+    }
 }
 
 impl Pseudocosts {
@@ -50,18 +93,41 @@ impl Pseudocosts {
             sum: vec![[0.0; 2]; columns],
             count: vec![[0; 2]; columns],
             total: [(0.0, 0); 2],
+            fresh: None,
         }
     }
 
     /// Learns from a child: `gain` of the bound after moving a column by `fraction`.
     pub(super) fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
         if gain.is_finite() && fraction > 1e-6 {
-            let (side, gain) = (usize::from(up), gain.max(0.0) / fraction);
-            self.sum[column][side] += gain;
-            self.count[column][side] += 1;
-            self.total[side].0 += gain;
-            self.total[side].1 += 1;
+            let lesson = Lesson { column, side: usize::from(up), gain: gain.max(0.0) / fraction };
+            self.take_in(lesson);
+            self.fresh.iter_mut().for_each(|fresh| fresh.push(lesson));
         }
+    }
+
+    fn take_in(&mut self, Lesson { column, side, gain }: Lesson) {
+        self.sum[column][side] += gain;
+        self.count[column][side] += 1;
+        self.total[side].0 += gain;
+        self.total[side].1 += 1;
+    }
+
+    /// Keeps what is learned from here on, to tell it.
+    pub(super) fn record(&mut self) {
+        self.fresh = Some(Vec::new());
+    }
+
+    /// Tells what was learned since the last time.
+    pub(super) fn tell(&mut self, shared: &mut Pseudocosts) {
+        self.fresh.iter_mut().for_each(|fresh| fresh.drain(..).for_each(|l| shared.take_in(l)));
+    }
+
+    /// Knows from here on what all together learned.
+    pub(super) fn learn_all(&mut self, shared: &Pseudocosts) {
+        self.sum.copy_from_slice(&shared.sum);
+        self.count.copy_from_slice(&shared.count);
+        self.total = shared.total;
     }
 
     fn known(&self, column: usize) -> bool {
@@ -104,12 +170,37 @@ impl Worker<'_> {
         if open.iter().any(|&j| distance(j) > integrality) {
             open.retain(|&j| distance(j) > integrality);
         }
-        let late = |j: &usize| (program.step[*j].unwrap_or(*j), std::cmp::Reverse(*j));
-        let Some(&latest) = open.iter().max_by_key(|j| late(j)) else { return Split::Impossible };
-        if program.is_feasibility_problem() || bound == f64::NEG_INFINITY {
-            return Split::Both(self.split(latest, x[latest]));
+        if open.is_empty() {
+            return Split::again(bound);
         }
-        if let Some(split) = self.split_disjunction(x, bound) {
+        if let Some(split) = self.split_of_user(x, bound) {
+            return split;
+        }
+        let guide = self.task.guide;
+        if guide.has_priorities() {
+            let first = open.iter().map(|&j| guide.priority(j)).max().unwrap_or(0);
+            open.retain(|&j| guide.priority(j) == first);
+        }
+        let late = |j: &usize| (program.step[*j].unwrap_or(*j), std::cmp::Reverse(*j));
+        let Some(&latest) = open.iter().max_by_key(|j| late(j)) else {
+            return Split::again(bound);
+        };
+        if !guide.has_priorities()
+            && let Some(split) = self.split_window(x, bound)
+        {
+            return split;
+        }
+        let late_first = match self.task.options.branching {
+            BranchingRule::LatestFirst => true,
+            BranchingRule::Pseudocosts => false,
+            _ => program.is_feasibility_problem(),
+        };
+        if late_first || bound == f64::NEG_INFINITY {
+            return Split::both(self.split(latest, x[latest]), bound);
+        }
+        if !guide.has_priorities()
+            && let Some(split) = self.split_disjunction(x, bound)
+        {
             return split;
         }
         // By the expected gain, the most promising first; those that little is known about are tried.
@@ -119,64 +210,52 @@ impl Worker<'_> {
             let fractional = || distance(b.1).total_cmp(&distance(a.1));
             b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
         });
-        let (mut trials, mut idle) = (TRIALS, 0);
-        let mut best = (f64::NEG_INFINITY, latest);
+        let (mut trials, mut idle, mut fixed) = (TRIALS, 0, false);
+        let mut best: (f64, usize, Option<[Trial; 2]>) = (f64::NEG_INFINITY, latest, None);
         for (expected, j) in ranked {
-            let mut score = expected;
+            if self.domain.is_fixed(j) {
+                continue;
+            }
+            let (mut score, mut tried) = (expected, None);
             if trials > 0 && idle < PATIENCE && !self.pseudocosts.known(j) {
                 trials -= 1;
-                let [first, second] = self.split(j, x[j]);
-                let a = self.try_child(first, x[j], bound);
-                let b = self.try_child(second, x[j], bound);
-                match (a, b) {
-                    (None, None) => return Split::Nothing,
-                    (None, Some(_)) => return Split::One(second),
-                    (Some(_), None) => return Split::One(first),
-                    (Some(a), Some(b)) => score = a.max(LEAST_GAIN) * b.max(LEAST_GAIN),
+                // The far child is the likelier one to be closed; then its sibling is the node
+                // itself with a tighter bound, which may wait for more of them.
+                let [near, far] = self.split(j, x[j]);
+                let Some(b) = self.try_child(far, x[j], bound) else {
+                    if let Err(split) = self.note_facts(&[near]) {
+                        return split;
+                    }
+                    (fixed, idle) = (true, 0);
+                    continue;
+                };
+                let Some(a) = self.try_child(near, x[j], bound) else {
+                    return Split { children: vec![Child::tried(far, b, bound)], closed: true };
+                };
+                score = a.gain.max(LEAST_GAIN) * b.gain.max(LEAST_GAIN);
+                if let Err(split) = self.note_facts(&common(&a, &b)) {
+                    return split;
                 }
+                tried = Some([a, b]);
                 idle = if score > best.0 { 0 } else { idle + 1 };
             }
-            if score > best.0 {
-                best = (score, j);
+            if score > best.0 && !self.domain.is_fixed(j) {
+                best = (score, j, tried);
             }
         }
-        Split::Both(self.split(best.1, x[best.1]))
-    }
-
-    /// Solves a child on trial and learns from it: its gain, or nothing when it needs no visit.
-    pub(super) fn try_child(&mut self, decision: Decision, value: f64, bound: f64) -> Option<f64> {
-        let mark = self.domain.mark();
-        self.domain.apply(decision.column, decision.is_upper, decision.value);
-        let propagated = self.propagate_since(mark);
-        let verdict = match propagated.ok().and_then(|()| self.project_node()) {
-            Some(projection) => {
-                self.on_trial = true;
-                let verdict = self.relax(&projection.reduced, false);
-                self.on_trial = false;
-                verdict
+        let (_, j, tried) = best;
+        if fixed && (tried.is_none() || self.domain.is_fixed(j)) {
+            // The same node with tighter bounds.
+            return Split::again(bound);
+        }
+        let decisions = self.split(j, x[j]);
+        match tried {
+            None => Split::both(decisions, bound),
+            Some(trials) => {
+                let child = |(d, trial)| Child::tried(d, trial, bound);
+                let children = decisions.into_iter().zip(trials).map(child).collect();
+                Split { children, closed: fixed }
             }
-            None => Verdict::Refuted,
-        };
-        self.domain.undo_to(mark);
-        match verdict {
-            Verdict::Refuted => None,
-            Verdict::Relaxed { bound: child, .. } => {
-                let fraction = (value - decision.value).abs();
-                self.pseudocosts.learn(
-                    decision.column,
-                    !decision.is_upper,
-                    child - bound,
-                    fraction,
-                );
-                let gain = child - bound;
-                let child = self.tree.strengthen(child.min(self.cutoff));
-                if child >= self.tree.cutoff() {
-                    self.tree.close(child);
-                    return None;
-                }
-                Some(if gain.is_finite() { gain } else { 0.0 })
-            }
-            Verdict::Stopped | Verdict::Descent => Some(0.0),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use super::clock::Activity;
 use super::node::Decision;
 use super::worker::Worker;
 use crate::presolve::{Conflict, probe};
@@ -22,11 +23,14 @@ impl Worker<'_> {
             self.domain.apply(decision.column, decision.is_upper, decision.value);
         }
         let program = self.task.program;
+        let activity = self.clock.switch(Activity::Propagation);
         let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
+        self.clock.switch(Activity::Probing);
         if result.is_ok() && self.root_done {
             result = self.probe_node();
         }
         self.root_done = true;
+        self.clock.switch(activity);
         if result.is_ok() {
             self.path.extend_from_slice(fresh);
         } else {
@@ -53,6 +57,9 @@ impl Worker<'_> {
 
     /// Propagates what changed since a mark.
     pub(super) fn propagate_since(&mut self, mark: usize) -> Result<(), Conflict> {
-        self.propagator.propagate_since(self.task.program, &mut self.domain, mark)
+        let activity = self.clock.switch(Activity::Propagation);
+        let result = self.propagator.propagate_since(self.task.program, &mut self.domain, mark);
+        self.clock.switch(activity);
+        result
     }
 }

@@ -6,8 +6,11 @@
 //! and the child of side `s` excludes the sides before it. Sides are scored like columns, by
 //! pseudocosts of turning them on, initialised by trying them.
 
-use super::branching::{LEAST_GAIN, Split, TRIALS};
+use std::collections::BTreeMap;
+
+use super::branching::{Child, LEAST_GAIN, Split, TRIALS};
 use super::node::Decision;
+use super::trial::Trial;
 use super::worker::Worker;
 use crate::program::Program;
 
@@ -46,6 +49,7 @@ impl Worker<'_> {
         let nearest = |v: &Violated| x[v.sides[0]];
         violated.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)).then(a.sides.cmp(&b.sides)));
         let mut trials = TRIALS;
+        let mut tried = BTreeMap::new();
         for disjunction in &mut violated {
             if trials == 0 {
                 break;
@@ -54,16 +58,15 @@ impl Worker<'_> {
             for &j in &disjunction.sides {
                 if !self.pseudocosts.known_up(j) && trials > 0 {
                     trials -= 1;
-                    if self.try_child(on(j), x[j], bound).is_none() {
-                        continue;
-                    }
+                    let Some(trial) = self.try_child(on(j), x[j], bound) else { continue };
+                    tried.insert(j, trial);
                 }
                 left.push(j);
             }
             if left.len() < disjunction.sides.len() {
                 // Some sides are closed: that is as good as a split.
                 disjunction.sides = left;
-                return Some(self.sides(&disjunction.sides));
+                return Some(sides(&disjunction.sides, bound, tried, true));
             }
         }
         let average = self.average_gain(&violated);
@@ -73,7 +76,7 @@ impl Worker<'_> {
         let best = violated
             .iter()
             .max_by(|a, b| a.score.total_cmp(&b.score).then_with(|| b.sides.cmp(&a.sides)))?;
-        Some(self.sides(&best.sides))
+        Some(sides(&best.sides, bound, tried, false))
     }
 
     fn violated_disjunctions(&self, x: &[f64]) -> Vec<Violated> {
@@ -112,23 +115,24 @@ impl Worker<'_> {
             .sum();
         log / (sides.len() as f64) - (sides.len() as f64).ln()
     }
+}
 
-    /// The children of a disjunction's sides.
-    fn sides(&self, sides: &[usize]) -> Split {
-        match sides {
-            [] => Split::Nothing,
-            [only] => Split::One(on(*only)),
-            _ => {
-                let child = |k: usize| {
-                    let off = |&column: &usize| Decision { column, is_upper: true, value: 0.0 };
-                    let mut path: Vec<Decision> = sides[..k].iter().map(off).collect();
-                    path.push(on(sides[k]));
-                    path
-                };
-                Split::Sides((0..sides.len()).map(child).collect())
-            }
+/// The children of a disjunction's sides, with what their trials found out.
+fn sides(sides: &[usize], bound: f64, mut tried: BTreeMap<usize, Trial>, closed: bool) -> Split {
+    let child = |k: usize| {
+        let off = |&column: &usize| Decision { column, is_upper: true, value: 0.0 };
+        let mut decisions: Vec<Decision> = sides[..k].iter().map(off).collect();
+        decisions.push(on(sides[k]));
+        let Some(mut trial) = tried.remove(&sides[k]) else {
+            return Child { decisions, bound, known: None };
+        };
+        if let Some(known) = &mut trial.known {
+            // The trial did not exclude the sides before it; this one holds without them.
+            sides[..k].iter().for_each(|&j| known.point[j] = 0.0);
         }
-    }
+        Child { decisions, bound: trial.bound.max(bound), known: trial.known }
+    };
+    Split { children: (0..sides.len()).map(child).collect(), closed }
 }
 
 fn on(column: usize) -> Decision {

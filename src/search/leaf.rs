@@ -1,5 +1,6 @@
 //! Points from fixed integers: solve what is left, polish, verify, offer.
 
+use super::clock::Activity;
 use super::node_relaxation::Verdict;
 use super::worker::Worker;
 use crate::presolve::{Reduced, Reduction, reduce};
@@ -11,8 +12,7 @@ impl Worker<'_> {
     /// result. The domain is left as it was.
     pub(super) fn try_assignment(&mut self, point: &[f64]) {
         let mark = self.domain.mark();
-        let program = self.program();
-        for &j in &program.integers {
+        for &j in self.own_integers() {
             let value = point[j].round();
             self.domain.apply(j, false, value.max(self.domain.lower(j)));
             self.domain.apply(j, true, value.min(self.domain.upper(j)));
@@ -40,6 +40,13 @@ impl Worker<'_> {
 
     /// Polishes a leaf's point and offers it; `false` when the check refuses it.
     pub(super) fn offer_leaf(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
+        let activity = self.clock.switch(Activity::Verification);
+        let found = self.offer_verified(reduced, x);
+        self.clock.switch(activity);
+        found
+    }
+
+    fn offer_verified(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
         let mut polished = x.to_vec();
         polish(reduced, &mut polished);
         // Bounds are proved inside a radius only; a point outside must not be measured by them.
@@ -49,7 +56,7 @@ impl Worker<'_> {
             if candidate.iter().enumerate().any(far) {
                 continue;
             }
-            let mut point = reduced.lift(candidate);
+            let mut point = self.complete_point(reduced.lift(candidate));
             for &j in &self.program().integers {
                 point[j] = point[j].round();
             }

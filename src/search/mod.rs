@@ -1,7 +1,13 @@
 //! The tree search: best bound first, plunging, with every conclusion verified.
 //!
-//! * `node` - a node as a list of decisions, and the queue of open nodes
-//! * `tree` - what all workers share: queue, incumbent, bounds, limits
+//! * `node` - a node as shared bound changes, and the queue of open nodes
+//! * `tree` - what all workers share: queue, best points, bounds, limits
+//! * `best_points` - the incumbent and those after it
+//! * `desk` - what one worker sees of the tree
+//! * `live` - one thread, or several that exchange everything at once
+//! * `rounds` - the deterministic search, the same for any number of threads
+//! * `clock` - what the time is spent on
+//! * `seed`, `guess` - what an earlier solve hands over: boxes, and a point
 //! * `root` - what holds before the first split: propagation and probing
 //! * `cuts` - rows that cut the relaxed point of the root off
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
@@ -11,6 +17,11 @@
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
 //! * `disjunction` - splitting "one of these" into its sides
+//! * `guide` - priorities, splits and points that the user knows
+//! * `trial` - children on trial, and what they leave behind
+//! * `reduced_cost` - bounds of integers from multipliers
+//! * `windows` - splitting "nothing happens in these steps", `order` - which binaries are steps
+//! * `symmetry` - interchangeable columns in falling order
 //! * `purify` - whole values where the relaxed point leaves a choice
 //! * `rounding` - the round-and-propagate heuristic
 //! * `reporter` - progress events
@@ -19,31 +30,50 @@
 //! Nothing is pruned on an unverified relaxation, and no incumbent is accepted that the caller's
 //! check refuses.
 
+mod best_points;
 mod branching;
+mod clock;
 pub mod cuts;
 mod descend;
+mod desk;
 mod disjunction;
+mod guess;
+mod guide;
 mod leaf;
+mod live;
 mod node;
 mod node_relaxation;
+mod order;
 mod probing;
 mod purify;
+mod reduced_cost;
 mod reporter;
 mod root;
 mod rounding;
+mod rounds;
+mod seed;
+mod symmetry;
+mod trace;
 mod tree;
+mod trial;
 mod unbounded;
+mod windows;
 mod worker;
 
 use web_time::Instant;
 
 use crate::program::Program;
-use crate::solution::{Statistics, Termination};
-use crate::solver::{Control, Options};
-use reporter::Reporter;
+use crate::solution::{Point, Statistics, Termination};
+use crate::solver::{BranchingRule, Control, Options};
+pub use guess::GuessEnd;
+pub use guide::Guide;
+use node::Path;
+use reporter::Watch;
 use root::Root;
+pub use seed::{Seed, SeedBox, Seeded};
+use trace::span;
 use tree::Tree;
-use worker::Worker;
+pub use windows::Windows;
 
 /// A check of a full point against the model it came from; decides whether an incumbent is
 /// accepted.
@@ -56,6 +86,14 @@ pub struct Task<'a> {
     pub program: &'a Program,
     /// The check of incumbents.
     pub accept: &'a Accept<'a>,
+    /// The integers that tell two points apart.
+    pub key: &'a (dyn Fn(&[f64]) -> Vec<i64> + Sync),
+    /// The user's point that a point stands for.
+    pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
+    /// Windows of events, whose columns `program` has then; made by the search itself.
+    pub windows: Option<&'a Windows<'a>>,
+    /// What the user knows about the search.
+    pub guide: &'a Guide<'a>,
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
     /// When the solve began.
@@ -73,12 +111,36 @@ impl std::fmt::Debug for Task<'_> {
 pub struct Found {
     /// Why it stopped.
     pub termination: Termination,
-    /// The best accepted point.
-    pub incumbent: Option<Vec<f64>>,
+    /// The best accepted points, best first.
+    pub points: Vec<Vec<f64>>,
+    /// Whether these are proved to be the best ones.
+    pub pool_complete: bool,
     /// Proved lower bound; `+inf` when infeasible.
     pub bound: f64,
     /// Counts; the time is left to the caller.
     pub statistics: Statistics,
+    /// The ends of the tree, where they were wanted.
+    pub leaves: Vec<Closed>,
+    /// What became of a guess.
+    pub guess: Option<GuessEnd>,
+    /// What became of the boxes of a seed.
+    pub seeded: Option<Seeded>,
+}
+
+/// An end of the tree: refuted, cut off, solved, or still open.
+#[derive(Debug, Clone)]
+pub struct Closed {
+    /// Changes of bounds on the way from the root: column, whether it is the upper bound, value.
+    pub decisions: Vec<(usize, bool, f64)>,
+    /// The bound proved for it.
+    pub bound: f64,
+}
+
+impl Closed {
+    fn new(path: &Path, bound: f64) -> Self {
+        let decisions = path.backwards().map(|d| (d.column, d.is_upper, d.value)).collect();
+        Closed { decisions, bound }
+    }
 }
 
 impl Found {
@@ -86,35 +148,80 @@ impl Found {
     pub fn infeasible() -> Self {
         Found {
             termination: Termination::Infeasible,
-            incumbent: None,
+            points: Vec::new(),
+            pool_complete: true,
             bound: f64::INFINITY,
             statistics: Statistics::default(),
+            leaves: Vec::new(),
+            guess: None,
+            seeded: None,
         }
     }
 }
 
-/// Searches the tree of a program.
-pub fn search(task: Task<'_>, control: &mut Control<'_>) -> Found {
-    let tree = Tree::new(task, control.interrupt().clone());
-    let root = Root::new(task.program, &tree);
-    let mut reporter = Reporter::new();
-    run(task, &tree, &root, (&mut reporter, control));
+/// Searches the tree of a program, from a seed where there is one.
+pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+    span!(
+        INFO,
+        "search",
+        rows = task.program.row_count(),
+        columns = task.program.column_count(),
+        integers = task.program.integers.len()
+    );
+    let rounds = task.options.deterministic;
+    let workers = if rounds { rounds::WORKERS } else { task.options.threads };
+    let interrupt = control.interrupt().linked();
+    let limit = task.options.time_limit;
+    let in_time = || limit.is_none_or(|limit| task.start.elapsed() < limit);
+    let go_on = || !interrupt.is_triggered() && in_time();
+    let ordered = ordered(task, seed);
+    let task = Task { program: ordered.as_ref().unwrap_or(task.program), ..task };
+    let mut root = Root::new(task.program, &go_on);
+    let windows = windows(task, &root);
+    let task = Task {
+        program: windows.as_ref().map_or(task.program, Windows::program),
+        windows: windows.as_ref(),
+        ..task
+    };
+    root.extend(task.program);
+    let tree = Tree::new(task, interrupt, seed, workers);
+    let mut watch = Watch::new(control);
+    if rounds {
+        rounds::run(task, &tree, &root, &mut watch);
+    } else {
+        live::run(task, &tree, &root, &mut watch);
+    }
     // What other threads found while the caller's had nothing to do.
-    reporter.report(&tree, control);
+    watch.report(&tree);
     tree.into_found()
 }
 
-#[cfg(not(target_family = "wasm"))]
-fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, watch: (&mut Reporter, &mut Control<'_>)) {
-    std::thread::scope(|scope| {
-        for id in 1..task.options.threads {
-            scope.spawn(move || Worker::new(task, tree, root, id).run(None));
-        }
-        Worker::new(task, tree, root, 0).run(Some(watch));
-    });
+/// The program with its interchangeable columns in falling order, where it has any. Not where points
+/// are told apart by their integers, or come from elsewhere: they would have to be sorted.
+fn ordered(task: Task<'_>, seed: Option<&Seed>) -> Option<Program> {
+    let options = task.options;
+    let plain = options.pool <= 1 && !options.keep_leaves && seed.is_none();
+    if !options.symmetry || !plain || task.windows.is_some() || task.guide.steers() {
+        return None;
+    }
+    let orderings = symmetry::orderings(task.program);
+    let row = |(a, b)| (vec![(a, 1.0), (b, -1.0)], [0.0, f64::INFINITY]);
+    let rows: Vec<_> = orderings.into_iter().map(row).collect();
+    let mut program = task.program.clone();
+    (!rows.is_empty()).then(|| program.append(&[], &rows))??;
+    Some(program)
 }
 
-#[cfg(target_family = "wasm")]
-fn run(task: Task<'_>, tree: &Tree<'_>, root: &Root, watch: (&mut Reporter, &mut Control<'_>)) {
-    Worker::new(task, tree, root, 0).run(Some(watch));
+/// The windows of events that the options ask for, where the program has any. Kept leaves are about
+/// the program's own columns, so there are none then.
+fn windows<'a>(task: Task<'a>, root: &Root) -> Option<Windows<'a>> {
+    let wanted = match task.options.branching {
+        BranchingRule::EventWindows => true,
+        BranchingRule::Automatic => task.program.is_feasibility_problem(),
+        _ => false,
+    };
+    if !wanted || task.options.keep_leaves || task.windows.is_some() || root.conflict.is_some() {
+        return None;
+    }
+    Windows::new(task.program, &root.domain, &order::in_time(task.program)?)
 }

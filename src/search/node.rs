@@ -1,7 +1,13 @@
-//! Nodes and the queue of open ones.
+//! Nodes as compact bound changes, and the queue of open ones.
+//!
+//! A node is its last decision and a shared pointer to those before it. Siblings share their
+//! ancestors, so an open node costs its entry in the queue and at most a few steps of its own,
+//! however deep it is; steps go when the last node below them goes.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 
 /// One bound change by branching.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,15 +17,112 @@ pub(super) struct Decision {
     pub(super) value: f64,
 }
 
+/// Counts the steps of a tree that are alive.
+pub(super) type StepCount = Arc<AtomicUsize>;
+
+/// A decision, and those before it.
+#[derive(Debug)]
+struct Step {
+    parent: Option<Arc<Step>>,
+    value: f64,
+    /// Twice the column, plus one for an upper bound.
+    bound: u32,
+    depth: u32,
+    count: StepCount,
+}
+
+impl Drop for Step {
+    fn drop(&mut self) {
+        self.count.fetch_sub(1, Memory::Relaxed);
+        // Not by recursion: a path may be longer than a stack.
+        let mut next = self.parent.take();
+        while let Some(mut step) = next.and_then(Arc::into_inner) {
+            next = step.parent.take();
+        }
+    }
+}
+
+/// The decisions from the root to a node.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Path {
+    last: Option<Arc<Step>>,
+}
+
+impl Path {
+    /// Bytes of a step, with the two counts of its pointer.
+    pub(super) const STEP_BYTES: usize = size_of::<Step>() + 2 * size_of::<usize>();
+
+    /// This path and a decision more.
+    pub(super) fn then(&self, decision: &Decision, count: &StepCount) -> Self {
+        count.fetch_add(1, Memory::Relaxed);
+        let step = Step {
+            parent: self.last.clone(),
+            value: decision.value,
+            bound: 2 * decision.column as u32 + u32::from(decision.is_upper),
+            depth: self.len() as u32 + 1,
+            count: count.clone(),
+        };
+        Path { last: Some(Arc::new(step)) }
+    }
+
+    /// Number of decisions.
+    pub(super) fn len(&self) -> usize {
+        self.last.as_ref().map_or(0, |step| step.depth as usize)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.last.is_none()
+    }
+
+    /// The decisions, the last one first.
+    pub(super) fn backwards(&self) -> impl Iterator<Item = Decision> + '_ {
+        let steps = std::iter::successors(self.last.as_deref(), |step| step.parent.as_deref());
+        steps.map(|step| Decision {
+            column: step.bound as usize / 2,
+            is_upper: step.bound % 2 == 1,
+            value: step.value,
+        })
+    }
+
+    /// The last decision.
+    pub(super) fn last(&self) -> Option<Decision> {
+        self.backwards().next()
+    }
+
+    /// Writes the decisions in their order into a buffer.
+    pub(super) fn write_to(&self, buffer: &mut Vec<Decision>) {
+        buffer.clear();
+        buffer.extend(self.backwards());
+        buffer.reverse();
+    }
+}
+
+/// What is known of a node's relaxation before it is visited.
+#[derive(Debug, Clone)]
+pub(super) struct Known {
+    /// The relaxed point, over all columns.
+    pub(super) point: Vec<f64>,
+}
+
 /// An open node: the decisions from the root, and a proved bound on its subtree.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
-    pub(super) path: Vec<Decision>,
+    pub(super) path: Path,
     pub(super) bound: f64,
     /// How far the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
+    /// The relaxation of a trial, where there was one.
+    pub(super) known: Option<Box<Known>>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
     pub(super) serial: u64,
+}
+
+impl Node {
+    /// The root of a tree.
+    pub(super) fn root() -> Self {
+        let (path, bound) = (Path::default(), f64::NEG_INFINITY);
+        Node { path, bound, fraction: 0.0, known: None, serial: 0 }
+    }
 }
 
 impl PartialEq for Node {
@@ -69,5 +172,71 @@ impl NodeQueue {
     /// The smallest bound of an open node; `+inf` when there is none.
     pub(super) fn best_bound(&self) -> f64 {
         self.heap.peek().map_or(f64::INFINITY, |node| node.bound)
+    }
+
+    /// All open nodes, in no order.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Node> {
+        self.heap.iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decision(column: usize) -> Decision {
+        Decision { column, is_upper: column.is_multiple_of(2), value: column as f64 }
+    }
+
+    #[test]
+    fn siblings_share_their_ancestors() {
+        let count = StepCount::default();
+        let mut path = Path::default();
+        for column in 0..1000 {
+            path = path.then(&decision(column), &count);
+        }
+        let siblings = [path.then(&decision(1000), &count), path.then(&decision(1001), &count)];
+        drop(path);
+        assert_eq!(count.load(Memory::Relaxed), 1002);
+        let mut decisions = Vec::new();
+        siblings[1].write_to(&mut decisions);
+        assert_eq!(decisions.len(), siblings[1].len());
+        assert!(decisions[..1000].iter().enumerate().all(|(k, d)| *d == decision(k)));
+        assert_eq!(decisions[1000], decision(1001));
+        drop(siblings);
+        assert_eq!(count.load(Memory::Relaxed), 0);
+    }
+
+    #[test]
+    fn long_paths_go_without_recursion() {
+        let count = StepCount::default();
+        let mut path = Path::default();
+        for column in 0..1_000_000 {
+            path = path.then(&decision(column), &count);
+        }
+        drop(path);
+        assert_eq!(count.load(Memory::Relaxed), 0);
+    }
+
+    #[test]
+    fn the_best_bound_comes_first_then_depth_then_youth() {
+        let count = StepCount::default();
+        let deep = Path::default().then(&decision(0), &count);
+        let node = |path: &Path, bound: f64, serial| Node {
+            path: path.clone(),
+            bound,
+            fraction: 0.0,
+            known: None,
+            serial,
+        };
+        let mut queue = NodeQueue::default();
+        for (path, bound, serial) in
+            [(&deep, 2.0, 1), (&Path::default(), 1.0, 2), (&deep, 1.0, 3), (&deep, 1.0, 4)]
+        {
+            queue.push(node(path, bound, serial));
+        }
+        assert_eq!(queue.best_bound(), 1.0);
+        let order: Vec<u64> = std::iter::from_fn(|| queue.pop()).map(|node| node.serial).collect();
+        assert_eq!(order, [4, 3, 2, 1]);
     }
 }

@@ -2,14 +2,16 @@
 //! enough.
 
 use super::unbounded::{is_descent_ray, recession_program};
+use super::windows::Windows;
 use super::worker::Worker;
 use super::{Found, Task, search};
 
+use super::clock::Activity;
 use super::node::Node;
 use crate::presolve::{Projection, Reduced, Reduction, project, reduce, tighten_coefficients};
 use crate::relaxation::{Claim, Effort, Relaxation, lower_bound, polish, proves_infeasible};
 use crate::solution::Termination;
-use crate::solver::Control;
+use crate::solver::{BranchingRule, Control};
 use crate::tolerance;
 
 /// The attempt at a child on trial: iterations, tolerance, refinements. Its bound is a proved one
@@ -43,26 +45,44 @@ pub(super) enum Verdict {
     Stopped,
     /// The objective falls without limit along a verified direction.
     Descent,
-    /// A proved bound and a point, not necessarily optimal.
-    Relaxed { bound: f64, x: Vec<f64> },
+    /// A proved bound and a point, not necessarily optimal; `settled` when the two are close
+    /// together. `y` are the multipliers behind the bound, empty where there are none.
+    Relaxed { bound: f64, x: Vec<f64>, y: Vec<f64>, settled: bool },
 }
 
 impl Worker<'_> {
     /// What is to be relaxed at the node of the domain; nothing when it is refuted.
-    pub(super) fn project_node(&self) -> Option<Projection> {
-        let Reduction::Reduced(mut reduced) = reduce(self.task.program, &self.domain) else {
-            return None;
+    pub(super) fn project_node(&mut self) -> Option<Projection> {
+        let activity = self.clock.switch(Activity::Reduction);
+        let program = self.task.windows.map_or(self.task.program, Windows::base);
+        let projection = match reduce(program, &self.domain) {
+            Reduction::Reduced(mut reduced) => {
+                let integral = &self.task.program.integral;
+                if let Some(windows) = self.task.windows {
+                    windows.add_rows(&self.domain, &mut reduced);
+                }
+                tighten_coefficients(&mut reduced, integral);
+                Some(project(*reduced, integral))
+            }
+            Reduction::Infeasible => None,
         };
-        let integral = &self.task.program.integral;
-        tighten_coefficients(&mut reduced, integral);
-        Some(project(*reduced, integral))
+        self.clock.switch(activity);
+        projection
     }
 
     /// Solves a reduced program and verifies the answer, trying harder where it is not good
     /// enough. A leaf's point may become the answer, so there the gap asked for counts.
     pub(super) fn relax(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
+        let activity = self.clock.switch(Activity::Proof);
+        let verdict = self.solve_and_verify(reduced, look_for_descent);
+        self.clock.switch(activity);
+        verdict
+    }
+
+    fn solve_and_verify(&mut self, reduced: &Reduced, look_for_descent: bool) -> Verdict {
         if reduced.columns.is_empty() {
-            return Verdict::Relaxed { bound: reduced.offset, x: Vec::new() };
+            let (bound, x, y) = (reduced.offset, Vec::new(), Vec::new());
+            return Verdict::Relaxed { bound, x, y, settled: true };
         }
         let feasibility_problem = reduced.is_feasibility_problem();
         let options = self.task.options;
@@ -74,6 +94,7 @@ impl Worker<'_> {
         };
         let (mut settled, mut nearest) = (false, f64::INFINITY);
         let mut best = (f64::NEG_INFINITY, vec![0.0; reduced.columns.len()]);
+        let mut multipliers = Vec::new();
         // The backend's gap is relative to an objective without the constant, which may be large.
         let attempts = match (self.on_trial, leaf) {
             (true, _) => &TRIAL[..],
@@ -91,10 +112,12 @@ impl Worker<'_> {
                 time: self.tree.time_left(),
                 interrupt: self.tree.interrupt().clone(),
             };
+            let activity = self.clock.switch(Activity::Relaxation);
             let answer = match method {
                 Method::InteriorPoint => self.interior.solve(reduced, &effort),
                 Method::Clarabel => self.relaxation.solve(reduced, &effort),
             };
+            self.clock.switch(activity);
             self.tree.count(|s| {
                 s.relaxations += 1;
                 s.iterations += answer.iterations;
@@ -122,9 +145,12 @@ impl Worker<'_> {
                     let value = reduced.objective(&answer.x);
                     let solved = answer.claim == Claim::Solved;
                     let answer_size = answer.x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-                    best.0 = bound.max(best.0);
+                    if bound >= best.0 {
+                        (best.0, multipliers) = (bound, answer.y);
+                    }
                     if bound >= cutoff {
-                        return Verdict::Relaxed { bound, x: answer.x };
+                        let (x, y) = (answer.x, multipliers);
+                        return Verdict::Relaxed { bound, x, y, settled: false };
                     }
                     if answer.claim == Claim::Beyond && cutoff.is_finite() {
                         // What the backend promised does not hold: the same again, to the end.
@@ -137,7 +163,7 @@ impl Worker<'_> {
                         (nearest, best.1) = (distance, answer.x);
                     }
                     let near = answer_size <= tolerance::FREE_RADIUS;
-                    settled = near && value - bound <= 1e-6 * value.abs().max(1.0);
+                    settled = near && value - bound <= self.slack() * value.abs().max(1.0);
                     if solved && value - bound <= close(value) {
                         break;
                     }
@@ -149,7 +175,12 @@ impl Worker<'_> {
         if look_for_descent && !settled && self.falls_forever(reduced) {
             return Verdict::Descent;
         }
-        Verdict::Relaxed { bound: best.0, x: best.1 }
+        Verdict::Relaxed { bound: best.0, x: best.1, y: multipliers, settled }
+    }
+
+    /// Distance of a value from its bound, relative, up to which a relaxation counts as settled.
+    fn slack(&self) -> f64 {
+        if self.on_trial { 1e-3 } else { 1e-6 }
     }
 
     /// Looks for a direction of descent without end where the backend named none.
@@ -163,7 +194,9 @@ impl Worker<'_> {
             time: self.tree.time_left(),
             interrupt: self.tree.interrupt().clone(),
         };
+        let activity = self.clock.switch(Activity::Relaxation);
         let mut answer = self.relaxation.solve(&directions, &effort);
+        self.clock.switch(activity);
         self.tree.count(|s| {
             s.relaxations += 1;
             s.iterations += answer.iterations;
@@ -176,15 +209,14 @@ impl Worker<'_> {
     pub(super) fn settle_descent(&mut self, node: Node) {
         let mut flat = self.task.program.clone();
         flat.make_feasibility_problem();
-        let options = self.task.options.clone().with_threads(1);
-        let task = Task { program: &flat, options: &options, ..self.task };
+        let mut options = self.task.options.nested();
+        options.branching = BranchingRule::LatestFirst;
+        let task = Task { program: &flat, windows: None, options: &options, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
-        let Found { termination, incumbent, statistics, .. } = search(task, &mut control);
-        self.tree.count(|s| {
-            s.nodes += statistics.nodes;
-            s.relaxations += statistics.relaxations;
-            s.iterations += statistics.iterations;
-        });
+        let Found { termination, points, statistics, .. } = search(task, &mut control, None);
+        let incumbent = points.into_iter().next();
+        self.clock.restart();
+        self.tree.count(|s| s.add(&statistics));
         match (termination, incumbent) {
             (Termination::Infeasible, _) => {}
             (_, Some(point)) => {
@@ -192,7 +224,7 @@ impl Worker<'_> {
                 self.tree.offer(value, point);
                 self.tree.stop(Termination::Unbounded);
             }
-            (reason, None) if reason.is_limit() => self.tree.give_back(self.id, node, reason),
+            (reason, None) if reason.is_limit() => self.tree.give_back(node, reason),
             _ => self.tree.stall(f64::NEG_INFINITY),
         }
     }

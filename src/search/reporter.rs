@@ -3,25 +3,40 @@
 use web_time::{Duration, Instant};
 
 use super::tree::Tree;
-use crate::solver::{Control, Event};
+use crate::solution::Termination;
+use crate::solver::{Control, Event, Incumbent};
 
 /// Decides when to send events.
-pub(super) struct Reporter {
+pub(super) struct Watch<'w, 'c> {
+    control: &'w mut Control<'c>,
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
 }
 
-impl Reporter {
-    pub(super) fn new() -> Self {
-        Reporter { root_done: false, incumbent: None, last: Instant::now() }
+impl<'w, 'c> Watch<'w, 'c> {
+    pub(super) fn new(control: &'w mut Control<'c>) -> Self {
+        Watch { control, root_done: false, incumbent: None, last: Instant::now() }
     }
 
-    pub(super) fn report(&mut self, tree: &Tree<'_>, control: &mut Control<'_>) {
+    pub(super) fn report(&mut self, tree: &Tree<'_>) {
         let progress = tree.progress();
+        let control = &mut *self.control;
         if !self.root_done && progress.nodes > 0 {
             self.root_done = true;
             control.report(&Event::Root(progress));
+        }
+        for accepted in tree.take_news() {
+            if !control.watches_incumbents() {
+                continue;
+            }
+            let Some(point) = (tree.task.describe)(&accepted.point) else { continue };
+            let objective = tree.task.program.sign * accepted.value;
+            let incumbent = Incumbent::new(&point, objective, accepted.found_by, progress);
+            if control.report_incumbent(&incumbent).is_break() {
+                tree.interrupt().trigger();
+                tree.stop(Termination::Interrupted);
+            }
         }
         if progress.incumbent != self.incumbent {
             self.incumbent = progress.incumbent;

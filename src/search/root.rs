@@ -2,7 +2,6 @@
 
 use super::disjunction::covers;
 use super::purify::groups;
-use super::tree::Tree;
 use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
 use crate::program::Program;
 
@@ -21,24 +20,40 @@ pub(super) struct Root {
 }
 
 impl Root {
-    pub(super) fn new(program: &Program, tree: &Tree<'_>) -> Self {
+    /// `go_on` is asked before every trial of probing.
+    pub(super) fn new(program: &Program, go_on: &dyn Fn() -> bool) -> Self {
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);
         let order = late_first(program);
-        let go_on = || tree.limit_reached().is_none();
         let conflict = propagator
             .propagate_all(program, &mut domain)
-            .and_then(|()| {
-                probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, &go_on)
-            })
+            .and_then(|()| probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, go_on))
             .and_then(|()| {
                 let (domain, trials) = (&mut domain, ROOT_TRIALS);
-                Implications::probe(program, domain, &mut propagator, &order, trials, &go_on)
+                Implications::probe(program, domain, &mut propagator, &order, trials, go_on)
             })
             .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covers(program), groups(program));
         Root { covers, groups, domain, propagator, conflict }
+    }
+
+    /// Carries the root over to a program with further columns.
+    pub(super) fn extend(&mut self, program: &Program) {
+        let old = self.domain.column_count();
+        if old == program.column_count() || self.conflict.is_some() {
+            return;
+        }
+        let mut domain = Domain::new(program);
+        for j in 0..old {
+            let [lower, upper] = self.domain.bounds(j);
+            domain.apply(j, false, lower);
+            domain.apply(j, true, upper);
+        }
+        let mut propagator = Propagator::new(program);
+        propagator.set_implications(self.propagator.implications().clone());
+        self.conflict = propagator.propagate_all(program, &mut domain).err();
+        (self.domain, self.propagator) = (domain, propagator);
     }
 }
 

@@ -10,7 +10,7 @@ impl Worker<'_> {
     /// Tries to turn a relaxed point into a feasible one. The domain is left as it was.
     pub(super) fn round_and_propagate(&mut self, point: &[f64]) {
         let mark = self.domain.mark();
-        let mut order: Vec<usize> = self.program().integers.clone();
+        let mut order: Vec<usize> = self.own_integers().to_vec();
         let distance = |j: usize| (point[j] - point[j].round()).abs();
         order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
         let complete = order.into_iter().all(|j| self.fix_rounded(j, point[j]));
@@ -22,7 +22,7 @@ impl Worker<'_> {
     }
 
     /// Fixes one integer near `value`; `false` when both sides contradict the domain.
-    fn fix_rounded(&mut self, j: usize, value: f64) -> bool {
+    pub(super) fn fix_rounded(&mut self, j: usize, value: f64) -> bool {
         if self.domain.is_fixed(j) {
             return true;
         }

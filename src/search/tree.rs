@@ -1,61 +1,116 @@
-//! What all workers share: open nodes, incumbent, bounds, limits.
+//! What all workers share: open nodes, best points, bounds, limits.
 
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use web_time::Duration;
 
-use super::node::{Node, NodeQueue};
-use super::{Found, Task};
+use super::best_points::{Accepted, BestPoints};
+use super::branching::Pseudocosts;
+use super::guess::GuessEnd;
+use super::node::{Node, NodeQueue, Path, StepCount};
+use super::seed::{Seed, Seeded};
+use super::trace::event;
+use super::{Closed, Found, Task};
 use crate::program::Program;
-use crate::solution::{Statistics, Termination};
+use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::{Interrupt, Progress};
 
 /// The shared state of one search.
 pub(super) struct Tree<'a> {
-    task: Task<'a>,
+    pub(super) task: Task<'a>,
+    pub(super) seed: Option<&'a Seed>,
     interrupt: Interrupt,
     /// Smallest possible difference of two objective values; 0 when unknown.
     granularity: f64,
-    state: Mutex<State>,
-    wake: Condvar,
+    pub(super) state: Mutex<State>,
+    pub(super) wake: Condvar,
+    /// Workers that wait for a node.
+    pub(super) idle: AtomicUsize,
+    /// The cutoff, as bits: read far more often than it changes.
+    cutoff: AtomicU64,
+    pub(super) serial: AtomicU64,
+    /// Nodes that wait: in the queue and at the workers' own.
+    pub(super) open: AtomicUsize,
+    pub(super) steps: StepCount,
+    /// What all workers learned about columns.
+    pub(super) pseudocosts: Mutex<Pseudocosts>,
 }
 
-struct State {
-    queue: NodeQueue,
-    serial: u64,
-    /// Bounds of the nodes that workers are busy with, by worker.
-    busy: Vec<Option<f64>>,
-    incumbent: Option<(f64, Vec<f64>)>,
+pub(super) struct State {
+    pub(super) queue: NodeQueue,
+    /// Smallest bound of what a worker has at hand, by worker.
+    pub(super) floors: Vec<Option<f64>>,
+    points: BestPoints,
+    /// Incumbents that were not reported yet.
+    news: Vec<Accepted>,
     /// Smallest bound of anything closed without proof of infeasibility: pruned by the gap, or
     /// solved as a leaf.
     closed: f64,
     /// Smallest bound of a subtree that could be neither finished nor split.
     stalled: f64,
-    stop: Option<Termination>,
+    pub(super) stop: Option<Termination>,
+    /// Nodes that were handed to workers.
+    pub(super) started: u64,
     statistics: Statistics,
+    /// Ends of the tree, where they are wanted.
+    leaves: Vec<(Path, f64)>,
+    pub(super) guess: Option<GuessEnd>,
+    pub(super) seeded: Option<Seeded>,
+}
+
+/// What a worker found since it last handed over.
+#[derive(Default)]
+pub(super) struct Share {
+    pub(super) statistics: Statistics,
+    pub(super) closed: Option<f64>,
+    pub(super) stalled: Option<f64>,
+    pub(super) leaves: Vec<(Path, f64)>,
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(task: Task<'a>, interrupt: Interrupt) -> Self {
+    /// A tree for a number of workers.
+    pub(super) fn new(
+        task: Task<'a>,
+        interrupt: Interrupt,
+        seed: Option<&'a Seed>,
+        workers: usize,
+    ) -> Self {
         let mut queue = NodeQueue::default();
-        queue.push(Node { path: Vec::new(), bound: f64::NEG_INFINITY, fraction: 0.0, serial: 0 });
+        queue.push(Node::root());
         let state = State {
             queue,
-            serial: 1,
-            busy: vec![None; task.options.threads],
-            incumbent: None,
+            floors: vec![None; workers],
+            points: BestPoints::new(task.options),
+            news: Vec::new(),
             closed: f64::INFINITY,
             stalled: f64::INFINITY,
             stop: None,
+            started: 0,
             statistics: Statistics::default(),
+            leaves: Vec::new(),
+            guess: None,
+            seeded: None,
         };
-        let granularity = granularity(task.program);
-        Tree { task, interrupt, granularity, state: Mutex::new(state), wake: Condvar::new() }
+        Tree {
+            task,
+            seed,
+            interrupt,
+            granularity: granularity(task.program),
+            state: Mutex::new(state),
+            wake: Condvar::new(),
+            idle: AtomicUsize::new(0),
+            cutoff: AtomicU64::new(f64::INFINITY.to_bits()),
+            serial: AtomicU64::new(1),
+            open: AtomicUsize::new(1),
+            steps: StepCount::default(),
+            pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
+        }
     }
 
     /// A panic in another worker leaves consistent state behind: every change below is complete
     /// before the lock is released.
-    fn lock(&self) -> MutexGuard<'_, State> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -79,8 +134,7 @@ impl<'a> Tree<'a> {
 
     /// Ends the search.
     pub(super) fn stop(&self, reason: Termination) {
-        let mut state = self.lock();
-        state.stop.get_or_insert(reason);
+        self.lock().stop.get_or_insert(reason);
         self.wake.notify_all();
     }
 
@@ -94,134 +148,122 @@ impl<'a> Tree<'a> {
         bound.max(offset + steps * self.granularity)
     }
 
-    /// Nodes with at least this bound cannot improve the incumbent by more than the gap, or by
-    /// less than the objective can. A little inside either, so that a bound at the cutoff still
-    /// proves the gap.
+    /// Nodes with at least this bound cannot improve the best points by more than the gap, or by
+    /// less than the objective can.
     pub(super) fn cutoff(&self) -> f64 {
-        self.cutoff_of(&self.lock())
+        f64::from_bits(self.cutoff.load(Ordering::Acquire))
     }
 
-    fn cutoff_of(&self, state: &State) -> f64 {
-        match &state.incumbent {
-            None => f64::INFINITY,
-            Some((value, _)) => {
-                let options = self.task.options;
-                let gap = options.absolute_gap.max(options.relative_gap * value.abs());
-                value - (0.9 * gap).max(0.99 * self.granularity)
-            }
-        }
+    /// The cutoff once a value is to be beaten. A little inside the gap, so that a bound at the
+    /// cutoff still proves it.
+    pub(super) fn cutoff_at(&self, value: f64) -> f64 {
+        let options = self.task.options;
+        let gap = options.absolute_gap.max(options.relative_gap * value.abs());
+        value - (0.9 * gap).max(0.99 * self.granularity)
     }
 
-    /// Next node for a worker: waits while others may still produce some; `None` at the end.
-    pub(super) fn next(&self, worker: usize) -> Option<Node> {
-        let mut state = self.lock();
-        state.busy[worker] = None;
-        loop {
-            if !self.may_go_on(&mut state) {
-                self.wake.notify_all();
-                return None;
-            }
-            let cutoff = self.cutoff_of(&state);
-            match state.queue.pop() {
-                Some(node) if node.bound >= cutoff => state.closed = state.closed.min(node.bound),
-                Some(node) => {
-                    state.busy[worker] = Some(node.bound);
-                    return Some(node);
-                }
-                None if state.busy.iter().all(Option::is_none) => {
-                    self.wake.notify_all();
-                    return None;
-                }
-                None => {
-                    let wait = Duration::from_millis(5);
-                    let waited = self.wake.wait_timeout(state, wait);
-                    state = waited.unwrap_or_else(PoisonError::into_inner).0;
-                }
-            }
-        }
-    }
-
-    /// A worker goes on with a child of its node, unless the search has ended; then the child is
-    /// queued, so that the bound still counts it.
-    pub(super) fn continue_with(&self, worker: usize, node: Node) -> Option<Node> {
-        let mut state = self.lock();
-        if self.may_go_on(&mut state) {
-            state.busy[worker] = Some(node.bound);
-            return Some(node);
-        }
-        state.busy[worker] = None;
-        state.queue.push(node);
-        self.wake.notify_all();
-        None
-    }
-
-    /// A worker gives its node back unfinished and ends the search.
-    pub(super) fn give_back(&self, worker: usize, node: Node, reason: Termination) {
-        let mut state = self.lock();
-        state.busy[worker] = None;
-        state.queue.push(node);
-        state.stop.get_or_insert(reason);
-        self.wake.notify_all();
-    }
-
-    /// Whether neither a stop nor the node limit has been reached.
-    fn may_go_on(&self, state: &mut State) -> bool {
-        if self.task.options.node_limit.is_some_and(|limit| state.statistics.nodes >= limit) {
-            let work_left = state.queue.len() > 0 || state.busy.iter().any(Option::is_some);
-            if work_left {
-                state.stop.get_or_insert(Termination::NodeLimit);
-            }
+    /// Whether the search has not ended; notes the limit that ends it.
+    pub(super) fn may_go_on(&self, state: &mut State) -> bool {
+        let options = self.task.options;
+        let open = self.open.load(Ordering::Relaxed);
+        let bytes = self.bytes(state);
+        let counts = &mut state.statistics;
+        counts.max_open = counts.max_open.max(open as u64);
+        counts.tree_bytes = counts.tree_bytes.max(bytes);
+        if state.stop.is_none() && (open > 0 || state.floors.iter().any(Option::is_some)) {
+            let nodes = state.started.max(state.statistics.nodes);
+            state.stop = if let Some(reason) = self.limit_reached() {
+                Some(reason)
+            } else if options.node_limit.is_some_and(|limit| nodes >= limit) {
+                Some(Termination::NodeLimit)
+            } else if options.memory_limit.is_some_and(|limit| bytes >= limit) {
+                Some(Termination::MemoryLimit)
+            } else {
+                None
+            };
         }
         state.stop.is_none()
     }
 
-    pub(super) fn push(&self, mut node: Node) {
-        let mut state = self.lock();
-        node.serial = state.serial;
-        state.serial += 1;
-        state.queue.push(node);
-        self.wake.notify_one();
+    /// Bytes of what grows with the search: open nodes, their shared decisions, kept leaves, best
+    /// points.
+    fn bytes(&self, state: &State) -> u64 {
+        let nodes = self.open.load(Ordering::Relaxed) * size_of::<Node>();
+        let steps = self.steps.load(Ordering::Relaxed) * Path::STEP_BYTES;
+        let leaves = state.leaves.len() * size_of::<(Path, f64)>();
+        (nodes + steps + leaves + state.points.bytes()) as u64
     }
 
-    /// Offers a verified point; `true` when it is the new incumbent.
-    pub(super) fn offer(&self, objective: f64, point: Vec<f64>) -> bool {
-        let mut state = self.lock();
-        let better = state.incumbent.as_ref().is_none_or(|(best, _)| objective < *best);
+    /// Whether memory is so short that depth goes before the best bound.
+    pub(super) fn is_short_of_memory(&self, state: &State) -> bool {
+        self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)
+    }
+
+    /// Takes in a verified point; `true` when it is the new incumbent.
+    pub(super) fn accept(&self, state: &mut State, accepted: Accepted) -> bool {
+        let found_by = accepted.found_by;
+        let news = accepted.clone();
+        let better = state.points.offer(accepted);
         if better {
-            state.incumbent = Some((objective, point));
+            event!(INFO, value = news.value, found_by = %found_by, "incumbent");
             state.statistics.incumbents += 1;
+            state.statistics.heuristics.of_mut(found_by).incumbents += 1;
+            state.news.push(news);
         }
+        let beaten = state.points.to_beat().map_or(f64::INFINITY, |value| self.cutoff_at(value));
+        // What the gap of the pool excludes is out even while the pool has room.
+        let cutoff = if state.points.wants_all() {
+            beaten.min(state.points.limit().next_up())
+        } else {
+            beaten
+        };
+        self.cutoff.store(cutoff.to_bits(), Ordering::Release);
         better
     }
 
-    /// Notes the bound of a subtree that is closed without being infeasible.
-    pub(super) fn close(&self, bound: f64) {
-        let mut state = self.lock();
-        state.closed = state.closed.min(bound);
+    /// Takes in what a worker found.
+    pub(super) fn take_in(&self, state: &mut State, share: Share) {
+        state.statistics.add(&share.statistics);
+        state.closed = state.closed.min(share.closed.unwrap_or(f64::INFINITY));
+        state.stalled = state.stalled.min(share.stalled.unwrap_or(f64::INFINITY));
+        state.leaves.extend(share.leaves);
     }
 
-    /// Notes the bound of a subtree that could be neither finished nor split.
-    pub(super) fn stall(&self, bound: f64) {
-        let mut state = self.lock();
-        state.stalled = state.stalled.min(bound);
+    /// Closes a node that is beyond the cutoff before anybody has looked at it.
+    pub(super) fn close_unseen(&self, state: &mut State, node: Node) {
+        self.open.fetch_sub(1, Ordering::Relaxed);
+        state.closed = state.closed.min(node.bound);
+        if self.task.options.keep_leaves {
+            state.leaves.push((node.path, node.bound));
+        }
     }
 
-    pub(super) fn count(&self, update: impl FnOnce(&mut Statistics)) {
-        update(&mut self.lock().statistics);
+    pub(super) fn count_thread(&self) {
+        self.lock().statistics.threads += 1;
+    }
+
+    /// Incumbents that were not reported yet.
+    pub(super) fn take_news(&self) -> Vec<Accepted> {
+        std::mem::take(&mut self.lock().news)
     }
 
     /// The figures for a progress event, in the model's own sense.
     pub(super) fn progress(&self) -> Progress {
         let state = self.lock();
         let sign = self.task.program.sign;
-        Progress::new(
-            state.statistics.nodes,
-            state.queue.len(),
-            state.statistics.relaxations,
-            state.incumbent.as_ref().map(|(value, _)| sign * value),
+        let counts = &state.statistics;
+        let incumbent = state.points.incumbent();
+        let mut progress = Progress::new(
+            counts.nodes,
+            self.open.load(Ordering::Relaxed),
+            counts.relaxations,
+            incumbent.map(|best| sign * best.value),
             sign * bound(&state),
             self.task.start.elapsed(),
-        )
+        );
+        progress.depth = counts.depth;
+        progress.found_by = incumbent.map(|best| best.found_by);
+        progress
     }
 
     /// The answer, once all workers are done.
@@ -230,33 +272,41 @@ impl<'a> Tree<'a> {
         let bound = bound(&state);
         let complete = state.queue.len() == 0 && state.stalled == f64::INFINITY;
         let options = self.task.options;
-        let within_gap = state.incumbent.as_ref().is_some_and(|(value, _)| {
+        let best = state.points.incumbent().map(|best| best.value);
+        let within_gap = best.is_some_and(|value| {
             value - bound <= options.absolute_gap.max(options.relative_gap * value.abs())
         });
         let termination = match state.stop {
             Some(Termination::Unbounded) => Termination::Unbounded,
             _ if within_gap => Termination::Optimal,
             Some(reason) => reason,
-            None if complete && state.incumbent.is_none() && bound == f64::INFINITY => {
-                Termination::Infeasible
-            }
+            None if complete && best.is_none() && bound == f64::INFINITY => Termination::Infeasible,
             None => Termination::Stalled,
         };
+        let unbounded = termination == Termination::Unbounded;
+        let mut leaves = state.leaves;
+        if options.keep_leaves {
+            leaves.extend(state.queue.iter().map(|node| (node.path.clone(), node.bound)));
+        }
         Found {
             termination,
-            incumbent: state.incumbent.map(|(_, point)| point),
-            bound: if termination == Termination::Unbounded { f64::NEG_INFINITY } else { bound },
+            bound: if unbounded { f64::NEG_INFINITY } else { bound },
+            pool_complete: complete && state.stop.is_none() && state.points.wants_all(),
+            points: state.points.into_points().into_iter().map(|best| best.point).collect(),
             statistics: state.statistics,
+            leaves: leaves.iter().map(|(path, bound)| Closed::new(path, *bound)).collect(),
+            guess: state.guess,
+            seeded: state.seeded,
         }
     }
 }
 
 /// The proved bound on the whole program.
 fn bound(state: &State) -> f64 {
-    let busy = state.busy.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let busy = state.floors.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let open = state.queue.best_bound().min(busy).min(state.stalled).min(state.closed);
     // Nothing better than the incumbent is left when every open bound is above it.
-    state.incumbent.as_ref().map_or(open, |(value, _)| open.min(*value))
+    state.points.incumbent().map_or(open, |best| open.min(best.value))
 }
 
 /// The smallest possible difference of two objective values: the common divisor of integer
@@ -278,4 +328,12 @@ fn granularity(program: &Program) -> f64 {
         divisor = a;
     }
     divisor as f64
+}
+
+impl Tree<'_> {
+    /// What makes points distinct: the integers of the user's model.
+    pub(super) fn accepted(&self, value: f64, point: Vec<f64>, found_by: Heuristic) -> Accepted {
+        let key = if self.task.options.pool > 1 { (self.task.key)(&point) } else { Vec::new() };
+        Accepted { value, key, point, found_by }
+    }
 }

@@ -5,12 +5,18 @@
 //! a point carries a [`Verification`] made from the *model*, not from the solver's rows: bounds,
 //! integrality, rows, and indicators, disjunctions, logic and functions as what they mean.
 
+mod leaves;
 mod point;
+mod pool;
+mod statistics;
 mod status;
 mod verification;
 
+pub use leaves::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
 pub use point::{Evaluate, Point};
-pub use status::{PrimalStatus, Statistics, Termination};
+pub use pool::{Pool, PoolPoint};
+pub use statistics::{Heuristic, HeuristicCount, Heuristics, Statistics, Times};
+pub use status::{PrimalStatus, Termination};
 pub(crate) use verification::for_reading;
 pub use verification::{Checked, Verification, Violation, ViolationKind};
 
@@ -32,6 +38,12 @@ pub struct Solution {
     verification: Option<Verification>,
     rounding: f64,
     statistics: Statistics,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pool: Pool,
+    #[cfg_attr(feature = "serde", serde(default))]
+    leaves: Vec<LeafBox>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    seed: Option<SeedReport>,
 }
 
 /// What a backend reports; [`Solution::new`] checks it against the model.
@@ -87,6 +99,7 @@ impl Solution {
         }
         let objective = point.as_ref().map(|p| p.value(model.objective())).transpose()?;
         let sense = model.sense();
+        let pool = Pool::of_best(point.as_ref(), objective, verification.as_ref());
         Ok(Solution {
             termination,
             point,
@@ -96,7 +109,66 @@ impl Solution {
             verification,
             rounding,
             statistics,
+            pool,
+            leaves: Vec::new(),
+            seed: None,
         })
+    }
+
+    /// Adds further points to the pool, each a full one, values in the order of the variables'
+    /// creation. Those that fail the model's verification are dropped, and so are worse ones with
+    /// the same integers.
+    ///
+    /// # Arguments
+    ///
+    /// * `complete`: whether the points are proved to be the best ones.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Backend`] when a number of values is not the number of variables.
+    pub fn with_pool(
+        mut self,
+        model: &Model,
+        points: impl IntoIterator<Item = Vec<f64>>,
+        complete: bool,
+        feasibility: f64,
+    ) -> Result<Self, Error> {
+        self.pool.complete = complete;
+        for values in points {
+            let point = Point::new(model, values)?;
+            self.pool.offer(model, point, feasibility)?;
+        }
+        Ok(self)
+    }
+
+    /// Notes the ends of the tree.
+    pub fn with_leaves(mut self, leaves: Vec<LeafBox>) -> Self {
+        self.leaves = leaves;
+        self
+    }
+
+    /// Notes what became of a seed.
+    pub fn with_seed_report(mut self, report: Option<SeedReport>) -> Self {
+        self.seed = report;
+        self
+    }
+
+    /// The best points found, with distinct values of the integer variables, best first: as many as
+    /// [`Options::pool`](crate::solver::Options::pool) asks for and there are. The first one is
+    /// [`point`](Self::point).
+    pub fn pool(&self) -> &Pool {
+        &self.pool
+    }
+
+    /// The ends of the tree, where
+    /// [`Options::keep_leaves`](crate::solver::Options::keep_leaves) asks for them.
+    pub fn leaves(&self) -> &[LeafBox] {
+        &self.leaves
+    }
+
+    /// What became of the seed of the solve, if it had one.
+    pub fn seed_report(&self) -> Option<&SeedReport> {
+        self.seed.as_ref()
     }
 
     /// Why the solver stopped.

@@ -1,7 +1,6 @@
-//! Statuses and statistics of a solve.
+//! Statuses of a solve.
 
 use std::fmt;
-use web_time::Duration;
 
 /// Why a solver stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -18,6 +17,8 @@ pub enum Termination {
     TimeLimit,
     /// The node limit was reached.
     NodeLimit,
+    /// The memory limit of the tree was reached.
+    MemoryLimit,
     /// The [`Interrupt`](crate::solver::Interrupt) was triggered.
     Interrupted,
     /// Some part of the search could be neither refuted nor finished for numerical reasons; bound
@@ -28,7 +29,8 @@ pub enum Termination {
 impl Termination {
     /// Whether the search stopped at a limit or an interrupt.
     pub fn is_limit(self) -> bool {
-        matches!(self, Termination::TimeLimit | Termination::NodeLimit | Termination::Interrupted)
+        use Termination::{Interrupted, MemoryLimit, NodeLimit, TimeLimit};
+        matches!(self, TimeLimit | NodeLimit | MemoryLimit | Interrupted)
     }
 }
 
@@ -40,6 +42,7 @@ impl fmt::Display for Termination {
             Termination::Unbounded => "unbounded",
             Termination::TimeLimit => "time limit",
             Termination::NodeLimit => "node limit",
+            Termination::MemoryLimit => "memory limit",
             Termination::Interrupted => "interrupted",
             Termination::Stalled => "stalled",
         })
@@ -55,23 +58,4 @@ pub enum PrimalStatus {
     None,
     /// A verified feasible point.
     Feasible,
-}
-
-/// Counts and time of a solve.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Statistics {
-    /// Nodes of the tree that were processed, the root included.
-    pub nodes: u64,
-    /// Continuous relaxations solved, those of heuristics and checks included.
-    pub relaxations: u64,
-    /// Interior-point iterations over all relaxations.
-    pub iterations: u64,
-    /// Nodes refuted by bound propagation alone.
-    pub refuted_by_propagation: u64,
-    /// Improving points that were found, verified and accepted.
-    pub incumbents: u64,
-    /// Wall-clock time of the solve.
-    pub time: Duration,
 }

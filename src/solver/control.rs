@@ -1,10 +1,13 @@
 //! How a solve is watched and stopped.
 
 use std::fmt;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::progress::Event;
+use super::guidance::Guidance;
+use super::progress::{Event, Incumbent};
+use super::seed::TreeSeed;
 
 /// A handle that stops a running solve from another thread or from a progress callback.
 ///
@@ -12,6 +15,8 @@ use super::progress::Event;
 #[derive(Debug, Clone, Default)]
 pub struct Interrupt {
     flag: Arc<AtomicBool>,
+    /// The flag of the handle that this one also listens to.
+    outer: Option<Arc<AtomicBool>>,
 }
 
 impl Interrupt {
@@ -27,7 +32,15 @@ impl Interrupt {
 
     /// Whether it was triggered.
     pub fn is_triggered(&self) -> bool {
-        self.flag.load(Ordering::Relaxed)
+        let set = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
+        set(&self.flag) || self.outer.as_ref().is_some_and(set)
+    }
+
+    /// A handle of its own that is also triggered when this one is.
+    pub(crate) fn linked(&self) -> Interrupt {
+        let listen = self.outer.as_ref().filter(|flag| flag.load(Ordering::Relaxed));
+        let outer = Some(listen.unwrap_or(&self.flag).clone());
+        Interrupt { flag: Arc::default(), outer }
     }
 
     /// Makes the handle usable for the next solve.
@@ -58,13 +71,58 @@ impl Interrupt {
 #[must_use]
 pub struct Control<'a> {
     progress: Option<&'a mut dyn FnMut(&Event)>,
+    incumbent: Option<&'a mut OnIncumbent<'a>>,
+    seed: Option<&'a TreeSeed>,
+    guidance: Guidance<'a>,
     interrupt: Interrupt,
 }
+
+/// What is called with every new best point.
+pub type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;
 
 impl<'a> Control<'a> {
     /// Calls back on every [`Event`], on the thread that called the solver.
     pub fn with_progress(mut self, callback: &'a mut dyn FnMut(&Event)) -> Self {
         self.progress = Some(callback);
+        self
+    }
+
+    /// Calls back with every new best point, on the thread that called the solver. The search goes
+    /// on meanwhile where it has other threads. [`ControlFlow::Break`] ends it, as an interrupt does.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    /// use std::ops::ControlFlow;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.integer("x", 0.0, 10.0)?;
+    /// model.add("odd", (2.0 * x).within(3.0, 9.0))?;
+    /// model.maximize(x)?;
+    ///
+    /// let mut seen = Vec::new();
+    /// let mut note = |best: &Incumbent<'_>| {
+    ///     seen.extend(best.point.value(x));
+    ///     ControlFlow::Continue(())
+    /// };
+    /// let mut control = Control::default().with_incumbent(&mut note);
+    /// let solution = BranchAndBound::default().solve_with(&model, &mut control)?;
+    /// assert_eq!(seen.last().copied(), Some(solution.value(x)?));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn with_incumbent(mut self, callback: &'a mut OnIncumbent<'a>) -> Self {
+        self.incumbent = Some(callback);
+        self
+    }
+
+    /// Starts the search from what an earlier solve left: see [`TreeSeed`].
+    pub fn with_seed(mut self, seed: &'a TreeSeed) -> Self {
+        self.seed = Some(seed);
+        self
+    }
+
+    /// Steers the search by what is known about the model: see [`Guidance`].
+    pub fn with_guidance(mut self, guidance: Guidance<'a>) -> Self {
+        self.guidance = guidance;
         self
     }
 
@@ -79,6 +137,29 @@ impl<'a> Control<'a> {
         &self.interrupt
     }
 
+    /// The seed, for backends.
+    pub fn seed(&self) -> Option<&'a TreeSeed> {
+        self.seed
+    }
+
+    /// The guidance, for backends.
+    pub fn guidance(&self) -> &Guidance<'a> {
+        &self.guidance
+    }
+
+    /// Whether new best points are to be reported, for backends.
+    pub fn watches_incumbents(&self) -> bool {
+        self.incumbent.is_some()
+    }
+
+    /// Reports a new best point, for backends; [`ControlFlow::Break`] asks them to stop.
+    pub fn report_incumbent(&mut self, incumbent: &Incumbent<'_>) -> ControlFlow<()> {
+        match &mut self.incumbent {
+            Some(callback) => callback(incumbent),
+            None => ControlFlow::Continue(()),
+        }
+    }
+
     /// Reports an event, for backends.
     pub fn report(&mut self, event: &Event) {
         if let Some(callback) = &mut self.progress {
@@ -91,6 +172,9 @@ impl fmt::Debug for Control<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Control")
             .field("progress", &self.progress.is_some())
+            .field("incumbent", &self.incumbent.is_some())
+            .field("seed", &self.seed)
+            .field("guidance", &self.guidance)
             .field("interrupt", &self.interrupt)
             .finish()
     }

@@ -2,15 +2,38 @@
 
 use web_time::Duration;
 
+use super::rules::BranchingRule;
 use crate::error::Error;
 use crate::tolerance;
 
 /// Options that every backend understands.
 ///
-/// Made by `Options::default()` and changed by the `with_...` methods or the public fields.
+/// Made by `Options::default()` (the same as [`balanced`](Options::balanced)), [`fast`](Options::fast)
+/// or [`proof`](Options::proof), and changed by the `with_...` methods or the public fields.
+///
+/// | option | unit, range | default | `fast` | `proof` | evidence for the default |
+/// | --- | --- | --- | --- | --- | --- |
+/// | `relative_gap` | none, `>= 0` | 1e-6 | 1e-3 | 1e-7 | decisions, *Presets* |
+/// | `absolute_gap` | objective's, `>= 0` | 1e-7 | 1e-7 | 1e-7 | decisions, *Presets* |
+/// | `feasibility` | none, `1e-9..=1e-3` | 1e-6 | 1e-6 | 1e-6 | [`tolerance::FEASIBILITY`] |
+/// | `integrality` | none, `1e-9..=1e-2` | 1e-6 | 1e-6 | 1e-6 | [`tolerance::INTEGRALITY`] |
+/// | `time_limit` | wall-clock time | none | none | none | |
+/// | `node_limit` | nodes | none | none | none | |
+/// | `memory_limit` | bytes of the tree | none | none | none | decisions, *Nodes share their ancestors* |
+/// | `threads` | threads, `1..=256` | 1 | all | 1 | decisions, *A deque a worker* |
+/// | `deterministic` | on or off | off | off | on | decisions, *Rounds* |
+/// | `pool` | points, `1..=100_000` | 1 | 1 | 1 | |
+/// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |
+/// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
+/// | `keep_leaves` | on or off | off | off | off | costs memory |
+/// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
+/// | `symmetry` | on or off | on | on | on | decisions, *Interchangeable columns* |
+///
+/// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
 pub struct Options {
     /// Relative gap at which to stop (no unit, `>= 0`); default
     /// [`tolerance::RELATIVE_GAP`]. The search stops when this or the absolute gap is met.
@@ -28,14 +51,57 @@ pub struct Options {
     pub time_limit: Option<Duration>,
     /// Limit on nodes; default none.
     pub node_limit: Option<u64>,
+    /// Limit on the bytes of the tree; default none. What counts is what grows with the search:
+    /// open nodes, the changes of bounds that they share, kept leaves, and the best points. The model,
+    /// its matrices and the factors of relaxations have a size of their own and do not count. From
+    /// half of the limit on, the search (but the deterministic one) goes into the depth to leave few
+    /// nodes open.
+    pub memory_limit: Option<u64>,
     /// Threads of the tree search (`1..=256`); default 1. With one thread a solve is
-    /// deterministic, unless a time limit or an interrupt ends it. Backends that have no threads,
-    /// and targets without them, use one.
+    /// deterministic, unless a time limit or an interrupt ends it. Helpers start only when there
+    /// are nodes for them. Backends that have no threads, and targets without them, use one.
     pub threads: usize,
-    /// Whether the program is presolved before the search; default `true`.
+    /// Search in rounds, so that nodes, counts and answer are the same for any number of threads
+    /// (unless a time limit or an interrupt ends the search); default off: threads exchange what
+    /// they find at once. More than 8 threads are of no use to rounds.
+    pub deterministic: bool,
+    /// How many points with distinct values of the integers to keep in
+    /// [`Solution::pool`](crate::solution::Solution::pool) (`1..=100_000`); default 1.
+    pub pool: usize,
+    /// Which points those are; default [`PoolMode::Found`].
+    pub pool_mode: PoolMode,
+    /// How much worse than the best point a point of the pool may be, relative to the magnitude of
+    /// the best objective (no unit, `>= 0`); default none: any point.
+    pub pool_gap: Option<f64>,
+    /// Keep the ends of the tree in [`Solution::leaves`](crate::solution::Solution::leaves), for a
+    /// [`TreeSeed`](crate::solver::TreeSeed); default off.
+    pub keep_leaves: bool,
+    /// Which column a node is split on; default [`BranchingRule::Automatic`].
+    pub branching: BranchingRule,
+    /// Whether interchangeable columns are asked for falling values; default on. It is left out where
+    /// a pool or leaves are kept, or points come from a seed or from guidance.
+    pub symmetry: bool,
+    /// Whether the program is presolved before the search; default on. It is left out where a pool
+    /// or leaves are kept, or points or splits come from a seed or from guidance: these speak of the
+    /// columns as they are.
     pub presolve: bool,
-    /// Whether cuts are added to the root relaxation where they lift its bound; default `true`.
+    /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
+    /// where presolve is.
     pub cuts: bool,
+}
+
+/// Which points a pool holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum PoolMode {
+    /// The best ones that the search for the optimum met; the search is the same as without a
+    /// pool.
+    #[default]
+    Found,
+    /// The best ones there are: the search goes on until no other assignment of the integers is
+    /// better than the last of the pool by more than the gap.
+    Best,
 }
 
 impl Default for Options {
@@ -47,7 +113,15 @@ impl Default for Options {
             integrality: tolerance::INTEGRALITY,
             time_limit: None,
             node_limit: None,
+            memory_limit: None,
             threads: 1,
+            deterministic: false,
+            pool: 1,
+            pool_mode: PoolMode::Found,
+            pool_gap: None,
+            keep_leaves: false,
+            branching: BranchingRule::Automatic,
+            symmetry: true,
             presolve: true,
             cuts: true,
         }
@@ -55,6 +129,38 @@ impl Default for Options {
 }
 
 impl Options {
+    /// A good point soon: a gap of a tenth of a percent, and a thread for every processor.
+    pub fn fast() -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(256);
+        Options { relative_gap: 1e-3, threads, ..Options::default() }
+    }
+
+    /// The default.
+    pub fn balanced() -> Self {
+        Options::default()
+    }
+
+    /// A closer proof that can be repeated: a gap of 1e-7, and the same search on any number of
+    /// threads. Bounds are recomputed from relaxations that are known to about 1e-8, so much smaller
+    /// gaps cannot be proved.
+    pub fn proof() -> Self {
+        Options { relative_gap: 1e-7, deterministic: true, ..Options::default() }
+    }
+
+    /// The options of a search inside a search: one thread, one point, nothing kept.
+    pub(crate) fn nested(&self) -> Self {
+        Options {
+            threads: 1,
+            deterministic: false,
+            memory_limit: None,
+            pool: 1,
+            pool_mode: PoolMode::Found,
+            pool_gap: None,
+            keep_leaves: false,
+            ..self.clone()
+        }
+    }
+
     /// Sets the relative gap.
     #[must_use]
     pub fn with_relative_gap(mut self, gap: f64) -> Self {
@@ -87,6 +193,55 @@ impl Options {
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = threads;
+        self
+    }
+
+    /// Sets the memory limit, in bytes.
+    #[must_use]
+    pub fn with_memory_limit(mut self, bytes: u64) -> Self {
+        self.memory_limit = Some(bytes);
+        self
+    }
+
+    /// Searches in rounds, the same for any number of threads, or not.
+    #[must_use]
+    pub fn with_deterministic(mut self, deterministic: bool) -> Self {
+        self.deterministic = deterministic;
+        self
+    }
+
+    /// Keeps so many points, of the given kind.
+    #[must_use]
+    pub fn with_pool(mut self, points: usize, mode: PoolMode) -> Self {
+        (self.pool, self.pool_mode) = (points, mode);
+        self
+    }
+
+    /// Keeps only points within a relative gap of the best one.
+    #[must_use]
+    pub fn with_pool_gap(mut self, gap: f64) -> Self {
+        self.pool_gap = Some(gap);
+        self
+    }
+
+    /// Keeps the ends of the tree.
+    #[must_use]
+    pub fn with_leaves(mut self, keep: bool) -> Self {
+        self.keep_leaves = keep;
+        self
+    }
+
+    /// Sets the branching rule.
+    #[must_use]
+    pub fn with_branching(mut self, rule: BranchingRule) -> Self {
+        self.branching = rule;
+        self
+    }
+
+    /// Orders interchangeable columns, or not.
+    #[must_use]
+    pub fn with_symmetry(mut self, symmetry: bool) -> Self {
+        self.symmetry = symmetry;
         self
     }
 
@@ -124,6 +279,8 @@ impl Options {
         gap("absolute_gap", self.absolute_gap)?;
         range("feasibility", self.feasibility, 1e-9, 1e-3)?;
         range("integrality", self.integrality, 1e-9, 1e-2)?;
-        range("threads", self.threads as f64, 1.0, 256.0)
+        range("threads", self.threads as f64, 1.0, 256.0)?;
+        range("pool", self.pool as f64, 1.0, 1e5)?;
+        gap("pool_gap", self.pool_gap.unwrap_or(0.0))
     }
 }

@@ -2,6 +2,8 @@
 
 use web_time::Duration;
 
+use crate::solution::{Heuristic, Point};
+
 /// A progress event of a solve. Objective values are in the model's own sense.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -39,6 +41,10 @@ pub struct Progress {
     pub bound: f64,
     /// Time since the solve began.
     pub elapsed: Duration,
+    /// Largest depth of a node so far, in decisions.
+    pub depth: u64,
+    /// What found the best point so far, where that is known.
+    pub found_by: Option<Heuristic>,
 }
 
 impl Progress {
@@ -51,6 +57,39 @@ impl Progress {
         bound: f64,
         elapsed: Duration,
     ) -> Self {
-        Progress { nodes, open, relaxations, incumbent, bound, elapsed }
+        let (depth, found_by) = (0, None);
+        Progress { nodes, open, relaxations, incumbent, bound, elapsed, depth, found_by }
+    }
+
+    /// Gap between incumbent and bound, relative to the incumbent's magnitude (no unit); infinite
+    /// without an incumbent.
+    pub fn relative_gap(&self) -> f64 {
+        let gap = |value: f64| {
+            let gap = (value - self.bound).abs();
+            if gap == 0.0 { 0.0 } else { gap / value.abs().max(f64::MIN_POSITIVE) }
+        };
+        self.incumbent.map_or(f64::INFINITY, gap)
+    }
+}
+
+/// A new best point, while the search goes on; see
+/// [`Control::with_incumbent`](crate::solver::Control::with_incumbent).
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Incumbent<'a> {
+    /// The point: values by handle. It has passed the model's own verification.
+    pub point: &'a Point,
+    /// Its objective, in the model's own sense.
+    pub objective: f64,
+    /// What found it.
+    pub found_by: Heuristic,
+    /// The figures of the search when it was reported, which may be later than when it was found.
+    pub progress: Progress,
+}
+
+impl<'a> Incumbent<'a> {
+    /// For backends that report their own points.
+    pub fn new(point: &'a Point, objective: f64, found_by: Heuristic, progress: Progress) -> Self {
+        Incumbent { point, objective, found_by, progress }
     }
 }

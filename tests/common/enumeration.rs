@@ -16,29 +16,41 @@ pub(crate) fn optimum(case: &Case) -> Minimum {
 /// is a large distance in the variables' units, and the answer within the tolerance may differ
 /// visibly from the exact one; this is how far it may.
 pub(crate) fn relaxed_optimum(case: &Case, tolerance: f64) -> Minimum {
-    let integers: Vec<usize> = (0..case.columns.len()).filter(|&j| is_integral(case, j)).collect();
     let mut best = Minimum::Infeasible;
+    for_each_assignment(case, tolerance, &mut |_, minimum| match (minimum, &best) {
+        (_, Minimum::Unbounded) | (Minimum::Infeasible, _) => {}
+        (Minimum::Attained { value, .. }, Minimum::Attained { value: old, .. })
+            if value >= *old => {}
+        (better, _) => best = better,
+    });
+    best
+}
+
+/// Every assignment of the integers that leaves a point, with the best cost that it allows.
+pub(crate) fn all_optima(case: &Case) -> Vec<(Vec<i64>, f64)> {
+    let mut all = Vec::new();
+    for_each_assignment(case, 0.0, &mut |integers, minimum| {
+        if let Minimum::Attained { value, .. } = minimum {
+            all.push((integers.iter().map(|&v| v as i64).collect(), value));
+        }
+    });
+    all.sort_by(|a, b| a.1.total_cmp(&b.1));
+    all
+}
+
+/// Tries every assignment of the integers: their values, and the optimum of the rest.
+fn for_each_assignment(case: &Case, tolerance: f64, visit: &mut dyn FnMut(&[f64], Minimum)) {
+    let integers: Vec<usize> = (0..case.columns.len()).filter(|&j| is_integral(case, j)).collect();
     let mut x: Vec<f64> = case.columns.iter().map(|c| c.lower.ceil()).collect();
     if integers.iter().any(|&j| x[j] > case.columns[j].upper) {
-        return best;
+        return;
     }
     loop {
-        match minimum_at(case, &x, tolerance) {
-            Minimum::Infeasible => {}
-            Minimum::Unbounded => return Minimum::Unbounded,
-            Minimum::Attained { value, point } => {
-                let better = match &best {
-                    Minimum::Attained { value: old, .. } => value < *old,
-                    _ => true,
-                };
-                if better {
-                    best = Minimum::Attained { value, point };
-                }
-            }
-        }
+        let values: Vec<f64> = integers.iter().map(|&j| x[j]).collect();
+        visit(&values, minimum_at(case, &x, tolerance));
         // The next assignment: an odometer.
         let Some(&wheel) = integers.iter().find(|&&j| x[j] + 1.0 <= case.columns[j].upper) else {
-            return best;
+            return;
         };
         for &j in integers.iter().take_while(|&&j| j != wheel) {
             x[j] = case.columns[j].lower.ceil();

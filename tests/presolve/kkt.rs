@@ -9,13 +9,12 @@ use carom::presolve::Reduced;
 use carom::presolve::root::{Presolve, Presolved, Rule, presolve};
 use carom::program::Program;
 use carom::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
-use carom::search::{Task, search};
 use proptest::prelude::*;
-use web_time::Instant;
 
 use crate::common::case::Case;
 use crate::common::config;
 use crate::programs::program;
+use crate::search_alone;
 
 const REGRESSIONS: &str = "tests/regressions/presolve.txt";
 
@@ -122,13 +121,11 @@ fn residuals(case: &Case, rules: &[Rule]) -> Option<(f64, f64)> {
         return None;
     };
     let Presolved { program: small, .. } = &*presolved;
-    let options = Options::default();
-    let task = Task { program: small, accept: &|_| true, options: &options, start: Instant::now() };
-    let found = search(task, &mut Control::default());
+    let found = search_alone(small, &|_| true);
     if found.termination != Termination::Optimal {
         return None;
     }
-    let (x, y) = continuous_pair(small, &found.incumbent?)?;
+    let (x, y) = continuous_pair(small, found.points.first()?)?;
     let restored = presolved.restore(&x, &y).unwrap();
     // Without rules, restoring only computes the reduced costs.
     let Presolve::Presolved(same) = presolve(small, &[], &|| true).unwrap() else { return None };

@@ -3,15 +3,14 @@
 use carom::prelude::*;
 use carom::presolve::root::{Presolve, Rule, presolve};
 use carom::program::Program;
-use carom::search::{Task, search};
 use proptest::prelude::*;
-use web_time::Instant;
 
 use crate::common::case::Case;
 use crate::common::config;
 use crate::common::enumeration::optimum;
 use crate::common::quadratic_program::Minimum;
 use crate::programs::program;
+use crate::search_alone;
 
 const REGRESSIONS: &str = "tests/regressions/presolve.txt";
 
@@ -28,24 +27,17 @@ fn compare(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
         }
     };
     let accept = |x: &[f64]| case.violation(&presolved.postsolve.point(x), 1e-6).is_none();
-    let options = Options::default();
-    let task = Task {
-        program: &presolved.program,
-        accept: &accept,
-        options: &options,
-        start: Instant::now(),
-    };
-    let found = search(task, &mut Control::default());
+    let found = search_alone(&presolved.program, &accept);
     match expected {
         Minimum::Infeasible => {
             // With free columns the search may be unable to prove it, and says so.
-            let open = found.termination == Termination::Stalled && found.incumbent.is_none();
+            let open = found.termination == Termination::Stalled && found.points.is_empty();
             prop_assert!(open || found.termination == Termination::Infeasible);
         }
         Minimum::Unbounded => prop_assert_eq!(found.termination, Termination::Unbounded),
         Minimum::Attained { value, .. } => {
             prop_assert_eq!(found.termination, Termination::Optimal);
-            let x = found.incumbent.expect("a point");
+            let x = found.points.first().expect("a point").clone();
             let tolerance = 1e-5 * value.abs().max(1.0);
             let restored = presolved.postsolve.point(&x);
             let here = presolved.program.objective(&x);

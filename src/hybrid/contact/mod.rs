@@ -12,6 +12,9 @@
 
 mod literal;
 mod reflecting;
+mod roll_out;
+
+pub use roll_out::RollOut;
 
 use super::linear::LinearSystem;
 use super::reach::Transition;

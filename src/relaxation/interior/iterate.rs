@@ -157,10 +157,12 @@ impl Iterate {
         bent - self.limits(program).0 + self.corner(program, &gradient).0
     }
 
-    /// Whether residuals and gap are small in the classical sense.
-    pub(super) fn is_optimal(&self, tolerance: f64) -> bool {
-        let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-        residual <= tolerance && self.barrier <= tolerance
+    /// What complementarity and residuals of the duals may add up to, scaled: the gap where columns
+    /// without bounds leave `dual_value` infinite.
+    pub(super) fn estimated_gap(&self) -> f64 {
+        let residuals = self.dual_residual.iter().zip(&self.x);
+        let residuals: f64 = residuals.map(|(r, x)| r.abs() * x.abs().max(1.0)).sum();
+        self.barrier + residuals
     }
 
     /// Whether the gap is closed but for residuals of the duals that rounding brings back.

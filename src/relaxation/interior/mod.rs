@@ -84,7 +84,13 @@ impl Relaxation for InteriorPoint {
                 }
                 let value = objective(at.value(&scaled));
                 let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
-                if feasible && (value - bound <= gap || at.is_optimal(effort.tolerance)) {
+                // Columns without bounds leave the bound infinite until their gradient is exactly zero.
+                let distance = if bound > f64::NEG_INFINITY {
+                    value - bound
+                } else {
+                    at.estimated_gap() / scaled.objective
+                };
+                if feasible && distance <= gap {
                     return done(Claim::Solved);
                 }
                 if at.refutes(&scaled) {

@@ -1,0 +1,43 @@
+//! Columns and rows behind those of a program.
+
+use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
+
+use super::Program;
+
+/// Terms and limits of a row.
+pub(crate) type Addition = (Vec<(usize, f64)>, [f64; 2]);
+
+impl Program {
+    /// Adds integral columns within `0..=upper` without a cost, and rows with their limits; nothing,
+    /// and an unfinished program, where the matrices cannot be allocated.
+    pub(crate) fn append(&mut self, upper: &[f64], rows: &[Addition]) -> Option<()> {
+        let (old, count) = (self.column_count(), upper.len());
+        let (m, n) = (self.row_count() + rows.len(), old + count);
+        let mut entries = Vec::new();
+        for row in 0..self.row_count() {
+            let (columns, values) = self.row(row);
+            entries.extend(columns.iter().zip(values).map(|(&j, &a)| Triplet::new(row, j, a)));
+        }
+        for (k, (terms, _)) in rows.iter().enumerate() {
+            let row = self.row_count() + k;
+            entries.extend(terms.iter().map(|&(j, a)| Triplet::new(row, j, a)));
+        }
+        let mut products = Vec::new();
+        for j in 0..old {
+            let (rows, values) = self.quadratic_column(j);
+            products.extend(rows.iter().zip(values).map(|(&i, &p)| Triplet::new(i, j, p)));
+        }
+        self.rows = SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?;
+        self.columns = SparseColMat::try_new_from_triplets(m, n, &entries).ok()?;
+        self.quadratic = SparseColMat::try_new_from_triplets(n, n, &products).ok()?;
+        self.row_lower.extend(rows.iter().map(|(_, limits)| limits[0]));
+        self.row_upper.extend(rows.iter().map(|(_, limits)| limits[1]));
+        self.linear.resize(n, 0.0);
+        self.lower.resize(n, 0.0);
+        self.upper.extend(upper);
+        self.integral.resize(n, true);
+        self.integers.extend(old..n);
+        self.step.resize(n, None);
+        Some(())
+    }
+}

@@ -1,0 +1,67 @@
+//! What a worker spends its time on: one reading of the clock a change of activity.
+
+use web_time::{Duration, Instant};
+
+use crate::solution::Times;
+
+/// What a worker is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Activity {
+    Propagation,
+    Probing,
+    Reduction,
+    Relaxation,
+    Proof,
+    Heuristic,
+    Verification,
+    Other,
+}
+
+/// The clock of one worker. Activities are exclusive: changing to an inner one stops the outer
+/// one, until it is changed back.
+#[derive(Debug)]
+pub(super) struct Clock {
+    activity: Activity,
+    since: Instant,
+    times: Times,
+}
+
+impl Clock {
+    pub(super) fn new() -> Self {
+        Clock { activity: Activity::Other, since: Instant::now(), times: Times::default() }
+    }
+
+    /// Changes the activity; returns the one before, to change back to.
+    pub(super) fn switch(&mut self, activity: Activity) -> Activity {
+        let now = Instant::now();
+        let spent = now.duration_since(self.since);
+        *self.part() += spent;
+        self.since = now;
+        std::mem::replace(&mut self.activity, activity)
+    }
+
+    /// Starts measuring anew: time that passed since the last reading is nobody's.
+    pub(super) fn restart(&mut self) {
+        self.since = Instant::now();
+    }
+
+    /// The times since they were last taken.
+    pub(super) fn take(&mut self) -> Times {
+        self.switch(self.activity);
+        std::mem::take(&mut self.times)
+    }
+
+    fn part(&mut self) -> &mut Duration {
+        let times = &mut self.times;
+        match self.activity {
+            Activity::Propagation => &mut times.propagation,
+            Activity::Probing => &mut times.probing,
+            Activity::Reduction => &mut times.reduction,
+            Activity::Relaxation => &mut times.relaxation,
+            Activity::Proof => &mut times.proof,
+            Activity::Heuristic => &mut times.heuristics,
+            Activity::Verification => &mut times.verification,
+            Activity::Other => &mut times.other,
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! What one worker sees of the tree.
+//!
+//! Searching on one thread or opportunistically, a desk shows the present cutoff, and its new nodes
+//! can be taken by others at once. Searching deterministically, it shows the state at the start of the
+//! round, and keeps what the worker finds until the round's end.
+
+use std::cell::{Cell, RefCell};
+use std::sync::atomic::Ordering;
+
+use crossbeam_deque::Worker as Deque;
+use web_time::Duration;
+
+use super::best_points::Accepted;
+use super::guess::GuessEnd;
+use super::node::{Node, Path, StepCount};
+use super::seed::{Seed, Seeded};
+use super::tree::{Share, Tree};
+use crate::solution::{Heuristic, Statistics, Termination};
+use crate::solver::Interrupt;
+
+/// One worker's view of the tree.
+pub(super) struct Desk<'a> {
+    pub(super) tree: &'a Tree<'a>,
+    pub(super) id: usize,
+    /// Nodes that this worker made in its present plunge, for itself and for thieves.
+    pub(super) own: Option<Deque<Node>>,
+    /// A bound on all of `own`.
+    base: Cell<f64>,
+    share: RefCell<Share>,
+    found_by: Cell<Heuristic>,
+    /// The last point that a guess led to.
+    last_found: RefCell<Option<Vec<f64>>>,
+    frozen: RefCell<Round>,
+}
+
+/// What a round keeps back.
+pub(super) struct Round {
+    pub(super) cutoff: f64,
+    pub(super) pushed: Vec<Node>,
+    pub(super) offered: Vec<Accepted>,
+    pub(super) stop: Option<Termination>,
+}
+
+impl<'a> Desk<'a> {
+    /// With own nodes that others may take, or without for rounds.
+    pub(super) fn new(tree: &'a Tree<'a>, id: usize, own: Option<Deque<Node>>) -> Self {
+        let round =
+            Round { cutoff: f64::INFINITY, pushed: Vec::new(), offered: Vec::new(), stop: None };
+        Desk {
+            tree,
+            id,
+            own,
+            base: Cell::new(f64::INFINITY),
+            share: RefCell::default(),
+            found_by: Cell::new(Heuristic::Leaf),
+            last_found: RefCell::default(),
+            frozen: RefCell::new(round),
+        }
+    }
+
+    pub(super) fn interrupt(&self) -> &Interrupt {
+        self.tree.interrupt()
+    }
+
+    /// Time left until the limit.
+    pub(super) fn time_left(&self) -> Option<Duration> {
+        self.tree.time_left()
+    }
+
+    /// The limit that is reached, if any.
+    pub(super) fn limit_reached(&self) -> Option<Termination> {
+        self.tree.limit_reached()
+    }
+
+    /// Rounds a bound up to the next value that the objective can take.
+    pub(super) fn strengthen(&self, bound: f64) -> f64 {
+        self.tree.strengthen(bound)
+    }
+
+    pub(super) fn steps(&self) -> &StepCount {
+        &self.tree.steps
+    }
+
+    pub(super) fn seed(&self) -> Option<&'a Seed> {
+        self.tree.seed
+    }
+
+    /// Nodes with at least this bound cannot improve the best points.
+    pub(super) fn cutoff(&self) -> f64 {
+        if self.own.is_some() { self.tree.cutoff() } else { self.frozen.borrow().cutoff }
+    }
+
+    /// Adds an open node.
+    pub(super) fn push(&self, mut node: Node) {
+        let Some(own) = &self.own else {
+            self.frozen.borrow_mut().pushed.push(node);
+            return;
+        };
+        node.serial = self.tree.serial.fetch_add(1, Ordering::Relaxed);
+        let base = if own.is_empty() { f64::INFINITY } else { self.base.get() };
+        self.base.set(base.min(node.bound));
+        self.tree.open.fetch_add(1, Ordering::Relaxed);
+        own.push(node);
+        if self.tree.idle.load(Ordering::Relaxed) > 0 {
+            self.tree.wake.notify_one();
+        }
+    }
+
+    /// The smallest bound of what this worker has at hand, with a node that it is about to process.
+    pub(super) fn floor(&self, node: f64) -> f64 {
+        let waiting = self.own.as_ref().is_some_and(|own| !own.is_empty());
+        if waiting { node.min(self.base.get()) } else { node }
+    }
+
+    /// From here on, points are found by this source; returns the one before.
+    pub(super) fn begin(&self, source: Heuristic) -> Heuristic {
+        self.count(|s| s.heuristics.of_mut(source).calls += 1);
+        self.found_by.replace(source)
+    }
+
+    /// Goes back to the source before.
+    pub(super) fn end(&self, before: Heuristic) {
+        self.found_by.set(before);
+    }
+
+    /// Offers a verified point; `true` when it is the best this worker knows.
+    pub(super) fn offer(&self, objective: f64, point: Vec<f64>) -> bool {
+        let found_by = self.found_by.get();
+        self.count(|s| s.heuristics.of_mut(found_by).points += 1);
+        if found_by == Heuristic::Guess {
+            self.last_found.replace(Some(point.clone()));
+        }
+        let accepted = self.tree.accepted(objective, point, found_by);
+        if self.own.is_some() {
+            return self.tree.accept(&mut self.tree.lock(), accepted);
+        }
+        let mut round = self.frozen.borrow_mut();
+        let cutoff = self.tree.cutoff_at(objective);
+        let better = cutoff < round.cutoff;
+        // Where a pool is searched for, how many points are better is known at the end of the round.
+        if self.tree.task.options.pool <= 1 && better {
+            round.cutoff = cutoff;
+        }
+        round.offered.push(accepted);
+        better
+    }
+
+    /// The last point that a guess led to.
+    pub(super) fn take_last_found(&self) -> Option<Vec<f64>> {
+        self.last_found.take()
+    }
+
+    pub(super) fn has_last_found(&self) -> bool {
+        self.last_found.borrow().is_some()
+    }
+
+    /// Notes what became of the guess.
+    pub(super) fn report_guess(&self, end: GuessEnd) {
+        self.tree.lock().guess = Some(end);
+    }
+
+    /// Notes which boxes of the seed the root was divided into.
+    pub(super) fn report_seeded(&self, seeded: Seeded) {
+        self.tree.lock().seeded = Some(seeded);
+    }
+
+    /// Notes the bound of a subtree that is closed without being infeasible.
+    pub(super) fn close(&self, bound: f64) {
+        let mut share = self.share.borrow_mut();
+        share.closed = Some(share.closed.map_or(bound, |old| old.min(bound)));
+    }
+
+    /// Notes the bound of a subtree that could be neither finished nor split.
+    pub(super) fn stall(&self, bound: f64) {
+        let mut share = self.share.borrow_mut();
+        share.stalled = Some(share.stalled.map_or(bound, |old| old.min(bound)));
+    }
+
+    /// Keeps an end of the tree, where they are wanted.
+    pub(super) fn keep_leaf(&self, path: &Path, bound: f64) {
+        if self.tree.task.options.keep_leaves {
+            self.share.borrow_mut().leaves.push((path.clone(), bound));
+        }
+    }
+
+    pub(super) fn count(&self, update: impl FnOnce(&mut Statistics)) {
+        update(&mut self.share.borrow_mut().statistics);
+    }
+
+    /// What was found since this was last asked for.
+    pub(super) fn take_share(&self) -> Share {
+        self.share.take()
+    }
+
+    /// Starts a round at the tree's present state.
+    pub(super) fn start_round(&self) {
+        self.frozen.borrow_mut().cutoff = self.tree.cutoff();
+    }
+
+    /// What a round kept back.
+    pub(super) fn end_round(&self) -> Round {
+        let mut round = self.frozen.borrow_mut();
+        Round {
+            cutoff: round.cutoff,
+            pushed: std::mem::take(&mut round.pushed),
+            offered: std::mem::take(&mut round.offered),
+            stop: round.stop.take(),
+        }
+    }
+
+    /// Ends the search.
+    pub(super) fn stop(&self, reason: Termination) {
+        if self.own.is_some() {
+            self.tree.stop(reason);
+        } else {
+            self.frozen.borrow_mut().stop.get_or_insert(reason);
+        }
+    }
+
+    /// Gives a node back unfinished and ends the search.
+    pub(super) fn give_back(&self, node: Node, reason: Termination) {
+        self.push(node);
+        self.stop(reason);
+    }
+
+    /// Whether the search was stopped from this desk, or by anybody where that is seen at once.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.frozen.borrow().stop.is_some()
+    }
+}

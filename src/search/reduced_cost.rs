@@ -1,0 +1,55 @@
+//! Bounds of integers from the multipliers of a relaxation.
+//!
+//! A relaxation's multipliers prove by how much the objective grows at least for each unit that a
+//! column leaves its bound. What would take it beyond the cutoff is cut off.
+
+use super::node::Decision;
+use super::worker::Worker;
+use crate::presolve::Reduced;
+use crate::relaxation::reduced_costs;
+
+/// A whole value is kept when it is missed by less than this (no unit).
+const KEPT: f64 = 1e-6;
+
+impl Worker<'_> {
+    /// Tightens integral columns at the current node; `false` when nothing is left of it.
+    pub(super) fn fix_by_reduced_costs(&mut self, reduced: &Reduced, x: &[f64], y: &[f64]) -> bool {
+        let cutoff = self.tree.cutoff();
+        if cutoff == f64::INFINITY || y.len() != reduced.rows.len() {
+            return true;
+        }
+        let (bound, slopes) = reduced_costs(reduced, x, y);
+        if bound == f64::NEG_INFINITY {
+            return true;
+        }
+        let room = (cutoff - bound) + 1e-9 * cutoff.abs().max(1.0);
+        let facts = facts(reduced, &self.task.program.integral, &slopes, room);
+        if facts.is_empty() {
+            return true;
+        }
+        self.tree.close(self.tree.strengthen(cutoff));
+        self.note_facts(&facts).is_ok()
+    }
+}
+
+/// The bounds of integral columns beyond which the objective has grown by more than `room`.
+fn facts(reduced: &Reduced, integral: &[bool], slopes: &[f64], room: f64) -> Vec<Decision> {
+    let mut facts = Vec::new();
+    for (k, (&column, &slope)) in reduced.columns.iter().zip(slopes).enumerate() {
+        let [lower, upper] = [reduced.lower[k], reduced.upper[k]];
+        if !integral[column] || slope == 0.0 {
+            continue;
+        }
+        let reach = room / slope.abs();
+        let fact = if slope > 0.0 {
+            Decision { column, is_upper: true, value: (lower + reach + KEPT).floor() }
+        } else {
+            Decision { column, is_upper: false, value: (upper - reach - KEPT).ceil() }
+        };
+        let cuts = if fact.is_upper { fact.value < upper } else { fact.value > lower };
+        if cuts && fact.value.is_finite() {
+            facts.push(fact);
+        }
+    }
+    facts
+}

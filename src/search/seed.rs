@@ -1,0 +1,230 @@
+//! A division of the root into boxes, made from the ends of an earlier tree.
+//!
+//! The boxes of a seed are only proposals of where to split. The root's box is split along their
+//! bounds until a part lies in one of them, or in none; so the parts cover the root whatever the
+//! boxes were. Where boxes come from a tree over the same columns, the bound that most of them have
+//! in common is the split of that tree's root, and the parts are its ends.
+
+use std::collections::BTreeMap;
+
+use super::node::Decision;
+use crate::presolve::Domain;
+use crate::program::Program;
+
+/// What an earlier solve hands over, in columns of the program.
+#[derive(Debug, Clone, Default)]
+pub struct Seed {
+    /// Values of integral columns to try.
+    pub guess: Vec<(usize, f64)>,
+    /// Boxes over integral columns.
+    pub leaves: Vec<SeedBox>,
+}
+
+/// A box over some integral columns, and how promising it is: the smaller, the more.
+#[derive(Debug, Clone, Default)]
+pub struct SeedBox {
+    /// Columns with their lower and upper bounds.
+    pub bounds: Vec<(usize, f64, f64)>,
+    /// The bound that it had, for the order only.
+    pub order: f64,
+}
+
+/// What became of the boxes of a seed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Seeded {
+    /// By box: whether a part of the root lies in it.
+    pub used: Vec<bool>,
+    /// Parts of the root that lie in a box.
+    pub inside: usize,
+    /// Parts that lie in none: what the boxes left open.
+    pub outside: usize,
+}
+
+/// A part of the root.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub(super) path: Vec<Decision>,
+    pub(super) order: f64,
+    /// The box that it lies in.
+    pub(super) inside: Option<usize>,
+}
+
+/// Most parts a box, and those that are always allowed.
+const PARTS: usize = 3;
+const ALWAYS: usize = 16;
+
+/// Splits a domain along the bounds of boxes. The parts cover it and do not overlap.
+pub(super) fn divide(program: &Program, domain: &Domain, leaves: &[SeedBox]) -> Vec<Part> {
+    let boxes: Vec<BTreeMap<usize, [f64; 2]>> =
+        leaves.iter().map(|leaf| whole_box(program, leaf)).collect();
+    let most = PARTS * boxes.len() + ALWAYS;
+    let mut parts = Vec::new();
+    let mut waiting = vec![(Vec::new(), (0..boxes.len()).collect::<Vec<usize>>())];
+    while let Some((path, near)) = waiting.pop() {
+        let region = Region { domain, path: &path };
+        let meets = |&k: &usize| {
+            let apart = |(&j, &[l, u]): (&usize, &[f64; 2])| {
+                let [lower, upper] = region.bounds(j);
+                l > upper || u < lower
+            };
+            !boxes[k].iter().any(apart)
+        };
+        let near: Vec<usize> = near.into_iter().filter(meets).collect();
+        let order = near.iter().map(|&k| leaves[k].order).fold(f64::INFINITY, f64::min);
+        let holds = |&&k: &&usize| {
+            boxes[k].iter().all(|(&j, &[l, u])| {
+                let [lower, upper] = region.bounds(j);
+                l <= lower && upper <= u
+            })
+        };
+        let inside = near.iter().find(holds).copied();
+        let full = parts.len() + waiting.len() + 2 > most;
+        let cut = if inside.is_some() || full { None } else { commonest(&region, &boxes, &near) };
+        let Some((column, value)) = cut else {
+            parts.push(Part { path, order, inside });
+            continue;
+        };
+        let mut above = path.clone();
+        above.push(Decision { column, is_upper: false, value: value + 1.0 });
+        waiting.push((above, near.clone()));
+        let mut below = path;
+        below.push(Decision { column, is_upper: true, value });
+        waiting.push((below, near));
+    }
+    parts
+}
+
+/// The part of the root that a path leads to.
+struct Region<'a> {
+    domain: &'a Domain,
+    path: &'a [Decision],
+}
+
+impl Region<'_> {
+    fn bounds(&self, column: usize) -> [f64; 2] {
+        let mut bounds = self.domain.bounds(column);
+        for decision in self.path.iter().filter(|d| d.column == column) {
+            bounds[usize::from(decision.is_upper)] = decision.value;
+        }
+        bounds
+    }
+}
+
+/// The split that most boxes have a bound at: the column, and the largest value below.
+fn commonest(
+    region: &Region<'_>,
+    boxes: &[BTreeMap<usize, [f64; 2]>],
+    near: &[usize],
+) -> Option<(usize, f64)> {
+    // Whole values of usual size order like their bits, once made unsigned.
+    let mut counts: BTreeMap<(usize, i64), usize> = BTreeMap::new();
+    for &k in near {
+        for (&j, &[l, u]) in &boxes[k] {
+            let [lower, upper] = region.bounds(j);
+            if l > lower && l <= upper {
+                *counts.entry((j, l as i64 - 1)).or_default() += 1;
+            }
+            if u < upper && u >= lower {
+                *counts.entry((j, u as i64)).or_default() += 1;
+            }
+        }
+    }
+    let best = counts.into_iter().max_by(|a, b| a.1.cmp(&b.1).then(b.0.cmp(&a.0)));
+    best.map(|((column, value), _)| (column, value as f64))
+}
+
+/// The bounds of a box that mean something: on integral columns, as whole numbers.
+fn whole_box(program: &Program, leaf: &SeedBox) -> BTreeMap<usize, [f64; 2]> {
+    const LARGEST: f64 = 1e15;
+    let mut whole = BTreeMap::new();
+    for &(j, lower, upper) in &leaf.bounds {
+        if program.integral.get(j) == Some(&true) && !lower.is_nan() && !upper.is_nan() {
+            let bounds = whole.entry(j).or_insert([f64::NEG_INFINITY, f64::INFINITY]);
+            if lower.abs() <= LARGEST {
+                bounds[0] = bounds[0].max(lower.ceil());
+            }
+            if upper.abs() <= LARGEST {
+                bounds[1] = bounds[1].min(upper.floor());
+            }
+        }
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use proptest::prelude::*;
+
+    fn program(columns: usize, upper: f64) -> Program {
+        let mut model = Model::new("box");
+        for j in 0..columns {
+            model.integer(format!("n{j}"), 0.0, upper).unwrap();
+        }
+        Program::assemble(&model).unwrap()
+    }
+
+    fn is_inside(path: &[Decision], point: &[f64]) -> bool {
+        path.iter().all(|d| {
+            if d.is_upper { point[d.column] <= d.value } else { point[d.column] >= d.value }
+        })
+    }
+
+    /// The ends of a tree are found again, one part each.
+    #[test]
+    fn ends_of_a_tree_are_its_parts() {
+        let program = program(3, 1.0);
+        let leaf = |bounds: &[(usize, f64)]| SeedBox {
+            bounds: bounds.iter().map(|&(j, v)| (j, v, v)).collect(),
+            order: 0.0,
+        };
+        let leaves = [
+            leaf(&[(1, 0.0), (0, 0.0)]),
+            leaf(&[(1, 0.0), (0, 1.0)]),
+            leaf(&[(1, 1.0), (2, 0.0)]),
+            leaf(&[(1, 1.0), (2, 1.0)]),
+        ];
+        let parts = divide(&program, &Domain::new(&program), &leaves);
+        let mut inside: Vec<_> = parts.iter().map(|part| part.inside).collect();
+        inside.sort();
+        assert_eq!(inside, [Some(0), Some(1), Some(2), Some(3)]);
+        // Without one of them, the rest of the root is a part that lies in no box.
+        let parts = divide(&program, &Domain::new(&program), &leaves[..3]);
+        assert_eq!(parts.iter().filter(|part| part.inside.is_none()).count(), 1);
+        assert_eq!(parts.len(), 4);
+    }
+
+    proptest! {
+        /// Whatever the boxes are, every point of the root lies in exactly one part, and a part that
+        /// claims to lie in a box does.
+        #[test]
+        fn parts_cover_the_root(
+            boxes in prop::collection::vec(
+                prop::collection::vec((0..5_usize, -1..=4_i32, -1..=4_i32), 0..4),
+                0..8,
+            ),
+        ) {
+            let program = program(3, 3.0);
+            let leaves: Vec<SeedBox> = boxes
+                .iter()
+                .map(|bounds| SeedBox {
+                    bounds: bounds.iter().map(|&(j, l, u)| (j, l.into(), u.into())).collect(),
+                    order: 0.0,
+                })
+                .collect();
+            let parts = divide(&program, &Domain::new(&program), &leaves);
+            prop_assert!(parts.len() <= PARTS * leaves.len() + ALWAYS);
+            for number in 0..64 {
+                let point = [number % 4, number / 4 % 4, number / 16].map(f64::from);
+                let of: Vec<&Part> = parts.iter().filter(|p| is_inside(&p.path, &point)).collect();
+                prop_assert_eq!(of.len(), 1);
+                if let Some(k) = of[0].inside {
+                    for &(j, l, u) in leaves[k].bounds.iter().filter(|b| b.0 < 3) {
+                        prop_assert!(l <= point[j] && point[j] <= u);
+                    }
+                }
+            }
+        }
+    }
+}

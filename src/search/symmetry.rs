@@ -1,0 +1,156 @@
+//! Interchangeable columns, and the order that they are given.
+//!
+//! Two columns are interchangeable when swapping them leaves the program as it is but for the order
+//! of its rows: two machines, two parts of one kind, two steps without dynamics between them. Of all
+//! points that differ by such swaps one is as good as another, so integral columns of a class may
+//! be asked for falling values. A swap is checked on every row and product that it touches; the
+//! swaps of a class generate all of its orders, so sorting reaches one of the points that are kept.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::program::Program;
+
+/// Columns in more rows than this are passed over: each swap is checked row by row.
+const MOST_ROWS: usize = 200;
+
+/// Most checks of swaps, over all classes.
+const MOST_CHECKS: usize = 20_000;
+
+/// A row or a column of the objective's matrix as a key: its entries by column, and its limits, as
+/// bits.
+type Key = (Vec<(usize, u64)>, [u64; 2]);
+
+/// A row `x_a >= x_b` for neighbours of a class.
+pub(super) type Ordering = (usize, usize);
+
+/// Classes of interchangeable integral columns, each sorted; those of one column are left out.
+pub(super) fn classes(program: &Program) -> Vec<Vec<usize>> {
+    let mut alike: BTreeMap<(Vec<u64>, Vec<(u64, usize)>), Vec<usize>> = BTreeMap::new();
+    for &j in &program.integers {
+        let (rows, values) = program.column(j);
+        if rows.is_empty() || rows.len() > MOST_ROWS || program.lower[j] == program.upper[j] {
+            continue;
+        }
+        let mut entries: Vec<(u64, usize)> = rows
+            .iter()
+            .zip(values)
+            .map(|(&row, a)| (a.to_bits(), program.row(row).0.len()))
+            .collect();
+        entries.sort_unstable();
+        let (products, squares) = program.quadratic_column(j);
+        let own = products.iter().zip(squares).find(|(i, _)| **i == j).map_or(0.0, |(_, p)| *p);
+        let numbers = [program.lower[j], program.upper[j], program.linear[j], own];
+        let mut numbers: Vec<u64> = numbers.iter().map(|v| v.to_bits()).collect();
+        numbers.push(products.len() as u64);
+        alike.entry((numbers, entries)).or_default().push(j);
+    }
+    alike.retain(|_, columns| columns.len() > 1);
+    if alike.is_empty() {
+        return Vec::new();
+    }
+    let mut count: HashMap<Key, usize> = HashMap::new();
+    for row in 0..program.row_count() {
+        *count.entry(key(program, row, |j| j)).or_default() += 1;
+    }
+    let (mut classes, mut checks) = (Vec::new(), 0);
+    for columns in alike.into_values() {
+        let mut found: Vec<Vec<usize>> = Vec::new();
+        for j in columns {
+            let mut fits = |class: &&mut Vec<usize>| {
+                checks += 1;
+                checks <= MOST_CHECKS && is_swap(program, &count, class[0], j)
+            };
+            match found.iter_mut().find(|class| fits(class)) {
+                Some(class) => class.push(j),
+                None => found.push(vec![j]),
+            }
+        }
+        classes.extend(found.into_iter().filter(|class| class.len() > 1));
+    }
+    classes.sort();
+    classes
+}
+
+/// The rows `x_a >= x_b` that keep one of the points that differ by swaps.
+pub(super) fn orderings(program: &Program) -> Vec<Ordering> {
+    let pairs = |class: Vec<usize>| -> Vec<Ordering> {
+        class.windows(2).map(|pair| (pair[0], pair[1])).collect()
+    };
+    classes(program).into_iter().flat_map(pairs).collect()
+}
+
+/// A row after its columns were renamed.
+fn key(program: &Program, row: usize, rename: impl Fn(usize) -> usize) -> Key {
+    let (columns, values) = program.row(row);
+    let named = columns.iter().zip(values).filter(|(_, a)| **a != 0.0);
+    let mut entries: Vec<(usize, u64)> = named.map(|(&j, a)| (rename(j), a.to_bits())).collect();
+    entries.sort_unstable();
+    (entries, [program.row_lower[row].to_bits(), program.row_upper[row].to_bits()])
+}
+
+/// Whether swapping two columns maps the program to itself, up to the order of rows.
+fn is_swap(program: &Program, count: &HashMap<Key, usize>, a: usize, b: usize) -> bool {
+    let swap = |j: usize| match j {
+        j if j == a => b,
+        j if j == b => a,
+        j => j,
+    };
+    let mut rows: Vec<usize> = [program.column(a).0, program.column(b).0].concat();
+    rows.sort_unstable();
+    rows.dedup();
+    let mirrored = |&row: &usize| {
+        let (before, after) = (key(program, row, |j| j), key(program, row, swap));
+        before == after || count.get(&before) == count.get(&after)
+    };
+    let product = |i: usize, j: usize| {
+        let (rows, values) = program.quadratic_column(j);
+        rows.iter().position(|&row| row == i).map_or(0.0, |k| values[k])
+    };
+    let others = [program.quadratic_column(a).0, program.quadratic_column(b).0].concat();
+    let squares = others.iter().all(|&i| product(i, a) == product(swap(i), b));
+    squares && rows.iter().all(mirrored)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Affine, Model};
+
+    fn found(model: &Model) -> Vec<Vec<usize>> {
+        classes(&Program::assemble(model).unwrap())
+    }
+
+    #[test]
+    fn parts_of_one_kind_are_interchangeable() {
+        let mut model = Model::new("parts");
+        let z = model.binary_family("z", 6).unwrap();
+        let sum = |weights: [f64; 6]| {
+            z.iter().zip(weights).fold(Affine::zero(), |sum, (v, a)| sum + a * v)
+        };
+        model.add("weight", sum([2.0, 2.0, 2.0, 3.0, 3.0, 2.0]).le(7.0)).unwrap();
+        model.add("least", (z[0] + z[1]).ge(1.0)).unwrap();
+        model.maximize(sum([1.0; 6])).unwrap();
+        assert_eq!(found(&model), [vec![0, 1], vec![2, 5], vec![3, 4]]);
+    }
+
+    #[test]
+    fn rows_of_their_own_must_have_a_twin() {
+        let mut model = Model::new("twins");
+        let z = model.binary_family("z", 3).unwrap();
+        let x = model.continuous("x", 0.0, 4.0).unwrap();
+        model.add("a", (x + 2.0 * z[0]).le(4.0)).unwrap();
+        model.add("b", (x + 2.0 * z[1]).le(4.0)).unwrap();
+        model.add("c", (x + 2.0 * z[2]).le(3.0)).unwrap();
+        assert_eq!(found(&model), [vec![0, 1]]);
+    }
+
+    #[test]
+    fn products_count() {
+        let mut model = Model::new("products");
+        let x = model.integer_family("x", 3, -2.0, 2.0).unwrap();
+        model.add("sum", (x[0] + x[1] + x[2]).le(3.0)).unwrap();
+        let cost = (x[0] + x[1]).square() + x[2].square() + x[0].square() + x[1].square();
+        model.minimize(cost).unwrap();
+        assert_eq!(found(&model), [vec![0, 1]]);
+    }
+}

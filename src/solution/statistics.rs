@@ -1,0 +1,270 @@
+//! Counts and times of a solve.
+
+use std::fmt;
+use web_time::Duration;
+
+/// Counts and times of a solve.
+///
+/// Every processed node ends in exactly one way: refuted by propagation or by its relaxation, cut
+/// off by its bound, solved as a leaf, split, or left unfinished. The counts of these sum to
+/// [`nodes`](Self::nodes).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct Statistics {
+    /// Nodes of the tree that were processed, the root included.
+    pub nodes: u64,
+    /// Continuous relaxations solved, those of heuristics and checks included.
+    pub relaxations: u64,
+    /// Interior-point iterations over all relaxations.
+    pub iterations: u64,
+    /// Nodes refuted without a relaxation: by bound propagation, probing or reduction.
+    pub refuted_by_propagation: u64,
+    /// Nodes whose relaxation is proved to have no point.
+    pub refuted_by_relaxation: u64,
+    /// Nodes whose proved bound is at the cutoff.
+    pub cut_off: u64,
+    /// Nodes with all integers fixed, solved to their best point.
+    pub leaves: u64,
+    /// Nodes that were split.
+    pub split: u64,
+    /// Nodes given back at a limit, or neither finished nor split for numerical reasons.
+    pub unfinished: u64,
+    /// Children closed by trials of branching; they never became nodes.
+    pub closed_by_trials: u64,
+    /// Splits that a [`Branching`](crate::solver::Branching) rule of the user's made.
+    pub user_splits: u64,
+    /// Answers of such a rule that did not divide their node and were not taken.
+    pub refused_splits: u64,
+    /// Improving points that were found, verified and accepted.
+    pub incumbents: u64,
+    /// Largest depth of a processed node, in decisions from the root.
+    pub depth: u64,
+    /// Largest number of nodes that waited at one time.
+    pub max_open: u64,
+    /// Largest size of the tree, in bytes, as [`Options::memory_limit`] counts it.
+    ///
+    /// [`Options::memory_limit`]: crate::solver::Options::memory_limit
+    pub tree_bytes: u64,
+    /// Threads that took part.
+    pub threads: u64,
+    /// What the threads spent their time on.
+    pub times: Times,
+    /// What each source of points tried and found.
+    pub heuristics: Heuristics,
+    /// Wall-clock time of the solve.
+    pub time: Duration,
+}
+
+/// What the threads of a search spent their time on. The parts do not overlap, and are summed over
+/// all threads: a relaxation inside a heuristic counts as relaxation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct Times {
+    /// Bound propagation.
+    pub propagation: Duration,
+    /// Probing: propagation on trial.
+    pub probing: Duration,
+    /// Making the reduced program of a node.
+    pub reduction: Duration,
+    /// Solving relaxations.
+    pub relaxation: Duration,
+    /// Recomputing bounds and refutations from multipliers.
+    pub proof: Duration,
+    /// Heuristics, without the propagations and relaxations in them.
+    pub heuristics: Duration,
+    /// Polishing and verifying points.
+    pub verification: Duration,
+    /// Everything else: choosing splits, keeping the tree.
+    pub other: Duration,
+}
+
+/// A source of points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Heuristic {
+    /// A node whose integers are all fixed.
+    Leaf,
+    /// A relaxed point whose integers are whole.
+    Relaxation,
+    /// Round and propagate.
+    Rounding,
+    /// The guess that was handed over, completed or repaired.
+    Guess,
+    /// Values proposed by a [`Proposal`](crate::solver::Proposal), completed.
+    Proposal,
+}
+
+/// What one source of points tried and found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct HeuristicCount {
+    /// How often it was called.
+    pub calls: u64,
+    /// How many verified points it found.
+    pub points: u64,
+    /// How many of these were better than all before.
+    pub incumbents: u64,
+}
+
+/// What each source of points tried and found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct Heuristics {
+    leaf: HeuristicCount,
+    relaxation: HeuristicCount,
+    rounding: HeuristicCount,
+    guess: HeuristicCount,
+    proposal: HeuristicCount,
+}
+
+impl Heuristic {
+    /// All sources of points.
+    pub const ALL: [Heuristic; 5] = [
+        Heuristic::Leaf,
+        Heuristic::Relaxation,
+        Heuristic::Rounding,
+        Heuristic::Guess,
+        Heuristic::Proposal,
+    ];
+
+    /// The letter that marks its points in a [`Log`](crate::solver::Log).
+    pub fn mark(self) -> char {
+        match self {
+            Heuristic::Leaf => 'L',
+            Heuristic::Relaxation => '*',
+            Heuristic::Rounding => 'R',
+            Heuristic::Guess => 'G',
+            Heuristic::Proposal => 'P',
+        }
+    }
+}
+
+impl fmt::Display for Heuristic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Heuristic::Leaf => "leaf",
+            Heuristic::Relaxation => "relaxation",
+            Heuristic::Rounding => "rounding",
+            Heuristic::Guess => "guess",
+            Heuristic::Proposal => "proposal",
+        })
+    }
+}
+
+impl Heuristics {
+    /// The counts of one source.
+    pub fn of(&self, heuristic: Heuristic) -> HeuristicCount {
+        match heuristic {
+            Heuristic::Leaf => self.leaf,
+            Heuristic::Relaxation => self.relaxation,
+            Heuristic::Rounding => self.rounding,
+            Heuristic::Guess => self.guess,
+            Heuristic::Proposal => self.proposal,
+        }
+    }
+
+    /// The sources and their counts.
+    pub fn iter(&self) -> impl Iterator<Item = (Heuristic, HeuristicCount)> + '_ {
+        Heuristic::ALL.into_iter().map(|heuristic| (heuristic, self.of(heuristic)))
+    }
+
+    /// The counts of one source, for counting.
+    pub fn of_mut(&mut self, heuristic: Heuristic) -> &mut HeuristicCount {
+        match heuristic {
+            Heuristic::Leaf => &mut self.leaf,
+            Heuristic::Relaxation => &mut self.relaxation,
+            Heuristic::Rounding => &mut self.rounding,
+            Heuristic::Guess => &mut self.guess,
+            Heuristic::Proposal => &mut self.proposal,
+        }
+    }
+}
+
+impl Times {
+    /// The names and values of the parts.
+    pub fn parts(&self) -> [(&'static str, Duration); 8] {
+        [
+            ("propagation", self.propagation),
+            ("probing", self.probing),
+            ("reduction", self.reduction),
+            ("relaxation", self.relaxation),
+            ("proof", self.proof),
+            ("heuristics", self.heuristics),
+            ("verification", self.verification),
+            ("other", self.other),
+        ]
+    }
+
+    /// The sum of the parts, over all threads.
+    pub fn total(&self) -> Duration {
+        self.parts().into_iter().map(|(_, time)| time).sum()
+    }
+
+    /// Adds other times.
+    pub fn add(&mut self, other: &Times) {
+        self.propagation += other.propagation;
+        self.probing += other.probing;
+        self.reduction += other.reduction;
+        self.relaxation += other.relaxation;
+        self.proof += other.proof;
+        self.heuristics += other.heuristics;
+        self.verification += other.verification;
+        self.other += other.other;
+    }
+}
+
+impl Statistics {
+    /// Nodes processed per second of wall-clock time; 0 before any time has passed.
+    pub fn nodes_per_second(&self) -> f64 {
+        let seconds = self.time.as_secs_f64();
+        if seconds > 0.0 { self.nodes as f64 / seconds } else { 0.0 }
+    }
+
+    /// The share of the threads' time that was not spent on solving relaxations, within `[0, 1]`;
+    /// 0 where nothing was measured.
+    pub fn share_beyond_relaxations(&self) -> f64 {
+        let total = self.times.total().as_secs_f64();
+        if total > 0.0 { 1.0 - self.times.relaxation.as_secs_f64() / total } else { 0.0 }
+    }
+
+    /// The same counts without what varies from run to run: times, and the number of threads.
+    pub fn without_times(&self) -> Statistics {
+        Statistics { times: Times::default(), time: Duration::ZERO, threads: 0, ..*self }
+    }
+
+    /// Adds the counts and times of a part of the search. Largest values are kept, and the time
+    /// of the solve and its threads are left alone.
+    pub fn add(&mut self, part: &Statistics) {
+        self.nodes += part.nodes;
+        self.relaxations += part.relaxations;
+        self.iterations += part.iterations;
+        self.refuted_by_propagation += part.refuted_by_propagation;
+        self.refuted_by_relaxation += part.refuted_by_relaxation;
+        self.cut_off += part.cut_off;
+        self.leaves += part.leaves;
+        self.split += part.split;
+        self.unfinished += part.unfinished;
+        self.closed_by_trials += part.closed_by_trials;
+        self.user_splits += part.user_splits;
+        self.refused_splits += part.refused_splits;
+        self.incumbents += part.incumbents;
+        self.depth = self.depth.max(part.depth);
+        self.max_open = self.max_open.max(part.max_open);
+        self.tree_bytes = self.tree_bytes.max(part.tree_bytes);
+        self.times.add(&part.times);
+        for heuristic in Heuristic::ALL {
+            let (sum, count) = (self.heuristics.of_mut(heuristic), part.heuristics.of(heuristic));
+            sum.calls += count.calls;
+            sum.points += count.points;
+            sum.incumbents += count.incumbents;
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! What a user knows about a search: which variables to split first, where to split a node, which
+//! points to try. It steers, and decides nothing: bounds and points are proved and verified as ever.
+
+use std::fmt;
+
+use crate::error::Error;
+use crate::interval::Interval;
+use crate::model::{Model, ModelTag, Variable};
+
+/// What a user knows about the search of one model, handed over by
+/// [`Control::with_guidance`](super::Control::with_guidance).
+///
+/// Backends that cannot use a part of it leave it out; no answer depends on it.
+///
+/// ```
+/// use carom::prelude::*;
+/// use carom::solver::{Guidance, NodeView, SplitAt};
+///
+/// let mut model = Model::new("rooms");
+/// let x = model.integer("x", 0.0, 9.0)?;
+/// let y = model.integer("y", 0.0, 9.0)?;
+/// model.add("both", (2.0 * x + 2.0 * y).within(7.0, 30.0))?;
+/// model.minimize((x - 2.5).square() + (y - 2.5).square())?;
+///
+/// // x before y, and x first of all in the middle of its range.
+/// let halve = |node: &NodeView<'_>| {
+///     let range = node.bounds(x).ok()?;
+///     (range.upper - range.lower >= 8.0).then_some(SplitAt { variable: x, value: 4.0 })
+/// };
+/// let guidance = Guidance::default().with_priority(x, 1).with_branching(&halve);
+/// let mut control = Control::default().with_guidance(guidance);
+/// let solution = BranchAndBound::default().solve_with(&model, &mut control)?;
+/// assert!(solution.is_optimal());
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Clone, Default)]
+#[must_use]
+pub struct Guidance<'a> {
+    priorities: Vec<(Variable, i32)>,
+    branching: Option<&'a dyn Branching>,
+    proposals: Vec<&'a dyn Proposal>,
+}
+
+impl<'a> Guidance<'a> {
+    /// Splits an integer variable before those with a lower priority, wherever its relaxed value is
+    /// not whole; 0 is that of all others, the last call counts. The priority of a continuous
+    /// variable means nothing.
+    pub fn with_priority(mut self, variable: Variable, priority: i32) -> Self {
+        self.priorities.push((variable, priority));
+        self
+    }
+
+    /// Asks for a split at every node that is to be split.
+    pub fn with_branching(mut self, branching: &'a dyn Branching) -> Self {
+        self.branching = Some(branching);
+        self
+    }
+
+    /// Asks for values of integers to try, at the root and now and then below it. Several sources
+    /// are asked in turn.
+    pub fn with_proposal(mut self, proposal: &'a dyn Proposal) -> Self {
+        self.proposals.push(proposal);
+        self
+    }
+
+    /// Priorities by variable, in the order of creation, for backends; empty where there are none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`] for a variable of another model.
+    pub fn priorities(&self, model: &Model) -> Result<Vec<i32>, Error> {
+        if self.priorities.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut priorities = vec![0; model.variable_count()];
+        for &(variable, priority) in &self.priorities {
+            let known = variable.tag == model.tag();
+            let entry = priorities.get_mut(variable.index()).filter(|_| known);
+            *entry.ok_or_else(|| foreign(variable, "a priority"))? = priority;
+        }
+        Ok(priorities)
+    }
+
+    /// Who is asked for splits, for backends.
+    pub fn branching(&self) -> Option<&'a dyn Branching> {
+        self.branching
+    }
+
+    /// Who is asked for values to try, for backends.
+    pub fn proposals(&self) -> &[&'a dyn Proposal] {
+        &self.proposals
+    }
+}
+
+impl fmt::Debug for Guidance<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Guidance")
+            .field("priorities", &self.priorities)
+            .field("branching", &self.branching.is_some())
+            .field("proposals", &self.proposals.len())
+            .finish()
+    }
+}
+
+/// A rule for splitting nodes; closures are rules too.
+///
+/// It may be asked from several threads at a time. Where it should not depend on threads, an answer
+/// must depend on the node alone.
+pub trait Branching: Sync {
+    /// Where to split a node, or nothing for the backend's own rule.
+    ///
+    /// A split is not taken when it does not divide the node: a variable that is continuous, fixed
+    /// or of another model, a value that is NaN or outside the bounds. Such answers are counted in
+    /// [`Statistics::refused_splits`](crate::solution::Statistics::refused_splits).
+    fn split(&self, node: &NodeView<'_>) -> Option<SplitAt>;
+}
+
+impl<F: Fn(&NodeView<'_>) -> Option<SplitAt> + Sync> Branching for F {
+    fn split(&self, node: &NodeView<'_>) -> Option<SplitAt> {
+        self(node)
+    }
+}
+
+/// A source of points: values of integers to try, such as the modes of a simulated roll-out;
+/// closures are sources too.
+///
+/// The backend fixes the values one after the other as far as they do not contradict each other,
+/// completes the rest, and verifies the point. What this led to is in
+/// [`Statistics::heuristics`](crate::solution::Statistics::heuristics), under
+/// [`Heuristic::Proposal`](crate::solution::Heuristic::Proposal).
+pub trait Proposal: Sync {
+    /// Values for some integers, those to be fixed first in front. Values that are no whole numbers
+    /// are rounded; entries with continuous variables, foreign ones and NaN are passed over.
+    fn propose(&self, node: &NodeView<'_>) -> Vec<(Variable, f64)>;
+}
+
+impl<F: Fn(&NodeView<'_>) -> Vec<(Variable, f64)> + Sync> Proposal for F {
+    fn propose(&self, node: &NodeView<'_>) -> Vec<(Variable, f64)> {
+        self(node)
+    }
+}
+
+/// Where a node is split: into `variable <= floor(value)` and `variable >= floor(value) + 1`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SplitAt {
+    /// An integer variable.
+    pub variable: Variable,
+    /// The greatest value of the lower part, rounded down.
+    pub value: f64,
+}
+
+/// A node as a rule sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct NodeView<'a> {
+    tag: ModelTag,
+    bounds: &'a [[f64; 2]],
+    values: &'a [f64],
+    depth: usize,
+    bound: f64,
+}
+
+impl<'a> NodeView<'a> {
+    /// A node, for backends.
+    ///
+    /// # Arguments
+    ///
+    /// * `bounds`, `values`: of the variables, in the order of creation; further entries are not seen
+    /// * `depth`: decisions from the root
+    /// * `bound`: what is proved about the node's best objective, in the model's own sense
+    pub fn new(
+        model: &Model,
+        bounds: &'a [[f64; 2]],
+        values: &'a [f64],
+        depth: usize,
+        bound: f64,
+    ) -> Self {
+        let count = model.variable_count();
+        let bounds = bounds.get(..count).unwrap_or(bounds);
+        NodeView { tag: model.tag(), bounds, values, depth, bound }
+    }
+
+    /// The bounds of a variable at the node: what is decided and what follows from it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`] for a variable of another model.
+    pub fn bounds(&self, variable: Variable) -> Result<Interval, Error> {
+        let entry = self.bounds.get(variable.index()).filter(|_| variable.tag == self.tag);
+        let [lower, upper] = *entry.ok_or_else(|| foreign(variable, "a node"))?;
+        Ok(Interval { lower, upper })
+    }
+
+    /// The value of a variable in the node's relaxation, or in the middle of its bounds where the
+    /// relaxation has none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForeignHandle`] for a variable of another model.
+    pub fn value(&self, variable: Variable) -> Result<f64, Error> {
+        let bounds = self.bounds(variable)?;
+        let middle = 0.5 * (bounds.lower + bounds.upper);
+        Ok(self.values.get(variable.index()).copied().unwrap_or(middle))
+    }
+
+    /// Decisions from the root to the node.
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+
+    /// What is proved about the objective at the node, in the model's own sense; infinite where
+    /// nothing is.
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// The column of a variable of this node's model.
+    pub(crate) fn column(&self, variable: Variable) -> Option<usize> {
+        let known = variable.tag == self.tag && variable.index() < self.bounds.len();
+        known.then(|| variable.index())
+    }
+}
+
+fn foreign(variable: Variable, place: &str) -> Error {
+    let (kind, index) = ("variable", variable.index());
+    Error::ForeignHandle { kind, index, place: place.to_owned() }
+}

@@ -1,0 +1,157 @@
+//! A log for people, in columns.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use web_time::{Duration, Instant};
+
+use super::progress::{Event, Progress};
+use crate::solution::Solution;
+
+/// Lines between two headings.
+const PAGE: u64 = 25;
+
+/// Least time between two lines that report nothing new.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// A progress callback that writes a line for the root, for every new best point and about every
+/// second between them.
+///
+/// The columns are: nodes processed, nodes open, largest depth, best objective, bound, relative gap
+/// in percent, and seconds. A line for a new best point begins with the mark of what found it, see
+/// [`Heuristic::mark`](crate::solution::Heuristic::mark).
+///
+/// ```
+/// use carom::prelude::*;
+///
+/// let mut model = Model::new("m");
+/// let x = model.binary("x")?;
+/// model.maximize(x)?;
+///
+/// let mut log = Log::new(Vec::new()); // or `std::io::stderr()`
+/// let mut callback = |event: &Event| log.record(event);
+/// let mut control = Control::default().with_progress(&mut callback);
+/// let solution = BranchAndBound::default().solve_with(&model, &mut control)?;
+/// log.finish(&solution);
+/// let text = String::from_utf8(log.into_inner().unwrap()).unwrap();
+/// assert!(text.contains("incumbent"));
+/// assert!(text.contains("optimal"));
+/// # Ok::<(), carom::Error>(())
+/// ```
+pub struct Log<W: Write> {
+    writer: W,
+    lines: u64,
+    last: Option<Instant>,
+    failed: Option<io::Error>,
+}
+
+impl<W: Write> Log<W> {
+    /// A log that writes here.
+    pub fn new(writer: W) -> Self {
+        Log { writer, lines: 0, last: None, failed: None }
+    }
+
+    /// Writes the line of an event. When writing fails, nothing more is written and
+    /// [`into_inner`](Self::into_inner) says so.
+    pub fn record(&mut self, event: &Event) {
+        let progress = event.progress();
+        let mark = match event {
+            Event::Incumbent(_) => progress.found_by.map_or('*', |heuristic| heuristic.mark()),
+            Event::Progress(_) if self.last.is_some_and(|last| last.elapsed() < PAUSE) => return,
+            _ => ' ',
+        };
+        self.last = Some(Instant::now());
+        if self.lines.is_multiple_of(PAGE) {
+            self.write(format_args!(
+                "  {:>9} {:>8} {:>6} {:>16} {:>16} {:>9} {:>9}\n",
+                "nodes", "open", "depth", "incumbent", "bound", "gap %", "seconds"
+            ));
+        }
+        self.lines += 1;
+        let Progress { nodes, open, depth, bound, .. } = *progress;
+        let incumbent = progress.incumbent.map_or("-".to_owned(), number);
+        let gap = match 100.0 * progress.relative_gap() {
+            gap if gap.is_finite() && gap < 1e5 => format!("{gap:.4}"),
+            _ => "-".to_owned(),
+        };
+        let (bound, seconds) = (number(bound), progress.elapsed.as_secs_f64());
+        self.write(format_args!(
+            "{mark} {nodes:>9} {open:>8} {depth:>6} {incumbent:>16} {bound:>16} {gap:>9} \
+             {seconds:>9.2}\n"
+        ));
+    }
+
+    /// Writes the outcome, with what the time was spent on and what found points.
+    pub fn finish(&mut self, solution: &Solution) {
+        let statistics = solution.statistics();
+        let objective = solution.objective().map_or("-".to_owned(), number);
+        self.write(format_args!(
+            "{}: objective {objective}, bound {}, {} nodes in {:.2} s ({:.0} a second)\n",
+            solution.termination(),
+            number(solution.bound()),
+            statistics.nodes,
+            statistics.time.as_secs_f64(),
+            statistics.nodes_per_second(),
+        ));
+        self.write(format_args!(
+            "{} relaxations, {} iterations, depth {}, at most {} open, {} bytes\n",
+            statistics.relaxations,
+            statistics.iterations,
+            statistics.depth,
+            statistics.max_open,
+            statistics.tree_bytes,
+        ));
+        self.write(format_args!(
+            "ended: propagation {}, relaxation {}, bound {}, leaf {}; split {}, unfinished {}\n",
+            statistics.refuted_by_propagation,
+            statistics.refuted_by_relaxation,
+            statistics.cut_off,
+            statistics.leaves,
+            statistics.split,
+            statistics.unfinished,
+        ));
+        let total = statistics.times.total().as_secs_f64().max(f64::MIN_POSITIVE);
+        let share = |(name, time): (&str, Duration)| {
+            format!("{name} {:.0} %", 100.0 * time.as_secs_f64() / total)
+        };
+        let shares: Vec<String> = statistics.times.parts().into_iter().map(share).collect();
+        self.write(format_args!("time: {}\n", shares.join(", ")));
+        for (heuristic, count) in statistics.heuristics.iter().filter(|(_, c)| c.calls > 0) {
+            self.write(format_args!(
+                "{} {heuristic}: {} calls, {} points, {} of them the best so far\n",
+                heuristic.mark(),
+                count.calls,
+                count.points,
+                count.incumbents
+            ));
+        }
+    }
+
+    /// The writer.
+    ///
+    /// # Errors
+    ///
+    /// The first error of the writer, after which nothing more was written.
+    pub fn into_inner(self) -> io::Result<W> {
+        self.failed.map_or(Ok(self.writer), Err)
+    }
+
+    fn write(&mut self, text: fmt::Arguments<'_>) {
+        if self.failed.is_none() {
+            self.failed = self.writer.write_fmt(text).err();
+        }
+    }
+}
+
+impl<W: Write> fmt::Debug for Log<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Log").field("lines", &self.lines).finish_non_exhaustive()
+    }
+}
+
+/// Ten significant digits, as short as that can be said.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    let plain = format!("{}", rounded + 0.0);
+    if plain.len() <= 14 { plain } else { format!("{value:.7e}") }
+}

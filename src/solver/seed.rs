@@ -1,0 +1,96 @@
+//! What an earlier solve can hand over to the next.
+
+use crate::model::Variable;
+use crate::solution::{LeafBox, Solution};
+
+/// A warm start of the tree: a guess of some integers, and boxes to split the root into.
+///
+/// Nothing of it is trusted. The guess is fixed, completed and verified like any other point. The
+/// boxes only say where to split: the root is divided along their bounds into parts that cover it
+/// whatever the boxes are, and every part is relaxed again; the boxes' bounds decide the order only.
+/// So a seed changes no status and no optimum, only the way there.
+///
+/// A controller with a receding horizon solves nearly the same program again and again. It shifts
+/// what the last solve left by one step:
+///
+/// ```
+/// use carom::prelude::*;
+/// use carom::solver::TreeSeed;
+///
+/// /// Reach the goal with few switches; the state at the beginning is a parameter.
+/// let mut model = Model::new("horizon");
+/// let steps = 8;
+/// let x = model.continuous_family("x", steps + 1, -20.0, 20.0)?;
+/// let up = model.binary_family("up", steps)?;
+/// let start = model.parameter("start", 4.0, -10.0, 10.0)?;
+/// model.add("start", (x[0] - start).equals(0.0))?;
+/// for t in 0..steps {
+///     model.add(("step", t), (x[t + 1] - x[t] - 3.0 * up[t]).equals(-1.2))?;
+/// }
+/// model.minimize((0..=steps).map(|t| (x[t] - 0.3).square()).sum::<Quadratic>())?;
+///
+/// let mut solver = BranchAndBound::new(Options::default().with_leaves(true));
+/// let first = solver.solve(&model)?;
+///
+/// // One step later: the plan's second state is the first one, and all decisions move by one.
+/// let next = first.value(x[1])?;
+/// model.set_parameter(start, next)?;
+/// let without = solver.solve(&model)?;
+/// let earlier = |v: Variable| up.iter().position(|&u| u == v)?.checked_sub(1).map(|t| up[t]);
+/// let seed = TreeSeed::of(&first, up.iter().copied()).mapped(earlier);
+/// let mut control = Control::default().with_seed(&seed);
+/// let with = solver.solve_with(&model, &mut control)?;
+///
+/// assert!(with.is_optimal() && without.is_optimal());
+/// assert!((with.objective().unwrap() - without.objective().unwrap()).abs() < 1e-4);
+/// let report = with.seed_report().unwrap();
+/// assert!(report.guess.is_some());
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TreeSeed {
+    /// Values of some integer variables, the surest first: where all of them lead to no point, the
+    /// first half is tried, and then the first quarter.
+    pub guess: Vec<(Variable, f64)>,
+    /// Boxes to split the root into; they need not cover it.
+    pub leaves: Vec<LeafBox>,
+}
+
+impl TreeSeed {
+    /// An empty seed.
+    pub fn new() -> Self {
+        TreeSeed::default()
+    }
+
+    /// What a solution has: the values of the given integer variables at its point, if there is one,
+    /// and its leaves, if they were kept.
+    pub fn of(solution: &Solution, integers: impl IntoIterator<Item = Variable>) -> Self {
+        let value = |variable| Some((variable, solution.value(variable).ok()?));
+        let guess = integers.into_iter().filter_map(value).collect();
+        TreeSeed { guess, leaves: solution.leaves().to_vec() }
+    }
+
+    /// Sets the guess.
+    #[must_use]
+    pub fn with_guess(mut self, guess: impl IntoIterator<Item = (Variable, f64)>) -> Self {
+        self.guess = guess.into_iter().collect();
+        self
+    }
+
+    /// Sets the boxes.
+    #[must_use]
+    pub fn with_leaves(mut self, leaves: impl IntoIterator<Item = LeafBox>) -> Self {
+        self.leaves = leaves.into_iter().collect();
+        self
+    }
+
+    /// The seed over other variables: `to` says which one takes the place of a variable, and drops
+    /// what is said about it where it says `None`.
+    #[must_use]
+    pub fn mapped(&self, to: impl Fn(Variable) -> Option<Variable>) -> Self {
+        let guess = self.guess.iter().filter_map(|&(v, value)| Some((to(v)?, value))).collect();
+        TreeSeed { guess, leaves: self.leaves.iter().map(|leaf| leaf.mapped(&to)).collect() }
+    }
+}

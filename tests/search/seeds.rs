@@ -1,0 +1,195 @@
+//! Warm starts: whatever a seed says, status and optimum stay the same; ends of the tree cover it.
+
+use carom::prelude::*;
+use carom::solution::{GuessStatus, LeafBound, LeafBox};
+use carom::solver::TreeSeed;
+use proptest::prelude::*;
+
+use super::common::config;
+use super::common::enumeration::{all_optima, optimum};
+use super::common::generate::{Shape, case};
+use super::common::quadratic_program::Minimum;
+use super::knapsack;
+
+type Numbers = Vec<(usize, f64)>;
+type Boxes = Vec<(Vec<(usize, f64, f64)>, f64)>;
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => (-4..=6_i32).prop_map(f64::from),
+        1 => Just(0.4),
+        1 => prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e18]),
+    ]
+}
+
+fn nonsense() -> impl Strategy<Value = (Numbers, Boxes)> {
+    let bounds = prop::collection::vec((0..9_usize, number(), number()), 0..5);
+    (
+        prop::collection::vec((0..9_usize, number()), 0..6),
+        prop::collection::vec((bounds, number()), 0..7),
+    )
+}
+
+/// A seed over the variables of a model; positions beyond them are of another model.
+fn seed(variables: &[Variable], guess: &Numbers, boxes: &Boxes) -> TreeSeed {
+    let mut other = Model::new("other");
+    let foreign = other.binary("z").unwrap();
+    let at = |j: usize| variables.get(j).copied().unwrap_or(foreign);
+    let leaf = |(bounds, bound): &(Vec<(usize, f64, f64)>, f64)| LeafBox {
+        bounds: bounds
+            .iter()
+            .map(|&(j, lower, upper)| LeafBound { variable: at(j), lower, upper })
+            .collect(),
+        bound: *bound,
+    };
+    TreeSeed::new()
+        .with_guess(guess.iter().map(|&(j, value)| (at(j), value)))
+        .with_leaves(boxes.iter().map(leaf))
+}
+
+fn solve(model: &Model, seed: &TreeSeed, options: Options) -> Solution {
+    let mut control = Control::default().with_seed(seed);
+    BranchAndBound::new(options).solve_with(model, &mut control).unwrap()
+}
+
+proptest! {
+    #![proptest_config(config(200, "tests/regressions/seeds.txt"))]
+
+    #[test]
+    fn no_seed_changes_an_answer(
+        case in case(Shape::QUADRATIC),
+        (guess, boxes) in nonsense(),
+        threads in 1..=2_usize,
+        deterministic in any::<bool>(),
+    ) {
+        let (model, variables) = case.build();
+        let seed = seed(&variables, &guess, &boxes);
+        let options = Options::default().with_threads(threads).with_deterministic(deterministic);
+        let solution = solve(&model, &seed, options);
+        match optimum(&case) {
+            Minimum::Attained { value, .. } => {
+                prop_assert!(solution.is_optimal(), "{:?}", solution);
+                let found = case.sign() * solution.objective().unwrap();
+                prop_assert!((found - value).abs() < 1e-5 * value.abs().max(1.0));
+            }
+            Minimum::Infeasible => prop_assert!(solution.is_infeasible(), "{:?}", solution),
+            Minimum::Unbounded => prop_assert_eq!(solution.termination(), Termination::Unbounded),
+        }
+        let report = solution.seed_report().unwrap();
+        if let Some(leaves) = &report.leaves {
+            prop_assert_eq!(leaves.used.len(), boxes.len());
+            prop_assert!(leaves.inside >= leaves.used.iter().filter(|used| **used).count());
+        }
+    }
+
+    /// The ends of a tree, finished or not, cover all assignments of the integers without overlap;
+    /// and handed to the next solve of the same program they are found again.
+    #[test]
+    fn ends_cover_the_tree(case in case(Shape::BOUNDED), limit in prop::option::of(1..6_u64)) {
+        let (model, variables) = case.build();
+        let mut options = Options::default().with_leaves(true);
+        options.node_limit = limit;
+        let solution = BranchAndBound::new(options).solve(&model).unwrap();
+        let integral: Vec<Variable> = model
+            .variables()
+            .filter(|v| v.kind().is_integral())
+            .map(|v| v.id())
+            .collect();
+        for (assignment, cost) in all_optima(&case) {
+            let of = |variable: Variable| {
+                let place = integral.iter().position(|&v| v == variable);
+                assignment[place.expect("an integer variable")] as f64
+            };
+            let holds = |leaf: &&LeafBox| {
+                leaf.bounds.iter().all(|b| (b.lower..=b.upper).contains(&of(b.variable)))
+            };
+            let around: Vec<&LeafBox> = solution.leaves().iter().filter(holds).collect();
+            prop_assert_eq!(around.len(), 1, "{:?} in {:?}", assignment, solution.leaves());
+            // The bound of an end holds for its points, up to the cutoff.
+            let best = case.sign() * solution.objective().unwrap_or(f64::INFINITY);
+            let bound = case.sign() * around[0].bound;
+            prop_assert!(cost >= bound.min(best) - 1e-5 * cost.abs().max(1.0));
+        }
+        let seed = TreeSeed::of(&solution, variables.iter().copied());
+        let again = solve(&model, &seed, Options::default());
+        if let Some(leaves) = again.seed_report().and_then(|report| report.leaves.as_ref()) {
+            prop_assert_eq!(leaves.added, 0, "{:?}", leaves);
+        }
+        if limit.is_none() {
+            prop_assert_eq!(again.termination(), solution.termination());
+        }
+    }
+}
+
+#[test]
+fn guesses_are_accepted_repaired_or_rejected() {
+    let mut model = Model::new("m");
+    let v = model.integer_family("n", 3, 0.0, 9.0).unwrap();
+    model.add("sum", (v[0] + v[1] + v[2]).equals(10.0)).unwrap();
+    model.minimize((v[0] - 1.0).square() + (v[1] - 7.0).square() + v[2].square()).unwrap();
+    let status = |guess: &[(usize, f64)]| {
+        let seed = TreeSeed::new().with_guess(guess.iter().map(|&(j, value)| (v[j], value)));
+        let solution = solve(&model, &seed, Options::default());
+        assert!(solution.is_optimal());
+        assert!((solution.objective().unwrap() - 2.0).abs() < 1e-5);
+        solution.seed_report().unwrap().guess.clone().unwrap()
+    };
+    assert_eq!(status(&[(0, 4.0), (1, 4.0)]), GuessStatus::Accepted);
+    assert_eq!(status(&[(0, 4.0), (1, 4.0), (2, 2.0)]), GuessStatus::Accepted);
+    assert_eq!(
+        status(&[(0, 4.0), (1, 4.0), (2, 3.0)]),
+        GuessStatus::Repaired { changed: vec![v[2]] }
+    );
+    assert_eq!(status(&[(0, 12.0)]), GuessStatus::Repaired { changed: vec![v[0]] });
+
+    let z = model.binary("z").unwrap();
+    model.add("never", (2.0 * (v[0] + z)).equals(7.0)).unwrap();
+    let seed = TreeSeed::new().with_guess([(v[1], 3.0), (z, 1.0)]);
+    let solution = solve(&model, &seed, Options::default());
+    assert!(solution.is_infeasible());
+}
+
+#[test]
+fn a_guess_without_a_point_is_rejected_in_words() {
+    // Whatever the binaries are, their squares have to meet a sum that propagation does not see.
+    let mut model = Model::new("m");
+    let v = model.binary_family("v", 6).unwrap();
+    let x = model.continuous_family("x", 6, 0.0, 1.0).unwrap();
+    for k in 0..6 {
+        model.add(("on", k), (x[k] - v[k]).le(0.0)).unwrap();
+    }
+    let pairs: Affine = (0..6).map(|k| x[k] + 0.0).sum();
+    model.add("all", pairs.clone().ge(2.5)).unwrap();
+    model.add("few", v.iter().map(|v| 1.0 * v).sum::<Affine>().le(3.0)).unwrap();
+    model.minimize(v.iter().enumerate().map(|(k, v)| (k + 1) as f64 * v).sum::<Affine>()).unwrap();
+    let seed = TreeSeed::new().with_guess(v.iter().map(|v| (v, 0.0)));
+    let solution = solve(&model, &seed, Options::default());
+    assert!(solution.is_optimal());
+    match solution.seed_report().unwrap().guess.as_ref().unwrap() {
+        GuessStatus::Repaired { changed } => assert_eq!(changed.len(), 3),
+        GuessStatus::Rejected { reason } => assert!(reason.contains("point"), "{reason}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The same program again, from its own tree: no split is made twice.
+#[test]
+fn the_ends_of_a_tree_spare_its_splits() {
+    for number in 0..4 {
+        let model = knapsack(16, number);
+        let options = Options::default().with_leaves(true);
+        let first = BranchAndBound::new(options).solve(&model).unwrap();
+        let variables: Vec<Variable> = model.variables().map(|v| v.id()).collect();
+        let seed = TreeSeed::of(&first, variables);
+        let again = solve(&model, &seed, Options::default());
+        assert!(again.is_optimal());
+        let report = again.seed_report().unwrap();
+        assert_eq!(report.guess, Some(GuessStatus::Accepted));
+        assert!(
+            again.statistics().nodes < first.statistics().nodes,
+            "{} {}",
+            again.statistics().nodes,
+            first.statistics().nodes
+        );
+    }
+}
