@@ -95,14 +95,24 @@ fn knapsack() -> (Model, Answer) {
     (m, answer)
 }
 
-/// Twice a sum of 31 binaries and `odd` make 31, so `odd` is 1; but refuting 0 takes an
-/// enumeration, for a relaxation sees no parity.
+/// Two rows over 31 binaries whose sum has even coefficients, but for `odd`, and an odd right side,
+/// so `odd` is 1; but refuting 0 takes an enumeration, for neither row shows the parity of the sum.
 fn parity() -> (Model, f64) {
     let mut m = model("parity");
     let odd = m.binary("odd").unwrap();
     let x = m.binary_family("x", 31).unwrap();
-    let sum: Affine = x.iter().sum();
-    m.add("sum", (2.0 * sum + odd).equals(31.0)).unwrap();
+    let (mut first, mut second) = (Affine::from(odd), Affine::default());
+    let (mut one, mut two) = (1.0, 0.0);
+    for k in 0..31u32 {
+        let a = f64::from(3 + k * 7 % 11);
+        let b = a + f64::from(2 + 2 * (k * 5 % 7));
+        first += a * x[k as usize];
+        second += b * x[k as usize];
+        // Every other binary on, and `odd`: a point.
+        (one, two) = if k % 2 == 0 { (one + a, two + b) } else { (one, two) };
+    }
+    m.add("first", first.equals(one)).unwrap();
+    m.add("second", second.equals(two)).unwrap();
     m.minimize(odd).unwrap();
     (m, 1.0)
 }

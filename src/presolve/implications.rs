@@ -1,8 +1,9 @@
 //! What a binary at one of its values implies beyond propagation.
 //!
 //! Probing a binary at both of its values tells what follows from each. What follows from both for
-//! an integral column holds anyway. And where `a` leads to `b` by propagation, "not `b`" implies "not `a`", which propagation
-//! often does not find: a table keeps these, and propagation follows it.
+//! an integral column holds anyway. And where `a` leads to `b` by propagation, "not `b`" implies
+//! "not `a`", which propagation often does not find: a table keeps these, and propagation follows
+//! it.
 
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};

@@ -202,8 +202,8 @@ impl Propagator {
             let literal = 2 * j + usize::from(lower == 1.0);
             for k in 0..self.implications.of(literal).len() {
                 let other = self.implications.of(literal)[k];
-                let (column, is_upper) = (other / 2, other % 2 == 0);
-                let value = if is_upper { 0.0 } else { 1.0 };
+                let (column, value) = (other / 2, (other % 2) as f64);
+                let is_upper = value == 0.0;
                 let [lower, upper] = domain.bounds(column);
                 if lower > value || upper < value {
                     return Err(Conflict::Column(column));

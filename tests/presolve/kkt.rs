@@ -27,21 +27,21 @@ fn residual(program: &Program, x: &[f64], y: &[f64], d: &[f64]) -> f64 {
         let room = if multiplier > 0.0 { room_above } else { room_below };
         worst = worst.max(multiplier.abs().min(room.abs()));
     };
-    for i in 0..program.row_count() {
+    for (i, &multiplier) in y.iter().enumerate() {
         let (columns, values) = program.row(i);
         let activity: f64 = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
-        pressed(y[i], program.row_upper[i] - activity, activity - program.row_lower[i]);
+        pressed(multiplier, program.row_upper[i] - activity, activity - program.row_lower[i]);
     }
     for j in (0..x.len()).filter(|&j| !program.integral[j]) {
         pressed(-d[j], program.upper[j] - x[j], x[j] - program.lower[j]);
     }
-    for j in 0..x.len() {
+    for (j, &reduced_cost) in d.iter().enumerate() {
         let (rows, products) = program.quadratic_column(j);
         let mut gradient = program.linear[j];
         gradient += rows.iter().zip(products).map(|(&i, p)| p * x[i]).sum::<f64>();
         let (rows, values) = program.column(j);
         gradient += rows.iter().zip(values).map(|(&i, a)| a * y[i]).sum::<f64>();
-        worst = worst.max((gradient - d[j]).abs());
+        worst = worst.max((gradient - reduced_cost).abs());
     }
     worst
 }

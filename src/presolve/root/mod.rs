@@ -183,6 +183,9 @@ pub fn presolve(
     go_on: &dyn Fn() -> bool,
 ) -> Result<Presolve, Error> {
     let mut work = Work::new(program);
+    if work.settle().is_err() {
+        return Ok(Presolve::Infeasible);
+    }
     for _ in 0..ROUNDS {
         let mut changes = 0;
         for rule in rules {

@@ -222,6 +222,14 @@ impl Work {
         Ok(())
     }
 
+    /// Refuses bounds and limits that contradict each other.
+    pub(super) fn settle(&mut self) -> Result<(), Infeasible> {
+        for column in 0..self.uses.len() {
+            self.intersect(column, f64::NEG_INFINITY, f64::INFINITY)?;
+        }
+        (0..self.rows.len()).try_for_each(|row| self.settle_row(row))
+    }
+
     /// Whether the limits of a row, in its unit, are crossed; slightly crossed ones meet.
     pub(super) fn settle_row(&mut self, row: usize) -> Result<(), Infeasible> {
         let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
