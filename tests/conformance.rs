@@ -527,7 +527,8 @@ impl Solver for Spoiled {
 #[test]
 fn the_suite_finds_what_is_wrong() {
     let inner = BranchAndBound::default;
-    let wrong: [(fn(&mut Outcome), &str, &str); 6] = [
+    type Spoil = fn(&mut Outcome);
+    let wrong: [(Spoil, &str, &str); 6] = [
         // A bound beyond the optimum of a maximisation.
         (|o| o.bound -= 0.5 * o.bound.abs(), "knapsack", "is beyond the optimum 18"),
         (|o| o.bound = f64::NAN, "knapsack", "is beyond the optimum 18"),

@@ -53,6 +53,8 @@ enum Limit {
     /// Microseconds.
     Time(u64),
     Nodes(u64),
+    /// Bytes of the tree.
+    Memory(u64),
     /// An interrupt from another thread after so many microseconds.
     Interrupt(u64),
     /// An interrupt from within the callback, at so many events.
@@ -67,6 +69,7 @@ fn limit() -> impl Strategy<Value = Limit> {
     prop_oneof![
         3 => micros().prop_map(Limit::Time),
         2 => (0..60_u64).prop_map(Limit::Nodes),
+        1 => (2.0..5.5_f64).prop_map(|exponent| Limit::Memory(10.0_f64.powf(exponent) as u64)),
         3 => micros().prop_map(Limit::Interrupt),
         1 => (0..12_u32).prop_map(Limit::Event),
         1 => (micros(), micros()).prop_map(|(a, b)| Limit::Both(a, b)),
@@ -89,6 +92,10 @@ fn stopped(
         Limit::Nodes(nodes) => {
             options.node_limit = Some(nodes);
             kinds.push(Termination::NodeLimit);
+        }
+        Limit::Memory(bytes) => {
+            options.memory_limit = Some(bytes);
+            kinds.push(Termination::MemoryLimit);
         }
         Limit::Interrupt(micros) => delay = Some(micros),
         Limit::Event(count) => events = Some(count),

@@ -261,7 +261,7 @@ pub(crate) fn cartpole(steps: usize, start: [f64; 4]) -> Model {
         }
     }
     for t in 0..=steps {
-        let state = [x[0][t], x[1][t], x[2][t], x[3][t]];
+        let state: Vec<Variable> = x.iter().map(|family| family[t]).collect();
         rows.quadratic(&state, if t == steps { &last } else { &q });
     }
     for input in push.iter().chain(walls.iter().flatten()) {

@@ -24,11 +24,9 @@ fn solved(mut p: Matrix, mut q: Matrix) -> Matrix {
     for k in 0..n {
         for i in (0..n).filter(|&i| i != k) {
             let factor = p[i][k] / p[k][k];
-            for j in 0..n {
-                p[i][j] -= factor * p[k][j];
-            }
-            for j in 0..q[0].len() {
-                q[i][j] -= factor * q[k][j];
+            for matrix in [&mut p, &mut q] {
+                let pivot = matrix[k].clone();
+                matrix[i].iter_mut().zip(pivot).for_each(|(entry, other)| *entry -= factor * other);
             }
         }
     }

@@ -71,7 +71,9 @@ impl Mul for Dyadic {
     type Output = Dyadic;
     fn mul(self, other: Dyadic) -> Dyadic {
         let mantissa = self.mantissa.checked_mul(other.mantissa).expect("few digits");
-        Dyadic { mantissa, exponent: self.exponent + other.exponent }.reduced()
+        // Exponents add up where numbers are multiplied.
+        let exponent = [self.exponent, other.exponent].iter().sum();
+        Dyadic { mantissa, exponent }.reduced()
     }
 }
 
