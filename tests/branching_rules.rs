@@ -66,7 +66,7 @@ impl Chain {
         let mut columns = BTreeMap::new();
         for k in 0..=n {
             // Strides are prime to all numbers of states but two, which keep their order.
-            let stride = if (n + 1) % self.stride == 0 { 1 } else { self.stride };
+            let stride = if (n + 1).is_multiple_of(self.stride) { 1 } else { self.stride };
             let t = k * stride % (n + 1);
             let state = model.continuous(format!("state_{t}"), 0.0, TOP as f64).unwrap();
             let event = model.binary(format!("event_{t}")).unwrap();

@@ -20,8 +20,15 @@ const TRIAL: [Attempt; 1] = [(Method::InteriorPoint, 30, 1e-5, 1)];
 
 /// The ladder of attempts at a node: method, iterations, tolerance, refinements. Iterations are
 /// capped: a program infeasible by a hair keeps an interior-point method busy without a verdict.
-const LADDER: [Attempt; 4] = [
+const LADDER: [Attempt; 3] = [
     (Method::InteriorPoint, 60, 1e-8, 1),
+    (Method::Clarabel, 60, 1e-8, 1),
+    (Method::Clarabel, 200, 1e-9, 10),
+];
+
+/// The ladder at a leaf, whose point may become the answer: digits cost an iteration or two.
+const LEAF: [Attempt; 4] = [
+    (Method::InteriorPoint, 60, 1e-11, 1),
     (Method::Clarabel, 60, 1e-8, 1),
     (Method::Clarabel, 200, 1e-9, 10),
     (Method::Clarabel, 200, 1e-11, 10),
@@ -98,8 +105,8 @@ impl Worker<'_> {
         // The backend's gap is relative to an objective without the constant, which may be large.
         let attempts = match (self.on_trial, leaf) {
             (true, _) => &TRIAL[..],
-            (false, false) => &LADDER[..3],
-            (false, true) => &LADDER[..],
+            (false, false) => &LADDER[..],
+            (false, true) => &LEAF[..],
         };
         let mut cutoff = self.tree.cutoff();
         let mut attempts = attempts.iter().peekable();

@@ -82,8 +82,8 @@ mod tests {
         const STEPS: usize = 12;
         let order: Vec<usize> = (0..STEPS).map(|k| (5 * k) % STEPS).collect();
         let mut model = Model::new("chain");
-        let mut state = vec![None; STEPS + 1];
-        let mut hit = vec![None; STEPS];
+        let mut state = [None; STEPS + 1];
+        let mut hit = [None; STEPS];
         for &t in &order {
             state[t] = Some(model.continuous(format!("q{}", 7 * t % 13), 0.0, 9.0).unwrap());
             hit[t] = Some(model.binary(format!("h{}", 5 * t % 13)).unwrap());

@@ -36,6 +36,9 @@ const STUCK: u32 = 3;
 /// Steps below this length are not worth the name (no unit).
 const SHORT_STEP: f64 = 1e-3;
 
+/// The tolerance at which a program counts as solved where no more can be had.
+const ROUGH: f64 = 1e-8;
+
 /// By how much, relative, a bound must be beyond a cutoff before the method stops for it.
 const PROMISE: f64 = 1e-7;
 
@@ -66,13 +69,15 @@ impl Relaxation for InteriorPoint {
         };
         let began = web_time::Instant::now();
         let (mut stuck, mut iterations) = (0, 0);
+        let mut nearly = None;
         while iterations < effort.iterations {
             at.measure(&scaled);
             if !at.is_finite() {
                 return nothing(u64::from(iterations));
             }
             let done = |claim| answer(claim, &at, u64::from(iterations));
-            let feasible = at.violation(&scaled) <= effort.tolerance;
+            let violation = at.violation(&scaled);
+            let feasible = violation <= effort.tolerance;
             if feasibility_problem && feasible {
                 return Answer { y: vec![0.0; m], ..done(Claim::Solved) };
             }
@@ -93,6 +98,10 @@ impl Relaxation for InteriorPoint {
                 if feasible && distance <= gap {
                     return done(Claim::Solved);
                 }
+                let rough = effort.tolerance.max(ROUGH);
+                if violation <= rough && distance <= 10.0 * rough * value.abs().max(1.0) {
+                    nearly = Some(done(Claim::Solved));
+                }
                 if at.refutes(&scaled) {
                     return done(Claim::Infeasible);
                 }
@@ -112,6 +121,6 @@ impl Relaxation for InteriorPoint {
                 break;
             }
         }
-        answer(Claim::Unknown, &at, u64::from(iterations))
+        nearly.unwrap_or_else(|| answer(Claim::Unknown, &at, u64::from(iterations)))
     }
 }
