@@ -191,8 +191,8 @@ impl<'a> NodeView<'a> {
         Ok(Interval { lower, upper })
     }
 
-    /// The value of a variable in the node's relaxation, or in the middle of its bounds where the
-    /// relaxation has none.
+    /// The value of a variable in the node's relaxation, brought into its bounds, which may have
+    /// become narrower since; the middle of its bounds where the relaxation has none.
     ///
     /// # Errors
     ///
@@ -200,7 +200,8 @@ impl<'a> NodeView<'a> {
     pub fn value(&self, variable: Variable) -> Result<f64, Error> {
         let bounds = self.bounds(variable)?;
         let middle = 0.5 * (bounds.lower + bounds.upper);
-        Ok(self.values.get(variable.index()).copied().unwrap_or(middle))
+        let value = self.values.get(variable.index()).copied().unwrap_or(middle);
+        Ok(value.max(bounds.lower).min(bounds.upper))
     }
 
     /// Decisions from the root to the node.
