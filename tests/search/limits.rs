@@ -119,7 +119,8 @@ fn a_callback_that_breaks_ends_the_search() {
 fn memory_ends_like_the_other_limits() {
     let model = parity(40);
     for threads in [1, 2] {
-        let options = Options::default().with_threads(threads).with_memory_limit(1 << 11);
+        let mut options = Options::default().with_threads(threads).with_memory_limit(1 << 11);
+        options.symmetry = false; // else the tree is small
         let solution = BranchAndBound::new(options).solve(&model).unwrap();
         assert_eq!(solution.termination(), Termination::MemoryLimit);
         assert!(solution.termination().is_limit());
