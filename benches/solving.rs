@@ -1,5 +1,15 @@
-//! Speed of the solving tower on the paper's program: lowering and assembly, propagation, probing,
-//! reduction, one relaxation, and the search for the shortest horizon.
+//! Speed of the solving tower's parts on the paper's program and on quadratic ones: lowering and
+//! assembly, propagation, probing, reduction, one relaxation; and the search for the shortest
+//! horizon.
+
+#[path = "../tests/instances/generators.rs"]
+mod generators;
+#[path = "../tests/instances/random_miqp.rs"]
+mod random_miqp;
+#[path = "../tests/instances/riccati.rs"]
+mod riccati;
+#[path = "../tests/instances/suite.rs"]
+mod suite;
 
 use std::hint::black_box;
 
@@ -25,12 +35,20 @@ fn assembled(model: &Model) -> Program {
 }
 
 fn node(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("paper_457");
-    let model = paper(457);
-    group.bench_function("build", |b| b.iter(|| paper(black_box(457))));
-    group.bench_function("lower_and_assemble", |b| b.iter(|| assembled(black_box(&model))));
+    criterion.bench_function("paper_457/build", |b| b.iter(|| paper(black_box(457))));
+    parts(criterion, "paper_457", &paper(457));
+    for (name, model, _) in
+        suite::suite(&["pendulum_40", "boxes_30q", "miqp_60"].map(str::to_owned))
+    {
+        parts(criterion, name, &model);
+    }
+}
 
-    let program = assembled(&model);
+fn parts(criterion: &mut Criterion, name: &str, model: &Model) {
+    let mut group = criterion.benchmark_group(name);
+    group.bench_function("lower_and_assemble", |b| b.iter(|| assembled(black_box(model))));
+
+    let program = assembled(model);
     let mut propagator = Propagator::new(&program);
     let fresh = Domain::new(&program);
     group.bench_function("propagate_root", |b| {
@@ -42,7 +60,7 @@ fn node(criterion: &mut Criterion) {
     });
 
     let mut root = fresh.clone();
-    propagator.propagate_all(&program, &mut root).expect("457 steps are feasible");
+    propagator.propagate_all(&program, &mut root).expect("it is feasible");
     group.bench_function("probe_root", |b| {
         b.iter_batched(
             || root.clone(),
@@ -56,7 +74,7 @@ fn node(criterion: &mut Criterion) {
     group.bench_function("reduce_root", |b| b.iter(|| reduce(&program, black_box(&root))));
 
     let Reduction::Reduced(reduced) = reduce(&program, &root) else {
-        panic!("457 steps are feasible");
+        panic!("it is feasible");
     };
     let effort = Effort {
         iterations: 60,

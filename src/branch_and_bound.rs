@@ -6,16 +6,18 @@ use web_time::Instant;
 
 use crate::error::Error;
 use crate::model::Model;
+use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate;
-use crate::search::{Guide, Task, search};
-use crate::solution::{Outcome, Point, Solution, Verification};
+use crate::search::cuts::strengthen;
+use crate::search::{Found, Guide, Task, search};
+use crate::solution::{Outcome, Point, Solution, Statistics, Verification};
 use crate::solver::{Budget, Control, Options, Solver, TreeSeed};
 use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
 ///
-/// A model is lowered (indicators and logic to rows), assembled, and searched; incumbents are
+/// A model is lowered (indicators and logic to rows), assembled, presolved, and searched; incumbents are
 /// accepted only when they pass the model's own [`Verification`], implications included.
 ///
 /// ```
@@ -67,32 +69,56 @@ impl Solver for BranchAndBound {
         let budget = Budget::new(options.time_limit, control.interrupt());
         let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
         let program = Program::assemble(lowered.model())?;
-        let accept = |values: &[f64]| {
-            Point::new(model, lowered.restore(values))
-                .is_ok_and(|point| Verification::of(model, &point, options.feasibility).holds())
-        };
-        let integral: Vec<bool> = model.variables().map(|v| v.kind().is_integral()).collect();
-        let key = |values: &[f64]| {
-            let values = lowered.restore(values);
-            let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
-            integers.map(|(value, _)| value.round() as i64).collect()
-        };
-        let describe = |values: &[f64]| Point::new(model, lowered.restore(values)).ok();
-        let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let guide = Guide::new(model, control.guidance())?;
-        let task = Task {
-            guide: &guide,
-            windows: None,
-            program: &program,
-            accept: &accept,
-            key: &key,
-            describe: &describe,
-            options,
-            start,
+        let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
+        let integral: Vec<bool> = model.variables().map(|v| v.kind().is_integral()).collect();
+        // Seeds, guidance, pools and leaves speak of the columns as they are.
+        let as_is = given.is_some() || !guide.is_idle() || options.pool > 1 || options.keep_leaves;
+        let rules: &[Rule] = if options.presolve && !as_is { &Rule::ALL } else { &[] };
+        let go_on = || budget.exhausted().is_none();
+        let mut at_root = Statistics::default();
+        let found = match presolve(&program, rules, &go_on)? {
+            Presolve::Infeasible => Found::infeasible(),
+            Presolve::Presolved(presolved) => {
+                let Presolved { program, postsolve } = &*presolved;
+                let restore = |values: &[f64]| lowered.restore(&postsolve.point(values));
+                let accept = |values: &[f64]| {
+                    Point::new(model, restore(values)).is_ok_and(|point| {
+                        Verification::of(model, &point, options.feasibility).holds()
+                    })
+                };
+                let key = |values: &[f64]| {
+                    let values = restore(values);
+                    let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
+                    integers.map(|(value, _)| value.round() as i64).collect()
+                };
+                let describe = |values: &[f64]| Point::new(model, restore(values)).ok();
+                let time_left =
+                    || options.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
+                let cut = if options.cuts && !as_is {
+                    strengthen(program, &time_left, control.interrupt(), &mut at_root)
+                } else {
+                    None
+                };
+                let task = Task {
+                    guide: &guide,
+                    windows: None,
+                    program: cut.as_ref().unwrap_or(program),
+                    accept: &accept,
+                    key: &key,
+                    describe: &describe,
+                    options,
+                    start,
+                };
+                let found = search(task, control, given.as_ref().map(|(seed, _)| seed));
+                let points = found.points.iter().map(|values| postsolve.point(values)).collect();
+                Found { points, ..found }
+            }
         };
-        let found = search(task, control, given.as_ref().map(|(seed, _)| seed));
         let report = given.as_ref().map(|(_, ignored)| report(model, &found, *ignored));
         let mut statistics = found.statistics;
+        statistics.relaxations += at_root.relaxations;
+        statistics.iterations += at_root.iterations;
         statistics.time = start.elapsed();
         let outcome = Outcome {
             termination: found.termination,

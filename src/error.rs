@@ -290,6 +290,16 @@ pub enum Error {
         /// The termination status.
         termination: String,
     },
+    /// A model that a solver is not made for.
+    #[error("{solver} does not take {what}; {mend}")]
+    Unsupported {
+        /// The solver.
+        solver: String,
+        /// What it does not take.
+        what: String,
+        /// What to do instead.
+        mend: String,
+    },
     /// A solver answered something that its contract excludes.
     #[error("the solver broke its contract: {message}")]
     Backend {

@@ -232,7 +232,7 @@
 //! | [`error`], [`tolerance`], [`interval`] | [`hybrid`] | [`reformulate`] |
 //! | [`model`] | [`collision_tolerant`] | [`program`], [`presolve`] |
 //! | [`solution`] | | [`relaxation`], [`search`] |
-//! | [`solver`] | | [`branch_and_bound`], [`explain`], [`external`] |
+//! | [`solver`], [`conformance`] | | [`branch_and_bound`], [`explain`], [`external`] |
 //!
 //! The towers never import each other: planners see a solver only through its trait.
 //!
@@ -240,16 +240,23 @@
 //!
 //! * `serde`: models, options, solutions, plans can be serialised. Off by default.
 //!
-//! No feature needs a C or C++ toolchain or a system library; the crate builds for
+//! * `highs`: HiGHS as a second backend for mixed-integer linear programs,
+//!   `carom::highs::HighsSolver`. It compiles C++ for some minutes and needs cmake, a C++ compiler
+//!   and libclang. Off by default; without effect on WebAssembly.
+//!
+//! No other feature needs a C or C++ toolchain or a system library; the crate builds for
 //! `wasm32-unknown-unknown`.
 
 pub mod branch_and_bound;
 pub mod collision_tolerant;
+pub mod conformance;
 pub mod error;
 pub mod explain;
 #[cfg(not(target_family = "wasm"))]
 pub mod external;
 pub mod guide;
+#[cfg(all(feature = "highs", not(target_family = "wasm")))]
+pub mod highs;
 pub mod hybrid;
 pub mod interval;
 pub mod model;

@@ -1,15 +1,16 @@
 //! Any backend keeps the contract of [`Solver`].
 //!
-//! [`check`] is a suite of small programs with answers worked out by hand: statuses, points,
-//! objectives, bounds and gaps, limits and interrupts, progress events, refused options. A backend
-//! passes it through the trait alone. It is run for branch and bound with one and with two
-//! threads; its part for pure binary programs is run for a second implementation, written here
-//! with nothing but the public interface, which shows that backends can live outside the crate.
+//! The public [`conformance`] suite is run for branch and bound with one and with two threads, and,
+//! without what it does not offer, for a second implementation, written here with nothing but the
+//! public interface, which shows that backends can live outside the crate. Backends that are wrong
+//! on purpose show that the suite finds what it should. What the crate's own search promises
+//! beyond the suite is checked here too.
 
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
+use carom::conformance::{self, Capability, Case, Suite};
 use carom::prelude::*;
 use carom::solution::{Outcome, Point};
 
@@ -18,14 +19,8 @@ const INF: f64 = f64::INFINITY;
 /// Slack of a bound, relative and absolute: "never beyond the optimum" up to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The answer of a program.
-enum Answer {
-    /// The optimum, and the values there where they are unique.
-    Optimal(f64, Vec<(Variable, f64)>),
-    Infeasible,
-    Unbounded,
-}
-use Answer::{Infeasible, Optimal, Unbounded};
+/// The optimum of a program, and the values there.
+type Answer = (f64, Vec<(Variable, f64)>);
 
 fn model(name: &str) -> Model {
     Model::new(name)
@@ -71,49 +66,23 @@ fn assert_sound(model: &Model, solution: &Solution, optimum: f64) {
     assert_eq!(solution.gap(), gap, "{name}");
 }
 
-fn solve_and_check(solver: &mut dyn Solver, model: &Model, answer: &Answer) {
-    let solution = solver.solve(model).unwrap_or_else(|e| panic!("{}: {e}", model.name()));
-    assert_answer(solver.options(), model, &solution, answer);
-}
-
 fn assert_answer(options: &Options, model: &Model, solution: &Solution, answer: &Answer) {
-    let (name, worst) = (model.name(), model.sense().sign() * INF);
-    let ended = solution.termination();
-    match answer {
-        Optimal(optimum, values) => {
-            assert_eq!(ended, Termination::Optimal, "{name}");
-            assert!(solution.is_optimal() && !solution.is_infeasible(), "{name}");
-            assert_sound(model, solution, *optimum);
-            let objective = solution.objective().unwrap();
-            let allowed = 1e-6 * optimum.abs().max(1.0);
-            assert!((objective - optimum).abs() <= allowed, "{name}: {objective}, not {optimum}");
-            let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
-            assert!(solution.gap() <= gap, "{name}: gap {}", solution.gap());
-            // With curvature c, a gap g leaves a distance of sqrt(g / c) to the optimal point.
-            let quadratic = !model.objective().products().is_empty();
-            let near = if quadratic { 1e-3 } else { 1e-5 };
-            for &(variable, wanted) in values {
-                let value = solution.value(variable).unwrap();
-                assert!((value - wanted).abs() <= near, "{name}: {value}, not {wanted}");
-            }
-        }
-        Infeasible => {
-            assert_eq!(ended, Termination::Infeasible, "{name}");
-            assert!(solution.is_infeasible() && !solution.is_optimal(), "{name}");
-            assert!(solution.point().is_none(), "{name}");
-            assert_eq!(solution.bound(), worst, "{name}");
-            assert_sound(model, solution, worst);
-        }
-        Unbounded => {
-            assert_eq!(ended, Termination::Unbounded, "{name}");
-            assert!(!solution.is_infeasible() && !solution.is_optimal(), "{name}");
-            assert_eq!(solution.bound(), -worst, "{name}");
-            assert_sound(model, solution, -worst);
-        }
+    let (name, (optimum, values)) = (model.name(), answer);
+    assert_eq!(solution.termination(), Termination::Optimal, "{name}");
+    assert!(solution.is_optimal() && !solution.is_infeasible(), "{name}");
+    assert_sound(model, solution, *optimum);
+    let objective = solution.objective().unwrap();
+    let allowed = 1e-6 * optimum.abs().max(1.0);
+    assert!((objective - optimum).abs() <= allowed, "{name}: {objective}, not {optimum}");
+    let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
+    assert!(solution.gap() <= gap, "{name}: gap {}", solution.gap());
+    for &(variable, wanted) in values {
+        let value = solution.value(variable).unwrap();
+        assert!((value - wanted).abs() <= 1e-5, "{name}: {value}, not {wanted}");
     }
 }
 
-// -- programs over binaries ---------------------------------------------------------------------
+// -- programs -----------------------------------------------------------------------------------
 
 /// Values 8, 9, 5, 13, weights 4, 5, 3, 7, capacity 10: the last two, 18. The relaxation has 19.14.
 fn knapsack() -> (Model, Answer) {
@@ -122,268 +91,37 @@ fn knapsack() -> (Model, Answer) {
     let sum = |a: [f64; 4]| a.iter().zip(&x).map(|(&a, x)| a * x).sum::<Affine>();
     m.add("capacity", sum([4.0, 5.0, 3.0, 7.0]).le(10.0)).unwrap();
     m.maximize(sum([8.0, 9.0, 5.0, 13.0])).unwrap();
-    let answer = Optimal(18.0, x.iter().zip([0.0, 0.0, 1.0, 1.0]).collect());
+    let answer = (18.0, x.iter().zip([0.0, 0.0, 1.0, 1.0]).collect());
     (m, answer)
 }
 
-/// Twice a sum of 31 binaries and `odd` make 31, so `odd` is 1; but refuting 0 takes an
-/// enumeration, for a relaxation sees no parity.
+/// Two rows over 31 binaries whose sum has even coefficients, but for `odd`, and an odd right side,
+/// so `odd` is 1; but refuting 0 takes an enumeration, for neither row shows the parity of the sum.
 fn parity() -> (Model, f64) {
     let mut m = model("parity");
     let odd = m.binary("odd").unwrap();
     let x = m.binary_family("x", 31).unwrap();
-    let sum: Affine = x.iter().sum();
-    m.add("sum", (2.0 * sum + odd).equals(31.0)).unwrap();
+    let (mut first, mut second) = (Affine::from(odd), Affine::default());
+    let (mut one, mut two) = (1.0, 0.0);
+    for k in 0..31u32 {
+        let a = f64::from(3 + k * 7 % 11);
+        let b = a + f64::from(2 + 2 * (k * 5 % 7));
+        first += a * x[k as usize];
+        second += b * x[k as usize];
+        // Every other binary on, and `odd`: a point.
+        (one, two) = if k % 2 == 0 { (one + a, two + b) } else { (one, two) };
+    }
+    m.add("first", first.equals(one)).unwrap();
+    m.add("second", second.equals(two)).unwrap();
     m.minimize(odd).unwrap();
     (m, 1.0)
 }
 
-fn binary_programs() -> Vec<(Model, Answer)> {
-    let mut programs = vec![knapsack()];
-
-    let mut m = model("binaries between whole numbers");
-    let x = m.binary_family("x", 3).unwrap();
-    let sum: Affine = x.iter().sum();
-    m.add("sum", sum.within(1.2, 1.8)).unwrap();
-    m.maximize(x[0]).unwrap();
-    programs.push((m, Infeasible));
-
-    programs.push((model("empty"), Optimal(0.0, vec![])));
-
-    let mut m = model("empty, constant objective");
-    m.maximize(3.5).unwrap();
-    programs.push((m, Optimal(3.5, vec![])));
-
-    let mut m = model("constant objective");
-    let x = m.binary_family("x", 2).unwrap();
-    m.add("one", (x[0] + x[1]).equals(1.0)).unwrap();
-    m.minimize(-7.0).unwrap();
-    programs.push((m, Optimal(-7.0, vec![])));
-
-    let mut m = model("all fixed");
-    let x = m.binary_family("x", 2).unwrap();
-    m.fix(x[0], 1.0).unwrap();
-    m.fix(x[1], 0.0).unwrap();
-    m.add("sum", (x[0] + x[1]).le(1.0)).unwrap();
-    m.maximize(2.0 * x[0] + 3.0 * x[1] + 0.5).unwrap();
-    programs.push((m.clone(), Optimal(2.5, vec![(x[0], 1.0), (x[1], 0.0)])));
-    m.add("both", (x[0] + x[1]).ge(2.0)).unwrap();
-    programs.push((m, Infeasible));
-
-    let mut m = model("equalities over binaries");
-    let x = m.binary_family("x", 3).unwrap();
-    m.add("two", (x[0] + x[1] + x[2]).equals(2.0)).unwrap();
-    m.add("same", (x[0] - x[1]).equals(0.0)).unwrap();
-    m.minimize(x[0] + 5.0 * x[2]).unwrap();
-    programs.push((m, Optimal(1.0, x.iter().zip([1.0, 1.0, 0.0]).collect())));
-
-    let mut m = model("binary without rows");
-    let x = m.binary_family("x", 3).unwrap();
-    m.add("cover", (x[0] + x[2]).ge(1.0)).unwrap();
-    m.minimize(x[0] - x[1] + 2.0 * x[2]).unwrap();
-    programs.push((m, Optimal(0.0, x.iter().zip([1.0, 1.0, 0.0]).collect())));
-
-    // On forces both others up, off forces both down.
-    for (cost, optimum, values) in
-        [([3.0, -1.0, -1.0], 1.0, [1.0, 1.0, 1.0]), ([-3.0, 1.0, 1.0], 0.0, [0.0, 0.0, 0.0])]
-    {
-        let mut m = model("indicators over binaries");
-        let x = m.binary_family("x", 3).unwrap();
-        m.add("up", x[0].on().implies((x[1] + x[2]).ge(2.0))).unwrap();
-        m.add("down", x[0].off().implies((x[1] + x[2]).le(0.0))).unwrap();
-        m.maximize(cost.iter().zip(&x).map(|(&c, x)| c * x).sum::<Affine>()).unwrap();
-        programs.push((m, Optimal(optimum, x.iter().zip(values).collect())));
-    }
-    programs
-}
-
-// -- programs with continuous and integer variables ---------------------------------------------
-
-fn mixed_programs() -> Vec<(Model, Answer)> {
-    let mut programs = Vec::new();
-
-    let mut m = model("linear");
-    let x = m.continuous("x", 0.0, 4.0).unwrap();
-    let y = m.continuous("y", 0.0, 6.0).unwrap();
-    m.add("row", (3.0 * x + 2.0 * y).le(18.0)).unwrap();
-    m.maximize(3.0 * x + 5.0 * y).unwrap();
-    programs.push((m, Optimal(36.0, vec![(x, 2.0), (y, 6.0)])));
-
-    let mut m = model("integer");
-    let x = m.integer("x", 0.0, INF).unwrap();
-    let y = m.integer("y", 0.0, INF).unwrap();
-    m.add("first", (6.0 * x + 4.0 * y).le(24.0)).unwrap();
-    m.add("second", (x + 2.0 * y).le(6.0)).unwrap();
-    m.maximize(5.0 * x + 4.0 * y).unwrap();
-    programs.push((m, Optimal(20.0, vec![(x, 4.0), (y, 0.0)])));
-
-    let mut m = model("mixed-integer quadratic");
-    let x = m.integer("x", 0.0, 5.0).unwrap();
-    let y = m.integer("y", 0.0, 5.0).unwrap();
-    let z = m.continuous("z", 0.0, 0.5).unwrap();
-    m.minimize((x + y - 3.4).square() + (x - 0.7).square() + (z - 1.0).square()).unwrap();
-    programs.push((m, Optimal(0.5, vec![(x, 1.0), (y, 2.0), (z, 0.5)])));
-
-    // Where off means left of 2 and on means right of 7, a target has its nearest end.
-    for (target, far, value) in [(5.0, 1.0, 7.0), (4.0, 0.0, 2.0)] {
-        let mut m = model("indicators");
-        let x = m.continuous("x", 0.0, 10.0).unwrap();
-        let z = m.binary("far").unwrap();
-        m.add("right", z.on().implies(x.ge(7.0))).unwrap();
-        m.add("left", z.off().implies(x.le(2.0))).unwrap();
-        m.minimize((x - target).square()).unwrap();
-        programs.push((m, Optimal(4.0, vec![(x, value), (z, far)])));
-    }
-
-    let mut m = model("infeasible rows and bounds");
-    let x = m.continuous("x", 0.0, 2.0).unwrap();
-    let y = m.continuous("y", 0.0, 2.0).unwrap();
-    m.add("sum", (x + y).ge(5.0)).unwrap();
-    m.maximize(x).unwrap();
-    programs.push((m, Infeasible));
-
-    let mut m = model("infeasible rows of free variables");
-    let x = m.continuous("x", -INF, INF).unwrap();
-    let y = m.continuous("y", -INF, INF).unwrap();
-    m.add("above", (x - y).ge(1.0)).unwrap();
-    m.add("below", (y - x).ge(0.0)).unwrap();
-    m.minimize(x.square()).unwrap();
-    programs.push((m, Infeasible));
-
-    let mut m = model("infeasible for integers only");
-    let x = m.integer("x", 0.0, 5.0).unwrap();
-    let y = m.integer("y", 0.0, 5.0).unwrap();
-    m.add("odd", (2.0 * x + 2.0 * y).equals(7.0)).unwrap();
-    m.minimize(x + y).unwrap();
-    programs.push((m, Infeasible));
-
-    let mut m = model("infeasible although its objective falls without limit");
-    let x = m.continuous("x", 0.0, INF).unwrap();
-    let z = m.binary_family("z", 2).unwrap();
-    m.add("between", (z[0] + z[1]).within(0.2, 0.8)).unwrap();
-    m.minimize(-x).unwrap();
-    programs.push((m, Infeasible));
-
-    let mut m = model("unbounded linear");
-    let x = m.continuous("x", 0.0, INF).unwrap();
-    let y = m.continuous("y", 0.0, INF).unwrap();
-    m.add("row", (x - y).le(1.0)).unwrap();
-    m.minimize(-x).unwrap();
-    programs.push((m, Unbounded));
-
-    let mut m = model("unbounded with integers");
-    let x = m.integer("x", 0.0, INF).unwrap();
-    let y = m.continuous("y", -INF, INF).unwrap();
-    let z = m.binary("z").unwrap();
-    m.add("row", (x - y + z).le(2.0)).unwrap();
-    m.maximize(x - z).unwrap();
-    programs.push((m, Unbounded));
-
-    let mut m = model("unbounded quadratic");
-    let x = m.continuous("x", -INF, INF).unwrap();
-    let y = m.continuous("y", -INF, INF).unwrap();
-    m.minimize((x - y).square() - x).unwrap();
-    programs.push((m, Unbounded));
-
-    let mut m = model("constant objective of a mixed program");
-    let x = m.continuous("x", 0.0, 1.0).unwrap();
-    let k = m.integer("k", 0.0, 3.0).unwrap();
-    m.add("row", (x + k).equals(2.5)).unwrap();
-    m.maximize(7.0).unwrap();
-    programs.push((m, Optimal(7.0, vec![(x, 0.5), (k, 2.0)])));
-
-    let mut m = model("all fixed, mixed");
-    let x = m.continuous("x", 0.25, 0.25).unwrap();
-    let k = m.integer("k", -2.0, -2.0).unwrap();
-    m.add("row", (x + k).within(-2.0, -1.0)).unwrap();
-    m.minimize((x - k).square()).unwrap();
-    programs.push((m.clone(), Optimal(5.0625, vec![(x, 0.25), (k, -2.0)])));
-    m.fix(k, -1.5).unwrap();
-    programs.push((m, Infeasible));
-
-    for (lower, upper, least, most) in [(0.2, 2.7, 1.0, 2.0), (-2.7, -0.2, -2.0, -1.0)] {
-        let mut m = model("integer with fractional bounds");
-        let k = m.integer("k", lower, upper).unwrap();
-        m.minimize(k).unwrap();
-        programs.push((m.clone(), Optimal(least, vec![(k, least)])));
-        m.maximize(k).unwrap();
-        programs.push((m.clone(), Optimal(most, vec![(k, most)])));
-        m.minimize(3.0 - k.square()).unwrap_err();
-        m.minimize(k.square()).unwrap();
-        let nearest = if lower > 0.0 { least } else { most };
-        programs.push((m, Optimal(1.0, vec![(k, nearest)])));
-    }
-
-    let mut m = model("no whole number between the bounds");
-    let k = m.integer("k", 0.2, 0.8).unwrap();
-    m.maximize(k).unwrap();
-    programs.push((m, Infeasible));
-
-    let mut m = model("equalities");
-    let x = m.continuous_family("x", 3, -INF, INF).unwrap();
-    m.add("sum", (x[0] + x[1] + x[2]).equals(6.0)).unwrap();
-    m.add("first", (x[0] - x[1]).equals(-1.0)).unwrap();
-    m.add("second", (x[1] - x[2]).equals(-1.0)).unwrap();
-    m.minimize(x[0]).unwrap();
-    programs.push((m, Optimal(1.0, x.iter().zip([1.0, 2.0, 3.0]).collect())));
-
-    let mut m = model("free variables");
-    let x = m.continuous("x", -INF, INF).unwrap();
-    let y = m.continuous("y", -INF, INF).unwrap();
-    m.add("sum", (x + y).ge(4.0)).unwrap();
-    m.add("difference", (x - y).le(2.0)).unwrap();
-    m.minimize(2.0 * x + 3.0 * y).unwrap();
-    programs.push((m, Optimal(9.0, vec![(x, 3.0), (y, 1.0)])));
-
-    let mut m = model("variables without rows");
-    let x = m.continuous("x", -INF, INF).unwrap();
-    let z = m.continuous("z", -INF, INF).unwrap();
-    let k = m.integer("k", 0.0, 4.0).unwrap();
-    let idle = m.continuous("idle", -3.0, 8.0).unwrap();
-    m.add("row", x.ge(1.0)).unwrap();
-    m.minimize(x + (z + 1.0).square() - 2.0 * k).unwrap();
-    programs.push((m.clone(), Optimal(-7.0, vec![(x, 1.0), (z, -1.0), (k, 4.0)])));
-    m.minimize(x + idle).unwrap();
-    programs.push((m, Optimal(-2.0, vec![(x, 1.0), (idle, -3.0)])));
-
-    let mut m = model("unconstrained quadratic");
-    let x = m.continuous("x", -INF, INF).unwrap();
-    let y = m.continuous("y", -INF, INF).unwrap();
-    m.minimize((x - 1.0).square() + (x + 2.0 * y).square() + 3.0).unwrap();
-    programs.push((m.clone(), Optimal(3.0, vec![(x, 1.0), (y, -0.5)])));
-    // A whole line of optima.
-    m.minimize((x + y - 1.0).square()).unwrap();
-    programs.push((m, Optimal(0.0, vec![])));
-
-    let mut m = model("concave quadratic to maximise");
-    let x = m.continuous("x", -1.0, 1.5).unwrap();
-    let k = m.integer("k", 0.0, 5.0).unwrap();
-    m.maximize(4.0 * k - k.square() - (x - 2.0).square()).unwrap();
-    programs.push((m, Optimal(3.75, vec![(x, 1.5), (k, 2.0)])));
-
-    programs
-}
-
 // -- the suite ----------------------------------------------------------------------------------
 
-/// What any backend must pass.
-fn check(solver: &mut dyn Solver) {
-    check_binary(solver);
-    for (model, answer) in mixed_programs() {
-        solve_and_check(solver, &model, &answer);
-    }
-    // Once more in reverse: nothing is left over from one program to the next.
-    for (model, answer) in mixed_programs().iter().rev() {
-        solve_and_check(solver, model, answer);
-    }
-}
-
-/// What a backend for pure binary linear programs must pass.
-fn check_binary(solver: &mut dyn Solver) {
-    assert!(!solver.name().is_empty());
-    for (model, answer) in binary_programs() {
-        solve_and_check(solver, &model, &answer);
-    }
+/// What the crate's own search keeps beyond the public suite: limits are met where the program is
+/// long, an interrupt is heard, messages are word for word.
+fn check_own(solver: &mut dyn Solver) {
     check_limits(solver);
     check_interrupts(solver);
     check_events(solver);
@@ -570,12 +308,18 @@ fn check_options(solver: &mut dyn Solver) {
 
 #[test]
 fn branch_and_bound_with_one_thread() {
-    check(&mut BranchAndBound::default());
+    let mut solver = BranchAndBound::default();
+    let report = Suite::default().run(&mut solver);
+    report.assert_passed();
+    assert!(report.cases().len() > 100);
+    check_own(&mut solver);
 }
 
 #[test]
 fn branch_and_bound_with_two_threads() {
-    check(&mut BranchAndBound::new(Options::default().with_threads(2)));
+    let mut solver = BranchAndBound::new(Options::default().with_threads(2));
+    Suite::default().run(&mut solver).assert_passed();
+    check_own(&mut solver);
 }
 
 /// Found by another thread than the caller's, an incumbent is reported all the same.
@@ -667,11 +411,26 @@ impl Solver for Enumeration {
     }
 }
 
+/// What [`Enumeration`] is not made for.
+const BEYOND_ENUMERATION: [Capability; 5] = [
+    Capability::Continuous,
+    Capability::Integers,
+    Capability::Quadratic,
+    Capability::Functions,
+    Capability::Unbounded,
+];
+
 #[test]
 fn a_backend_from_outside() {
     let mut solver = Enumeration::default();
-    check_binary(&mut solver);
-    let (mixed, _) = mixed_programs().remove(0);
+    let report = Suite::default().without(BEYOND_ENUMERATION).run(&mut solver);
+    report.assert_passed();
+    let text = report.to_string();
+    assert!(text.starts_with("enumeration: "), "{text}");
+    assert!(text.contains("\nskipped: what needs continuous variables\n"), "{text}");
+    check_own(&mut solver);
+    let mut mixed = model("mixed");
+    mixed.continuous("x", 0.0, 1.0).unwrap();
     assert_eq!(
         solver.solve(&mixed).unwrap_err().to_string(),
         "the solver broke its contract: enumeration is for pure binary linear programs"
@@ -682,13 +441,16 @@ fn a_backend_from_outside() {
 fn backends_agree_and_can_be_exchanged() {
     let mut solvers: Vec<Box<dyn Solver>> =
         vec![Box::new(BranchAndBound::default()), Box::new(Enumeration::default())];
-    for (model, _) in binary_programs() {
+    let cases = conformance::answers().unwrap();
+    let binary = |case: &&Case| !case.needs.iter().any(|need| BEYOND_ENUMERATION.contains(need));
+    assert!(cases.iter().filter(binary).count() >= 8);
+    for case in cases.iter().filter(binary) {
         let answers: Vec<(Termination, Option<f64>)> = solvers
             .iter_mut()
-            .map(|solver| solver.solve(&model).unwrap())
+            .map(|solver| solver.solve(&case.model).unwrap())
             .map(|solution| (solution.termination(), solution.objective()))
             .collect();
-        assert_eq!(answers[0], answers[1], "{}", model.name());
+        assert_eq!(answers[0], answers[1], "{}", case.name);
     }
 }
 
@@ -727,6 +489,83 @@ fn claim(
     let values = values.map(<[f64]>::to_vec);
     let outcome = Outcome { termination, values, bound: 1.0, statistics: Statistics::default() };
     Parrot { options: Options::default(), outcome }.solve(model)
+}
+
+/// Solves properly and then spoils something.
+struct Spoiled {
+    inner: BranchAndBound,
+    spoil: fn(&mut Outcome),
+}
+
+impl Solver for Spoiled {
+    fn name(&self) -> &str {
+        "spoiled"
+    }
+
+    fn options(&self) -> &Options {
+        self.inner.options()
+    }
+
+    fn options_mut(&mut self) -> &mut Options {
+        self.inner.options_mut()
+    }
+
+    fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
+        let solution = self.inner.solve_with(model, control)?;
+        let mut outcome = Outcome {
+            termination: solution.termination(),
+            values: solution.point().map(|point| point.as_slice().to_vec()),
+            bound: solution.bound(),
+            statistics: *solution.statistics(),
+        };
+        (self.spoil)(&mut outcome);
+        Solution::new(model, outcome, self.options().feasibility)
+    }
+}
+
+/// Each way of being wrong is found, and said in words.
+#[test]
+fn the_suite_finds_what_is_wrong() {
+    let inner = BranchAndBound::default;
+    let wrong: [(fn(&mut Outcome), &str, &str); 6] = [
+        // A bound beyond the optimum of a maximisation.
+        (|o| o.bound -= 0.5 * o.bound.abs(), "knapsack", "is beyond the optimum 18"),
+        (|o| o.bound = f64::NAN, "knapsack", "is beyond the optimum 18"),
+        (
+            |o| o.termination = Termination::Infeasible,
+            "linear",
+            "it ended with `infeasible` instead of `optimal`",
+        ),
+        (|o| o.values = None, "linear", "it ended with `stalled` instead of `optimal`"),
+        (
+            |o| {
+                if o.termination == Termination::Infeasible {
+                    o.termination = Termination::Unbounded;
+                }
+            },
+            "infeasible for integers only",
+            "it ended with `unbounded` instead of `infeasible`",
+        ),
+        (
+            |o| {
+                if o.termination.is_limit() {
+                    panic!("limits are not for me");
+                }
+            },
+            "no time at all",
+            "the backend panicked: limits are not for me",
+        ),
+    ];
+    for (spoil, name, complaint) in wrong {
+        let report = Suite::default().run(&mut Spoiled { inner: inner(), spoil });
+        assert!(!report.passed());
+        let (_, complaints) = report.failures().find(|(case, _)| *case == name).expect(name);
+        assert!(complaints.iter().any(|text| text.contains(complaint)), "{complaints:?}");
+        assert!(report.to_string().contains(&format!("failed: {name}\n  ")), "{report}");
+    }
+    // Nothing was run is not passed.
+    let idle = Suite::default().without([Capability::Continuous]);
+    assert!(idle.run(&mut inner()).passed());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Other solvers as programs. Their answers are read from recorded texts; a pretended program shows
 //! what happens when one is missing, hangs, lies or babbles; and where CBC and GLPK are installed,
-//! they are compared with enumeration. `CAROM_EXTERNAL=required` makes it an error that they are not.
+//! they (and HiGHS and SCIP) run the public suite and are compared with enumeration.
+//! `CAROM_EXTERNAL=required` makes it an error that CBC and GLPK are not.
 #![cfg(unix)]
 
 mod common;
@@ -10,6 +11,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use carom::conformance::{Capability, Suite};
 use carom::external::{Answer, Cbc, Claim, Dialect, ExternalSolver, Files, Glpk, Highs, Scip};
 use carom::prelude::*;
 use common::config;
@@ -71,6 +73,15 @@ fn other_endings_are_told_apart() {
     assert_eq!(glpk("s bas 2 3 f n 0\n", ""), Claim::Unbounded);
     let late = Claim::Limit(Termination::TimeLimit);
     assert_eq!(glpk("s mip 2 3 u 0\n", "TIME LIMIT EXCEEDED; SEARCH TERMINATED\n"), late);
+    // As printed where its own preparation finds it out.
+    let early = glpk("s bas 2 2 u u 0\n", "LP HAS NO PRIMAL FEASIBLE SOLUTION\n");
+    assert_eq!(early, Claim::Infeasible);
+    let falling = "LP RELAXATION HAS NO DUAL FEASIBLE SOLUTION\n";
+    assert_eq!(glpk("s mip 1 3 u 0\n", falling), Claim::Unbounded);
+    let either = "Model status\nPrimal infeasible or unbounded\n\n# Primal solution values\nNone\n";
+    assert_eq!(Highs.read(Some(either), "").unwrap(), Answer::new(Claim::Unbounded));
+    let empty = Highs.read(Some("Model status\nEmpty\n"), "").unwrap();
+    assert_eq!((empty.claim, empty.objective), (Claim::Optimal, Some(0.0)));
     let highs = "Model status\nInfeasible\n\n# Primal solution values\nNone\n";
     assert_eq!(Highs.read(Some(highs), "").unwrap(), Answer::new(Claim::Infeasible));
     let scip = "SCIP Status        : problem is solved [infeasible]\nDual Bound   : +1e+20\n";
@@ -208,16 +219,38 @@ fn the_file_is_a_minimisation_with_plain_names() {
 
 // -- real programs ------------------------------------------------------------------------------
 
-/// The programs that are installed; none is missing where that is required.
+/// The programs that are installed; CBC and GLPK are not missing where that is required.
 fn installed() -> Vec<ExternalSolver> {
     let required = std::env::var("CAROM_EXTERNAL").is_ok_and(|value| value == "required");
-    let found = |solver: &ExternalSolver, program: &str| {
+    let found = |solver: &ExternalSolver, program: &str, needed: bool| {
         let runs = Command::new(program).arg("--version").output().is_ok();
-        assert!(runs || !required, "{} is not installed", solver.name());
+        assert!(runs || !(required && needed), "{} is not installed", solver.name());
         runs
     };
-    let known = [(ExternalSolver::cbc(), "cbc"), (ExternalSolver::glpk(), "glpsol")];
-    known.into_iter().filter(|(solver, program)| found(solver, program)).map(|(s, _)| s).collect()
+    let known = [
+        (ExternalSolver::cbc(), "cbc", true),
+        (ExternalSolver::glpk(), "glpsol", true),
+        (ExternalSolver::highs(), "highs", false),
+        (ExternalSolver::scip(), "scip", false),
+    ];
+    let here =
+        known.into_iter().filter(|(solver, program, needed)| found(solver, program, *needed));
+    here.map(|(solver, ..)| solver).collect()
+}
+
+/// The public suite, as far as these programs go.
+#[test]
+fn programs_pass_the_suite() {
+    for mut solver in installed() {
+        let mut lacking = vec![Capability::Events];
+        if solver.name() != "scip" {
+            lacking.extend([Capability::Quadratic, Capability::MixedIntegerQuadratic]);
+        }
+        if solver.name() == "glpsol" {
+            lacking.push(Capability::NodeLimit);
+        }
+        Suite::default().without(lacking).run(&mut solver).assert_passed();
+    }
 }
 
 proptest! {

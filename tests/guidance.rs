@@ -146,7 +146,7 @@ fn splits_that_divide_nothing_are_refused_and_counted() {
     let (mut model, x) = fractional();
     let y = model.continuous("y", 0.0, 1.0).unwrap();
     let other = foreign();
-    for (variable, value) in [(y, 0.5), (other, 0.0), (x[0], f64::NAN), (x[0], 5.0), (x[0], -1.0)] {
+    for (variable, value) in [(y, 0.5), (other, 0.0), (x[0], f64::NAN), (x[0], 5.5), (x[0], -1.0)] {
         let rule = move |_: &NodeView<'_>| Some(SplitAt { variable, value });
         let solution = solve(&model, Guidance::default().with_branching(&rule));
         assert!(solution.is_optimal());

@@ -29,7 +29,8 @@ pub enum Claim {
     Optimal,
     /// There is no feasible point.
     Infeasible,
-    /// The objective is unbounded.
+    /// The objective falls without limit, or there is no feasible point; asked again without the
+    /// objective, to know which.
     Unbounded,
     /// It stopped at a limit.
     Limit(Termination),

@@ -8,8 +8,9 @@
 //!
 //! Points are never taken on trust: the integers are rounded, the rest is solved again by
 //! [`BranchAndBound`], and every statement is checked as what it means
-//! ([`certify`]). Bounds and claims of infeasibility are the program's own and cannot be checked;
-//! they are as good as it is, up to its tolerances.
+//! ([`certify`]). A claim that the objective falls without limit is believed when the program also
+//! finds a point, once it is asked without the objective. Bounds and claims of infeasibility are the
+//! program's own and cannot be checked; they are as good as it is, up to its tolerances.
 //!
 //! ```no_run
 //! use carom::external::ExternalSolver;
@@ -122,74 +123,111 @@ impl Solver for ExternalSolver {
             let outcome = Outcome { termination, values, bound, statistics };
             return Solution::new(model, outcome, self.options.feasibility);
         };
-        let run = process::Run {
-            dialect: &*self.dialect,
-            program: &self.program,
-            options: &self.options,
-            time_left: budget.remaining(),
-            interrupt: control.interrupt(),
+        // Half of the gap is left for what the certificate moves.
+        let options = with_half_the_gap(&self.options);
+        let ask = |text: &str| {
+            let run = process::Run {
+                dialect: &*self.dialect,
+                program: &self.program,
+                options: &options,
+                time_left: budget.remaining(),
+                interrupt: control.interrupt(),
+            };
+            run.answer(text)
         };
-        let (answer, stopped) = run.answer(&translated.text)?;
-        let (termination, bound) = self.judged(&answer, stopped, &translated);
-        let mut values = None;
-        if let Some(found) = &answer.values {
-            let restored = lowered.restore(&translated.values(found)?);
-            let mut solver = BranchAndBound::new(Options {
-                time_limit: None,
-                node_limit: None,
-                ..self.options.clone()
-            });
-            let certificate = certify(model, &restored, &mut solver)?;
-            values = certificate.solution().point().map(|point| point.as_slice().to_vec());
+        let (mut answer, mut stopped) = ask(&translated.text)?;
+        if answer.claim == Claim::Unbounded && stopped.is_none() {
+            // It may have seen a falling direction only, and no feasible point.
+            let mut any = lowered.model().clone();
+            any.minimize(0.0)?;
+            if let Some(any) = translate::translate(&any)? {
+                (answer, stopped) = ask(&any.text)?;
+                (answer.objective, answer.bound) = (None, None);
+                if answer.claim == Claim::Optimal {
+                    answer.claim = Claim::Unbounded;
+                }
+            }
         }
-        let statistics = Statistics {
-            nodes: answer.nodes.unwrap_or(0),
-            incumbents: u64::from(values.is_some()),
-            time: budget.elapsed(),
-            ..Statistics::default()
-        };
-        let outcome = Outcome { termination, values, bound, statistics };
-        let solution = Solution::new(model, outcome, self.options.feasibility)?;
-        let progress = Progress::new(
-            statistics.nodes,
-            0,
-            0,
-            solution.objective(),
-            solution.bound(),
-            budget.elapsed(),
-        );
-        if solution.objective().is_some() {
-            control.report(&Event::Incumbent(progress));
-        }
-        Ok(solution)
+        let (termination, bound) = judged(&options, &answer, stopped, &translated);
+        let values = answer.values.as_ref().map(|found| translated.values(found)).transpose()?;
+        let values = values.map(|values| lowered.restore(&values));
+        let nodes = answer.nodes.unwrap_or(0);
+        let statistics = Statistics { nodes, ..Statistics::default() };
+        let claimed = Outcome { termination, values, bound, statistics };
+        settled(model, claimed, &self.options, &budget, control)
     }
 }
 
-impl ExternalSolver {
-    /// The termination and the bound, in the sense of the model, that a claim amounts to.
-    fn judged(
-        &self,
-        answer: &Answer,
-        stopped: Option<Termination>,
-        translated: &translate::Translated,
-    ) -> (Termination, f64) {
-        let nothing = -translated.sign * f64::INFINITY;
-        let bound = |value: f64| translated.sign * (value + translated.offset);
-        let claimed = answer.bound.map_or(nothing, bound);
-        match (answer.claim, answer.objective) {
-            (Claim::Optimal, Some(objective)) => {
-                // A program that names no bound has proved its objective up to the gap.
-                let gap = self.options.relative_gap * objective.abs();
-                let proved = objective - gap.max(self.options.absolute_gap);
-                let proved = answer.bound.map_or(proved, |bound| bound.min(objective));
-                (Termination::Optimal, bound(proved))
-            }
-            (Claim::Infeasible, _) => (Termination::Infeasible, -nothing),
-            (Claim::Unbounded, _) => (Termination::Unbounded, nothing),
-            (Claim::Limit(reason), _) => (stopped.unwrap_or(reason), claimed),
-            (Claim::Optimal | Claim::Unknown, _) => {
-                (stopped.unwrap_or(Termination::Stalled), claimed)
+/// Another solver's gap is half of ours.
+pub(crate) fn with_half_the_gap(options: &Options) -> Options {
+    let (relative, absolute) = (0.5 * options.relative_gap, 0.5 * options.absolute_gap);
+    options.clone().with_relative_gap(relative).with_absolute_gap(absolute)
+}
+
+/// What another solver claims, with its point certified: a claim of optimality needs a certified
+/// point that meets the gap, one of unboundedness any certified point.
+pub(crate) fn settled(
+    model: &Model,
+    claimed: Outcome,
+    options: &Options,
+    budget: &Budget,
+    control: &mut Control<'_>,
+) -> Result<Solution, Error> {
+    let sign = model.sense().sign();
+    let Outcome { mut termination, mut values, mut bound, mut statistics } = claimed;
+    let mut certified = None;
+    if let Some(found) = values.take() {
+        let options = Options { time_limit: None, node_limit: None, ..options.clone() };
+        let certificate = certify(model, &found, &mut BranchAndBound::new(options))?;
+        let solution = certificate.solution();
+        certified = solution.objective();
+        values = solution.point().map(|point| point.as_slice().to_vec());
+    }
+    match (termination, certified) {
+        (Termination::Unbounded, None) => termination = Termination::Stalled,
+        (Termination::Unbounded | Termination::Infeasible, _) | (_, None) => {}
+        (_, Some(objective)) => {
+            // A certified point is better than the bound by tolerances only.
+            bound = sign * (sign * bound).min(sign * objective);
+            let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
+            if termination == Termination::Optimal && sign * (objective - bound) > gap {
+                termination = Termination::Stalled;
             }
         }
+    }
+    statistics.incumbents = u64::from(values.is_some());
+    statistics.time = budget.elapsed();
+    let outcome = Outcome { termination, values, bound, statistics };
+    let solution = Solution::new(model, outcome, options.feasibility)?;
+    let (objective, bound) = (solution.objective(), solution.bound());
+    if objective.is_some() {
+        let progress = Progress::new(statistics.nodes, 0, 0, objective, bound, budget.elapsed());
+        control.report(&Event::Incumbent(progress));
+    }
+    Ok(solution)
+}
+
+/// The termination and the bound, in the sense of the model, that a claim amounts to.
+fn judged(
+    options: &Options,
+    answer: &Answer,
+    stopped: Option<Termination>,
+    translated: &translate::Translated,
+) -> (Termination, f64) {
+    let nothing = -translated.sign * f64::INFINITY;
+    let bound = |value: f64| translated.sign * (value + translated.offset);
+    let claimed = answer.bound.map_or(nothing, bound);
+    match (answer.claim, answer.objective) {
+        (Claim::Optimal, Some(objective)) => {
+            // A program that names no bound has proved its objective up to the gap.
+            let gap = options.relative_gap * objective.abs();
+            let proved = objective - gap.max(options.absolute_gap);
+            let proved = answer.bound.map_or(proved, |bound| bound.min(objective));
+            (Termination::Optimal, bound(proved))
+        }
+        (Claim::Infeasible, _) => (Termination::Infeasible, -nothing),
+        (Claim::Unbounded, _) => (Termination::Unbounded, nothing),
+        (Claim::Limit(reason), _) => (stopped.unwrap_or(reason), claimed),
+        (Claim::Optimal | Claim::Unknown, _) => (stopped.unwrap_or(Termination::Stalled), claimed),
     }
 }

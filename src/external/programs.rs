@@ -147,10 +147,9 @@ impl Dialect for Glpk {
         if answer.claim == Claim::Unknown {
             if says("TIME LIMIT EXCEEDED") {
                 answer.claim = Claim::Limit(Termination::TimeLimit);
-            } else if says("PROBLEM HAS NO PRIMAL FEASIBLE SOLUTION") {
+            } else if says("HAS NO PRIMAL FEASIBLE SOLUTION") {
                 answer.claim = Claim::Infeasible;
-            } else if says("LP HAS UNBOUNDED PRIMAL SOLUTION")
-                || says("PROBLEM HAS NO DUAL FEASIBLE SOLUTION")
+            } else if says("HAS UNBOUNDED PRIMAL SOLUTION") || says("HAS NO DUAL FEASIBLE SOLUTION")
             {
                 answer.claim = Claim::Unbounded;
             }
@@ -195,11 +194,18 @@ impl Dialect for Highs {
         let mut answer = Answer::new(match status {
             "Optimal" => Claim::Optimal,
             "Infeasible" => Claim::Infeasible,
-            "Unbounded" => Claim::Unbounded,
+            // Which of the two it is, is asked without the objective.
+            "Unbounded" | "Primal infeasible or unbounded" => Claim::Unbounded,
             "Time limit reached" => Claim::Limit(Termination::TimeLimit),
             "Solution limit reached" => Claim::Limit(Termination::NodeLimit),
             _ => Claim::Unknown,
         });
+        if status == "Empty" {
+            // Neither columns nor rows.
+            (answer.claim, answer.objective, answer.values) =
+                (Claim::Optimal, Some(0.0), Some(Vec::new()));
+            return Ok(answer);
+        }
         answer.bound = labelled(printed, "Dual bound");
         answer.nodes = labelled(printed, "Nodes").map(|nodes| nodes as u64);
         let mut feasible = false;
@@ -259,7 +265,8 @@ impl Dialect for Scip {
             Claim::Optimal
         } else if says("[infeasible]") {
             Claim::Infeasible
-        } else if says("[unbounded]") {
+        } else if says("[unbounded]") || says("[infeasible or unbounded]") {
+            // Which of the two it is, is asked without the objective.
             Claim::Unbounded
         } else if says("[time limit reached]") {
             Claim::Limit(Termination::TimeLimit)

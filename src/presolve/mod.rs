@@ -3,18 +3,21 @@
 //! The same parts serve the root and every node of the tree: a [`Domain`] holds the current
 //! bounds and undoes them, [`Propagator`] tightens them row by row until nothing moves or a
 //! contradiction appears, and [`reduce`](reduce()) turns what is left into a smaller continuous
-//! program.
+//! program. What is done once, before the search, and undone after it, is in [`root`].
 
 mod coefficients;
 mod domain;
+mod implications;
 mod probing;
 mod projection;
 mod propagation;
 mod reduce;
+pub mod root;
 mod tightening;
 
 pub use coefficients::tighten_coefficients;
 pub use domain::Domain;
+pub use implications::Implications;
 pub use probing::probe;
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};

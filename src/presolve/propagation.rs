@@ -7,6 +7,7 @@
 use std::collections::VecDeque;
 
 use super::domain::Domain;
+use super::implications::Implications;
 use super::tightening::{Entry, Line, Tightening, tighten};
 use crate::program::Program;
 use crate::tolerance;
@@ -34,6 +35,7 @@ pub struct Propagator {
     /// By column: the rows it is in, the objective last.
     uses: Vec<Vec<Use>>,
     found: Vec<Tightening>,
+    implications: Implications,
 }
 
 /// A row that a column is in, and which changes of the column's bounds can matter to the row.
@@ -54,6 +56,7 @@ impl Propagator {
             entries: Vec::new(),
             uses: vec![Vec::new(); program.column_count()],
             found: Vec::new(),
+            implications: Implications::default(),
         };
         for row in 0..program.row_count() {
             let limits = [program.row_lower[row], program.row_upper[row]];
@@ -78,6 +81,16 @@ impl Propagator {
             self.uses[column].push(Use { row: row as u32, matters });
         }
         self.rows.push(Line { range: [start, self.entries.len()], limits });
+    }
+
+    /// The table of implications that propagation follows.
+    pub fn implications(&self) -> &Implications {
+        &self.implications
+    }
+
+    /// Makes every later propagation follow a table of implications as well.
+    pub fn set_implications(&mut self, implications: Implications) {
+        self.implications = implications;
     }
 
     /// Makes every later propagation look only for points whose (minimised) objective is at most
@@ -130,6 +143,12 @@ impl Propagator {
             }
             self.enqueue_uses(column, is_upper, usize::MAX);
         }
+        if !self.implications.is_empty() {
+            let changed: Vec<usize> = domain.changed_since(mark).map(|(j, _)| j).collect();
+            for column in changed {
+                self.imply(program, domain, column).inspect_err(|_| self.clear())?;
+            }
+        }
         let objective = self.objective();
         if self.rows[objective].limits[1] < f64::INFINITY {
             self.enqueue(objective);
@@ -165,6 +184,38 @@ impl Propagator {
         for row in self.queue.drain(..) {
             self.queued[row] = false;
         }
+    }
+
+    /// Fixes what a binary that has become fixed implies, and what that implies.
+    fn imply(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        column: usize,
+    ) -> Result<(), Conflict> {
+        let mut fixed = vec![column];
+        while let Some(j) = fixed.pop() {
+            let [lower, upper] = domain.bounds(j);
+            if !program.integral[j] || lower != upper || !(0.0..=1.0).contains(&lower) {
+                continue;
+            }
+            let literal = 2 * j + usize::from(lower == 1.0);
+            for k in 0..self.implications.of(literal).len() {
+                let other = self.implications.of(literal)[k];
+                let (column, value) = (other / 2, (other % 2) as f64);
+                let is_upper = value == 0.0;
+                let [lower, upper] = domain.bounds(column);
+                if lower > value || upper < value {
+                    return Err(Conflict::Column(column));
+                }
+                if lower < upper {
+                    domain.apply(column, is_upper, value);
+                    self.enqueue_uses(column, is_upper, usize::MAX);
+                    fixed.push(column);
+                }
+            }
+        }
+        Ok(())
     }
 
     fn run(&mut self, program: &Program, domain: &mut Domain) -> Result<(), Conflict> {
@@ -204,6 +255,9 @@ impl Propagator {
                 self.enqueue_uses(column, is_upper, row);
                 if settled {
                     self.enqueue_uses(column, !is_upper, row);
+                }
+                if program.integral[column] && !self.implications.is_empty() {
+                    self.imply(program, domain, column)?;
                 }
             }
         }

@@ -18,6 +18,9 @@ use super::tree::{Share, Tree};
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::Interrupt;
 
+/// Open nodes from which on no more relaxed points are kept with them.
+const ROOMY: usize = 1000;
+
 /// One worker's view of the tree.
 pub(super) struct Desk<'a> {
     pub(super) tree: &'a Tree<'a>,
@@ -88,6 +91,13 @@ impl<'a> Desk<'a> {
     /// Nodes with at least this bound cannot improve the best points.
     pub(super) fn cutoff(&self) -> f64 {
         if self.own.is_some() { self.tree.cutoff() } else { self.frozen.borrow().cutoff }
+    }
+
+    /// Whether open nodes may hold more than their path: not where memory is counted, or nodes are
+    /// many.
+    pub(super) fn has_room(&self) -> bool {
+        let few = self.tree.open.load(Ordering::Relaxed) < ROOMY;
+        few && self.tree.task.options.memory_limit.is_none()
     }
 
     /// Adds an open node.

@@ -33,6 +33,11 @@ impl<'a> Guide<'a> {
         self.guidance.branching().is_some() || !self.guidance.proposals().is_empty()
     }
 
+    /// Whether the user says nothing.
+    pub fn is_idle(&self) -> bool {
+        !self.steers() && !self.has_priorities()
+    }
+
     /// Whether some columns go before others.
     pub(super) fn has_priorities(&self) -> bool {
         !self.priorities.is_empty()
@@ -44,6 +49,9 @@ impl<'a> Guide<'a> {
     }
 }
 
+/// By how much a value may be outside the bounds (no unit).
+const HAIR: f64 = 1e-6;
+
 /// The split in columns, where it divides a node: the column, and the last value of the lower part.
 fn checked(
     program: &Program,
@@ -52,9 +60,12 @@ fn checked(
     split: SplitAt,
 ) -> Option<(usize, f64)> {
     let column = node.column(split.variable)?;
-    let (value, [lower, upper]) = (split.value.floor(), *bounds.get(column)?);
-    let divides = value.is_finite() && lower <= value && value < upper;
-    (program.integral[column] && divides).then_some((column, value))
+    let [lower, upper] = *bounds.get(column)?;
+    // Relaxed values leave their bounds by a hair, and one at the upper bound means the last whole
+    // value before it.
+    let inside = lower - HAIR <= split.value && split.value <= upper + HAIR;
+    let divides = program.integral[column] && lower < upper && split.value.is_finite() && inside;
+    divides.then(|| (column, split.value.floor().max(lower).min(upper - 1.0)))
 }
 
 impl Worker<'_> {

@@ -9,6 +9,7 @@
 //! * `clock` - what the time is spent on
 //! * `seed`, `guess` - what an earlier solve hands over: boxes, and a point
 //! * `root` - what holds before the first split: propagation and probing
+//! * `cuts` - rows that cut the relaxed point of the root off
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `descend` - from node to node: decisions applied, propagated and probed
 //! * `node_relaxation` - what is relaxed at a node, how hard to try, what is believed
@@ -32,6 +33,7 @@
 mod best_points;
 mod branching;
 mod clock;
+pub mod cuts;
 mod descend;
 mod desk;
 mod disjunction;
@@ -138,6 +140,22 @@ impl Closed {
     fn new(path: &Path, bound: f64) -> Self {
         let decisions = path.backwards().map(|d| (d.column, d.is_upper, d.value)).collect();
         Closed { decisions, bound }
+    }
+}
+
+impl Found {
+    /// The answer where infeasibility was proved without a search.
+    pub fn infeasible() -> Self {
+        Found {
+            termination: Termination::Infeasible,
+            points: Vec::new(),
+            pool_complete: true,
+            bound: f64::INFINITY,
+            statistics: Statistics::default(),
+            leaves: Vec::new(),
+            guess: None,
+            seeded: None,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::disjunction::covers;
 use super::purify::groups;
-use crate::presolve::{Conflict, Domain, Propagator, probe};
+use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
 use crate::program::Program;
 
 /// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
@@ -14,6 +14,8 @@ pub(super) struct Root {
     pub(super) covers: Vec<Vec<usize>>,
     pub(super) groups: Vec<Vec<usize>>,
     pub(super) domain: Domain,
+    /// With what is known about implications.
+    pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
 }
 
@@ -26,9 +28,14 @@ impl Root {
         let conflict = propagator
             .propagate_all(program, &mut domain)
             .and_then(|()| probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, go_on))
+            .and_then(|()| {
+                let (domain, trials) = (&mut domain, ROOT_TRIALS);
+                Implications::probe(program, domain, &mut propagator, &order, trials, go_on)
+            })
+            .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covers(program), groups(program));
-        Root { covers, groups, domain, conflict }
+        Root { covers, groups, domain, propagator, conflict }
     }
 
     /// Carries the root over to a program with further columns.
@@ -43,8 +50,10 @@ impl Root {
             domain.apply(j, false, lower);
             domain.apply(j, true, upper);
         }
-        self.conflict = Propagator::new(program).propagate_all(program, &mut domain).err();
-        self.domain = domain;
+        let mut propagator = Propagator::new(program);
+        propagator.set_implications(self.propagator.implications().clone());
+        self.conflict = propagator.propagate_all(program, &mut domain).err();
+        (self.domain, self.propagator) = (domain, propagator);
     }
 }
 

@@ -20,12 +20,16 @@ const MOST_CHECKS: usize = 20_000;
 /// bits.
 type Key = (Vec<(usize, u64)>, [u64; 2]);
 
+/// What interchangeable columns have in common: their numbers, and their coefficients with the lengths
+/// of the rows.
+type Signature = (Vec<u64>, Vec<(u64, usize)>);
+
 /// A row `x_a >= x_b` for neighbours of a class.
 pub(super) type Ordering = (usize, usize);
 
 /// Classes of interchangeable integral columns, each sorted; those of one column are left out.
 pub(super) fn classes(program: &Program) -> Vec<Vec<usize>> {
-    let mut alike: BTreeMap<(Vec<u64>, Vec<(u64, usize)>), Vec<usize>> = BTreeMap::new();
+    let mut alike: BTreeMap<Signature, Vec<usize>> = BTreeMap::new();
     for &j in &program.integers {
         let (rows, values) = program.column(j);
         if rows.is_empty() || rows.len() > MOST_ROWS || program.lower[j] == program.upper[j] {

@@ -112,8 +112,12 @@ impl Worker<'_> {
     }
 
     /// Tightens the domain of the current node by what is known to hold in it. The facts become
-    /// part of the path, so that the node's children have them too.
+    /// part of the path, so that the node's children have them too. Where the ends of the tree are
+    /// kept they are left out: each would be an end of its own.
     pub(super) fn note_facts(&mut self, facts: &[Decision]) -> Result<(), Split> {
+        if self.task.options.keep_leaves {
+            return Ok(());
+        }
         let (mark, known) = (self.domain.mark(), self.path.len());
         for fact in facts {
             let [lower, upper] = self.domain.bounds(fact.column);

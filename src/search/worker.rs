@@ -57,7 +57,7 @@ impl<'a> Worker<'a> {
             clock: Clock::new(),
             root: domain.mark(),
             domain,
-            propagator: Propagator::new(task.program),
+            propagator: root.propagator.clone(),
             covers: &root.covers,
             groups: &root.groups,
             // Windows are not probed: their binaries are.
@@ -248,7 +248,10 @@ impl<'a> Worker<'a> {
         };
         let mut nodes = children.into_iter().map(node_of);
         let first = nodes.next();
-        nodes.for_each(|node| self.tree.push(node));
+        for mut node in nodes {
+            node.known = node.known.filter(|_| self.tree.has_room());
+            self.tree.push(node);
+        }
         first
     }
 

@@ -145,7 +145,8 @@ impl<F: Fn(&NodeView<'_>) -> Vec<(Variable, f64)> + Sync> Proposal for F {
 pub struct SplitAt {
     /// An integer variable.
     pub variable: Variable,
-    /// The greatest value of the lower part, rounded down.
+    /// The greatest value of the lower part, rounded down; at the upper bound, the last whole value
+    /// before it.
     pub value: f64,
 }
 

@@ -27,7 +27,7 @@ use crate::tolerance;
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `symmetry` | on or off | on | on | on | decisions, *Interchangeable columns* |
+/// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,9 +78,16 @@ pub struct Options {
     pub keep_leaves: bool,
     /// Which column a node is split on; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
-    /// Whether interchangeable columns are asked for falling values; default on. It is left out where
+    /// Whether interchangeable columns are asked for falling values; default off. It is left out where
     /// a pool or leaves are kept, or points come from a seed or from guidance.
     pub symmetry: bool,
+    /// Whether the program is presolved before the search; default on. It is left out where a pool
+    /// or leaves are kept, or points or splits come from a seed or from guidance: these speak of the
+    /// columns as they are.
+    pub presolve: bool,
+    /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
+    /// where presolve is.
+    pub cuts: bool,
 }
 
 /// Which points a pool holds.
@@ -114,7 +121,9 @@ impl Default for Options {
             pool_gap: None,
             keep_leaves: false,
             branching: BranchingRule::Automatic,
-            symmetry: true,
+            symmetry: false,
+            presolve: true,
+            cuts: true,
         }
     }
 }
@@ -233,6 +242,20 @@ impl Options {
     #[must_use]
     pub fn with_symmetry(mut self, symmetry: bool) -> Self {
         self.symmetry = symmetry;
+        self
+    }
+
+    /// Sets whether the program is presolved before the search.
+    #[must_use]
+    pub fn with_presolve(mut self, presolve: bool) -> Self {
+        self.presolve = presolve;
+        self
+    }
+
+    /// Sets whether cuts are added to the root relaxation.
+    #[must_use]
+    pub fn with_cuts(mut self, cuts: bool) -> Self {
+        self.cuts = cuts;
         self
     }
 

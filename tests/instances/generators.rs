@@ -1,7 +1,11 @@
 //! Hybrid control programs as other solvers get them: plain rows with big-Ms from interval bounds,
 //! quadratic costs, and nothing that tells a solver where they come from.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use carom::prelude::*;
+
+use crate::riccati::{Matrix, riccati};
 
 const INF: f64 = f64::INFINITY;
 
@@ -61,8 +65,8 @@ impl Rows {
     }
 
     /// Adds `1/2 x'Qx` for a symmetric matrix.
-    fn quadratic<const N: usize>(&mut self, x: [Variable; N], q: &[[f64; N]; N]) {
-        for i in 0..N {
+    fn quadratic(&mut self, x: &[Variable], q: &Matrix) {
+        for i in 0..x.len() {
             self.cost.add_product(0.5 * q[i][i], x[i], x[i]);
             (0..i).for_each(|j| self.cost.add_product(q[i][j], x[i], x[j]));
         }
@@ -128,59 +132,141 @@ pub(crate) fn wall(steps: usize, dt: f64, e: f64, fuel: bool) -> Model {
     rows.finish()
 }
 
-/// The solution of the discrete algebraic Riccati equation for one input, by iteration.
-fn riccati(a: [[f64; 2]; 2], b: [f64; 2], q: [[f64; 2]; 2], r: f64) -> [[f64; 2]; 2] {
-    let product = |p: [[f64; 2]; 2], q: [[f64; 2]; 2]| {
-        [0, 1].map(|i| [0, 1].map(|j| p[i][0] * q[0][j] + p[i][1] * q[1][j]))
-    };
-    let transposed = |p: [[f64; 2]; 2]| [[p[0][0], p[1][0]], [p[0][1], p[1][1]]];
-    let mut p = q;
-    for _ in 0..20_000 {
-        let pa = product(p, a);
-        let pb = [0, 1].map(|i| p[i][0] * b[0] + p[i][1] * b[1]);
-        let bpa = [0, 1].map(|j| b[0] * pa[0][j] + b[1] * pa[1][j]);
-        let weight = r + b[0] * pb[0] + b[1] * pb[1];
-        let apa = product(transposed(a), pa);
-        p = [0, 1].map(|i| [0, 1].map(|j| q[i][j] + apa[i][j] - bpa[i] * bpa[j] / weight));
-    }
-    p
-}
-
-/// An inverted pendulum beside an elastic wall: two affine modes a step, by big-M.
-pub(crate) fn pendulum(steps: usize, start: [f64; 2]) -> Model {
+/// An inverted pendulum beside an elastic wall: two affine modes a step, by big-M or by the convex
+/// hull of the modes.
+pub(crate) fn pendulum(steps: usize, start: [f64; 2], hull: bool) -> Model {
     let (h, gravity, stiffness, gap) = (0.01, 10.0, 100.0, 0.1);
     let free = [[1.0, h], [h * gravity, 1.0]];
     let touching = [[1.0, h], [h * (gravity - stiffness), 1.0]];
     let push = [0.0, h];
     let mut rows = Rows::new("pendulum");
-    let angle = rows.family("angle", steps + 1, -2.0 * gap, 2.0 * gap);
-    let rate = rows.family("rate", steps + 1, -1.5, 1.5);
-    let u = rows.family("u", steps, -4.0, 4.0);
+    let ranges = [(-2.0 * gap, 2.0 * gap), (-1.5, 1.5), (-4.0, 4.0)];
+    let angle = rows.family("angle", steps + 1, ranges[0].0, ranges[0].1);
+    let rate = rows.family("rate", steps + 1, ranges[1].0, ranges[1].1);
+    let u = rows.family("u", steps, ranges[2].0, ranges[2].1);
     let (z0, z1) = (rows.binaries("free", steps), rows.binaries("touching", steps));
     rows.fix(angle[0], start[0]);
     rows.fix(rate[0], start[1]);
     for t in 0..steps {
         rows.row(&[(z0[t], 1.0), (z1[t], 1.0)], 1.0, 1.0);
-        let now = [angle[t], rate[t]];
+        let (now, next) = ([angle[t], rate[t], u[t]], [angle[t + 1], rate[t + 1]]);
         let modes = [(z0[t], free, 0.0, 1.0), (z1[t], touching, h * stiffness * gap, -1.0)];
-        for (z, matrix, constant, side) in modes {
-            for (i, next) in [angle[t + 1], rate[t + 1]].into_iter().enumerate() {
-                let mut terms = vec![(next, 1.0)];
-                terms.extend((0..2).map(|j| (now[j], -matrix[i][j])));
-                terms.push((u[t], -push[i]));
-                terms.retain(|(_, a)| *a != 0.0);
-                let c = if i == 1 { constant } else { 0.0 };
-                rows.implies(z, true, &terms, c, c);
+        if !hull {
+            for (z, matrix, constant, side) in modes {
+                for i in 0..2 {
+                    let gain = [matrix[i][0], matrix[i][1], push[i]];
+                    let mut terms = vec![(next[i], 1.0)];
+                    terms.extend((0..3).map(|j| (now[j], -gain[j])));
+                    terms.retain(|(_, a)| *a != 0.0);
+                    let c = if i == 1 { constant } else { 0.0 };
+                    rows.implies(z, true, &terms, c, c);
+                }
+                rows.implies(z, true, &[(angle[t], side)], -INF, side * gap);
             }
-            rows.implies(z, true, &[(angle[t], side)], -INF, side * gap);
+            continue;
+        }
+        // A copy of state and input for each mode, 0 in the other one.
+        let mut copies = Vec::new();
+        for k in 0..2 {
+            let copy = |j: usize| (format!("part{k}{j}"), ranges[j]);
+            let copy = [0, 1, 2].map(copy).map(|(name, (lower, upper))| {
+                rows.model.continuous((&name[..], t), lower, upper).unwrap()
+            });
+            copies.push(copy);
+        }
+        for j in 0..3 {
+            rows.row(&[(now[j], -1.0), (copies[0][j], 1.0), (copies[1][j], 1.0)], 0.0, 0.0);
+        }
+        for ((z, _, _, side), copy) in modes.iter().zip(&copies) {
+            for (&part, &(lower, upper)) in copy.iter().zip(&ranges) {
+                rows.row(&[(part, 1.0), (*z, -upper)], -INF, 0.0);
+                rows.row(&[(part, 1.0), (*z, -lower)], 0.0, INF);
+            }
+            rows.row(&[(copy[0], *side), (*z, -side * gap)], -INF, 0.0);
+        }
+        for i in 0..2 {
+            let mut terms = vec![(next[i], 1.0)];
+            for ((z, matrix, constant, _), copy) in modes.iter().zip(&copies) {
+                let gain = [matrix[i][0], matrix[i][1], push[i]];
+                terms.extend((0..3).map(|j| (copy[j], -gain[j])));
+                terms.push((*z, if i == 1 { -constant } else { 0.0 }));
+            }
+            terms.retain(|(_, a)| *a != 0.0);
+            rows.row(&terms, 0.0, 0.0);
         }
     }
     let identity = [[1.0, 0.0], [0.0, 1.0]];
-    let last = riccati(free, push, identity, 1.0);
+    let matrix = |m: [[f64; 2]; 2]| m.map(|row| row.to_vec()).to_vec();
+    let push = vec![vec![push[0]], vec![push[1]]];
+    let last = riccati(&matrix(free), &push, &matrix(identity), &vec![vec![1.0]]);
     for t in 0..=steps {
-        rows.quadratic([angle[t], rate[t]], if t == steps { &last } else { &identity });
+        let weight = if t == steps { &last } else { &matrix(identity) };
+        rows.quadratic(&[angle[t], rate[t]], weight);
     }
     u.iter().for_each(|&u| rows.cost.add_product(0.5, u, u));
+    rows.finish()
+}
+
+/// A cart with a pole between two soft walls that push back in proportion to how far they are
+/// pressed in; the pole's tip touches them.
+pub(crate) fn cartpole(steps: usize, start: [f64; 4]) -> Model {
+    let (cart, pole, length, gravity, dt) = (1.0, 0.4, 0.6, 9.81, 0.02);
+    let (left, right, stiffness): (f64, f64, f64) = (0.4, 0.35, 50.0);
+    let a = vec![
+        vec![1.0, 0.0, dt, 0.0],
+        vec![0.0, 1.0, 0.0, dt],
+        vec![0.0, dt * gravity * pole / cart, 1.0, 0.0],
+        vec![0.0, dt * gravity * (cart + pole) / (length * cart), 0.0, 1.0],
+    ];
+    let turn = dt / (length * pole);
+    let b = vec![
+        vec![0.0; 3],
+        vec![0.0; 3],
+        vec![dt / cart, 0.0, 0.0],
+        vec![dt / (length * cart), turn, -turn],
+    ];
+    let diagonal = |entries: &[f64]| -> Matrix {
+        let row = |i: usize| (0..entries.len()).map(move |j| if i == j { entries[i] } else { 0.0 });
+        (0..entries.len()).map(|i| row(i).collect()).collect()
+    };
+    let (q, r) = (diagonal(&[1.0, 50.0, 1.0, 50.0]), diagonal(&[0.1; 3]));
+    let last = riccati(&a, &b, &q, &r);
+    let far = [0.6, FRAC_PI_2, 2.0 * 0.6 / 0.1, PI / 0.1];
+    let force = 30.0;
+    let mut rows = Rows::new("cartpole");
+    let x: Vec<Vec<Variable>> =
+        (0..4).map(|i| rows.family(&format!("x{i}"), steps + 1, -far[i], far[i])).collect();
+    let push = rows.family("u", steps, -20.0, 20.0);
+    let walls = [rows.family("right", steps, 0.0, force), rows.family("left", steps, 0.0, force)];
+    let touch = [rows.binaries("at_right", steps), rows.binaries("at_left", steps)];
+    for i in 0..4 {
+        rows.fix(x[i][0], start[i]);
+    }
+    for t in 0..steps {
+        for i in 0..4 {
+            let mut terms = vec![(x[i][t + 1], 1.0)];
+            terms.extend((0..4).map(|j| (x[j][t], -a[i][j])));
+            let inputs = [push[t], walls[0][t], walls[1][t]];
+            terms.extend((0..3).map(|j| (inputs[j], -b[i][j])));
+            terms.retain(|(_, a)| *a != 0.0);
+            rows.row(&terms, 0.0, 0.0);
+        }
+        for (side, (sign, gap)) in [(1.0, right), (-1.0, left)].into_iter().enumerate() {
+            let (wall, z) = (walls[side][t], touch[side][t]);
+            rows.row(&[(wall, 1.0), (z, -force)], -INF, 0.0);
+            // Force over stiffness is at least how far the tip is in, and exactly that in contact.
+            let excess = [(x[0][t], -sign), (x[1][t], sign * length), (wall, 1.0 / stiffness)];
+            rows.row(&excess, -gap, INF);
+            rows.implies(z, true, &excess, -INF, -gap);
+        }
+    }
+    for t in 0..=steps {
+        let state = [x[0][t], x[1][t], x[2][t], x[3][t]];
+        rows.quadratic(&state, if t == steps { &last } else { &q });
+    }
+    for input in push.iter().chain(walls.iter().flatten()) {
+        rows.cost.add_product(0.05, *input, *input);
+    }
     rows.finish()
 }
 

@@ -1,13 +1,17 @@
 //! Hybrid control programs of the field, as plain rows: a wall, a pendulum beside an elastic wall, a
-//! flight among boxes, a puck between four walls. Statuses and optima were agreed on by other
-//! solvers (HiGHS and SCIP, for quadratic costs CPLEX or Gurobi); here they are found with one and
-//! with two threads, from the model and from its MPS file, and verified row by row.
+//! flight among boxes, a puck between four walls, a cart with a pole between two; and dense random
+//! programs. Statuses and optima were agreed on by other solvers (HiGHS and SCIP, for quadratic
+//! costs CPLEX or Gurobi); here they are found with one and with two threads, from the model and
+//! from its MPS file, and verified row by row.
 
 mod generators;
+mod random_miqp;
+mod riccati;
+mod suite;
 
 use carom::model::mps;
 use carom::prelude::*;
-use generators::{boxes, pendulum, puck, wall};
+use suite::{Truth, suite};
 
 /// Solves a model in both ways; `None` is infeasible.
 fn check(model: &Model, optimum: Option<f64>) {
@@ -38,51 +42,68 @@ fn check(model: &Model, optimum: Option<f64>) {
     }
 }
 
+/// Every instance whose name begins so.
+fn check_all(name: &str) {
+    let instances = suite(&[name.to_owned()]);
+    assert!(!instances.is_empty());
+    for (name, model, truth) in instances {
+        println!("{name}");
+        check(
+            &model,
+            match truth {
+                Truth::Infeasible => None,
+                Truth::Optimum(optimum) => Some(optimum),
+            },
+        );
+    }
+}
+
 #[test]
 fn walls_with_steps_of_20_ms() {
-    check(&wall(122, 0.02, 0.5, false), None);
-    check(&wall(123, 0.02, 0.5, false), Some(0.0));
+    check_all("wall_dt02_");
 }
 
 #[test]
 fn walls_with_steps_of_12_ms() {
-    check(&wall(194, 0.0125, 0.5, false), None);
-    check(&wall(195, 0.0125, 0.5, false), Some(0.0));
+    check_all("wall_dt0125_");
 }
 
 #[test]
 fn plastic_walls_with_steps_of_5_ms() {
-    check(&wall(456, 0.005, 0.0, false), None);
-    check(&wall(457, 0.005, 0.0, false), Some(0.0));
+    check_all("wall_dt005_e0_");
 }
 
 #[test]
 fn walls_with_steps_of_5_ms() {
-    check(&wall(484, 0.005, 0.5, false), None);
-    check(&wall(485, 0.005, 0.5, false), Some(0.0));
+    check_all("wall_dt005_e5_");
 }
 
 #[test]
 fn a_wall_and_the_least_fuel() {
-    check(&wall(60, 0.05, 0.5, true), Some(33.605465));
+    check_all("wall_fuel_");
 }
 
 #[test]
 fn pendulums() {
-    check(&pendulum(20, [0.0, 0.8]), Some(210.85804));
-    check(&pendulum(40, [-0.05, 1.0]), Some(28.912257));
+    check_all("pendulum_");
+}
+
+#[test]
+fn carts_with_poles() {
+    check_all("cartpole_");
 }
 
 #[test]
 fn flights_among_boxes() {
-    check(&boxes(20, 4, false), Some(8.6969115));
-    check(&boxes(20, 4, true), Some(4.1085127));
-    check(&boxes(30, 4, false), Some(5.6235617));
-    check(&boxes(30, 3, true), Some(1.2218645));
+    check_all("boxes_");
 }
 
 #[test]
 fn pucks() {
-    check(&puck(15, 0.33), Some(8.0782823));
-    check(&puck(25, 0.2), Some(12.428306));
+    check_all("puck_");
+}
+
+#[test]
+fn random_quadratic_programs() {
+    check_all("miqp_");
 }

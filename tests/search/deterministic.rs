@@ -38,7 +38,7 @@ fn check(options: &Options, model: &Model) {
 #[test]
 fn control_programs() {
     for model in [
-        pendulum(12, [0.0, 0.8]),
+        pendulum(12, [0.0, 0.8], false),
         boxes(20, 4, false),
         boxes(20, 4, true),
         puck(15, 0.33),

@@ -6,6 +6,8 @@ mod common;
 #[path = "../instances/generators.rs"]
 #[allow(dead_code)]
 mod generators;
+#[path = "../instances/riccati.rs"]
+mod riccati;
 
 mod deterministic;
 mod events;

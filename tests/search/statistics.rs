@@ -14,7 +14,7 @@ fn every_node_ends_in_one_way() {
         (knapsack(16, 1), Options::default().with_threads(2)),
         (knapsack(16, 1), Options::default().with_deterministic(true)),
         (parity(20), limited),
-        (pendulum(12, [0.0, 0.8]), Options::default()),
+        (pendulum(12, [0.0, 0.8], false), Options::default()),
         (boxes(20, 4, false), Options::default()),
         (wall(122, 0.02, 0.5, false), Options::default()),
     ] {
@@ -59,7 +59,7 @@ fn presets_differ_and_agree_on_the_answer() {
     assert!(fast.relative_gap > Options::balanced().relative_gap);
     assert!(proof.relative_gap < Options::balanced().relative_gap);
     assert!(proof.deterministic && !fast.deterministic);
-    let models = [knapsack(16, 3), boxes(20, 4, true), pendulum(12, [0.0, 0.8])];
+    let models = [knapsack(16, 3), boxes(20, 4, true), pendulum(12, [0.0, 0.8], false)];
     for model in &models {
         let solve = |options: Options| BranchAndBound::new(options).solve(model).unwrap();
         let (fast, balanced, proof) =

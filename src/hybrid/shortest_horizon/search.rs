@@ -90,6 +90,8 @@ impl ShortestOptions {
 }
 
 /// A progress event of a search.
+// One a horizon: the size of its largest variant, which holds statistics, does not matter.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[expect(clippy::large_enum_variant, reason = "an event lives as long as a callback, and is few")]

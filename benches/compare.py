@@ -1,0 +1,381 @@
+#!/usr/bin/env python3
+"""Times carom beside other solvers on the same files, in turn, on the same machine.
+
+    cargo run --release --example table -- --write target/instances
+    python3 benches/compare.py target/instances            # everything, about 10 minutes
+    python3 benches/compare.py target/instances --only wall boxes --rounds 3 --limit 20
+
+The other solvers are optional Python packages: highspy, pyscipopt, gurobipy, cplex, xpress, daqp
+(numpy and scipy with the last). What is not installed, or refuses a file for its licence's size
+limit, is left out of that line. Each solver reads the file itself; seconds are those of its search,
+without reading. Per file the solvers take turns, `--rounds` times, and the median counts; whoever
+meets the limit is not asked again. The table goes to standard output as Markdown, progress to
+standard error.
+
+Further variants of carom are compared by `--variant NAME=ARGUMENTS`, for example
+`--variant "2 threads=--threads 2"`; an ablation is a list of variants, see `--ablation`.
+"""
+import argparse
+import importlib.util
+import json
+import math
+import os
+import re
+import select
+import statistics
+import subprocess
+import sys
+import time
+
+GAP = 1e-6
+
+
+def gurobi(path, limit, threads):
+    import gurobipy as gp
+    env = gp.Env(empty=True)
+    env.setParam("OutputFlag", 0)
+    env.start()
+    model = gp.read(path, env)
+    model.Params.TimeLimit, model.Params.Threads, model.Params.MIPGap = limit, threads, GAP
+    start = time.perf_counter()
+    model.optimize()
+    seconds = time.perf_counter() - start
+    status = {2: "optimal", 3: "infeasible", 4: "infeasible", 9: "limit"}.get(model.Status, str(model.Status))
+    return status, seconds, int(model.NodeCount), model.ObjVal if model.SolCount else None
+
+
+def cplex(path, limit, threads):
+    import cplex as library
+    model = library.Cplex()
+    for mute in (model.set_log_stream, model.set_results_stream, model.set_warning_stream, model.set_error_stream):
+        mute(None)
+    model.read(path)
+    model.parameters.timelimit.set(limit)
+    model.parameters.threads.set(threads)
+    model.parameters.mip.tolerances.mipgap.set(GAP)
+    start = time.perf_counter()
+    model.solve()
+    seconds = time.perf_counter() - start
+    code = model.solution.get_status()
+    status = {101: "optimal", 102: "optimal", 103: "infeasible", 119: "infeasible", 107: "limit", 108: "limit"}
+    objective = model.solution.get_objective_value() if code in (101, 102, 107) else None
+    return status.get(code, str(code)), seconds, model.solution.progress.get_num_nodes_processed(), objective
+
+
+def xpress(path, limit, threads):
+    import warnings
+    warnings.filterwarnings("ignore")
+    import xpress as library
+    model = library.problem()
+    model.setOutputEnabled(False)
+    model.readProb(path, "")
+    model.controls.timelimit, model.controls.threads, model.controls.miprelstop = limit, threads, GAP
+    start = time.perf_counter()
+    model.optimize()
+    seconds = time.perf_counter() - start
+    code = model.attributes.solstatus.name
+    status = {"OPTIMAL": "optimal", "INFEASIBLE": "infeasible"}.get(code, "limit" if seconds > limit else code.lower())
+    objective = model.attributes.objval if code in ("OPTIMAL", "FEASIBLE") else None
+    return status, seconds, model.attributes.nodes, objective
+
+
+def highs(path, limit, threads):
+    import highspy
+    model = highspy.Highs()
+    model.setOptionValue("output_flag", False)
+    model.readModel(path)
+    for option, value in (("threads", threads), ("time_limit", float(limit)), ("mip_rel_gap", GAP)):
+        model.setOptionValue(option, value)
+    if model.getModel().hessian_.dim_:
+        return "no MIQP", 0.0, 0, None
+    start = time.perf_counter()
+    model.run()
+    seconds = time.perf_counter() - start
+    text = model.modelStatusToString(model.getModelStatus())
+    status = {"Optimal": "optimal", "Infeasible": "infeasible", "Time limit reached": "limit"}.get(text, text)
+    info = model.getInfo()
+    return status, seconds, info.mip_node_count, info.objective_function_value if status == "optimal" else None
+
+
+def scip(path, limit, _threads):
+    from pyscipopt import Model
+    model = Model()
+    model.hideOutput()
+    model.readProblem(path)
+    model.setParam("limits/time", limit)
+    model.setParam("limits/gap", GAP)
+    start = time.perf_counter()
+    model.optimize()
+    seconds = time.perf_counter() - start
+    text = model.getStatus()
+    status = {"gaplimit": "optimal", "timelimit": "limit"}.get(text, text)
+    return status, seconds, model.getNNodes(), model.getObjVal() if model.getNSols() else None
+
+
+def daqp(path, _limit, _threads):
+    """Dense, so only small programs with a quadratic objective; its matrices are read by HiGHS."""
+    import daqp as library
+    import highspy
+    import numpy as np
+    from scipy.sparse import csc_matrix
+    reader = highspy.Highs()
+    reader.setOptionValue("output_flag", False)
+    reader.readModel(path)
+    model = reader.getModel()
+    lp, hessian = model.lp_, model.hessian_
+    n, m = lp.num_col_, lp.num_row_
+    if n > 250 or not hessian.dim_:
+        return "too large", 0.0, 0, None
+    square = csc_matrix((hessian.value_, hessian.index_, hessian.start_), (n, n)).toarray()
+    square = square + square.T - np.diag(np.diag(square)) + 1e-9 * np.eye(n)
+    rows = csc_matrix((lp.a_matrix_.value_, lp.a_matrix_.index_, lp.a_matrix_.start_), (m, n)).toarray()
+    upper = np.minimum(np.concatenate([lp.col_upper_, lp.row_upper_]), 1e20)
+    lower = np.maximum(np.concatenate([lp.col_lower_, lp.row_lower_]), -1e20)
+    sense = np.zeros(n + m, dtype=np.int32)
+    for j, kind in enumerate(lp.integrality_):
+        if kind == highspy.HighsVarType.kInteger:
+            sense[j] = 16
+    equal = (lower == upper) & (sense == 0)
+    sense[equal] = 5
+    start = time.perf_counter()
+    _, objective, flag, info = library.solve(square, np.array(lp.col_cost_), rows, upper, lower, sense)
+    seconds = time.perf_counter() - start
+    status = {1: "optimal", -1: "infeasible"}.get(flag, f"flag {flag}")
+    return status, seconds, info.get("nodes", 0), objective if flag == 1 else None
+
+
+PEERS = {
+    "cplex": (cplex, "cplex"),
+    "gurobi": (gurobi, "gurobipy"),
+    "xpress": (xpress, "xpress"),
+    "highs": (highs, "highspy"),
+    "scip": (scip, "pyscipopt"),
+    "daqp": (daqp, "daqp"),
+}
+
+
+def serve(name):
+    """Answers one line of JSON per line of JSON: what crashes, crashes here."""
+    out = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # whatever the libraries print is no answer
+    for line in sys.stdin:
+        try:
+            answer = PEERS[name][0](*json.loads(line))
+        except Exception as error:  # a licence, a missing feature
+            answer = (f"error: {type(error).__name__} {str(error)[:60]}", 0.0, 0, None)
+        print(json.dumps(answer), file=out, flush=True)
+
+
+class Peer:
+    """Another solver in a process of its own, started anew when it breaks or hangs."""
+
+    def __init__(self, name, threads):
+        self.name, self.threads, self.process = name, threads, None
+
+    def solve(self, path, limit):
+        if self.process is None or self.process.poll() is not None:
+            command = [sys.executable, __file__, "--serve", self.name]
+            self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        request = [path, limit, self.threads]
+        try:
+            self.process.stdin.write(json.dumps(request) + "\n")
+            self.process.stdin.flush()
+            ready, _, _ = select.select([self.process.stdout], [], [], 2 * limit + 30)
+            line = self.process.stdout.readline() if ready else ""
+            if line:
+                return tuple(json.loads(line))
+        except BrokenPipeError:
+            pass
+        self.process.kill()
+        self.process.wait()
+        return "error: crashed or hung", 0.0, 0, None
+
+
+class Carom:
+    """The example `solve`, with further arguments."""
+
+    def __init__(self, name, program, arguments):
+        self.name, self.command = name, [program, *arguments]
+
+    def solve(self, path, limit):
+        command = [self.command[0], path, "--time-limit", str(limit), *self.command[1:]]
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, timeout=2 * limit + 30)
+        except subprocess.TimeoutExpired:
+            return "error: hung", 0.0, 0, None
+        found = dict(re.findall(r"(\w+)=(\S+)", run.stdout))
+        if run.returncode != 0 or "status" not in found:
+            return "error: " + run.stderr.strip()[:60], 0.0, 0, None
+        objective = None if found["objective"] == "-" else float(found["objective"])
+        status = {"feasible": "limit"}.get(found["status"], found["status"])
+        return status, float(found["seconds"]), int(found["nodes"]), objective
+
+
+def measure(path, solvers, rounds, limit):
+    """Per solver: status, median of seconds, nodes, objective."""
+    runs = {solver.name: [] for solver in solvers}
+    for turn in range(rounds):
+        order = solvers[turn % len(solvers):] + solvers[:turn % len(solvers)]
+        for solver in order:
+            earlier = runs[solver.name]
+            if earlier and earlier[0][0] not in ("optimal", "infeasible"):
+                continue
+            earlier.append(solver.solve(path, limit))
+    answers = {}
+    for name, found in runs.items():
+        seconds = statistics.median(run[1] for run in found)
+        statuses = {run[0] for run in found}
+        status = found[0][0] if len(statuses) == 1 else "varies: " + ", ".join(sorted(statuses))
+        answers[name] = (status, seconds, found[-1][2], found[-1][3])
+    return answers
+
+
+def solved(answer):
+    return answer[0] in ("optimal", "infeasible")
+
+
+def agrees(answer, truth):
+    """Whether a claim is the listed one: the same status, the objective to 1e-6 relative."""
+    status, _, _, objective = answer
+    if truth is None or not solved(answer):
+        return True
+    if truth == "infeasible" or status == "infeasible":
+        return status == truth
+    return abs(objective - truth) <= 1e-6 * max(1.0, abs(truth))
+
+
+def geometric_mean(values):
+    return math.exp(sum(math.log(max(v, 1e-6)) for v in values) / len(values)) if values else math.nan
+
+
+def cell(answer, truth):
+    status, seconds, nodes, objective = answer
+    if not solved(answer):
+        return f"> {seconds:.0f}" if status == "limit" else {"no MIQP": "no MIQP", "too large": ""}.get(status, "-" if status.startswith("error") else status)
+    mark = "" if agrees(answer, truth) else f" **{status if objective is None else f'{objective:.8g}'}**"
+    return f"{seconds:.3f} ({nodes}){mark}"
+
+
+def table(results, names, truths):
+    print("| file | status, objective | " + " | ".join(names) + " |")
+    print("| --- " * (2 + len(names)) + "|")
+    for file, answers in results.items():
+        truth = truths.get(file)
+        shown = truth if isinstance(truth, str) else "?" if truth is None else f"{truth:.8g}"
+        print(f"| {file} | {shown} | " + " | ".join(cell(answers[name], truth) for name in names) + " |")
+    print()
+
+
+def ratios(results, ours, others, truths, files, title):
+    """Geometric means over the files that both solve to the listed answer."""
+    lines = []
+    for other in others:
+        pairs = []
+        beyond = 0
+        for file in files:
+            mine, theirs = results[file][ours], results[file][other]
+            if not (solved(mine) and agrees(mine, truths.get(file))):
+                continue
+            if solved(theirs) and agrees(theirs, truths.get(file)):
+                pairs.append((mine[1], theirs[1]))
+            elif theirs[0] == "limit":
+                # A lower bound of what the other one needs.
+                pairs.append((mine[1], theirs[1]))
+                beyond += 1
+        if pairs:
+            mine, theirs = (geometric_mean(column) for column in zip(*pairs))
+            note = f" ({beyond} at the limit, counted with it)" if beyond else ""
+            lines.append(f"| {ours} | {other} | {len(pairs)}{note} | {mine:.4f} | {theirs:.4f} | {mine / theirs:.3f} |")
+    if lines:
+        print(f"{title}:\n\n| | beside | files | seconds | seconds beside | ratio |\n| --- | --- | --- | --- | --- | --- |")
+        print("\n".join(lines) + "\n")
+
+
+def quadratic(path):
+    with open(path) as file:
+        return any(line.startswith(("QUADOBJ", "QMATRIX")) for line in file)
+
+
+def answers_of(folder):
+    """`answers.txt` in the folder: a name and an objective or `infeasible` a line."""
+    truths = {}
+    path = os.path.join(folder, "answers.txt")
+    if os.path.exists(path):
+        with open(path) as file:
+            for line in file:
+                if line.strip() and not line.startswith("#"):
+                    name, answer = line.split()[:2]
+                    truths[name] = answer if answer in ("infeasible", "feasible") else float(answer)
+    # A file without an objective is a question of feasibility: any point will do.
+    return {name: 0.0 if answer == "feasible" else answer for name, answer in truths.items()}
+
+
+def installed(package):
+    return importlib.util.find_spec(package) is not None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", nargs="?", help="folder of *.mps and answers.txt")
+    parser.add_argument("--only", nargs="*", default=[], help="parts of names of files")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--limit", type=float, default=40.0, help="seconds a solve")
+    parser.add_argument("--threads", type=int, default=2, help="threads of the other solvers")
+    parser.add_argument("--peers", nargs="*", default=list(PEERS), help="other solvers: " + ", ".join(PEERS))
+    parser.add_argument("--solve", default="target/release/examples/solve", help="carom's example")
+    parser.add_argument("--variant", action="append", default=[], metavar="NAME=ARGUMENTS")
+    parser.add_argument("--ablation", metavar="FILE", help="a file of variants, one `NAME=ARGUMENTS` a line; no other solver")
+    parser.add_argument("--json", metavar="FILE", help="also write all answers there")
+    parser.add_argument("--serve", help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.serve:
+        return serve(arguments.serve)
+    if not arguments.folder:
+        parser.error("a folder of files is needed")
+
+    variants = list(arguments.variant)
+    if arguments.ablation:
+        with open(arguments.ablation) as file:
+            variants += [line.strip() for line in file if line.strip() and not line.startswith("#")]
+    ours = [Carom("carom 1", arguments.solve, ["--threads", "1"])]
+    if not arguments.ablation:
+        ours.append(Carom("carom 2", arguments.solve, ["--threads", "2"]))
+    for variant in variants:
+        name, _, words = variant.partition("=")
+        ours.append(Carom(name.strip(), arguments.solve, words.split()))
+    peers = []
+    if not arguments.ablation:
+        peers = [Peer(name, arguments.threads) for name in arguments.peers if installed(PEERS[name][1])]
+    solvers = ours + peers
+    names = [solver.name for solver in solvers]
+
+    truths = answers_of(arguments.folder)
+    results, squares = {}, []
+    for entry in sorted(os.listdir(arguments.folder)):
+        file, extension = os.path.splitext(entry)
+        if extension != ".mps" or (arguments.only and not any(part in file for part in arguments.only)):
+            continue
+        path = os.path.join(arguments.folder, entry)
+        results[file] = measure(path, solvers, arguments.rounds, arguments.limit)
+        if quadratic(path):
+            squares.append(file)
+        shown = " | ".join(f"{name} {results[file][name][0]} {results[file][name][1]:.3f}" for name in names)
+        print(f"{file}: {shown}", file=sys.stderr, flush=True)
+
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan
+    print(f"Seconds (nodes); median of {arguments.rounds}, in turn; limit {arguments.limit:g} s; gap {GAP:g}; "
+          f"{os.cpu_count()} processors, load {load:.1f} at the end. Bold: a claim that is not the listed answer.\n")
+    table(results, names, truths)
+    linear = [file for file in results if file not in squares]
+    baseline = names[0] if arguments.ablation else None
+    for one in ([solver.name for solver in ours[1:]] if baseline else [solver.name for solver in ours]):
+        others = [baseline] if baseline else [peer.name for peer in peers]
+        ratios(results, one, others, truths, squares, f"{one}, files with a quadratic objective")
+        ratios(results, one, others, truths, linear, f"{one}, linear files")
+    if arguments.json:
+        with open(arguments.json, "w") as file:
+            json.dump({"results": results, "answers": truths}, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+//! Solves random programs that are meant to hurt, and compares every answer with the exact one.
+//!
+//! `cargo run --release --example torture -- [--cases N] [--seed S] [--threads K]
+//! [--solver-threads T] [--out FOLDER]`
+//!
+//! * `--cases N`: how many programs, 10000 by default
+//! * `--seed S`: the first program's seed, 0 by default; the others follow
+//! * `--threads K`: programs that are solved at once, 1 by default
+//! * `--solver-threads T`: threads of each solve, 1 by default
+//! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
+//!
+//! Each program that was answered wrongly, or not to the end, is written there as an MPS file with
+//! its seed as name, and a line says what is wrong. The last line counts the verdicts; the exit
+//! status tells whether any answer was wrong. `tests/torture` holds the generator and says what
+//! counts as wrong.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+#[path = "../tests/torture/complementarity.rs"]
+mod complementarity;
+#[path = "../tests/torture/dyadic.rs"]
+mod dyadic;
+#[path = "../tests/torture/generator.rs"]
+mod generator;
+#[path = "../tests/torture/oracle.rs"]
+mod oracle;
+
+use std::error::Error;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use carom::model::mps;
+use carom::prelude::{BranchAndBound, Options, Solver};
+use oracle::{Truth, Verdict, judge, truth};
+
+struct Arguments {
+    cases: u64,
+    seed: u64,
+    threads: usize,
+    solver_threads: usize,
+    out: String,
+}
+
+fn main() -> ExitCode {
+    match arguments().and_then(run) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("torture: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn arguments() -> Result<Arguments, Box<dyn Error>> {
+    let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
+    let mut arguments = Arguments { cases, seed, threads: 1, solver_threads: 1, out };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let value = words.next().ok_or(format!("{word} needs a value"))?;
+        match word.as_str() {
+            "--cases" => arguments.cases = value.parse()?,
+            "--seed" => arguments.seed = value.parse()?,
+            "--threads" => arguments.threads = value.parse()?,
+            "--solver-threads" => arguments.solver_threads = value.parse()?,
+            "--out" => arguments.out = value,
+            _ => return Err(format!("unexpected `{word}`").into()),
+        }
+    }
+    Ok(arguments)
+}
+
+/// What was seen.
+#[derive(Debug, Default)]
+struct Counts {
+    right: u64,
+    borderline: u64,
+    beyond: u64,
+    stalled: u64,
+    wrong: u64,
+    infeasible: u64,
+    unbounded: u64,
+    nodes: u64,
+}
+
+fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
+    let (next, counts) = (AtomicU64::new(0), Mutex::new(Counts::default()));
+    let start = Instant::now();
+    std::thread::scope(|scope| {
+        for _ in 0..arguments.threads.max(1) {
+            scope.spawn(|| {
+                loop {
+                    let done = next.fetch_add(1, Ordering::Relaxed);
+                    if done >= arguments.cases {
+                        break;
+                    }
+                    one(arguments.seed.wrapping_add(done), &arguments, &counts);
+                }
+            });
+        }
+    });
+    let counts = counts.into_inner().map_err(|_| "a thread panicked")?;
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{} programs in {seconds:.1} s: {counts:?}", arguments.cases);
+    Ok(counts.wrong == 0)
+}
+
+fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
+    let case = generator::program(seed);
+    let (model, variables) = case.build();
+    let truth = truth(&case);
+    let options = Options::default().with_threads(arguments.solver_threads);
+    let mut solver = BranchAndBound::new(options);
+    let (verdict, nodes) = match solver.solve(&model) {
+        Ok(solution) => (
+            judge(&case, &variables, solver.options(), &solution, &truth),
+            solution.statistics().nodes,
+        ),
+        Err(error) => (Verdict::Wrong(error.to_string()), 0),
+    };
+    if let Ok(mut counts) = counts.lock() {
+        counts.nodes += nodes;
+        match truth {
+            Truth::Infeasible => counts.infeasible += 1,
+            Truth::Unbounded => counts.unbounded += 1,
+            Truth::Least { .. } => {}
+        }
+        match &verdict {
+            Verdict::Right => counts.right += 1,
+            Verdict::Borderline => counts.borderline += 1,
+            Verdict::Beyond => counts.beyond += 1,
+            Verdict::Stalled(_) => counts.stalled += 1,
+            Verdict::Wrong(_) => counts.wrong += 1,
+        }
+    }
+    if let Verdict::Stalled(what) | Verdict::Wrong(what) = &verdict {
+        let word = if matches!(verdict, Verdict::Wrong(_)) { "WRONG" } else { "stalled" };
+        println!("{word} {seed}: {what}");
+        let text = mps::write(&model).map_err(|error| error.to_string());
+        let written = text.and_then(|text| {
+            std::fs::create_dir_all(&arguments.out).map_err(|error| error.to_string())?;
+            let path = format!("{}/{seed}.mps", arguments.out);
+            std::fs::write(path, text).map_err(|error| error.to_string())
+        });
+        if let Err(error) = written {
+            println!("  it could not be written: {error}");
+        }
+    }
+}

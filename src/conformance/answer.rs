@@ -1,0 +1,89 @@
+//! Programs with their answers.
+
+use crate::error::Error;
+use crate::model::{Affine, Family, Model, Quadratic, Variable, VariableKind};
+
+use super::capability::Capability;
+
+/// What is true of a program.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Answer {
+    /// The optimum, in the model's own sense, and the values there where they are unique.
+    Optimal(f64, Vec<(Variable, f64)>),
+    /// No point satisfies the program.
+    Infeasible,
+    /// The objective improves without limit.
+    Unbounded,
+}
+
+/// A program with its answer.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Case {
+    /// What it is about; the model has the same name.
+    pub name: String,
+    /// The program.
+    pub model: Model,
+    /// What is true of it.
+    pub answer: Answer,
+    /// What a backend needs for it.
+    pub needs: Vec<Capability>,
+}
+
+impl Case {
+    /// The needs follow from the model and the answer.
+    pub(super) fn new(model: Model, answer: Answer) -> Self {
+        let mut needs = Vec::new();
+        let mut need = |needed: bool, capability| needed.then(|| needs.push(capability));
+        let kind = |wanted: VariableKind| model.variables().any(|v| v.kind() == wanted);
+        need(kind(VariableKind::Continuous), Capability::Continuous);
+        need(kind(VariableKind::Integer), Capability::Integers);
+        let quadratic = !model.objective().products().is_empty();
+        need(quadratic, Capability::Quadratic);
+        // What is lowered may get binaries.
+        let integral =
+            kind(VariableKind::Integer) || kind(VariableKind::Binary) || model.function_count() > 0;
+        need(quadratic && integral, Capability::MixedIntegerQuadratic);
+        need(model.indicator_count() > 0, Capability::Indicators);
+        need(model.logical_constraint_count() > 0, Capability::Logic);
+        need(model.disjunction_count() > 0, Capability::Disjunctions);
+        need(model.function_count() > 0, Capability::Functions);
+        need(answer == Answer::Unbounded, Capability::Unbounded);
+        Case { name: model.name().to_owned(), model, answer, needs }
+    }
+}
+
+/// Collects cases of one file.
+#[derive(Default)]
+pub(super) struct Cases(pub(super) Vec<Case>);
+
+impl Cases {
+    pub(super) fn optimal(&mut self, model: &Model, optimum: f64, values: &[(Variable, f64)]) {
+        self.0.push(Case::new(model.clone(), Answer::Optimal(optimum, values.to_vec())));
+    }
+
+    pub(super) fn infeasible(&mut self, model: &Model) {
+        self.0.push(Case::new(model.clone(), Answer::Infeasible));
+    }
+
+    pub(super) fn unbounded(&mut self, model: &Model) {
+        self.0.push(Case::new(model.clone(), Answer::Unbounded));
+    }
+}
+
+/// `coefficients'x`.
+pub(super) fn sum(coefficients: &[f64], x: &Family) -> Affine {
+    let mut sum = Affine::zero();
+    coefficients.iter().zip(x).for_each(|(&a, x)| sum.add_term(a, x));
+    sum
+}
+
+/// A model with an objective to minimise.
+pub(super) fn minimizing(
+    mut model: Model,
+    objective: impl Into<Quadratic>,
+) -> Result<Model, Error> {
+    model.minimize(objective)?;
+    Ok(model)
+}

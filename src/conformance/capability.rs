@@ -1,0 +1,55 @@
+//! What a backend may lack.
+
+use std::fmt;
+
+/// Something that not every backend offers. Whatever is not listed here, every backend must do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Capability {
+    /// Continuous variables.
+    Continuous,
+    /// Integer variables beyond binaries.
+    Integers,
+    /// Convex quadratic objectives over continuous variables.
+    Quadratic,
+    /// Convex quadratic objectives with integers or binaries.
+    MixedIntegerQuadratic,
+    /// Indicators.
+    Indicators,
+    /// Logic over binaries.
+    Logic,
+    /// Disjunctions.
+    Disjunctions,
+    /// Functions: products, absolute values, extrema.
+    Functions,
+    /// Telling that a program is unbounded.
+    Unbounded,
+    /// Limits on nodes.
+    NodeLimit,
+    /// Limits on time.
+    TimeLimit,
+    /// An interrupt that is heard while the search runs, not only before.
+    InterruptWhileRunning,
+    /// Progress events: the root, and every incumbent that is returned.
+    Events,
+}
+
+impl fmt::Display for Capability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Capability::Continuous => "continuous variables",
+            Capability::Integers => "integers beyond binaries",
+            Capability::Quadratic => "quadratic objectives",
+            Capability::MixedIntegerQuadratic => "quadratic objectives with integers",
+            Capability::Indicators => "indicators",
+            Capability::Logic => "logic",
+            Capability::Disjunctions => "disjunctions",
+            Capability::Functions => "functions",
+            Capability::Unbounded => "telling that a program is unbounded",
+            Capability::NodeLimit => "node limits",
+            Capability::TimeLimit => "time limits",
+            Capability::InterruptWhileRunning => "interrupts while running",
+            Capability::Events => "progress events",
+        })
+    }
+}

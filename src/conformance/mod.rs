@@ -1,0 +1,156 @@
+//! What every backend must do, as a suite that any implementer of [`Solver`] can run.
+//!
+//! The contract of [`Solver`] in small programs with answers worked out by hand: statuses, points,
+//! objectives, bounds and gaps, limits and interrupts, progress events, refused options, and that a
+//! solver is as good as new after any outcome. The suite knows backends by their trait alone. It
+//! never panics: what fails is said in words by a [`Report`], and a test asserts that it
+//! [passed](Report::assert_passed):
+//!
+//! ```
+//! use carom::conformance::{Capability, Suite};
+//! use carom::prelude::*;
+//!
+//! let mut solver = BranchAndBound::default(); // or a backend of your own
+//! let suite = Suite::default().without([Capability::Functions]); // what it does not offer
+//! suite.run(&mut solver).assert_passed();
+//! ```
+//!
+//! [`answers`] is the part of the suite that is a table: programs and what is true of them.
+
+mod answer;
+mod capability;
+mod conduct;
+mod hybrid;
+mod interrupts;
+mod judge;
+mod linear;
+mod mixed;
+mod report;
+
+pub use answer::{Answer, Case};
+pub use capability::Capability;
+pub use report::{Outcome, Report};
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use web_time::Duration;
+
+use crate::error::Error;
+use crate::solver::{Options, Solver};
+
+use judge::Complaints;
+
+/// A guard: a backend that hears its time limit fails a case instead of hanging it.
+const GUARD: Duration = Duration::from_secs(60);
+
+/// The programs of the suite with their answers, for tests of other kinds (files, lowering, ...).
+///
+/// # Errors
+///
+/// None in practice; those of building a model.
+pub fn answers() -> Result<Vec<Case>, Error> {
+    let mut cases = linear::cases()?;
+    cases.extend(mixed::cases()?);
+    cases.extend(hybrid::cases()?);
+    Ok(cases)
+}
+
+/// The suite, for a backend that lacks some capabilities; by default it lacks none.
+#[derive(Debug, Clone, Default)]
+#[must_use]
+pub struct Suite {
+    lacking: Vec<Capability>,
+}
+
+/// A part of the suite that is no program with an answer: name, what it needs, what it does.
+type Conduct = (&'static str, &'static [Capability], fn(&mut dyn Solver, &mut Complaints));
+
+/// In this order.
+const CONDUCT: [Conduct; 13] = [
+    ("it has a name and options that can be changed", &[], conduct::identity),
+    ("options outside their ranges are refused", &[], conduct::refused_options),
+    ("gaps at the ends of their ranges", &[], conduct::gaps),
+    ("node limits", &[Capability::NodeLimit], conduct::node_limits),
+    ("no time at all", &[Capability::TimeLimit], conduct::no_time),
+    ("a short time", &[Capability::TimeLimit], conduct::short_time),
+    ("an interrupt before the start", &[], interrupts::before),
+    (
+        "an interrupt from another thread",
+        &[Capability::InterruptWhileRunning, Capability::TimeLimit],
+        interrupts::from_another_thread,
+    ),
+    (
+        "an interrupt from within the callback",
+        &[Capability::InterruptWhileRunning, Capability::Events],
+        interrupts::from_within,
+    ),
+    ("progress events", &[Capability::Events], conduct::events),
+    ("the model stays as it was", &[], conduct::model_unchanged),
+    ("the same question twice", &[], conduct::twice),
+    ("as good as new after any outcome", &[], conduct::as_good_as_new),
+];
+
+impl Suite {
+    /// The suite without the cases that need these.
+    pub fn without(mut self, lacking: impl IntoIterator<Item = Capability>) -> Self {
+        self.lacking.extend(lacking);
+        self
+    }
+
+    /// Runs every case that the backend has the capabilities for. Its options are restored after
+    /// each.
+    ///
+    /// A time limit of a minute is set where there is none; a backend without time limits that
+    /// does not end hangs the run.
+    pub fn run(&self, solver: &mut dyn Solver) -> Report {
+        let mut report = Report::new(solver.name());
+        let original = solver.options().clone();
+        match answers() {
+            Ok(cases) => {
+                // Once more in reverse: nothing is left over from one program to the next.
+                for case in cases.iter().chain(cases.iter().rev()) {
+                    let check = |solver: &mut dyn Solver, complaints: &mut Complaints| {
+                        judge::solve(solver, case, complaints);
+                    };
+                    self.one(solver, &original, &case.name, &case.needs, check, &mut report);
+                }
+            }
+            Err(error) => {
+                report.add("the programs of the suite", Outcome::Failed(vec![error.to_string()]));
+            }
+        }
+        for (name, needs, check) in CONDUCT {
+            self.one(solver, &original, name, needs, check, &mut report);
+        }
+        report
+    }
+
+    fn one(
+        &self,
+        solver: &mut dyn Solver,
+        original: &Options,
+        name: &str,
+        needs: &[Capability],
+        check: impl FnOnce(&mut dyn Solver, &mut Complaints),
+        report: &mut Report,
+    ) {
+        if let Some(&lacking) = needs.iter().find(|capability| self.lacking.contains(capability)) {
+            report.add(name, Outcome::Skipped(lacking));
+            return;
+        }
+        let mut complaints = Complaints::default();
+        let mut options = original.clone();
+        if !self.lacking.contains(&Capability::TimeLimit) {
+            options.time_limit = options.time_limit.or(Some(GUARD));
+        }
+        *solver.options_mut() = options;
+        let checked = catch_unwind(AssertUnwindSafe(|| check(solver, &mut complaints)));
+        if let Err(panic) = checked {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+            complaints.add(format!("the backend panicked: {}", text.unwrap_or("without a text")));
+        }
+        *solver.options_mut() = original.clone();
+        report.add(name, complaints.outcome());
+    }
+}

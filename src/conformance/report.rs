@@ -1,0 +1,90 @@
+//! What a run of the suite found.
+
+use std::fmt;
+
+use super::capability::Capability;
+
+/// What became of a case.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Outcome {
+    /// All is as it must be.
+    Passed,
+    /// What is not, in words.
+    Failed(Vec<String>),
+    /// Left out, for the backend lacks this.
+    Skipped(Capability),
+}
+
+/// What a run of the suite found, case by case; its `Display` names the failures.
+#[derive(Debug, Clone)]
+#[must_use]
+pub struct Report {
+    backend: String,
+    cases: Vec<(String, Outcome)>,
+}
+
+impl Report {
+    pub(super) fn new(backend: &str) -> Self {
+        Report { backend: backend.to_owned(), cases: Vec::new() }
+    }
+
+    pub(super) fn add(&mut self, name: &str, outcome: Outcome) {
+        self.cases.push((name.to_owned(), outcome));
+    }
+
+    /// The cases in the order in which they ran; programs run twice.
+    pub fn cases(&self) -> impl ExactSizeIterator<Item = (&str, &Outcome)> {
+        self.cases.iter().map(|(name, outcome)| (&name[..], outcome))
+    }
+
+    /// The cases that failed, with what is wrong.
+    pub fn failures(&self) -> impl Iterator<Item = (&str, &[String])> {
+        self.cases().filter_map(|(name, outcome)| match outcome {
+            Outcome::Failed(complaints) => Some((name, &complaints[..])),
+            _ => None,
+        })
+    }
+
+    /// Whether nothing failed and something was run.
+    pub fn passed(&self) -> bool {
+        let ran = self.cases.iter().any(|(_, outcome)| *outcome == Outcome::Passed);
+        ran && self.failures().next().is_none()
+    }
+
+    /// For tests.
+    ///
+    /// # Panics
+    ///
+    /// When a case failed, with this report.
+    #[track_caller]
+    pub fn assert_passed(&self) {
+        assert!(self.passed(), "{self}");
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |test: fn(&Outcome) -> bool| self.cases.iter().filter(|(_, o)| test(o)).count();
+        let passed = count(|outcome| *outcome == Outcome::Passed);
+        let failed = count(|outcome| matches!(outcome, Outcome::Failed(_)));
+        let skipped = count(|outcome| matches!(outcome, Outcome::Skipped(_)));
+        writeln!(f, "{}: {passed} passed, {failed} failed, {skipped} skipped", self.backend)?;
+        for (name, complaints) in self.failures() {
+            writeln!(f, "failed: {name}")?;
+            for complaint in complaints {
+                writeln!(f, "  {complaint}")?;
+            }
+        }
+        let mut told: Vec<Capability> = Vec::new();
+        for (_, outcome) in self.cases() {
+            if let Outcome::Skipped(capability) = *outcome
+                && !told.contains(&capability)
+            {
+                told.push(capability);
+                writeln!(f, "skipped: what needs {capability}")?;
+            }
+        }
+        Ok(())
+    }
+}

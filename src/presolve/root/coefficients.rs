@@ -1,0 +1,160 @@
+//! Coefficients and limits of rows with integers are tightened.
+//!
+//! A row over integers only is divided by the common divisor of its coefficients, and its limits are
+//! rounded to what it can be. Where a row cannot bind at one value of a binary, the binary's
+//! coefficient and the row's limit move together until it just does not bind there.
+
+use super::Infeasible;
+use super::postsolve::{Restored, Undo};
+use super::work::{Sparse, Work, is_whole};
+
+/// Rows are left this much looser than they could be, relative to their activity (no unit).
+const MARGIN: f64 = 1e-9;
+
+/// Gains below this fraction of a coefficient are not worth a change (no unit).
+const GAIN: f64 = 1e-3;
+
+/// In rows with continuous columns, only binaries in at most this many rows are tightened; see the
+/// tightening at nodes.
+const FEW_ROWS: usize = 3;
+
+/// Largest coefficient of an integer row that is divided.
+const LARGEST: f64 = 1e9;
+
+/// Distance from 0 up to which a row counts as binding, relative to its terms.
+const BINDING: f64 = 1e-6;
+
+/// A row as it was before it was tightened.
+#[derive(Debug)]
+struct Tightened {
+    row: usize,
+    /// The row in the form `sign * entries <= limit`.
+    entries: Sparse,
+    sign: f64,
+    limit: f64,
+    /// The entries after it was.
+    tight: Sparse,
+}
+
+pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+    let mut changes = 0;
+    for row in work.live_rows() {
+        if work.rows[row].len() < 2 {
+            continue;
+        }
+        changes += usize::from(tighten(work, row));
+        if work.rows[row].iter().all(|&(j, _)| work.integral[j]) {
+            changes += usize::from(divide(work, row)?);
+        }
+    }
+    Ok(changes)
+}
+
+/// Rounds the limits of a row of integers.
+fn divide(work: &mut Work, row: usize) -> Result<bool, Infeasible> {
+    let mut divisor = 0u64;
+    for &(_, a) in &work.rows[row] {
+        if a.abs() > LARGEST || a != a.round() {
+            return Ok(false);
+        }
+        let (mut p, mut q) = (divisor, a.abs() as u64);
+        while q > 0 {
+            (p, q) = (q, p % q);
+        }
+        divisor = p;
+    }
+    let divisor = divisor as f64;
+    if divisor == 0.0 {
+        return Ok(false);
+    }
+    let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
+    let slack = 1e-6_f64.min(1e-6 * divisor);
+    let new_lower = divisor * ((lower - slack) / divisor).ceil();
+    let new_upper = divisor * ((upper + slack) / divisor).floor();
+    if new_lower > new_upper {
+        return Err(Infeasible);
+    }
+    let moved = |old: f64, new: f64| old.is_finite() && (old - new).abs() > slack;
+    let changed = moved(lower, new_lower) || moved(upper, new_upper);
+    if lower.is_finite() {
+        work.row_lower[row] = new_lower;
+    }
+    if upper.is_finite() {
+        work.row_upper[row] = new_upper;
+    }
+    Ok(changed)
+}
+
+/// Tightens the binaries of a one-sided row.
+fn tighten(work: &mut Work, row: usize) -> bool {
+    let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
+    let (sign, old_limit) = match (lower.is_finite(), upper.is_finite()) {
+        (true, false) => (-1.0, -lower),
+        (false, true) => (1.0, upper),
+        _ => return false,
+    };
+    let range = work.range(work.rows[row].iter());
+    let mut most = if sign > 0.0 { range.most } else { -range.least };
+    let scale: f64 = range.scale * work.rows[row].len() as f64;
+    if !(most.is_finite() && most > old_limit) {
+        return false;
+    }
+    let old = work.rows[row].clone();
+    let whole = old.iter().all(|&(j, a)| work.integral[j] && is_whole(a)) && is_whole(old_limit);
+    let margin = if whole { 0.0 } else { MARGIN * scale };
+    let mut limit = old_limit;
+    let mut entries = old.clone();
+    for (j, value) in &mut entries {
+        let is_binary = work.integral[*j] && work.lower[*j] == 0.0 && work.upper[*j] == 1.0;
+        if !is_binary || (!whole && work.uses[*j].len() > FEW_ROWS) {
+            continue;
+        }
+        let size = value.abs();
+        let room = limit - (most - size) - margin;
+        if room <= GAIN * size {
+            continue;
+        }
+        let cut = room.min(size);
+        let raises = sign * *value > 0.0;
+        *value -= cut.copysign(*value);
+        if raises {
+            limit -= cut;
+            most -= cut;
+        }
+    }
+    if entries == old {
+        return false;
+    }
+    entries.retain(|(_, a)| *a != 0.0);
+    work.set_row(row, entries.clone());
+    if sign > 0.0 {
+        work.row_upper[row] = limit;
+    } else {
+        work.row_lower[row] = -limit;
+    }
+    if old.iter().any(|&(j, _)| !work.integral[j]) {
+        work.push(Tightened { row, entries: old, sign, limit: old_limit, tight: entries });
+    }
+    true
+}
+
+impl Undo for Tightened {
+    fn primal(&self, _: &mut [f64]) {}
+
+    /// A row that only binds in its tight form binds because its columns are at their bounds, so the
+    /// bounds take the pressure over.
+    fn dual(&self, all: &mut Restored) {
+        let y = all.y[self.row];
+        if y == 0.0 {
+            return;
+        }
+        let activity: f64 = self.entries.iter().map(|&(j, a)| self.sign * a * all.x[j]).sum();
+        let scale = self.entries.iter().map(|&(j, a)| (a * all.x[j]).abs()).fold(1.0, f64::max);
+        self.tight.iter().for_each(|&(j, a)| all.d[j] -= a * y);
+        if self.limit - activity > BINDING * scale {
+            all.y[self.row] = 0.0;
+        } else {
+            self.entries.iter().for_each(|&(j, a)| all.d[j] += a * y);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Columns whose reduced cost has a known sign are fixed at a bound.
+//!
+//! Where multipliers have a known sign (a row without an upper limit cannot press downwards), so have
+//! reduced costs: a column that no row holds back goes to the bound that its cost prefers ("dual
+//! fixing"). Columns without a finite bound on one side have a reduced cost of one sign in every
+//! optimum, which bounds the multipliers of their rows, and with them the reduced costs of other
+//! columns: those are dominated.
+//!
+//! Where the objective has no lower bound there is no optimum to argue about, so the second step asks for
+//! a bound that is plain from costs and bounds.
+//!
+//! For an integral column the argument is the same: the optimal value as a function of the column is
+//! convex, its slopes are the reduced costs.
+
+use super::fixed_columns::fix;
+use super::work::Work;
+
+/// Reduced costs must clear 0 by this much, relative to their terms, where bounds of multipliers had to
+/// be computed; signs alone are exact.
+const MARGIN: f64 = 1e-9;
+
+/// Rounds of tightening the bounds of multipliers.
+const ROUNDS: usize = 3;
+
+pub(super) fn apply(work: &mut Work) -> usize {
+    let mut changes = 0;
+    // Each column fixed by signs alone is decided by the rows as they are; fixing one only takes
+    // entries away.
+    for column in work.live_columns() {
+        let found = decided(work, column, &signs(work), 0.0);
+        if let Some(value) = found {
+            fix(work, column, value);
+            changes += 1;
+        }
+    }
+    if changes > 0 || !is_bounded(work) {
+        return changes;
+    }
+    let multipliers = multipliers(work);
+    let dominated: Vec<(usize, f64)> = work
+        .live_columns()
+        .into_iter()
+        .filter_map(|j| Some((j, decided(work, j, &|row| multipliers[row], MARGIN)?)))
+        .collect();
+    // One at a time: the argument for the next column needs the program without this one.
+    if let Some(&(column, value)) = dominated.first() {
+        fix(work, column, value);
+        changes += 1;
+    }
+    changes
+}
+
+/// Whether the bounds alone keep the objective from falling forever; its curvature only raises it.
+fn is_bounded(work: &Work) -> bool {
+    work.live_columns().into_iter().all(|j| {
+        let cost = work.linear[j];
+        (cost <= 0.0 || work.lower[j].is_finite()) && (cost >= 0.0 || work.upper[j].is_finite())
+    })
+}
+
+/// What the limits of a row say about its multiplier.
+fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] {
+    |row| {
+        let most = if work.row_upper[row].is_finite() { f64::INFINITY } else { 0.0 };
+        let least = if work.row_lower[row].is_finite() { f64::NEG_INFINITY } else { 0.0 };
+        [least, most]
+    }
+}
+
+/// Where a column belongs, when its reduced cost has a known sign.
+fn decided(
+    work: &Work,
+    column: usize,
+    multiplier: &dyn Fn(usize) -> [f64; 2],
+    margin: f64,
+) -> Option<f64> {
+    if !work.is_straight(column) {
+        return None;
+    }
+    let [least, most] = reduced_cost(work, column, multiplier, None);
+    let margin = margin * scale(work, column, multiplier);
+    let (lower, upper) = (work.lower[column], work.upper[column]);
+    let cheap = least == 0.0 && most == 0.0;
+    let value = if cheap && margin == 0.0 {
+        0.0_f64.max(lower).min(upper)
+    } else if least >= margin {
+        lower
+    } else if most <= -margin {
+        upper
+    } else {
+        return None;
+    };
+    value.is_finite().then_some(value)
+}
+
+/// Least and largest reduced cost of a column, leaving one row out.
+fn reduced_cost(
+    work: &Work,
+    column: usize,
+    multiplier: &dyn Fn(usize) -> [f64; 2],
+    without: Option<usize>,
+) -> [f64; 2] {
+    let mut range = [work.linear[column]; 2];
+    for (row, a) in work.column(column).into_iter().filter(|(row, _)| Some(*row) != without) {
+        let [p, q] = multiplier(row).map(|y| if y == 0.0 { 0.0 } else { a * y });
+        range[0] += p.min(q);
+        range[1] += p.max(q);
+    }
+    range
+}
+
+/// The size of a reduced cost's finite terms, at least that of the cost.
+fn scale(work: &Work, column: usize, multiplier: &dyn Fn(usize) -> [f64; 2]) -> f64 {
+    let terms = work.column(column).into_iter().flat_map(|(row, a)| {
+        multiplier(row).map(|y| if y.is_finite() { (a * y).abs() } else { 0.0 })
+    });
+    terms.fold(work.linear[column].abs().max(1e-6), f64::max)
+}
+
+/// Bounds of the multipliers of every optimum: signs, then the reduced costs of continuous columns
+/// that miss a bound.
+fn multipliers(work: &Work) -> Vec<[f64; 2]> {
+    let sign = signs(work);
+    let mut bounds: Vec<[f64; 2]> = (0..work.rows.len()).map(&sign).collect();
+    let open: Vec<usize> = work
+        .live_columns()
+        .into_iter()
+        .filter(|&j| {
+            let missing = work.lower[j].is_infinite() || work.upper[j].is_infinite();
+            missing && !work.integral[j] && work.is_straight(j)
+        })
+        .collect();
+    for _ in 0..ROUNDS {
+        let mut changed = false;
+        for &column in &open {
+            // d <= 0 without a lower bound, d >= 0 without an upper one.
+            let limits = [
+                if work.upper[column].is_infinite() { 0.0 } else { f64::NEG_INFINITY },
+                if work.lower[column].is_infinite() { 0.0 } else { f64::INFINITY },
+            ];
+            for (row, a) in work.column(column) {
+                let rest = reduced_cost(work, column, &|i| bounds[i], Some(row));
+                let (p, q) = ((limits[0] - rest[1]) / a, (limits[1] - rest[0]) / a);
+                let (p, q) = (p.min(q), p.max(q));
+                // Loosened by a hair; quotients that are not numbers compare false.
+                let hair = |value: f64| 1e-9 * value.abs().max(1.0);
+                if p.is_finite() && p - hair(p) > bounds[row][0] {
+                    (bounds[row][0], changed) = (p - hair(p), true);
+                }
+                if q.is_finite() && q + hair(q) < bounds[row][1] {
+                    (bounds[row][1], changed) = (q + hair(q), true);
+                }
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    bounds
+}

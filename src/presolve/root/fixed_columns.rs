@@ -1,0 +1,47 @@
+//! Columns with one value left are put into rows and objective.
+
+use super::postsolve::{Restored, Undo};
+use super::work::{OldColumn, Work};
+
+#[derive(Debug)]
+struct FixedColumn {
+    old: OldColumn,
+    value: f64,
+}
+
+pub(super) fn apply(work: &mut Work) -> usize {
+    let fixed: Vec<usize> =
+        work.live_columns().into_iter().filter(|&j| work.lower[j] == work.upper[j]).collect();
+    for &column in &fixed {
+        fix(work, column, work.lower[column]);
+    }
+    fixed.len()
+}
+
+/// Puts a column at a value.
+pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
+    let old = work.remember(column);
+    for &(row, a) in &old.entries {
+        work.shift_row(row, a * value);
+    }
+    work.offset += work.linear[column] * value;
+    for (k, p) in work.quadratic[column].clone() {
+        if k == column {
+            work.offset += 0.5 * p * value * value;
+        } else {
+            work.linear[k] += p * value;
+        }
+    }
+    work.drop_column(column);
+    work.push(FixedColumn { old, value });
+}
+
+impl Undo for FixedColumn {
+    fn primal(&self, x: &mut [f64]) {
+        x[self.old.column] = self.value;
+    }
+
+    fn dual(&self, all: &mut Restored) {
+        all.d[self.old.column] = self.old.gradient(&all.x, &all.y, None);
+    }
+}

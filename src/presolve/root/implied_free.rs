@@ -1,0 +1,71 @@
+//! Columns whose bounds an equality implies are replaced by it.
+//!
+//! Where the rows of a column allow it no value beyond its bounds, the bounds say nothing, and the
+//! column is nothing but a name for the rest of an equality.
+
+use super::substitute::{is_stable, substitute};
+use super::work::{IMPLIED, Work};
+
+/// Longest equality, and most rows of a column, that are looked at.
+const LONGEST: usize = 6;
+const MOST_ROWS: usize = 4;
+
+/// By how many entries the matrix may grow with one substitution.
+const FILL: isize = 0;
+
+pub(super) fn apply(work: &mut Work) -> usize {
+    let mut changes = 0;
+    for row in work.live_rows() {
+        if !work.is_equality(row) || !(2..=LONGEST).contains(&work.rows[row].len()) {
+            continue;
+        }
+        let candidates = work.rows[row].iter().map(|&(j, _)| j);
+        let chosen = candidates
+            .filter(|&j| {
+                !work.integral[j]
+                    && work.is_straight(j)
+                    && work.uses[j].len() <= MOST_ROWS
+                    && fill(work, j, row) <= FILL
+                    && is_stable(work, j, row)
+                    && is_implied_free(work, j)
+            })
+            .min_by_key(|&j| (fill(work, j, row), j));
+        if let Some(column) = chosen {
+            substitute(work, column, row, false);
+            changes += 1;
+        }
+    }
+    changes
+}
+
+/// The most entries that a substitution can add, less those that it takes away.
+fn fill(work: &Work, column: usize, row: usize) -> isize {
+    let entries = |i: usize| work.rows[i].iter();
+    let others = work.uses[column].iter().filter(|&&other| other != row);
+    let added: usize = others
+        .map(|&other| {
+            let new = |&&(j, _): &&(usize, f64)| j != column && work.coefficient(other, j) == 0.0;
+            entries(row).filter(new).count()
+        })
+        .sum();
+    added as isize - (work.rows[row].len() + work.uses[column].len() - 1) as isize
+}
+
+/// Whether each bound of a column follows from one of its rows and the bounds of other columns.
+fn is_implied_free(work: &Work, column: usize) -> bool {
+    let (lower, upper) = (work.lower[column], work.upper[column]);
+    let mut needs = [lower.is_finite(), upper.is_finite()];
+    for &row in &work.uses[column] {
+        if !needs[0] && !needs[1] {
+            break;
+        }
+        let a = work.coefficient(row, column);
+        let rest = work.range(work.rows[row].iter().filter(|(j, _)| *j != column));
+        let margin = IMPLIED * rest.scale / a.abs();
+        let (p, q) =
+            ((work.row_lower[row] - rest.most) / a, (work.row_upper[row] - rest.least) / a);
+        needs[0] &= p.min(q) < lower - margin.min(IMPLIED);
+        needs[1] &= p.max(q) > upper + margin.min(IMPLIED);
+    }
+    !needs[0] && !needs[1]
+}

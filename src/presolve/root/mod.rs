@@ -1,0 +1,209 @@
+//! Presolve before the search: a smaller program with the same optimum, and the way back.
+//!
+//! * `work` - the program while it is being reduced
+//! * `postsolve` - the stack of undos: values, multipliers and reduced costs of the original
+//! * `substitute` - a column expressed by an equality; shared by the rules that do so
+//!
+//! One rule a file; the loop applies them in turn until none finds anything:
+//!
+//! * `fixed_columns` - columns with one value left
+//! * `singleton_rows` - rows over one column become bounds
+//! * `redundant_rows` - sides that the bounds imply
+//! * `parallel_rows` - rows that are multiples of another one
+//! * `doubletons` - equalities over two columns
+//! * `slack_columns` - continuous columns in a single row
+//! * `implied_free` - columns whose bounds an equality implies
+//! * `dominated_columns` - columns whose reduced cost has a known sign
+//! * `parallel_columns` - columns that are multiples of another one
+//! * `coefficients` - rows of integers, divided and rounded; big-Ms that can shrink
+
+mod coefficients;
+mod dominated_columns;
+mod doubletons;
+mod fixed_columns;
+mod implied_free;
+mod parallel_columns;
+mod parallel_rows;
+mod postsolve;
+mod redundant_rows;
+mod singleton_rows;
+mod slack_columns;
+mod substitute;
+mod work;
+
+pub use postsolve::{Postsolve, Restored};
+
+use crate::error::Error;
+use crate::program::Program;
+use work::Work;
+
+/// The rules of the presolve before the search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// Columns with one value left are put into rows and objective.
+    FixedColumns,
+    /// Rows over one column become bounds.
+    SingletonRows,
+    /// Sides of rows that the bounds imply are dropped.
+    RedundantRows,
+    /// Rows that are multiples of another one are merged into it.
+    ParallelRows,
+    /// Equalities over two columns replace one of them.
+    Doubletons,
+    /// Continuous columns in one row only become part of its limits.
+    SlackColumns,
+    /// Columns whose bounds an equality implies are replaced by it.
+    ImpliedFree,
+    /// Columns whose reduced cost has a known sign are fixed at a bound.
+    DominatedColumns,
+    /// Columns that are multiples of another one are merged into it.
+    ParallelColumns,
+    /// Coefficients and limits of rows with integers are tightened.
+    Coefficients,
+}
+
+impl Rule {
+    /// All rules, in the order of their application.
+    pub const ALL: [Rule; 10] = [
+        Rule::FixedColumns,
+        Rule::SingletonRows,
+        Rule::RedundantRows,
+        Rule::ParallelRows,
+        Rule::Doubletons,
+        Rule::SlackColumns,
+        Rule::ImpliedFree,
+        Rule::DominatedColumns,
+        Rule::ParallelColumns,
+        Rule::Coefficients,
+    ];
+
+    fn apply(self, work: &mut Work) -> Result<usize, Infeasible> {
+        match self {
+            Rule::FixedColumns => Ok(fixed_columns::apply(work)),
+            Rule::SingletonRows => singleton_rows::apply(work),
+            Rule::RedundantRows => redundant_rows::apply(work),
+            Rule::ParallelRows => parallel_rows::apply(work),
+            Rule::Doubletons => Ok(doubletons::apply(work)),
+            Rule::SlackColumns => Ok(slack_columns::apply(work)),
+            Rule::ImpliedFree => Ok(implied_free::apply(work)),
+            Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
+            Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
+            Rule::Coefficients => coefficients::apply(work),
+        }
+    }
+}
+
+/// The result of [`presolve`].
+#[derive(Debug)]
+pub enum Presolve {
+    /// An equivalent program and the way back.
+    Presolved(Box<Presolved>),
+    /// Rows and bounds contradict each other.
+    Infeasible,
+}
+
+/// A presolved program and the way back.
+#[derive(Debug)]
+pub struct Presolved {
+    /// What is left; its optimum is that of the original.
+    pub program: Program,
+    /// From its points to those of the original.
+    pub postsolve: Postsolve,
+}
+
+impl Presolved {
+    /// The original's point and multipliers from those of the presolved program.
+    ///
+    /// The pair satisfies the conditions of Karush, Kuhn and Tucker of the original with its integral
+    /// columns fixed where the given one satisfies those of the presolved program.
+    ///
+    /// # Arguments
+    ///
+    /// * `x`: one value a column of the presolved program.
+    /// * `y`: one multiplier a row; positive ones press on upper limits, negative ones on lower.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Backend`] when a length does not match.
+    pub fn restore(&self, x: &[f64], y: &[f64]) -> Result<Restored, Error> {
+        let program = &self.program;
+        if x.len() != program.column_count() || y.len() != program.row_count() {
+            return Err(Error::Backend {
+                message: "a point and its multipliers need the lengths of the presolved program"
+                    .into(),
+            });
+        }
+        let reduced_cost = |j: usize| {
+            let dot = |(index, value): (&[usize], &[f64]), with: &[f64]| -> f64 {
+                index.iter().zip(value).map(|(&k, a)| a * with[k]).sum()
+            };
+            program.linear[j] + dot(program.quadratic_column(j), x) + dot(program.column(j), y)
+        };
+        let d: Vec<f64> = (0..x.len()).map(reduced_cost).collect();
+        Ok(self.postsolve.restore(x, y, &d))
+    }
+}
+
+/// Proof that no point satisfies rows and bounds.
+#[derive(Debug, Clone, Copy)]
+struct Infeasible;
+
+/// Most rounds of all rules; each is linear in the entries, and nearly all programs need fewer.
+const ROUNDS: usize = 30;
+
+/// Applies rules to a program, in their order, again and again until nothing changes.
+///
+/// `go_on` is asked between rules; what is done when it says no is kept.
+///
+/// ```
+/// use carom::prelude::*;
+/// use carom::presolve::root::{Presolve, Rule, presolve};
+/// use carom::program::Program;
+///
+/// let mut model = Model::new("chain");
+/// let v = model.continuous_family("v", 3, -10.0, 10.0)?;
+/// model.add("start", v[0].equals(1.0))?;
+/// model.add("a", (v[1] - 2.0 * v[0]).equals(0.0))?;
+/// model.add("b", (v[2] - 2.0 * v[1]).equals(0.0))?;
+/// let program = Program::assemble(&model)?;
+///
+/// let Presolve::Presolved(presolved) = presolve(&program, &Rule::ALL, &|| true)? else { panic!() };
+/// assert_eq!(presolved.program.column_count(), 0);
+/// assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// [`Error::Backend`] when the matrices cannot be allocated.
+pub fn presolve(
+    program: &Program,
+    rules: &[Rule],
+    go_on: &dyn Fn() -> bool,
+) -> Result<Presolve, Error> {
+    let mut work = Work::new(program);
+    if work.settle().is_err() {
+        return Ok(Presolve::Infeasible);
+    }
+    for _ in 0..ROUNDS {
+        let mut changes = 0;
+        for rule in rules {
+            if !go_on() {
+                return finish(work);
+            }
+            match rule.apply(&mut work) {
+                Ok(found) => changes += found,
+                Err(Infeasible) => return Ok(Presolve::Infeasible),
+            }
+        }
+        if changes == 0 {
+            break;
+        }
+    }
+    finish(work)
+}
+
+fn finish(work: Work) -> Result<Presolve, Error> {
+    Ok(Presolve::Presolved(Box::new(work.finish()?)))
+}

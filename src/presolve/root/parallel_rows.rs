@@ -1,0 +1,68 @@
+//! Rows that are multiples of another one are merged into it.
+
+use std::collections::HashMap;
+
+use super::Infeasible;
+use super::postsolve::{Restored, Undo};
+use super::work::Work;
+
+/// Relative difference up to which two quotients of coefficients count as equal.
+pub(super) const PARALLEL: f64 = 1e-13;
+
+/// A row that was `ratio` times another one.
+#[derive(Debug)]
+struct ParallelRow {
+    row: usize,
+    twin: usize,
+    ratio: f64,
+    /// Whether the lower, or the upper, limit of the twin is now this row's.
+    gives: [bool; 2],
+}
+
+pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+    let mut seen: HashMap<Vec<usize>, Vec<usize>> = HashMap::new();
+    let mut changes = 0;
+    for row in work.live_rows() {
+        if work.rows[row].is_empty() {
+            continue;
+        }
+        let pattern = work.rows[row].iter().map(|&(j, _)| j).collect();
+        let bucket = seen.entry(pattern).or_default();
+        let twin = bucket.iter().find_map(|&other| Some((other, ratio(work, row, other)?)));
+        let Some((twin, ratio)) = twin else {
+            bucket.push(row);
+            continue;
+        };
+        let (p, q) = (work.row_lower[row] / ratio, work.row_upper[row] / ratio);
+        let (lower, upper) = (p.min(q), p.max(q));
+        let gives = [lower > work.row_lower[twin], upper < work.row_upper[twin]];
+        work.row_lower[twin] = work.row_lower[twin].max(lower);
+        work.row_upper[twin] = work.row_upper[twin].min(upper);
+        work.settle_row(twin)?;
+        work.drop_row(row);
+        work.push(ParallelRow { row, twin, ratio, gives });
+        changes += 1;
+    }
+    Ok(changes)
+}
+
+/// The factor from `other` to `row`, when there is one.
+fn ratio(work: &Work, row: usize, other: usize) -> Option<f64> {
+    let (one, two) = (&work.rows[row], &work.rows[other]);
+    let ratio = one.first()?.1 / two.first()?.1;
+    let parallel =
+        |(a, b): (&(usize, f64), &(usize, f64))| (a.1 - ratio * b.1).abs() <= PARALLEL * a.1.abs();
+    one.iter().zip(two).all(parallel).then_some(ratio)
+}
+
+impl Undo for ParallelRow {
+    fn primal(&self, _: &mut [f64]) {}
+
+    fn dual(&self, all: &mut Restored) {
+        let y = all.y[self.twin];
+        if (y > 0.0 && self.gives[1]) || (y < 0.0 && self.gives[0]) {
+            all.y[self.row] = y / self.ratio;
+            all.y[self.twin] = 0.0;
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The way back: a stack of undos, the last reduction first.
+//!
+//! Multipliers follow one convention: the reduced cost of a column is
+//! `d = q + Px + A'y`; a positive multiplier presses on a row's upper limit, a negative one on its
+//! lower limit; a positive reduced cost presses on a lower bound, a negative one on an upper bound.
+//! They are those of the continuous program that is left when the integral columns are fixed, so the
+//! reduced cost of an integral column may have any sign.
+
+use std::fmt::Debug;
+
+/// Undoes one reduction. Columns and rows have the numbers of the original program throughout.
+pub(super) trait Undo: Debug + Send + Sync {
+    /// Gives values to the columns that the reduction took out.
+    fn primal(&self, x: &mut [f64]);
+
+    /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed or
+    /// took out; the values are restored already.
+    fn dual(&self, all: &mut Restored);
+}
+
+/// A point and its multipliers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Restored {
+    /// Values of the columns.
+    pub x: Vec<f64>,
+    /// Multipliers of the rows: positive ones press on upper limits, negative ones on lower limits.
+    pub y: Vec<f64>,
+    /// Reduced costs `q + Px + A'y` of the columns: positive ones press on lower bounds, negative ones
+    /// on upper bounds; those of integral columns may have any sign.
+    pub d: Vec<f64>,
+}
+
+/// From points of a presolved program to points of the original.
+#[derive(Debug)]
+pub struct Postsolve {
+    pub(super) undos: Vec<Box<dyn Undo>>,
+    /// Original column of each presolved one.
+    pub(super) columns: Vec<usize>,
+    /// Original row of each presolved one.
+    pub(super) rows: Vec<usize>,
+    /// Numbers of columns and rows of the original.
+    pub(super) column_count: usize,
+    pub(super) row_count: usize,
+}
+
+impl Postsolve {
+    /// The original column of each presolved one.
+    pub fn columns(&self) -> &[usize] {
+        &self.columns
+    }
+
+    /// The original row of each presolved one.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// Number of reductions.
+    pub fn len(&self) -> usize {
+        self.undos.len()
+    }
+
+    /// Whether nothing was reduced.
+    pub fn is_empty(&self) -> bool {
+        self.undos.is_empty()
+    }
+
+    /// The original's point; missing values count as 0, and values too many are ignored.
+    pub fn point(&self, x: &[f64]) -> Vec<f64> {
+        let mut full = scatter(self.column_count, &self.columns, x);
+        self.undos.iter().rev().for_each(|undo| undo.primal(&mut full));
+        full
+    }
+
+    /// The original's point with its multipliers, from values, multipliers and reduced costs.
+    pub(super) fn restore(&self, x: &[f64], y: &[f64], d: &[f64]) -> Restored {
+        let mut all = Restored {
+            x: self.point(x),
+            y: scatter(self.row_count, &self.rows, y),
+            d: scatter(self.column_count, &self.columns, d),
+        };
+        self.undos.iter().rev().for_each(|undo| undo.dual(&mut all));
+        all
+    }
+}
+
+fn scatter(length: usize, positions: &[usize], values: &[f64]) -> Vec<f64> {
+    let mut full = vec![0.0; length];
+    positions.iter().zip(values).for_each(|(&k, &v)| full[k] = v);
+    full
+}

@@ -1,0 +1,91 @@
+//! Sides of rows that the bounds imply are dropped; rows that the bounds only just allow force their
+//! columns to bounds.
+
+use super::Infeasible;
+use super::postsolve::{Restored, Undo};
+use super::work::{IMPLIED, Sparse, Work};
+
+/// Excess of the least activity over a limit, relative, that proves infeasibility.
+const CROSSED: f64 = 1e-8;
+
+/// A row that leaves each of its columns one bound.
+#[derive(Debug)]
+struct ForcingRow {
+    row: usize,
+    entries: Sparse,
+    /// Those of continuous columns, which are pressed.
+    continuous: Sparse,
+    /// Whether the row holds its columns where its activity is largest (by its lower limit).
+    by_lower: bool,
+}
+
+pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+    let mut changes = 0;
+    for row in work.live_rows() {
+        let range = work.range(work.rows[row].iter());
+        let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
+        let excess = CROSSED * range.scale.max(finite(lower)).max(finite(upper));
+        if range.least > upper + excess || range.most < lower - excess {
+            return Err(Infeasible);
+        }
+        let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
+        let forcing = if lower.is_finite() && range.most <= lower + margin {
+            Some(true)
+        } else if upper.is_finite() && range.least >= upper - margin {
+            Some(false)
+        } else {
+            None
+        };
+        if let Some(by_lower) = forcing {
+            force(work, row, by_lower);
+            changes += 1;
+            continue;
+        }
+        if upper.is_finite() && range.most <= upper + margin {
+            work.row_upper[row] = f64::INFINITY;
+            changes += 1;
+        }
+        if lower.is_finite() && range.least >= lower - margin {
+            work.row_lower[row] = f64::NEG_INFINITY;
+            changes += 1;
+        }
+        if work.row_lower[row].is_infinite() && work.row_upper[row].is_infinite() {
+            work.drop_row(row);
+            changes += 1;
+        }
+    }
+    Ok(changes)
+}
+
+fn finite(limit: f64) -> f64 {
+    if limit.is_finite() { limit.abs() } else { 0.0 }
+}
+
+/// Moves the columns of a row to the bounds that it leaves them, and drops the row.
+fn force(work: &mut Work, row: usize, by_lower: bool) {
+    let entries = work.rows[row].clone();
+    for &(j, a) in &entries {
+        let at_upper = (a > 0.0) == by_lower;
+        if at_upper {
+            work.lower[j] = work.upper[j];
+        } else {
+            work.upper[j] = work.lower[j];
+        }
+    }
+    let mut continuous = entries.clone();
+    continuous.retain(|(j, _)| !work.integral[*j]);
+    work.drop_row(row);
+    work.push(ForcingRow { row, entries, continuous, by_lower });
+}
+
+impl Undo for ForcingRow {
+    fn primal(&self, _: &mut [f64]) {}
+
+    /// The least multiplier with which every column is pressed to the bound that it is at.
+    fn dual(&self, all: &mut Restored) {
+        let wanted = self.continuous.iter().map(|&(j, a)| -all.d[j] / a);
+        let y = if self.by_lower { wanted.fold(0.0, f64::min) } else { wanted.fold(0.0, f64::max) };
+        all.y[self.row] = y;
+        self.entries.iter().for_each(|&(j, a)| all.d[j] += a * y);
+    }
+}

@@ -1,0 +1,58 @@
+//! Rows over one column become bounds; rows over none are checked and dropped.
+
+use super::Infeasible;
+use super::postsolve::{Restored, Undo};
+use super::work::Work;
+
+/// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
+const MISSED: f64 = 1e-8;
+
+#[derive(Debug)]
+struct SingletonRow {
+    row: usize,
+    column: usize,
+    coefficient: f64,
+    /// Whether the lower, or the upper, bound of the column is the row's.
+    gives: [bool; 2],
+}
+
+pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+    let mut changes = 0;
+    for row in work.live_rows() {
+        match work.rows[row][..] {
+            [] => {
+                let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
+                let missed = lower.max(-upper);
+                if missed > MISSED * missed.abs().max(1.0) {
+                    return Err(Infeasible);
+                }
+                work.drop_row(row);
+            }
+            [(column, a)] => {
+                let (p, q) = (work.row_lower[row] / a, work.row_upper[row] / a);
+                let (lower, upper) = (p.min(q), p.max(q));
+                let gives = [lower > work.lower[column], upper < work.upper[column]];
+                work.intersect(column, lower, upper)?;
+                work.drop_row(row);
+                if !work.integral[column] && (gives[0] || gives[1]) {
+                    work.push(SingletonRow { row, column, coefficient: a, gives });
+                }
+            }
+            _ => continue,
+        }
+        changes += 1;
+    }
+    Ok(changes)
+}
+
+impl Undo for SingletonRow {
+    fn primal(&self, _: &mut [f64]) {}
+
+    fn dual(&self, all: &mut Restored) {
+        let d = all.d[self.column];
+        if (d > 0.0 && self.gives[0]) || (d < 0.0 && self.gives[1]) {
+            all.y[self.row] = -d / self.coefficient;
+            all.d[self.column] = 0.0;
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Continuous columns in one row only become part of its limits.
+//!
+//! In an equality they are expressed by it, costs and all. Without a cost they widen the limits of any
+//! row. With a cost and nothing else in their way, they make a limit of their row bind, so that the
+//! row is an equality.
+
+use super::postsolve::{Restored, Undo};
+use super::substitute::{is_stable, substitute};
+use super::work::Work;
+
+/// A column without a cost that widened a row.
+#[derive(Debug)]
+struct Slack {
+    column: usize,
+    row: usize,
+    coefficient: f64,
+    bounds: [f64; 2],
+    limits: [f64; 2],
+    rest: Vec<(usize, f64)>,
+}
+
+pub(super) fn apply(work: &mut Work) -> usize {
+    let mut changes = 0;
+    for column in work.live_columns() {
+        let [row] = work.uses[column][..] else { continue };
+        if work.integral[column] || !work.is_straight(column) || work.rows[row].len() < 2 {
+            continue;
+        }
+        if work.linear[column] != 0.0 && !work.is_equality(row) {
+            bind(work, column, row);
+        }
+        if work.is_equality(row) {
+            if is_stable(work, column, row) {
+                substitute(work, column, row, true);
+                changes += 1;
+            }
+        } else if work.linear[column] == 0.0 {
+            widen(work, column, row);
+            changes += 1;
+        }
+    }
+    changes
+}
+
+/// Makes a row an equality where a column's cost presses it against a limit and no bound does.
+fn bind(work: &mut Work, column: usize, row: usize) {
+    let (a, cost) = (work.coefficient(row, column), work.linear[column]);
+    let bound = if cost > 0.0 { work.lower[column] } else { work.upper[column] };
+    // Falling along `-cost`, the activity moves by `-cost * a`.
+    let limit = if cost * a > 0.0 { work.row_lower[row] } else { work.row_upper[row] };
+    if bound.is_infinite() && limit.is_finite() {
+        (work.row_lower[row], work.row_upper[row]) = (limit, limit);
+    }
+}
+
+fn widen(work: &mut Work, column: usize, row: usize) {
+    let coefficient = work.coefficient(row, column);
+    let bounds = [work.lower[column], work.upper[column]];
+    let limits = [work.row_lower[row], work.row_upper[row]];
+    let (p, q) = (coefficient * bounds[0], coefficient * bounds[1]);
+    work.row_lower[row] -= p.max(q);
+    work.row_upper[row] -= p.min(q);
+    work.drop_column(column);
+    let rest = work.rows[row].clone();
+    work.push(Slack { column, row, coefficient, bounds, limits, rest });
+}
+
+impl Undo for Slack {
+    /// The value nearest to 0 with which the row and the bounds hold.
+    fn primal(&self, x: &mut [f64]) {
+        let rest: f64 = self.rest.iter().map(|&(k, a)| a * x[k]).sum();
+        let (p, q) = (
+            (self.limits[0] - rest) / self.coefficient,
+            (self.limits[1] - rest) / self.coefficient,
+        );
+        let value = 0.0_f64.max(p.min(q)).min(p.max(q));
+        x[self.column] = value.max(self.bounds[0]).min(self.bounds[1]);
+    }
+
+    fn dual(&self, all: &mut Restored) {
+        all.d[self.column] = self.coefficient * all.y[self.row];
+    }
+}

@@ -1,0 +1,144 @@
+//! A column expressed by an equality.
+//!
+//! From `a_j x_j + rest = b` follows `x_j = b / a_j - rest / a_j`, which goes into every other row and
+//! the objective. What is left of the equality itself are the bounds of the column, a row
+//! `b / a_j - upper <= rest / a_j <= b / a_j - lower`; a row with the unit of the column, so that it is
+//! missed by no more than the bound would be.
+
+use super::postsolve::{Restored, Undo};
+use super::work::{OldColumn, Sparse, Work};
+
+/// Entries that cancel to less than this, relative to what they came from, are 0.
+const CANCELLED: f64 = 1e-13;
+
+/// Largest quotient of coefficients that goes into another row: numbers must not grow.
+const GROWTH: f64 = 1e3;
+
+#[derive(Debug)]
+struct Substituted {
+    old: OldColumn,
+    integral: bool,
+    row: usize,
+    coefficient: f64,
+    constant: f64,
+    /// `x_j = constant - terms`.
+    terms: Sparse,
+    /// Whether the row was kept for the bounds.
+    kept: bool,
+}
+
+/// Whether a column can be expressed by a row without numbers growing.
+pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
+    let pivot = work.coefficient(row, column).abs();
+    let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= GROWTH * pivot);
+    let entries = work.column(column);
+    in_row && entries.iter().all(|(_, a)| a.abs() <= GROWTH * pivot)
+}
+
+/// Replaces a column by what an equality says about it; `keep` leaves a row for its bounds.
+pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool) {
+    let old = work.remember(column);
+    let coefficient = work.coefficient(row, column);
+    let constant = work.row_lower[row] / coefficient;
+    let mut terms = work.rows[row].clone();
+    terms.retain(|&(j, _)| j != column);
+    terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
+
+    for &(other, factor) in old.entries.iter().filter(|(other, _)| *other != row) {
+        let mut rest = work.rows[other].clone();
+        rest.retain(|&(j, _)| j != column);
+        let entries = minus(&rest, factor, &terms);
+        work.set_row(other, entries);
+        work.shift_row(other, factor * constant);
+    }
+    substitute_objective(work, column, constant, &terms);
+
+    let (lower, upper) = (work.lower[column], work.upper[column]);
+    let kept = keep && (lower.is_finite() || upper.is_finite());
+    if kept {
+        work.set_row(row, terms.clone());
+        (work.row_lower[row], work.row_upper[row]) = (constant - upper, constant - lower);
+    } else {
+        work.drop_row(row);
+    }
+    work.drop_column(column);
+    let integral = work.integral[column];
+    work.push(Substituted { old, integral, row, coefficient, constant, terms, kept });
+}
+
+/// `row - factor * terms`.
+fn minus(row: &Sparse, factor: f64, terms: &Sparse) -> Sparse {
+    let mut sum = Vec::with_capacity(row.len() + terms.len());
+    let (mut p, mut q) = (0, 0);
+    while p < row.len() || q < terms.len() {
+        let first = row.get(p).map_or(usize::MAX, |e| e.0);
+        let second = terms.get(q).map_or(usize::MAX, |e| e.0);
+        let own = if first <= second { row[p].1 } else { 0.0 };
+        let new = if second <= first { -factor * terms[q].1 } else { 0.0 };
+        p += usize::from(first <= second);
+        q += usize::from(second <= first);
+        let value = own + new;
+        if value.abs() > CANCELLED * own.abs().max(new.abs()) {
+            sum.push((first.min(second), value));
+        }
+    }
+    sum
+}
+
+fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &Sparse) {
+    let linear = work.linear[column];
+    work.offset += linear * constant;
+    for &(k, a) in terms {
+        work.linear[k] -= linear * a;
+    }
+    let curvature: Vec<(usize, f64)> =
+        work.quadratic[column].iter().map(|(&k, &p)| (k, p)).collect();
+    let mut add = |i: usize, k: usize, p: f64| {
+        let entry = work.quadratic[i].entry(k).or_insert(0.0);
+        let size = entry.abs().max(p.abs());
+        *entry += p;
+        if entry.abs() <= CANCELLED * size {
+            work.quadratic[i].remove(&k);
+        }
+    };
+    for &(m, p) in &curvature {
+        if m == column {
+            for &(k, a) in terms {
+                for &(l, b) in terms {
+                    add(k, l, p * a * b);
+                }
+            }
+        } else {
+            for &(k, a) in terms {
+                add(k, m, -a * p);
+                add(m, k, -a * p);
+            }
+        }
+    }
+    for (m, p) in curvature {
+        if m == column {
+            work.offset += 0.5 * p * constant * constant;
+            for &(k, a) in terms {
+                work.linear[k] -= p * constant * a;
+            }
+        } else {
+            work.linear[m] += constant * p;
+        }
+    }
+}
+
+impl Undo for Substituted {
+    fn primal(&self, x: &mut [f64]) {
+        let value = self.constant - self.terms.iter().map(|&(k, a)| a * x[k]).sum::<f64>();
+        x[self.old.column] = if self.integral { value.round() } else { value };
+    }
+
+    /// The multiplier of the equality makes the reduced cost of its column what the kept row says,
+    /// or 0.
+    fn dual(&self, all: &mut Restored) {
+        let pressed = if self.kept { all.y[self.row] } else { 0.0 };
+        let gradient = self.old.gradient(&all.x, &all.y, Some(self.row));
+        all.y[self.row] = (pressed - gradient) / self.coefficient;
+        all.d[self.old.column] = pressed;
+    }
+}

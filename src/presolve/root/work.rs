@@ -1,0 +1,296 @@
+//! The program while it is being reduced: rows by columns and columns by rows, both sparse, with
+//! the numbers of the original.
+
+use std::collections::BTreeMap;
+
+use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
+
+use super::postsolve::{Postsolve, Undo};
+use super::{Infeasible, Presolved};
+use crate::error::Error;
+use crate::program::Program;
+use crate::tolerance;
+
+/// Bounds or limits crossed by more than this, relative, prove infeasibility.
+const CROSSED: f64 = 1e-8;
+
+/// Limits and bounds implied up to this margin count as implied.
+pub(super) const IMPLIED: f64 = 1e-9;
+
+/// A sparse vector, sorted by position.
+pub(super) type Sparse = Vec<(usize, f64)>;
+
+/// The program, and the undos of what was done to it.
+#[derive(Debug)]
+pub(super) struct Work {
+    pub(super) rows: Vec<Sparse>,
+    /// The rows that a column is in, sorted.
+    pub(super) uses: Vec<Vec<usize>>,
+    pub(super) row_lower: Vec<f64>,
+    pub(super) row_upper: Vec<f64>,
+    pub(super) row_alive: Vec<bool>,
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+    pub(super) column_alive: Vec<bool>,
+    pub(super) integral: Vec<bool>,
+    pub(super) linear: Vec<f64>,
+    /// `P`, both triangles.
+    pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
+    pub(super) offset: f64,
+    pub(super) undos: Vec<Box<dyn Undo>>,
+    step: Vec<Option<usize>>,
+    sign: f64,
+}
+
+/// A column as it was before it was taken out.
+#[derive(Debug, Clone)]
+pub(super) struct OldColumn {
+    pub(super) column: usize,
+    pub(super) entries: Sparse,
+    linear: f64,
+    quadratic: Sparse,
+}
+
+impl OldColumn {
+    /// `q + Px + A'y` of the column, leaving one row out.
+    pub(super) fn gradient(&self, x: &[f64], y: &[f64], without: Option<usize>) -> f64 {
+        let curved: f64 = self.quadratic.iter().map(|&(k, p)| p * x[k]).sum();
+        let rows = self.entries.iter().filter(|(row, _)| Some(*row) != without);
+        self.linear + curved + rows.map(|&(row, a)| a * y[row]).sum::<f64>()
+    }
+}
+
+/// Least and largest value of a sum over some bounds; infinite ends included.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Range {
+    pub(super) least: f64,
+    pub(super) most: f64,
+    /// The largest magnitude of a finite term.
+    pub(super) scale: f64,
+}
+
+impl Work {
+    pub(super) fn new(program: &Program) -> Self {
+        let (m, n) = (program.row_count(), program.column_count());
+        let pairs = |(index, value): (&[usize], &[f64])| -> Sparse {
+            let entries = index.iter().copied().zip(value.iter().copied());
+            entries.filter(|(_, a)| *a != 0.0).collect()
+        };
+        let rows: Vec<Sparse> = (0..m).map(|i| pairs(program.row(i))).collect();
+        let mut uses = vec![Vec::new(); n];
+        for (i, row) in rows.iter().enumerate() {
+            row.iter().for_each(|&(j, _)| uses[j].push(i));
+        }
+        Work {
+            rows,
+            uses,
+            row_lower: program.row_lower.clone(),
+            row_upper: program.row_upper.clone(),
+            row_alive: vec![true; m],
+            lower: program.lower.clone(),
+            upper: program.upper.clone(),
+            column_alive: vec![true; n],
+            integral: program.integral.clone(),
+            linear: program.linear.clone(),
+            quadratic: (0..n)
+                .map(|j| pairs(program.quadratic_column(j)).into_iter().collect())
+                .collect(),
+            offset: program.offset,
+            undos: Vec::new(),
+            step: program.step.clone(),
+            sign: program.sign,
+        }
+    }
+
+    pub(super) fn live_rows(&self) -> Vec<usize> {
+        (0..self.rows.len()).filter(|&i| self.row_alive[i]).collect()
+    }
+
+    pub(super) fn live_columns(&self) -> Vec<usize> {
+        (0..self.uses.len()).filter(|&j| self.column_alive[j]).collect()
+    }
+
+    pub(super) fn is_equality(&self, row: usize) -> bool {
+        self.row_lower[row] == self.row_upper[row]
+    }
+
+    /// Whether a column has no part in the curvature of the objective.
+    pub(super) fn is_straight(&self, column: usize) -> bool {
+        self.quadratic[column].is_empty()
+    }
+
+    /// The coefficient of a column in a row; 0 where it is not.
+    pub(super) fn coefficient(&self, row: usize, column: usize) -> f64 {
+        let found = self.rows[row].binary_search_by_key(&column, |&(j, _)| j);
+        found.map_or(0.0, |at| self.rows[row][at].1)
+    }
+
+    /// Rows and coefficients of a column.
+    pub(super) fn column(&self, column: usize) -> Sparse {
+        self.uses[column].iter().map(|&row| (row, self.coefficient(row, column))).collect()
+    }
+
+    /// A column as it is now, for its undo.
+    pub(super) fn remember(&self, column: usize) -> OldColumn {
+        OldColumn {
+            column,
+            entries: self.column(column),
+            linear: self.linear[column],
+            quadratic: self.quadratic[column].iter().map(|(&k, &p)| (k, p)).collect(),
+        }
+    }
+
+    pub(super) fn push(&mut self, undo: impl Undo + 'static) {
+        self.undos.push(Box::new(undo));
+    }
+
+    pub(super) fn drop_row(&mut self, row: usize) {
+        self.row_alive[row] = false;
+        for (column, _) in std::mem::take(&mut self.rows[row]) {
+            self.uses[column].retain(|&i| i != row);
+        }
+    }
+
+    /// Gives a row other entries (sorted by column, none of them 0).
+    pub(super) fn set_row(&mut self, row: usize, entries: Sparse) {
+        for &(column, _) in &self.rows[row] {
+            self.uses[column].retain(|&i| i != row);
+        }
+        for &(column, _) in &entries {
+            if let Err(at) = self.uses[column].binary_search(&row) {
+                self.uses[column].insert(at, row);
+            }
+        }
+        self.rows[row] = entries;
+    }
+
+    /// Takes a column out whose entries in rows and objective are gone or replaced.
+    pub(super) fn drop_column(&mut self, column: usize) {
+        self.column_alive[column] = false;
+        for row in std::mem::take(&mut self.uses[column]) {
+            self.rows[row].retain(|&(j, _)| j != column);
+        }
+        for (other, _) in std::mem::take(&mut self.quadratic[column]) {
+            self.quadratic[other].remove(&column);
+        }
+        self.linear[column] = 0.0;
+    }
+
+    /// Moves the limits of a row by a constant that joins its activity.
+    pub(super) fn shift_row(&mut self, row: usize, constant: f64) {
+        self.row_lower[row] -= constant;
+        self.row_upper[row] -= constant;
+    }
+
+    /// The activity of some terms over the bounds.
+    pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> Range {
+        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0 };
+        for &(j, a) in terms {
+            let (p, q) = (a * self.lower[j], a * self.upper[j]);
+            range.least += p.min(q);
+            range.most += p.max(q);
+            for size in [p.abs(), q.abs()] {
+                if size.is_finite() {
+                    range.scale = range.scale.max(size);
+                }
+            }
+        }
+        range
+    }
+
+    /// Tightens the bounds of a column; slightly crossed ones meet in the middle.
+    pub(super) fn intersect(
+        &mut self,
+        column: usize,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Infeasible> {
+        let (mut lower, mut upper) = (self.lower[column].max(lower), self.upper[column].min(upper));
+        if self.integral[column] {
+            lower = (lower - tolerance::INTEGRALITY).ceil();
+            upper = (upper + tolerance::INTEGRALITY).floor();
+        }
+        let scale = lower.abs().max(upper.abs()).max(1.0);
+        if lower > upper {
+            if self.integral[column] || lower - upper > CROSSED * scale {
+                return Err(Infeasible);
+            }
+            let middle = 0.5 * (lower + upper);
+            (lower, upper) = (middle, middle);
+        }
+        (self.lower[column], self.upper[column]) = (lower, upper);
+        Ok(())
+    }
+
+    /// Refuses bounds and limits that contradict each other.
+    pub(super) fn settle(&mut self) -> Result<(), Infeasible> {
+        for column in 0..self.uses.len() {
+            self.intersect(column, f64::NEG_INFINITY, f64::INFINITY)?;
+        }
+        (0..self.rows.len()).try_for_each(|row| self.settle_row(row))
+    }
+
+    /// Whether the limits of a row, in its unit, are crossed; slightly crossed ones meet.
+    pub(super) fn settle_row(&mut self, row: usize) -> Result<(), Infeasible> {
+        let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
+        if lower <= upper {
+            return Ok(());
+        }
+        let scale = lower.abs().max(upper.abs()).max(1.0);
+        if lower - upper > CROSSED * scale {
+            return Err(Infeasible);
+        }
+        let middle = 0.5 * (lower + upper);
+        (self.row_lower[row], self.row_upper[row]) = (middle, middle);
+        Ok(())
+    }
+
+    /// The presolved program, numbered anew.
+    pub(super) fn finish(self) -> Result<Presolved, Error> {
+        let matrix =
+            |e| Error::Backend { message: format!("assembly of the matrices failed: {e:?}") };
+        let (columns, rows) = (self.live_columns(), self.live_rows());
+        let mut position = vec![usize::MAX; self.uses.len()];
+        columns.iter().enumerate().for_each(|(k, &j)| position[j] = k);
+        let (mut entries, mut products) = (Vec::new(), Vec::new());
+        for (k, &i) in rows.iter().enumerate() {
+            let terms = self.rows[i].iter();
+            entries.extend(terms.map(|&(j, a)| Triplet::new(k, position[j], a)));
+        }
+        for (k, &j) in columns.iter().enumerate() {
+            let terms = self.quadratic[j].iter();
+            products.extend(terms.map(|(&i, &p)| Triplet::new(position[i], k, p)));
+        }
+        let (m, n) = (rows.len(), columns.len());
+        let pick = |from: &[f64], which: &[usize]| which.iter().map(|&k| from[k]).collect();
+        let integral: Vec<bool> = columns.iter().map(|&j| self.integral[j]).collect();
+        let program = Program {
+            quadratic: SparseColMat::try_new_from_triplets(n, n, &products).map_err(matrix)?,
+            linear: pick(&self.linear, &columns),
+            offset: self.offset,
+            sign: self.sign,
+            rows: SparseRowMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,
+            columns: SparseColMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,
+            row_lower: pick(&self.row_lower, &rows),
+            row_upper: pick(&self.row_upper, &rows),
+            lower: pick(&self.lower, &columns),
+            upper: pick(&self.upper, &columns),
+            integers: (0..n).filter(|&k| integral[k]).collect(),
+            integral,
+            step: columns.iter().map(|&j| self.step[j]).collect(),
+        };
+        let postsolve = Postsolve {
+            undos: self.undos,
+            columns,
+            rows,
+            column_count: self.uses.len(),
+            row_count: self.rows.len(),
+        };
+        Ok(Presolved { program, postsolve })
+    }
+}
+
+/// Whether a value is a whole number, up to rounding.
+pub(super) fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
+}

@@ -1,0 +1,99 @@
+//! One cut, and what makes it safe to use.
+
+use std::collections::BTreeMap;
+
+use crate::presolve::Domain;
+
+/// Largest quotient of two coefficients of a cut; smaller ones are taken out at the column's bound.
+const DYNAMISM: f64 = 1e6;
+
+/// Limits are loosened by this much of the terms' size (no unit): rounding must not cut a whole point
+/// off.
+const MARGIN: f64 = 1e-9;
+
+/// Least distance of a point to the cut that it violates.
+const DEPTH: f64 = 1e-5;
+
+/// A row `terms <= limit` that every whole point of a program satisfies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cut {
+    /// Columns and coefficients, by column; the largest coefficient is 1 in magnitude.
+    pub terms: Vec<(usize, f64)>,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl Cut {
+    /// A cut from exact-looking terms: small coefficients leave at their bounds, the limit is loosened.
+    /// Nothing when a bound for that is missing or the point satisfies the cut.
+    pub(super) fn new(
+        terms: BTreeMap<usize, f64>,
+        mut limit: f64,
+        domain: &Domain,
+        x: &[f64],
+    ) -> Option<Cut> {
+        let largest = terms.values().fold(0.0_f64, |m, a| m.max(a.abs()));
+        if !(largest > 0.0 && largest.is_finite() && limit.is_finite()) {
+            return None;
+        }
+        let mut kept = Vec::with_capacity(terms.len());
+        let mut size = limit.abs();
+        for (j, a) in terms {
+            let [lower, upper] = domain.bounds(j);
+            let corner = if a > 0.0 { lower } else { upper };
+            if a.abs() * DYNAMISM > largest {
+                size = size.max(a.abs() * finite(lower).max(finite(upper)).max(1.0));
+                kept.push((j, a));
+            } else if a != 0.0 {
+                if corner.is_infinite() {
+                    return None;
+                }
+                limit -= a * corner;
+            }
+        }
+        limit += MARGIN * size;
+        kept.iter_mut().for_each(|(_, a)| *a /= largest);
+        let cut = Cut { terms: kept, limit: limit / largest };
+        (cut.depth(x) >= DEPTH && cut.limit.is_finite()).then_some(cut)
+    }
+
+    fn activity(&self, x: &[f64]) -> f64 {
+        self.terms.iter().map(|&(j, a)| a * x[j]).sum()
+    }
+
+    /// How far a point is from violating the cut.
+    pub fn room(&self, x: &[f64]) -> f64 {
+        self.limit - self.activity(x)
+    }
+
+    /// The largest magnitude of terms and limit at a point, at least 1.
+    pub(super) fn scale(&self, x: &[f64]) -> f64 {
+        let terms = self.terms.iter().map(|&(j, a)| (a * x[j]).abs());
+        terms.fold(self.limit.abs().max(1.0), f64::max)
+    }
+
+    fn norm(&self) -> f64 {
+        self.terms.iter().map(|(_, a)| a * a).sum::<f64>().sqrt()
+    }
+
+    /// Distance by which a point violates the cut.
+    pub(super) fn depth(&self, x: &[f64]) -> f64 {
+        -self.room(x) / self.norm()
+    }
+
+    /// Cosine of the angle between two cuts.
+    pub(super) fn cosine(&self, other: &Cut) -> f64 {
+        let (mut p, mut q, mut dot) = (0, 0, 0.0);
+        while let (Some(a), Some(b)) = (self.terms.get(p), other.terms.get(q)) {
+            if a.0 == b.0 {
+                dot += a.1 * b.1;
+            }
+            (p, q) = (p + usize::from(a.0 <= b.0), q + usize::from(b.0 <= a.0));
+        }
+        dot / (self.norm() * other.norm())
+    }
+}
+
+fn finite(bound: f64) -> f64 {
+    if bound.is_finite() { bound.abs() } else { 0.0 }
+}

@@ -1,0 +1,161 @@
+//! Cuts at the root: rows that every whole point satisfies and the relaxed point does not.
+//!
+//! * `mixed_integer_rounding` - aggregated rows, bounds substituted, divided and rounded
+//! * `rounding` - the rounding of one aggregate
+//! * `cut` - one cut, and what makes it safe to use
+//!
+//! Rounds of relaxing and cutting go on while they lift the bound; what does not bind in the last
+//! relaxation is dropped, and where the bound was hardly lifted all of it is.
+
+mod cut;
+mod mixed_integer_rounding;
+mod rounding;
+
+pub use cut::Cut;
+pub use mixed_integer_rounding::mixed_integer_rounding_cuts;
+
+use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
+
+use crate::presolve::{Domain, Propagator, Reduced, Reduction, reduce};
+use crate::program::Program;
+use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
+use crate::solution::Statistics;
+use crate::solver::Interrupt;
+use web_time::Duration;
+
+/// Most rounds.
+const ROUNDS: usize = 15;
+
+/// Most cuts of a round.
+const CUTS: usize = 60;
+
+/// A round that lifts the bound by less than this, relative, is idle; so many idle ones end it.
+const LIFT: f64 = 1e-3;
+const IDLE: usize = 3;
+
+/// A first round that lifts the bound by less than this, relative, is the last.
+const HOPELESS: f64 = 1e-5;
+
+/// All rounds together must lift the bound by this much, relative.
+const WORTH: f64 = 5e-3;
+
+/// Cuts more parallel than this to a better one are left out (cosine).
+const PARALLEL: f64 = 0.9;
+
+/// Room, relative to the cut's terms, up to which a cut counts as binding.
+const BINDING: f64 = 1e-6;
+
+/// Adds cuts to a program; nothing where they do not pay.
+///
+/// # Arguments
+///
+/// * `time`: the time left, when there is a limit.
+/// * `interrupt`: ends the rounds when triggered.
+/// * `statistics`: relaxations and iterations are added to it.
+pub fn strengthen(
+    program: &Program,
+    time: &dyn Fn() -> Option<Duration>,
+    interrupt: &Interrupt,
+    statistics: &mut Statistics,
+) -> Option<Program> {
+    // Under a curved objective the relaxed optimum is rarely at a corner that a cut takes off.
+    let curved = program.quadratic.compute_nnz() > 0;
+    if program.integers.is_empty() || curved || program.is_feasibility_problem() {
+        return None;
+    }
+    let mut domain = Domain::new(program);
+    Propagator::new(program).propagate_all(program, &mut domain).ok()?;
+    let effort = || Effort {
+        iterations: 60,
+        tolerance: 1e-8,
+        refinements: 1,
+        cutoff: f64::INFINITY,
+        time: time(),
+        interrupt: interrupt.clone(),
+    };
+    let stopped = || interrupt.is_triggered() || time().is_some_and(|left| left.is_zero());
+    let (first, mut x) = relax(program, &domain, &effort(), statistics)?;
+    let (mut last, mut idle) = (first, 0);
+    let mut cuts: Vec<Cut> = Vec::new();
+    for _ in 0..ROUNDS {
+        if stopped() {
+            break;
+        }
+        let found = select(mixed_integer_rounding_cuts(program, &domain, &x), &x);
+        if found.is_empty() {
+            break;
+        }
+        cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
+        cuts.extend(found);
+        let Some((bound, point)) =
+            relax(&with_cuts(program, &cuts)?, &domain, &effort(), statistics)
+        else {
+            break;
+        };
+        x = point;
+        idle = if bound - last < LIFT * last.abs().max(1e-6) { idle + 1 } else { 0 };
+        last = bound;
+        if idle >= IDLE || last - first < HOPELESS * first.abs().max(1e-6) {
+            break;
+        }
+    }
+    if last - first < WORTH * first.abs().max(1e-6) {
+        return None;
+    }
+    cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
+    with_cuts(program, &cuts)
+}
+
+/// The deepest cuts, no two of them nearly parallel.
+fn select(mut cuts: Vec<Cut>, x: &[f64]) -> Vec<Cut> {
+    cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));
+    let mut chosen: Vec<Cut> = Vec::new();
+    for cut in cuts {
+        if chosen.len() == CUTS {
+            break;
+        }
+        if chosen.iter().all(|other| cut.cosine(other) <= PARALLEL) {
+            chosen.push(cut);
+        }
+    }
+    chosen
+}
+
+/// Value and point of a relaxation.
+fn relax(
+    program: &Program,
+    domain: &Domain,
+    effort: &Effort,
+    statistics: &mut Statistics,
+) -> Option<(f64, Vec<f64>)> {
+    let Reduction::Reduced(reduced) = reduce(program, domain) else { return None };
+    let reduced: Reduced = *reduced;
+    if reduced.columns.is_empty() {
+        return None;
+    }
+    let answer = ClarabelRelaxation::new().solve(&reduced, effort);
+    statistics.relaxations += 1;
+    statistics.iterations += answer.iterations;
+    let solved = answer.claim == Claim::Solved && answer.x.iter().all(|v| v.is_finite());
+    solved.then(|| (reduced.objective(&answer.x), reduced.lift(&answer.x)))
+}
+
+/// A program with further rows.
+fn with_cuts(program: &Program, cuts: &[Cut]) -> Option<Program> {
+    let (m, n) = (program.row_count(), program.column_count());
+    let mut entries = Vec::with_capacity(program.rows.compute_nnz());
+    for row in 0..m {
+        let (columns, values) = program.row(row);
+        entries.extend(columns.iter().zip(values).map(|(&j, &a)| Triplet::new(row, j, a)));
+    }
+    for (k, cut) in cuts.iter().enumerate() {
+        entries.extend(cut.terms.iter().map(|&(j, a)| Triplet::new(m + k, j, a)));
+    }
+    let rows = m + cuts.len();
+    let mut more = program.clone();
+    more.rows = SparseRowMat::try_new_from_triplets(rows, n, &entries).ok()?;
+    more.columns = SparseColMat::try_new_from_triplets(rows, n, &entries).ok()?;
+    more.row_lower.resize(rows, f64::NEG_INFINITY);
+    more.row_upper.extend(cuts.iter().map(|cut| cut.limit));
+    Some(more)
+}

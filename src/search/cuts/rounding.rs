@@ -1,0 +1,297 @@
+//! The rounding of one aggregate.
+//!
+//! Columns are measured from a bound (`t >= 0`), continuous ones also from a variable bound
+//! `x <= c + v z`. Of `sum a_j t_j + sum c_k t_k <= b`, with whole `t_j`, divided by `d > 0`, follows
+//! `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is the fraction
+//! of `b / d` and `F(a) = floor(a) + max(0, fraction(a) - f) / (1 - f)`.
+
+use std::collections::BTreeMap;
+
+use super::cut::Cut;
+use super::mixed_integer_rounding::{Aggregate, slack_sign};
+use crate::presolve::Domain;
+use crate::program::Program;
+
+/// Fractions of the right side that are rounded.
+const FRACTIONS: std::ops::RangeInclusive<f64> = 0.02..=0.98;
+
+/// Most divisors that are tried.
+const DIVISORS: usize = 12;
+
+/// Most columns whose direction is tried both ways.
+const FLIPS: usize = 12;
+
+/// A column measured from somewhere: `t = sign * (x - constant - slope * x_binary)`.
+#[derive(Debug, Clone, Copy)]
+struct From {
+    sign: f64,
+    constant: f64,
+    slope: f64,
+    binary: usize,
+    /// `t` at the point.
+    value: f64,
+}
+
+/// Where each continuous column is measured from.
+pub(super) struct Substitutes {
+    from: Vec<Option<From>>,
+}
+
+impl Substitutes {
+    /// For a point: the nearest bound of each continuous column, simple or variable.
+    pub(super) fn new(program: &Program, domain: &Domain, x: &[f64]) -> Self {
+        let n = program.column_count();
+        let mut from: Vec<Option<From>> = vec![None; n];
+        let mut offer = |j: usize, new: From| {
+            if new.constant.is_finite()
+                && new.slope.is_finite()
+                && from[j].is_none_or(|old| new.value < old.value)
+            {
+                from[j] = Some(new);
+            }
+        };
+        // Variable bounds first: they win a tie.
+        for row in 0..program.row_count() {
+            let (&[p, q], &[a, b]) = program.row(row) else { continue };
+            for (j, a, z, b) in [(p, a, q, b), (q, b, p, a)] {
+                if program.integral[j] || !program.integral[z] || domain.is_fixed(z) {
+                    continue;
+                }
+                // a x + b z within limits: x = limit / a - (b / a) z is a bound.
+                let limits = [program.row_lower[row], program.row_upper[row]];
+                for (limit, upper) in [(limits[0], a < 0.0), (limits[1], a > 0.0)] {
+                    let sign = if upper { -1.0 } else { 1.0 };
+                    let (constant, slope) = (limit / a, -b / a);
+                    let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
+                    offer(j, From { sign, constant, slope, binary: z, value });
+                }
+            }
+        }
+        for j in (0..n).filter(|&j| !program.integral[j]) {
+            for (constant, sign) in [(domain.lower(j), 1.0), (domain.upper(j), -1.0)] {
+                let value = (sign * (x[j] - constant)).max(0.0);
+                offer(j, From { sign, constant, slope: 0.0, binary: 0, value });
+            }
+        }
+        Substitutes { from }
+    }
+
+    /// How far a continuous column is from what it is measured from; infinite for a free one.
+    pub(super) fn distance(&self, column: usize) -> f64 {
+        self.from[column].map_or(f64::INFINITY, |from| from.value)
+    }
+}
+
+/// A whole column measured from a bound.
+#[derive(Debug, Clone, Copy)]
+struct Whole {
+    column: usize,
+    coefficient: f64,
+    bounds: [f64; 2],
+    at_upper: bool,
+    value: f64,
+}
+
+/// A continuous column or slack with a negative coefficient.
+#[derive(Debug, Clone, Copy)]
+struct Rest {
+    key: usize,
+    coefficient: f64,
+    from: From,
+}
+
+struct Base {
+    whole: Vec<Whole>,
+    rest: Vec<Rest>,
+    right: f64,
+}
+
+/// The best rounding of `aggregate <= right side` that the point violates.
+pub(super) fn round(
+    program: &Program,
+    domain: &Domain,
+    x: &[f64],
+    substitutes: &Substitutes,
+    aggregate: &Aggregate,
+) -> Option<Cut> {
+    let mut base = base(program, domain, x, substitutes, aggregate)?;
+    let mut divisors: Vec<f64> = Vec::new();
+    let mut candidates: Vec<&Whole> = base.whole.iter().filter(|w| w.value > 1e-6).collect();
+    candidates.sort_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
+    for whole in candidates {
+        let size = whole.coefficient.abs();
+        if divisors.len() < DIVISORS && divisors.iter().all(|d| (d - size).abs() > 1e-6 * size) {
+            divisors.push(size);
+        }
+    }
+    let best = divisors.into_iter().map(|d| (depth(&base, d), d));
+    let (mut most, mut divisor) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    if most == f64::NEG_INFINITY {
+        return None;
+    }
+    let first = divisor;
+    for part in [2.0, 4.0, 8.0] {
+        let depth = depth(&base, first / part);
+        if depth > most {
+            (most, divisor) = (depth, first / part);
+        }
+    }
+    let mut flips: Vec<usize> = (0..base.whole.len())
+        .filter(|&k| {
+            let whole = &base.whole[k];
+            whole.value > 1e-6 && whole.bounds[1] - whole.bounds[0] < f64::INFINITY
+        })
+        .collect();
+    let centre = |w: &Whole| (w.value - 0.5 * (w.bounds[1] - w.bounds[0])).abs();
+    flips.sort_by(|&a, &b| centre(&base.whole[a]).total_cmp(&centre(&base.whole[b])));
+    for k in flips.into_iter().take(FLIPS) {
+        base.flip(k);
+        let depth = depth(&base, divisor);
+        if depth > most {
+            most = depth;
+        } else {
+            base.flip(k);
+        }
+    }
+    if most <= 0.0 {
+        return None;
+    }
+    write(program, domain, x, &base, divisor)
+}
+
+fn base(
+    program: &Program,
+    domain: &Domain,
+    x: &[f64],
+    substitutes: &Substitutes,
+    aggregate: &Aggregate,
+) -> Option<Base> {
+    let n = program.column_count();
+    let (mut right, mut integers, mut rest) = (aggregate.right, BTreeMap::new(), Vec::new());
+    for (&key, &a) in &aggregate.terms {
+        if key < n && program.integral[key] {
+            *integers.entry(key).or_insert(0.0) += a;
+            continue;
+        }
+        let from = if key < n { substitutes.from[key]? } else { slack_from(program, key - n, x) };
+        if !from.constant.is_finite() {
+            return None;
+        }
+        right -= a * from.constant;
+        if from.slope != 0.0 {
+            *integers.entry(from.binary).or_insert(0.0) += a * from.slope;
+        }
+        if a * from.sign < 0.0 {
+            rest.push(Rest { key, coefficient: a * from.sign, from });
+        }
+    }
+    let mut whole = Vec::with_capacity(integers.len());
+    for (column, a) in integers.into_iter().filter(|(_, a)| *a != 0.0) {
+        let bounds = domain.bounds(column);
+        let at_upper = bounds[1] - x[column] < x[column] - bounds[0];
+        let bound = bounds[usize::from(at_upper)];
+        if bound.is_infinite() {
+            return None;
+        }
+        right -= a * bound;
+        let (coefficient, value) =
+            if at_upper { (-a, bound - x[column]) } else { (a, x[column] - bound) };
+        whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
+    }
+    Some(Base { whole, rest, right })
+}
+
+/// A slack is measured from 0.
+fn slack_from(program: &Program, row: usize, x: &[f64]) -> From {
+    let (columns, values) = program.row(row);
+    let activity: f64 = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
+    let sign = slack_sign(program, row, x);
+    let slack = if sign > 0.0 {
+        program.row_upper[row] - activity
+    } else {
+        activity - program.row_lower[row]
+    };
+    From { sign: 1.0, constant: 0.0, slope: 0.0, binary: 0, value: slack.max(0.0) }
+}
+
+impl Base {
+    fn flip(&mut self, k: usize) {
+        let whole = &mut self.whole[k];
+        // t becomes range - t.
+        let range = whole.bounds[1] - whole.bounds[0];
+        self.right -= whole.coefficient * range;
+        whole.coefficient = -whole.coefficient;
+        whole.value = range - whole.value;
+        whole.at_upper = !whole.at_upper;
+    }
+}
+
+/// `F(a)` for the fraction `f` of the right side.
+fn rounded(a: f64, f: f64) -> f64 {
+    // Quotients that are whole up to rounding count as whole; the margin of the limit covers that.
+    let down = (a + 1e-11 * a.abs().max(1.0)).floor();
+    let fraction = a - down;
+    if fraction < f { down } else { down + (fraction - f) / (1.0 - f) }
+}
+
+fn fraction(base: &Base, divisor: f64) -> Option<f64> {
+    let quotient = base.right / divisor;
+    let fraction = quotient - quotient.floor();
+    let safe = quotient.abs() < 1e7 && FRACTIONS.contains(&fraction);
+    safe.then_some(fraction)
+}
+
+/// Distance by which the point violates the rounding, in the measured columns.
+fn depth(base: &Base, divisor: f64) -> f64 {
+    let Some(f) = fraction(base, divisor) else { return f64::NEG_INFINITY };
+    let (mut sum, mut norm) = (0.0, 0.0);
+    for whole in &base.whole {
+        let a = rounded(whole.coefficient / divisor, f);
+        sum += a * whole.value;
+        norm += a * a;
+    }
+    for rest in &base.rest {
+        let a = rest.coefficient / (divisor * (1.0 - f));
+        sum += a * rest.from.value;
+        norm += a * a;
+    }
+    (sum - (base.right / divisor).floor()) / f64::max(norm, 1e-12).sqrt()
+}
+
+/// The rounding in the program's columns.
+fn write(program: &Program, domain: &Domain, x: &[f64], base: &Base, divisor: f64) -> Option<Cut> {
+    let f = fraction(base, divisor)?;
+    let n = program.column_count();
+    let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut limit = (base.right / divisor).floor();
+    let mut add = |j: usize, a: f64| *terms.entry(j).or_insert(0.0) += a;
+    for whole in &base.whole {
+        let a = rounded(whole.coefficient / divisor, f);
+        if whole.at_upper {
+            add(whole.column, -a);
+            limit -= a * whole.bounds[1];
+        } else {
+            add(whole.column, a);
+            limit += a * whole.bounds[0];
+        }
+    }
+    for rest in &base.rest {
+        let (a, from) = (rest.coefficient / (divisor * (1.0 - f)), rest.from);
+        if rest.key < n {
+            add(rest.key, a * from.sign);
+            limit += a * from.sign * from.constant;
+            if from.slope != 0.0 {
+                add(from.binary, -a * from.sign * from.slope);
+            }
+        } else {
+            // s = upper - a'x, or a'x - lower.
+            let row = rest.key - n;
+            let sign = slack_sign(program, row, x);
+            let (columns, values) = program.row(row);
+            columns.iter().zip(values).for_each(|(&j, v)| add(j, -a * sign * v));
+            let end = if sign > 0.0 { program.row_upper[row] } else { -program.row_lower[row] };
+            limit -= a * end;
+        }
+    }
+    Cut::new(terms, limit, domain, x)
+}

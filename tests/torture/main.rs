@@ -1,0 +1,34 @@
+//! Programs that are meant to hurt, answered exactly; see `generator` for what they are, `oracle`
+//! for what counts as wrong. `examples/torture.rs` solves as many of them as one has patience for.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod complementarity;
+mod dyadic;
+mod generator;
+mod oracle;
+
+use carom::prelude::*;
+use common::config;
+use oracle::{Verdict, judge, truth};
+use proptest::prelude::*;
+
+/// Solves the program of a seed with one or two threads, and judges the answer.
+fn verdict(seed: u64) -> Verdict {
+    let case = generator::program(seed);
+    let (model, variables) = case.build();
+    let truth = truth(&case);
+    let mut solver = BranchAndBound::new(Options::default().with_threads(1 + seed as usize % 2));
+    let solution = solver.solve(&model).expect("a solvable model");
+    judge(&case, &variables, solver.options(), &solution, &truth)
+}
+
+proptest! {
+    #![proptest_config(config(300, "tests/regressions/torture.txt"))]
+
+    #[test]
+    fn no_wrong_answer(seed in any::<u64>()) {
+        let verdict = verdict(seed);
+        prop_assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
+    }
+}
