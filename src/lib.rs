@@ -143,7 +143,7 @@
 //! let y = model.continuous("y", 0.0, 20.0)?;
 //! let (north, south) = ([x.le(2.0), y.ge(18.0)], [x.within(8.0, 9.0), y.le(1.0)]);
 //! let site = model.add("site", either(north).or(south).or([x.ge(15.0), y.ge(15.0)]))?;
-//! model.minimize((x - 4.0).square() + (y - 9.0).square())?;
+//! model.minimize((x - 2.0).square() + (y - 8.0).square())?;
 //! model.set_reformulation(Reformulation::default().with_method(Method::Hull));
 //! let mut solver = BranchAndBound::default();
 //! let solution = solver.solve(&model)?;

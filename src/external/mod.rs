@@ -124,7 +124,11 @@ impl Solver for ExternalSolver {
             return Solution::new(model, outcome, self.options.feasibility);
         };
         // Half of the gap is left for what the certificate moves.
-        let options = with_half_the_gap(&self.options);
+        let mut options = with_half_the_gap(&self.options);
+        if translated.offset != 0.0 {
+            // A relative gap of the program is one of an objective without the constant.
+            options.relative_gap = 0.0;
+        }
         let ask = |text: &str| {
             let run = process::Run {
                 dialect: &*self.dialect,

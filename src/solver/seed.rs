@@ -36,8 +36,8 @@ use crate::solution::{LeafBox, Solution};
 /// let next = first.value(x[1])?;
 /// model.set_parameter(start, next)?;
 /// let without = solver.solve(&model)?;
-/// let earlier = |v: Variable| up.iter().position(|&u| u == v)?.checked_sub(1).map(|t| up[t]);
-/// let seed = TreeSeed::of(&first, up.iter().copied()).mapped(earlier);
+/// let earlier = |v: Variable| up.iter().position(|u| u == v)?.checked_sub(1).map(|t| up[t]);
+/// let seed = TreeSeed::of(&first, up.iter()).mapped(earlier);
 /// let mut control = Control::default().with_seed(&seed);
 /// let with = solver.solve_with(&model, &mut control)?;
 ///

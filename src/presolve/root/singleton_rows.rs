@@ -7,6 +7,9 @@ use super::work::Work;
 /// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
 const MISSED: f64 = 1e-8;
 
+/// Sides that are missed by no more than this, relative to their limits, hold already.
+const NEGLIGIBLE: f64 = 1e-9;
+
 #[derive(Debug)]
 struct SingletonRow {
     row: usize,
@@ -29,7 +32,18 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
                 work.drop_row(row);
             }
             [(column, a)] => {
-                let (p, q) = (work.row_lower[row] / a, work.row_upper[row] / a);
+                // A side that the column's bounds miss by a hair says nothing, however small its
+                // coefficient: `1e-17 z <= 0` does not fix a binary.
+                let (p, q) = (a * work.lower[column], a * work.upper[column]);
+                let margin = |limit: f64| NEGLIGIBLE * limit.abs().max(1.0);
+                let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
+                if p.min(q) >= lower - margin(lower) {
+                    lower = f64::NEG_INFINITY;
+                }
+                if p.max(q) <= upper + margin(upper) {
+                    upper = f64::INFINITY;
+                }
+                let (p, q) = (lower / a, upper / a);
                 let (lower, upper) = (p.min(q), p.max(q));
                 let gives = [lower > work.lower[column], upper < work.upper[column]];
                 work.intersect(column, lower, upper)?;
