@@ -59,7 +59,7 @@ impl Whim<'_> {
         let mut values: Vec<(Variable, f64)> = Vec::new();
         for (k, &variable) in self.variables.iter().enumerate() {
             let number = self.number(node, 3 + k);
-            if number % 3 == 0 {
+            if number.is_multiple_of(3) {
                 values.push((variable, (number / 3 % 5) as f64 - 1.0));
             }
         }

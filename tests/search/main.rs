@@ -24,7 +24,9 @@ pub(crate) fn parity(columns: usize) -> Model {
     let v = model.binary_family("v", columns).unwrap();
     let slack = model.continuous("slack", 0.0, 1.0).unwrap();
     let sum: Affine = v.iter().map(|v| 2.0 * v).sum();
-    model.add("odd", (sum + slack).equals(columns as f64 + f64::from(columns.is_multiple_of(2)))).unwrap();
+    model
+        .add("odd", (sum + slack).equals(columns as f64 + f64::from(columns.is_multiple_of(2))))
+        .unwrap();
     model.minimize(slack).unwrap();
     model
 }
