@@ -1,7 +1,7 @@
 //! Solves a model file, or writes it in another format.
 //!
 //! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
-//! [--deterministic] [--without PART] [--log] [--pool K] [--write OUT] [--lowered OUT]`
+//! [--deterministic] [--without PART] [--symmetry] [--log] [--pool K] [--write OUT] [--lowered OUT]`
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
 //! `.lp`, `.json`; other files by their contents.
@@ -11,7 +11,8 @@
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
 //! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve`, `cuts` or `symmetry`; may be said several times
+//! * `--without PART`: leave out `presolve` or `cuts`; may be said several times
+//! * `--symmetry`: order interchangeable columns
 //! * `--log`: progress and a summary on the standard error
 //! * `--pool K`: the objectives of the K best points with distinct integers, proved
 //! * `--write OUT`: write the model as it was read, and do not solve it
@@ -37,7 +38,7 @@ use carom::reformulate;
 use carom::solver::PoolMode;
 
 const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
-                     [--deterministic] [--without PART] [--log] [--pool K] [--write OUT] [--lowered OUT]";
+                     [--deterministic] [--without PART] [--symmetry] [--log] [--pool K] [--write OUT] [--lowered OUT]";
 
 #[derive(Default)]
 struct Arguments {
@@ -191,9 +192,9 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             "--without" => match value()?.as_str() {
                 "presolve" => arguments.options.presolve = false,
                 "cuts" => arguments.options.cuts = false,
-                "symmetry" => arguments.options.symmetry = false,
                 part => return Err(format!("nothing is called `{part}`\n{USAGE}").into()),
             },
+            "--symmetry" => arguments.options.symmetry = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),
             "--lowered" => arguments.lowered = Some(value()?),
