@@ -18,11 +18,13 @@ macro_rules! event {
 
 pub(super) use {event, span};
 
-/// The span that surrounds the start of a thread, to be entered on it.
+/// The span that surrounds the start of a thread, to be entered on it; WebAssembly starts none.
 #[cfg(feature = "tracing")]
+#[cfg_attr(target_family = "wasm", allow(dead_code))]
 pub(super) struct Around(tracing::Span);
 
 #[cfg(feature = "tracing")]
+#[cfg_attr(target_family = "wasm", allow(dead_code))]
 impl Around {
     pub(super) fn current() -> Self {
         Around(tracing::Span::current())
@@ -34,9 +36,11 @@ impl Around {
 }
 
 #[cfg(not(feature = "tracing"))]
+#[cfg_attr(target_family = "wasm", allow(dead_code))]
 pub(super) struct Around;
 
 #[cfg(not(feature = "tracing"))]
+#[cfg_attr(target_family = "wasm", allow(dead_code))]
 impl Around {
     pub(super) fn current() -> Self {
         Around
