@@ -173,7 +173,7 @@ impl HighsSolver {
             Status::Optimal if open => (Termination::Unbounded, nothing, found.values),
             Status::Optimal => {
                 // A linear program has no gap of its own: proved is its objective up to ours.
-                let options = with_half_the_gap(&self.options);
+                let options = with_half_the_gap(&self.options, program.offset);
                 let gap = options.relative_gap * found.objective.abs();
                 let proved = found.objective - gap.max(options.absolute_gap);
                 let bound = if program.integers.is_empty() { proved } else { found.bound };
@@ -218,7 +218,7 @@ impl HighsSolver {
         cost: &[f64],
         time_left: Option<Duration>,
     ) -> Result<Found, HighsStatus> {
-        let options = with_half_the_gap(&self.options);
+        let options = with_half_the_gap(&self.options, program.offset);
         let mut problem = ColProblem::new();
         let limits = program.row_lower.iter().zip(&program.row_upper);
         let rows: Vec<library::Row> =

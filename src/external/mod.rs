@@ -124,11 +124,7 @@ impl Solver for ExternalSolver {
             return Solution::new(model, outcome, self.options.feasibility);
         };
         // Half of the gap is left for what the certificate moves.
-        let mut options = with_half_the_gap(&self.options);
-        if translated.offset != 0.0 {
-            // A relative gap of the program is one of an objective without the constant.
-            options.relative_gap = 0.0;
-        }
+        let options = with_half_the_gap(&self.options, translated.offset);
         let ask = |text: &str| {
             let run = process::Run {
                 dialect: &*self.dialect,
@@ -162,9 +158,11 @@ impl Solver for ExternalSolver {
     }
 }
 
-/// Another solver's gap is half of ours.
-pub(crate) fn with_half_the_gap(options: &Options) -> Options {
+/// Another solver's gap is half of ours. Its relative gap is one of an objective without the constant,
+/// so that with a constant only the absolute one says what is meant.
+pub(crate) fn with_half_the_gap(options: &Options, constant: f64) -> Options {
     let (relative, absolute) = (0.5 * options.relative_gap, 0.5 * options.absolute_gap);
+    let relative = if constant == 0.0 { relative } else { 0.0 };
     options.clone().with_relative_gap(relative).with_absolute_gap(absolute)
 }
 
