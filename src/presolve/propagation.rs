@@ -7,8 +7,9 @@
 use std::collections::VecDeque;
 
 use super::domain::Domain;
+use super::footprint::Footprint;
 use super::implications::Implications;
-use super::tightening::{Entry, Line, Tightening, tighten};
+use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use crate::program::Program;
 use crate::tolerance;
 
@@ -28,7 +29,9 @@ pub enum Conflict {
 #[derive(Debug, Clone)]
 pub struct Propagator {
     queue: VecDeque<usize>,
-    queued: Vec<bool>,
+    status: Vec<Status>,
+    /// Rows that cannot bind, and the trail position from which on that is so.
+    asleep: Vec<(usize, usize)>,
     /// The program's rows, then the linear objective, limited by the cutoff.
     rows: Vec<Line>,
     entries: Vec<Entry>,
@@ -36,6 +39,18 @@ pub struct Propagator {
     uses: Vec<Vec<Use>>,
     found: Vec<Tightening>,
     implications: Implications,
+    pub(super) footprint: Footprint,
+    /// What a bound of a continuous column must gain, of its width, to be followed.
+    pub(super) least_gain: f64,
+}
+
+/// What the worklist knows of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Status {
+    Idle,
+    Queued,
+    /// It cannot bind, whatever else is tightened.
+    Asleep,
 }
 
 /// A row that a column is in, and which changes of the column's bounds can matter to the row.
@@ -51,12 +66,15 @@ impl Propagator {
     pub fn new(program: &Program) -> Self {
         let mut propagator = Propagator {
             queue: VecDeque::new(),
-            queued: vec![false; program.row_count() + 1],
+            status: vec![Status::Idle; program.row_count() + 1],
+            asleep: Vec::new(),
             rows: Vec::with_capacity(program.row_count() + 1),
             entries: Vec::new(),
             uses: vec![Vec::new(); program.column_count()],
             found: Vec::new(),
             implications: Implications::default(),
+            footprint: Footprint::new(program.row_count()),
+            least_gain: tolerance::PROPAGATION_GAIN,
         };
         for row in 0..program.row_count() {
             let limits = [program.row_lower[row], program.row_upper[row]];
@@ -72,7 +90,7 @@ impl Propagator {
 
     fn add(&mut self, terms: impl Iterator<Item = (usize, f64)>, limits: [f64; 2]) {
         let (row, start) = (self.rows.len(), self.entries.len());
-        let is_objective = row + 1 == self.queued.len();
+        let is_objective = row + 1 == self.status.len();
         for (column, coefficient) in terms.filter(|(_, a)| *a != 0.0) {
             self.entries.push(Entry { column, coefficient });
             // The least activity meets the upper limit, the largest one the lower limit.
@@ -121,6 +139,7 @@ impl Propagator {
         {
             return Err(Conflict::Column(crossed));
         }
+        self.wake(domain);
         (0..program.row_count()).for_each(|row| self.enqueue(row));
         self.run(program, domain)
     }
@@ -136,6 +155,7 @@ impl Propagator {
         domain: &mut Domain,
         mark: usize,
     ) -> Result<(), Conflict> {
+        self.wake(domain);
         for (column, is_upper) in domain.changed_since(mark) {
             if domain.lower(column) > domain.upper(column) {
                 self.clear();
@@ -156,14 +176,28 @@ impl Propagator {
         self.run(program, domain)
     }
 
+    /// Whether changes from here on are on trial, to be taken back.
+    pub fn set_on_trial(&mut self, on_trial: bool) {
+        self.footprint.set_on_trial(on_trial);
+    }
+
+    /// The bounds of these columns are no longer what they were.
+    pub fn touch(&mut self, columns: impl Iterator<Item = (usize, bool)>) {
+        for (column, _) in columns {
+            for &Use { row, .. } in &self.uses[column] {
+                self.footprint.touch(row as usize);
+            }
+        }
+    }
+
     /// The number of the objective's line: the last one.
     fn objective(&self) -> usize {
         self.rows.len() - 1
     }
 
     fn enqueue(&mut self, row: usize) {
-        if !self.queued[row] {
-            self.queued[row] = true;
+        if self.status[row] == Status::Idle {
+            self.status[row] = Status::Queued;
             self.queue.push_back(row);
         }
     }
@@ -173,8 +207,10 @@ impl Propagator {
     fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
         for &Use { row, matters } in &self.uses[column] {
             let row = row as usize;
-            if matters[usize::from(is_upper)] && row != changed_by && !self.queued[row] {
-                self.queued[row] = true;
+            self.footprint.touch(row);
+            let idle = row != changed_by && self.status[row] == Status::Idle;
+            if idle && matters[usize::from(is_upper)] {
+                self.status[row] = Status::Queued;
                 self.queue.push_back(row);
             }
         }
@@ -182,7 +218,19 @@ impl Propagator {
 
     fn clear(&mut self) {
         for row in self.queue.drain(..) {
-            self.queued[row] = false;
+            self.status[row] = Status::Idle;
+        }
+    }
+
+    /// Wakes the rows whose sleep began in what has been undone since the last propagation.
+    fn wake(&mut self, domain: &mut Domain) {
+        let undone = domain.undone_to();
+        while let Some(&(row, since)) = self.asleep.last() {
+            if undone.is_some_and(|mark| since <= mark) {
+                break;
+            }
+            self.status[row] = Status::Idle;
+            self.asleep.pop();
         }
     }
 
@@ -236,18 +284,25 @@ impl Propagator {
         found: &mut Vec<Tightening>,
     ) -> Result<(), Conflict> {
         // A cap on the work: long chains of shrinking gains add nothing that a relaxation lacks.
+        let objective = self.objective();
         let mut budget = 50 * (program.row_count() + 100);
         while let Some(row) = self.queue.pop_front() {
-            self.queued[row] = false;
+            self.status[row] = Status::Idle;
             if budget == 0 {
                 self.clear();
                 break;
             }
             budget -= 1;
+            self.footprint.visit(row);
             let Line { range: [start, end], limits } = self.rows[row];
             let entries = &self.entries[start..end];
-            if !tighten(&program.integral, domain, entries, limits, found) {
-                return Err(Conflict::Row(row));
+            match tighten(&program.integral, domain, entries, limits, self.least_gain, found) {
+                RowState::Violated => return Err(Conflict::Row(row)),
+                RowState::Implied if row != objective => {
+                    self.status[row] = Status::Asleep;
+                    self.asleep.push((row, domain.mark()));
+                }
+                RowState::Implied | RowState::Open => {}
             }
             for Tightening { column, is_upper, value } in found.drain(..) {
                 domain.apply(column, is_upper, value);
