@@ -41,12 +41,20 @@ impl Footprint {
         self.visited |= 1 << self.block(row);
     }
 
-    /// A bound of a column of the row changes.
+    /// The block of a row, as a set.
+    pub(super) fn blocks_of(&self, row: usize) -> Blocks {
+        1 << self.block(row)
+    }
+
+    /// A bound of a column in these blocks changes.
     #[inline]
-    pub(super) fn touch(&mut self, row: usize) {
-        if !self.on_trial {
-            let block = self.block(row);
-            self.changed[block] = self.now;
+    pub(super) fn touch(&mut self, mut blocks: Blocks) {
+        if self.on_trial {
+            return;
+        }
+        while blocks != 0 {
+            self.changed[blocks.trailing_zeros() as usize] = self.now;
+            blocks &= blocks - 1;
         }
     }
 

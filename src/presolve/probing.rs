@@ -16,11 +16,21 @@ use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::tolerance;
 
-/// What the last trial of each literal looked at.
+/// Trials after which a side is judged, the share of successes that is then expected of it (one in so
+/// many), and how often it is tried all the same (every so many visits). On programs of walls no
+/// impact is ever found to be needed, and half of all trials look for one.
+const JUDGED_AFTER: u32 = 100;
+const EXPECTED: u32 = 50;
+const RARELY: u32 = 8;
+
+/// What earlier trials looked at, and what came of them.
 #[derive(Debug, Clone)]
 pub struct ProbingRecord {
-    /// By column, for its upper value and its lower one.
+    /// By column, the last one of its upper value and of its lower one.
     trials: Vec<[Trial; 2]>,
+    /// The same for all columns together: trials, and those that found something.
+    counts: [(u32, u32); 2],
+    visits: u32,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -33,7 +43,26 @@ struct Trial {
 impl ProbingRecord {
     /// Nothing was tried yet; `columns` is the number of columns of the program.
     pub fn new(columns: usize) -> Self {
-        ProbingRecord { trials: vec![[Trial::default(); 2]; columns] }
+        ProbingRecord {
+            trials: vec![[Trial::default(); 2]; columns],
+            counts: [(0, 0); 2],
+            visits: 0,
+        }
+    }
+
+    /// Whether a side finds something often enough, or has its turn.
+    fn is_worth(&self, is_upper: bool) -> bool {
+        let (trials, found) = self.counts[usize::from(is_upper)];
+        trials < JUDGED_AFTER
+            || u64::from(found) * u64::from(EXPECTED) >= u64::from(trials)
+            || self.visits % RARELY == 0
+    }
+
+    fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {
+        let side = usize::from(is_upper);
+        self.trials[column][side] = trial;
+        self.counts[side].0 += 1;
+        self.counts[side].1 += u32::from(found);
     }
 }
 
@@ -58,7 +87,8 @@ pub fn probe(
 }
 
 /// Like [`probe`] with so many trials of these columns, at one of many nodes that share a propagator:
-/// it passes over what the record says has been tried on the same bounds.
+/// it passes over what the record says has been tried on the same bounds, and tries the sides that
+/// hardly ever find anything now and then only.
 ///
 /// # Errors
 ///
@@ -73,6 +103,7 @@ pub fn probe_again(
 ) -> Result<(), Conflict> {
     let open =
         |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
+    record.visits = record.visits.wrapping_add(1);
     let mut backwards = false;
     loop {
         let before = domain.mark();
@@ -82,9 +113,10 @@ pub fn probe_again(
                 if !open(domain, j) {
                     break;
                 }
-                let last = &mut record.trials[j][usize::from(is_upper)];
+                let last = record.trials[j][usize::from(is_upper)];
                 let changed = propagator.footprint.changed_after(last.time);
-                if last.time > 0 && changed & last.visited == 0 {
+                let known = last.time > 0 && changed & last.visited == 0;
+                if known || !record.is_worth(is_upper) {
                     continue;
                 }
                 if trials == 0 || !go_on() {
@@ -97,7 +129,7 @@ pub fn probe_again(
                 let value = if is_upper { lower } else { upper };
                 let (trial, visited, time) =
                     propagator.try_bound(program, domain, j, is_upper, value);
-                *last = Trial { time, visited };
+                record.note(j, is_upper, Trial { time, visited }, trial.is_err());
                 if trial.is_err() {
                     domain.apply(j, !is_upper, if is_upper { upper } else { lower });
                     propagator.propagate_since(program, domain, mark)?;

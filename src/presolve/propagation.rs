@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use super::domain::Domain;
-use super::footprint::Footprint;
+use super::footprint::{Blocks, Footprint};
 use super::implications::Implications;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use crate::program::Program;
@@ -35,8 +35,7 @@ pub struct Propagator {
     /// The program's rows, then the linear objective, limited by the cutoff.
     rows: Vec<Line>,
     entries: Vec<Entry>,
-    /// By column: the rows it is in, the objective last.
-    uses: Vec<Vec<Use>>,
+    uses: Uses,
     found: Vec<Tightening>,
     implications: Implications,
     pub(super) footprint: Footprint,
@@ -53,12 +52,48 @@ enum Status {
     Asleep,
 }
 
-/// A row that a column is in, and which changes of the column's bounds can matter to the row.
-#[derive(Debug, Clone, Copy)]
-struct Use {
-    row: u32,
-    /// By bound changed: lower, upper.
-    matters: [bool; 2],
+/// By column: the rows to which its bounds can matter.
+#[derive(Debug, Clone, Default)]
+struct Uses {
+    /// By column and bound, the lower one first: where its rows begin, and the end of all.
+    start: Vec<usize>,
+    rows: Vec<u32>,
+    /// By column: the blocks of all its rows.
+    blocks: Vec<Blocks>,
+}
+
+impl Uses {
+    /// Of lines of which the last one is the objective, whose upper limit comes later.
+    fn new(columns: usize, lines: &[Line], entries: &[Entry], footprint: &Footprint) -> Self {
+        let mut lists = vec![Vec::new(); 2 * columns];
+        let mut blocks = vec![0; columns];
+        for (row, line) in lines.iter().enumerate() {
+            let is_objective = row + 1 == lines.len();
+            // The least activity meets the upper limit, the largest one the lower limit.
+            let least = is_objective || line.limits[1].is_finite();
+            let most = line.limits[0].is_finite();
+            for entry in &entries[line.range[0]..line.range[1]] {
+                let positive = entry.coefficient > 0.0;
+                let matters = if positive { [least, most] } else { [most, least] };
+                for side in [0, 1].into_iter().filter(|&side| matters[side]) {
+                    lists[2 * entry.column + side].push(row as u32);
+                }
+                blocks[entry.column] |= footprint.blocks_of(row);
+            }
+        }
+        let mut uses = Uses { start: vec![0], rows: Vec::new(), blocks };
+        for list in lists {
+            uses.rows.extend(list);
+            uses.start.push(uses.rows.len());
+        }
+        uses
+    }
+
+    /// The rows to which a bound of a column matters.
+    fn of(&self, column: usize, is_upper: bool) -> &[u32] {
+        let k = 2 * column + usize::from(is_upper);
+        &self.rows[self.start[k]..self.start[k + 1]]
+    }
 }
 
 impl Propagator {
@@ -70,7 +105,7 @@ impl Propagator {
             asleep: Vec::new(),
             rows: Vec::with_capacity(program.row_count() + 1),
             entries: Vec::new(),
-            uses: vec![Vec::new(); program.column_count()],
+            uses: Uses::default(),
             found: Vec::new(),
             implications: Implications::default(),
             footprint: Footprint::new(program.row_count()),
@@ -85,19 +120,15 @@ impl Propagator {
         let linear = program.quadratic.compute_nnz() == 0;
         let costs = program.linear.iter().copied().enumerate().filter(|_| linear);
         propagator.add(costs, [f64::NEG_INFINITY, f64::INFINITY]);
+        let Propagator { rows, entries, footprint, .. } = &propagator;
+        propagator.uses = Uses::new(program.column_count(), rows, entries, footprint);
         propagator
     }
 
     fn add(&mut self, terms: impl Iterator<Item = (usize, f64)>, limits: [f64; 2]) {
-        let (row, start) = (self.rows.len(), self.entries.len());
-        let is_objective = row + 1 == self.status.len();
-        for (column, coefficient) in terms.filter(|(_, a)| *a != 0.0) {
-            self.entries.push(Entry { column, coefficient });
-            // The least activity meets the upper limit, the largest one the lower limit.
-            let (least, most) = (is_objective || limits[1].is_finite(), limits[0].is_finite());
-            let matters = if coefficient > 0.0 { [least, most] } else { [most, least] };
-            self.uses[column].push(Use { row: row as u32, matters });
-        }
+        let start = self.entries.len();
+        let entries = terms.filter(|(_, a)| *a != 0.0);
+        self.entries.extend(entries.map(|(column, coefficient)| Entry { column, coefficient }));
         self.rows.push(Line { range: [start, self.entries.len()], limits });
     }
 
@@ -183,11 +214,7 @@ impl Propagator {
 
     /// The bounds of these columns are no longer what they were.
     pub fn touch(&mut self, columns: impl Iterator<Item = (usize, bool)>) {
-        for (column, _) in columns {
-            for &Use { row, .. } in &self.uses[column] {
-                self.footprint.touch(row as usize);
-            }
-        }
+        columns.for_each(|(column, _)| self.footprint.touch(self.uses.blocks[column]));
     }
 
     /// The number of the objective's line: the last one.
@@ -205,11 +232,10 @@ impl Propagator {
     /// Puts the rows on the list to which a changed bound can matter, but for the one that changed
     /// it.
     fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
-        for &Use { row, matters } in &self.uses[column] {
+        self.footprint.touch(self.uses.blocks[column]);
+        for &row in self.uses.of(column, is_upper) {
             let row = row as usize;
-            self.footprint.touch(row);
-            let idle = row != changed_by && self.status[row] == Status::Idle;
-            if idle && matters[usize::from(is_upper)] {
+            if row != changed_by && self.status[row] == Status::Idle {
                 self.status[row] = Status::Queued;
                 self.queue.push_back(row);
             }
