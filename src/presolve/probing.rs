@@ -20,7 +20,7 @@ use crate::tolerance;
 /// many), and how often it is tried all the same (every so many visits). On programs of walls no
 /// impact is ever found to be needed, and half of all trials look for one.
 const JUDGED_AFTER: u32 = 100;
-const EXPECTED: u32 = 50;
+const EXPECTED: u32 = 100;
 const RARELY: u32 = 8;
 
 /// What earlier trials looked at, and what came of them.
