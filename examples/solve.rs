@@ -194,6 +194,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
                 "cuts" => arguments.options.cuts = false,
                 part => return Err(format!("nothing is called `{part}`\n{USAGE}").into()),
             },
+            "--conflicts" => arguments.options.conflicts = true,
             "--symmetry" => arguments.options.symmetry = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),

@@ -7,6 +7,7 @@
 //! What is excluded at one step often lets the next step be excluded, forwards or backwards in time,
 //! so rounds change direction: a chain falls in one round instead of one link a round.
 
+use super::analysis::Cut;
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
@@ -46,10 +47,12 @@ pub fn probe(
                 let mark = domain.mark();
                 // First the upper value, then the lower one.
                 domain.apply(j, is_upper, if is_upper { lower } else { upper });
-                let trial = propagator.propagate_since(program, domain, mark);
+                let trial = propagator.propagate_until(program, domain, mark, Cut::Decision);
                 domain.undo_to(mark);
                 if trial.is_err() {
-                    domain.apply(j, !is_upper, if is_upper { upper } else { lower });
+                    let reason = propagator.reason_against(j, is_upper);
+                    let value = if is_upper { upper } else { lower };
+                    domain.apply_because(j, !is_upper, value, reason);
                     propagator.propagate_since(program, domain, mark)?;
                 }
             }

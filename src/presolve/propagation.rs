@@ -6,8 +6,10 @@
 
 use std::collections::VecDeque;
 
-use super::domain::Domain;
+use super::analysis::{Clash, Cut};
+use super::domain::{Domain, Reason};
 use super::implications::Implications;
+use super::learning::Learner;
 use super::tightening::{Entry, Line, Tightening, tighten};
 use crate::program::Program;
 use crate::tolerance;
@@ -17,7 +19,7 @@ use crate::tolerance;
 pub enum Conflict {
     /// A row cannot be satisfied within the bounds; the row count stands for the objective's limit.
     Row(usize),
-    /// A column's bounds crossed.
+    /// A column's bounds crossed, or contradict what is known of it.
     Column(usize),
 }
 
@@ -30,12 +32,18 @@ pub struct Propagator {
     queue: VecDeque<usize>,
     queued: Vec<bool>,
     /// The program's rows, then the linear objective, limited by the cutoff.
-    rows: Vec<Line>,
-    entries: Vec<Entry>,
+    pub(super) rows: Vec<Line>,
+    pub(super) entries: Vec<Entry>,
     /// By column: the rows it is in, the objective last.
     uses: Vec<Vec<Use>>,
     found: Vec<Tightening>,
-    implications: Implications,
+    pub(super) implications: Implications,
+    /// The cutoff in force; infinite where the objective's line does not use one.
+    pub(super) cutoff: f64,
+    /// How the last propagation failed.
+    pub(super) clash: Option<Clash>,
+    /// What learns from conflicts, where that is wanted.
+    pub(super) learner: Option<Box<Learner>>,
 }
 
 /// A row that a column is in, and which changes of the column's bounds can matter to the row.
@@ -57,6 +65,9 @@ impl Propagator {
             uses: vec![Vec::new(); program.column_count()],
             found: Vec::new(),
             implications: Implications::default(),
+            cutoff: f64::INFINITY,
+            clash: None,
+            learner: None,
         };
         for row in 0..program.row_count() {
             let limits = [program.row_lower[row], program.row_upper[row]];
@@ -103,6 +114,7 @@ impl Propagator {
             return f64::INFINITY;
         }
         objective.limits[1] = cutoff - program.offset;
+        self.cutoff = cutoff;
         cutoff
     }
 
@@ -122,7 +134,8 @@ impl Propagator {
             return Err(Conflict::Column(crossed));
         }
         (0..program.row_count()).for_each(|row| self.enqueue(row));
-        self.run(program, domain)
+        let mark = domain.mark();
+        self.run(program, domain, mark)
     }
 
     /// Propagates the rows of columns that changed since `mark`.
@@ -136,9 +149,36 @@ impl Propagator {
         domain: &mut Domain,
         mark: usize,
     ) -> Result<(), Conflict> {
+        self.propagate_until(program, domain, mark, Cut::FirstImplicationPoint)
+    }
+
+    /// As [`propagate_since`](Self::propagate_since); a conflict is resolved up to `cut`.
+    pub(super) fn propagate_until(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        mark: usize,
+        cut: Cut,
+    ) -> Result<(), Conflict> {
+        let result = self.propagate_changes(program, domain, mark);
+        if self.learner.is_some() {
+            let clash = self.clash.take().filter(|_| result.is_err());
+            self.learn(program, domain, mark, clash, cut);
+        }
+        result
+    }
+
+    fn propagate_changes(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        mark: usize,
+    ) -> Result<(), Conflict> {
+        self.deny_single(domain)?;
         for (column, is_upper) in domain.changed_since(mark) {
             if domain.lower(column) > domain.upper(column) {
                 self.clear();
+                self.clash = Some(Clash::Crossed(column));
                 return Err(Conflict::Column(column));
             }
             self.enqueue_uses(column, is_upper, usize::MAX);
@@ -153,7 +193,7 @@ impl Propagator {
         if self.rows[objective].limits[1] < f64::INFINITY {
             self.enqueue(objective);
         }
-        self.run(program, domain)
+        self.run(program, domain, mark)
     }
 
     /// The number of the objective's line: the last one.
@@ -170,7 +210,7 @@ impl Propagator {
 
     /// Puts the rows on the list to which a changed bound can matter, but for the one that changed
     /// it.
-    fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
+    pub(super) fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
         for &Use { row, matters } in &self.uses[column] {
             let row = row as usize;
             if matters[usize::from(is_upper)] && row != changed_by && !self.queued[row] {
@@ -187,7 +227,7 @@ impl Propagator {
     }
 
     /// Fixes what a binary that has become fixed implies, and what that implies.
-    fn imply(
+    pub(super) fn imply(
         &mut self,
         program: &Program,
         domain: &mut Domain,
@@ -206,10 +246,11 @@ impl Propagator {
                 let is_upper = value == 0.0;
                 let [lower, upper] = domain.bounds(column);
                 if lower > value || upper < value {
+                    self.clash = Some(Clash::Implied { from: j, to: column });
                     return Err(Conflict::Column(column));
                 }
                 if lower < upper {
-                    domain.apply(column, is_upper, value);
+                    domain.apply_because(column, is_upper, value, Reason::Implied(j as u32));
                     self.enqueue_uses(column, is_upper, usize::MAX);
                     fixed.push(column);
                 }
@@ -218,9 +259,15 @@ impl Propagator {
         Ok(())
     }
 
-    fn run(&mut self, program: &Program, domain: &mut Domain) -> Result<(), Conflict> {
+    /// Propagates the rows on the list, and no-goods over what changed since `mark`.
+    fn run(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        mark: usize,
+    ) -> Result<(), Conflict> {
         let mut found = std::mem::take(&mut self.found);
-        let result = self.run_into(program, domain, &mut found);
+        let result = self.run_into(program, domain, mark, &mut found);
         found.clear();
         self.found = found;
         if result.is_err() {
@@ -233,11 +280,16 @@ impl Propagator {
         &mut self,
         program: &Program,
         domain: &mut Domain,
+        mut mark: usize,
         found: &mut Vec<Tightening>,
     ) -> Result<(), Conflict> {
         // A cap on the work: long chains of shrinking gains add nothing that a relaxation lacks.
         let mut budget = 50 * (program.row_count() + 100);
-        while let Some(row) = self.queue.pop_front() {
+        loop {
+            if self.learner.is_some() {
+                self.follow_no_goods(program, domain, &mut mark)?;
+            }
+            let Some(row) = self.queue.pop_front() else { break };
             self.queued[row] = false;
             if budget == 0 {
                 self.clear();
@@ -247,11 +299,18 @@ impl Propagator {
             let Line { range: [start, end], limits } = self.rows[row];
             let entries = &self.entries[start..end];
             if !tighten(&program.integral, domain, entries, limits, found) {
+                self.clash = Some(Clash::Row(row));
                 return Err(Conflict::Row(row));
             }
             for Tightening { column, is_upper, value } in found.drain(..) {
-                domain.apply(column, is_upper, value);
-                let settled = settle(program, domain, column)?;
+                domain.apply_because(column, is_upper, value, Reason::Row(row as u32));
+                let settled = match settle(program, domain, column) {
+                    Ok(settled) => settled,
+                    Err(conflict) => {
+                        self.clash = Some(Clash::Crossed(column));
+                        return Err(conflict);
+                    }
+                };
                 self.enqueue_uses(column, is_upper, row);
                 if settled {
                     self.enqueue_uses(column, !is_upper, row);
@@ -277,7 +336,7 @@ fn settle(program: &Program, domain: &mut Domain, column: usize) -> Result<bool,
         return Err(Conflict::Column(column));
     }
     let middle = 0.5 * (lower + upper);
-    domain.set_lower(column, middle);
-    domain.set_upper(column, middle);
+    domain.apply_because(column, false, middle, Reason::Settled);
+    domain.apply_because(column, true, middle, Reason::Settled);
     Ok(true)
 }
