@@ -174,8 +174,7 @@ impl Analysis {
             let kept = if position < mark {
                 integral
             } else {
-                first_point |=
-                    cut == Cut::FirstImplicationPoint && integral && self.current == 1;
+                first_point |= cut == Cut::FirstImplicationPoint && integral && self.current == 1;
                 first_point || (change.reason == Reason::Given && integral)
             };
             if kept {
@@ -289,12 +288,7 @@ impl Analysis {
     }
 
     /// Needs what a row requires to give a bound, or to be violated.
-    fn require_row(
-        &mut self,
-        sources: &Sources<'_>,
-        row: usize,
-        target: Option<Target>,
-    ) -> bool {
+    fn require_row(&mut self, sources: &Sources<'_>, row: usize, target: Option<Target>) -> bool {
         let Line { range: [start, end], limits } = sources.rows[row];
         let entries = &sources.entries[start..end];
         self.work += entries.len();
@@ -338,7 +332,8 @@ impl Analysis {
             }
             let slope = sign * entry.coefficient;
             let side = usize::from(slope < 0.0);
-            let (low, high) = (slope * self.view[column][side], slope * self.view[column][1 - side]);
+            let (low, high) =
+                (slope * self.view[column][side], slope * self.view[column][1 - side]);
             if !low.is_finite() {
                 return false;
             }
@@ -381,7 +376,8 @@ impl Analysis {
     /// Needs the bounds that a row uses, as far as it cannot spare them.
     fn give_back(&mut self, sources: &Sources<'_>, mut uses: Vec<Use>, mut spare: f64) {
         // What is needed anyway need not be spared; else the cheapest go first, to drop many.
-        let needed = |u: &Use| meets(u.side, self.needs[u.column][u.side], self.view[u.column][u.side]);
+        let needed =
+            |u: &Use| meets(u.side, self.needs[u.column][u.side], self.view[u.column][u.side]);
         uses.retain(|u| !needed(u));
         uses.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.column.cmp(&b.column)));
         for Use { cost, column, side, slope } in uses {

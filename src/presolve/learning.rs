@@ -10,13 +10,73 @@ use crate::program::Program;
 /// Most literals of a no-good: longer ones hardly ever come to say anything.
 const LONGEST: usize = 30;
 
+/// The credit at first and at most, in conflicts that are analysed. So many literals of a no-good
+/// cost as much as the analysis; what a bound moved by a no-good is worth, and a contradiction.
+const CREDIT: i64 = 500;
+const LITERALS: usize = 8;
+const FIXED: u64 = 1;
+const REFUTED: u64 = 10;
+
+/// Without credit, one conflict in so many is analysed, to notice when learning begins to pay.
+const SELDOM: u64 = 50;
+
+/// How much is analysed: as much as it has paid.
+#[derive(Debug, Clone)]
+struct Account {
+    credit: i64,
+    /// Conflicts seen.
+    conflicts: u64,
+    /// What no-goods had brought when it was last booked.
+    booked: u64,
+}
+
+impl Account {
+    fn new() -> Self {
+        Account { credit: CREDIT, conflicts: 0, booked: 0 }
+    }
+
+    /// Whether the next conflict is analysed, after no-goods have moved and refuted so much.
+    fn pays(&mut self, brought: u64) -> bool {
+        self.conflicts += 1;
+        let gain = i64::try_from(brought - self.booked).unwrap_or(CREDIT);
+        self.booked = brought;
+        self.credit = self.credit.saturating_add(gain).min(CREDIT);
+        let pays = self.credit > 0 || self.conflicts.is_multiple_of(SELDOM);
+        self.credit -= i64::from(pays);
+        pays
+    }
+
+    /// Books a no-good of so many literals.
+    fn book(&mut self, literals: usize) {
+        self.credit -= (literals / LITERALS) as i64;
+    }
+}
+
 /// What learns.
 #[derive(Debug, Clone)]
 pub(super) struct Learner {
     analysis: Analysis,
     no_goods: NoGoods,
+    account: Account,
+    /// What no-goods have brought, in the unit of the account.
+    brought: u64,
     /// What the last propagation taught.
     last: Option<u32>,
+}
+
+impl Learner {
+    fn take_counts(&mut self) -> ConflictCounts {
+        let counts = std::mem::take(&mut self.no_goods.counts);
+        self.brought += FIXED * counts.fixed + REFUTED * counts.refuted;
+        counts
+    }
+
+    /// Whether the next conflict is worth its analysis.
+    fn pays(&mut self) -> bool {
+        let counts = &self.no_goods.counts;
+        let brought = self.brought + FIXED * counts.fixed + REFUTED * counts.refuted;
+        self.account.pays(brought) && !self.no_goods.is_full()
+    }
 }
 
 impl Propagator {
@@ -27,6 +87,8 @@ impl Propagator {
         self.learner = Some(Box::new(Learner {
             analysis: Analysis::new(domain),
             no_goods: NoGoods::new(domain.column_count()),
+            account: Account::new(),
+            brought: 0,
             last: None,
         }));
     }
@@ -36,18 +98,17 @@ impl Propagator {
         self.learner.iter().flat_map(|learner| learner.no_goods.iter())
     }
 
-    /// Drops little used no-goods where there are many. Only for domains in which nothing has
+    /// Drops little used no-goods where there are many, or where they have not paid. Only for domains in which nothing has
     /// changed since learning began.
     pub fn tidy_no_goods(&mut self) {
         if let Some(learner) = &mut self.learner {
-            learner.no_goods.tidy();
+            learner.no_goods.tidy(learner.account.credit <= 0);
         }
     }
 
     /// What became of conflicts since this was last asked for.
     pub fn take_conflict_counts(&mut self) -> ConflictCounts {
-        let learner = self.learner.as_mut();
-        learner.map_or_else(ConflictCounts::default, |l| std::mem::take(&mut l.no_goods.counts))
+        self.learner.as_mut().map_or_else(ConflictCounts::default, |l| l.take_counts())
     }
 
     /// Explains how a propagation failed, and keeps that.
@@ -60,7 +121,8 @@ impl Propagator {
         cut: Cut,
     ) {
         let Some(mut learner) = self.learner.take() else { return };
-        learner.last = clash.filter(|_| !learner.no_goods.is_full()).and_then(|clash| {
+        let wanted = clash.filter(|_| learner.pays());
+        learner.last = wanted.and_then(|clash| {
             let sources = Sources {
                 integral: &program.integral,
                 rows: &self.rows,
@@ -72,7 +134,10 @@ impl Propagator {
             let explained = learner.analysis.explain(&sources, domain, mark, clash, cut);
             let Explanation { literals, cutoff } = explained?;
             let length = 1..=LONGEST;
-            length.contains(&literals.len()).then(|| learner.no_goods.add(literals, cutoff))
+            length.contains(&literals.len()).then(|| {
+                learner.account.book(literals.len());
+                learner.no_goods.add(literals, cutoff)
+            })
         });
         self.learner = Some(learner);
     }

@@ -56,6 +56,7 @@ pub struct NoGood {
     /// holds for all points.
     pub cutoff: f64,
     activity: f64,
+    used: bool,
 }
 
 /// What became of conflicts.
@@ -121,7 +122,7 @@ impl NoGoods {
     pub(super) fn add(&mut self, literals: Vec<Literal>, cutoff: f64) -> u32 {
         self.counts.learned += 1;
         let activity = self.weight;
-        self.list.push(NoGood { literals, cutoff, activity });
+        self.list.push(NoGood { literals, cutoff, activity, used: false });
         let number = self.list.len() - 1;
         self.watch(number);
         number as u32
@@ -141,22 +142,30 @@ impl NoGoods {
         }
     }
 
-    /// Drops those that are little used where there are many. Nothing on the trail may name a
-    /// no-good when this is called.
-    pub(super) fn tidy(&mut self) {
-        if self.list.len() <= MOST / 2 {
+    /// Drops those that are little used where there are many, and those that were never used where
+    /// only these are wanted. Nothing on the trail may name a no-good when this is called.
+    pub(super) fn tidy(&mut self, only_used: bool) {
+        let many = self.list.len() > MOST / 2;
+        if !many && (!only_used || self.list.iter().all(|n| n.used)) {
             return;
         }
-        let mut activities: Vec<f64> = self.list.iter().map(|n| n.activity).collect();
-        activities.sort_by(f64::total_cmp);
-        let least = activities[activities.len() / 2];
-        self.list.retain(|no_good| no_good.activity > least);
+        if only_used {
+            self.list.retain(|no_good| no_good.used);
+        }
+        if many {
+            let mut activities: Vec<f64> = self.list.iter().map(|n| n.activity).collect();
+            activities.sort_by(f64::total_cmp);
+            let middle = activities.get(activities.len() / 2);
+            let least = middle.copied().unwrap_or(f64::INFINITY);
+            self.list.retain(|no_good| no_good.activity > least);
+        }
         self.watches.iter_mut().for_each(Vec::clear);
         self.single.clear();
         (0..self.list.len()).for_each(|number| self.watch(number));
     }
 
     fn reward(&mut self, number: usize) {
+        self.list[number].used = true;
         self.list[number].activity += self.weight;
         self.weight *= GROWTH;
         if self.weight > 1e100 {
@@ -247,5 +256,117 @@ impl NoGoods {
         let reason = Reason::NoGood(number);
         domain.apply_because(denial.column, denial.is_upper, denial.value, reason);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::Program;
+
+    /// Binaries alone.
+    fn domain(columns: usize) -> Domain {
+        let mut model = crate::model::Model::new("binaries");
+        model.binary_family("v", columns).expect("a family");
+        Domain::new(&Program::assemble(&model).expect("a program"))
+    }
+
+    fn at_one(column: usize) -> Literal {
+        Literal { column, is_upper: false, value: 1.0 }
+    }
+
+    /// Decides a column at 1 and follows all that changed.
+    fn decide(
+        no_goods: &mut NoGoods,
+        domain: &mut Domain,
+        column: usize,
+        cutoff: f64,
+    ) -> Result<(), u32> {
+        let mut next = domain.mark();
+        domain.apply(column, false, 1.0);
+        while next < domain.mark() {
+            let change = domain.change(next);
+            next += 1;
+            no_goods.follow(domain, change.column(), change.is_upper(), cutoff)?;
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_literal_denies_exactly_what_it_says() {
+        let literal = Literal { column: 0, is_upper: true, value: 2.0 };
+        for lower in 0..4 {
+            for upper in lower..4 {
+                let bounds = [f64::from(lower), f64::from(upper)];
+                assert_eq!(literal.holds(bounds), upper <= 2);
+                assert_eq!(literal.fails(bounds), lower >= 3);
+                assert_eq!(literal.denial().holds(bounds), literal.fails(bounds));
+                assert_eq!(literal.denial().fails(bounds), literal.holds(bounds));
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_literal_is_denied_in_any_order_and_after_undoing() {
+        let orders = [[0, 1, 2, 3], [3, 2, 1, 0], [1, 3, 0, 2], [2, 0, 3, 1]];
+        let mut domain = domain(4);
+        let mut no_goods = NoGoods::new(4);
+        let number = no_goods.add((0..4).map(at_one).collect(), f64::INFINITY);
+        for order in orders.iter().cycle().take(20) {
+            for (k, &column) in order[..3].iter().enumerate() {
+                decide(&mut no_goods, &mut domain, column, 0.0).expect("no contradiction");
+                let last = domain.bounds(order[3]);
+                assert_eq!(last, if k == 2 { [0.0, 0.0] } else { [0.0, 1.0] });
+            }
+            let change = domain.change(domain.mark() - 1);
+            assert_eq!(change.reason, Reason::NoGood(number));
+            domain.undo_to(0);
+        }
+        assert_eq!((no_goods.counts.fixed, no_goods.counts.refuted), (20, 0));
+    }
+
+    #[test]
+    fn what_holds_up_to_a_cutoff_says_nothing_beyond_it() {
+        let mut domain = domain(2);
+        let mut no_goods = NoGoods::new(2);
+        no_goods.add(vec![at_one(0), at_one(1)], 5.0);
+        decide(&mut no_goods, &mut domain, 0, 6.0).expect("no contradiction");
+        assert_eq!(domain.bounds(1), [0.0, 1.0]);
+        domain.undo_to(0);
+        decide(&mut no_goods, &mut domain, 0, 5.0).expect("no contradiction");
+        assert_eq!(domain.bounds(1), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn single_literals_are_denied_at_once() {
+        let mut domain = domain(2);
+        let mut no_goods = NoGoods::new(2);
+        let number = no_goods.add(vec![at_one(1)], f64::INFINITY);
+        no_goods.deny_single(&mut domain, 0.0).expect("no contradiction");
+        assert_eq!(domain.bounds(1), [0.0, 0.0]);
+        domain.undo_to(0);
+        domain.apply(1, false, 1.0);
+        assert_eq!(no_goods.deny_single(&mut domain, 0.0), Err(number));
+    }
+
+    #[test]
+    fn the_store_is_bounded_and_keeps_what_is_used() {
+        let (mut domain, mut no_goods) = (domain(2), NoGoods::new(2));
+        no_goods.add(vec![at_one(0), at_one(1)], f64::INFINITY);
+        for _ in 1..MOST {
+            no_goods.add(vec![at_one(1), at_one(0)], f64::NEG_INFINITY);
+        }
+        assert!(no_goods.is_full());
+        for _ in 0..3 {
+            for _ in 0..600 {
+                decide(&mut no_goods, &mut domain, 0, 0.0).expect("no contradiction");
+                assert_eq!(domain.bounds(1), [0.0, 0.0]);
+                domain.undo_to(0);
+            }
+            no_goods.tidy(false);
+            assert!(!no_goods.is_full() && !no_goods.is_empty());
+        }
+        no_goods.tidy(true);
+        assert_eq!(no_goods.iter().count(), 1);
     }
 }

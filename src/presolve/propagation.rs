@@ -260,12 +260,7 @@ impl Propagator {
     }
 
     /// Propagates the rows on the list, and no-goods over what changed since `mark`.
-    fn run(
-        &mut self,
-        program: &Program,
-        domain: &mut Domain,
-        mark: usize,
-    ) -> Result<(), Conflict> {
+    fn run(&mut self, program: &Program, domain: &mut Domain, mark: usize) -> Result<(), Conflict> {
         let mut found = std::mem::take(&mut self.found);
         let result = self.run_into(program, domain, mark, &mut found);
         found.clear();
