@@ -8,6 +8,7 @@
 mod analysis;
 mod coefficients;
 mod domain;
+mod footprint;
 mod implications;
 mod learning;
 mod no_goods;
@@ -22,7 +23,7 @@ pub use coefficients::tighten_coefficients;
 pub use domain::{Domain, Reason};
 pub use implications::Implications;
 pub use no_goods::{ConflictCounts, Literal, NoGood};
-pub use probing::probe;
+pub use probing::{ProbingRecord, probe, probe_again};
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};
 pub use reduce::{Compressed, Reduced, Reduction, reduce};
