@@ -1,7 +1,8 @@
 //! Solves a model file, or writes it in another format.
 //!
 //! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
-//! [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] [--pool K] [--write OUT] [--lowered OUT]`
+//! [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] [--pool K] [--write OUT]
+//! [--lowered OUT]`
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
 //! `.lp`, `.json`; other files by their contents.
@@ -39,7 +40,8 @@ use carom::reformulate;
 use carom::solver::PoolMode;
 
 const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
-                     [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] [--pool K] [--write OUT] [--lowered OUT]";
+                     [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] \
+                     [--pool K] [--write OUT] [--lowered OUT]";
 
 #[derive(Default)]
 struct Arguments {

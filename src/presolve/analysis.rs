@@ -364,8 +364,7 @@ impl Analysis {
             }
         };
         let surplus = rest - required;
-        // NaN is no proof either.
-        if !(surplus >= 0.0) {
+        if surplus.is_nan() || surplus < 0.0 {
             return false;
         }
         let tolerance = tolerance::FEASIBILITY * tolerance::row_scale(largest, limit);

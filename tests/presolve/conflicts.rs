@@ -170,13 +170,10 @@ fn walk(case: &Case) -> Result<Counts, TestCaseError> {
         return Ok(Counts::default());
     }
     if case.implications {
-        let mut found = Implications::default();
-        let columns = &columns[..columns.len() / 2];
-        match Implications::probe(&program, &mut domain, &mut propagator, columns, 100, &go_on) {
-            Ok(table) => std::mem::swap(&mut found, &mut { table }),
-            Err(_) => return Ok(Counts::default()),
-        }
-        propagator.set_implications(found);
+        let half = &columns[..columns.len() / 2];
+        let found = Implications::probe(&program, &mut domain, &mut propagator, half, 100, &go_on);
+        let Ok(table) = found else { return Ok(Counts::default()) };
+        propagator.set_implications(table);
     }
     propagator.learn_conflicts(&domain);
     let root = domain.mark();
