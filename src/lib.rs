@@ -268,6 +268,7 @@ pub mod relaxation;
 pub mod search;
 pub mod solution;
 pub mod solver;
+mod sum;
 pub mod tolerance;
 #[cfg(feature = "serde")]
 mod wire;

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 7] = ["error", "tolerance", "wire", "interval", "model", "solution", "solver"];
+const GROUND: [&str; 8] =
+    ["error", "tolerance", "wire", "interval", "sum", "model", "solution", "solver"];
 
 /// The modelling tower on the ground, from the bottom up.
 const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];

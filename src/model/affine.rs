@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::ids::Variable;
+use crate::sum::Sum;
 
 /// An affine expression `constant + sum a_j x_j`; the unit is the modeller's.
 ///
@@ -56,7 +57,13 @@ impl Affine {
 
     /// Value at a point given by a function from variables to values.
     pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
-        self.constant + self.terms.iter().map(|&(v, a)| a * value(v)).sum::<f64>()
+        self.sum(value).value()
+    }
+
+    pub(super) fn sum(&self, value: impl Fn(Variable) -> f64) -> Sum {
+        let mut sum = Sum::new(self.constant);
+        self.terms.iter().for_each(|&(v, a)| sum.add_product(a, value(v)));
+        sum
     }
 
     pub(crate) fn into_parts(mut self) -> (Vec<(Variable, f64)>, f64) {

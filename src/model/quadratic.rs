@@ -51,8 +51,11 @@ impl Quadratic {
 
     /// Value at a point given by a function from variables to values.
     pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
-        let products = self.products.iter().map(|&(a, b, q)| q * value(a) * value(b)).sum::<f64>();
-        products + self.affine.evaluate(&value)
+        let mut sum = self.affine.sum(&value);
+        for &(a, b, q) in &self.products {
+            sum.add_product_of_three(value(a), value(b), q);
+        }
+        sum.value()
     }
 
     /// Merges what building left behind.

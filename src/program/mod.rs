@@ -11,6 +11,8 @@ mod assemble;
 
 use faer::sparse::{SparseColMat, SparseRowMat};
 
+use crate::sum::Sum;
+
 /// A mixed-integer convex quadratic program in matrix form, always a minimisation.
 #[derive(Debug, Clone)]
 pub struct Program {
@@ -89,12 +91,14 @@ impl Program {
 
     /// Value of the (minimised) objective at a point.
     pub fn objective(&self, x: &[f64]) -> f64 {
-        let mut value = self.offset;
+        let mut sum = Sum::new(self.offset);
         for (j, &xj) in x.iter().enumerate() {
+            sum.add_product(self.linear[j], xj);
             let (rows, entries) = self.quadratic_column(j);
-            let product: f64 = rows.iter().zip(entries).map(|(&i, p)| p * x[i]).sum();
-            value += xj * (self.linear[j] + 0.5 * product);
+            for (&i, &p) in rows.iter().zip(entries) {
+                sum.add_product_of_three(x[i], xj, 0.5 * p);
+            }
         }
-        value
+        sum.value()
     }
 }

@@ -1,5 +1,7 @@
 //! Values of all variables of one model.
 
+use std::cell::Cell;
+
 use crate::error::Error;
 use crate::model::{Affine, Literal, Model, ModelTag, Quadratic, Selected, Variable};
 
@@ -90,22 +92,29 @@ impl Evaluate for Literal {
 
 impl Evaluate for Affine {
     fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
-        let mut sum = self.offset();
-        for &(variable, coefficient) in self.raw_terms() {
-            sum += coefficient * point.read(variable)?;
-        }
-        Ok(sum)
+        reading(point, |value| self.evaluate(value))
     }
 }
 
 impl Evaluate for Quadratic {
     fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
-        let mut sum = self.affine().evaluate_at(point)?;
-        for (first, second, coefficient) in self.products() {
-            sum += coefficient * point.read(first)? * point.read(second)?;
-        }
-        Ok(sum)
+        reading(point, |value| self.evaluate(value))
     }
+}
+
+/// The value of an expression, or the first error that its variables met.
+fn reading(
+    point: &Point,
+    evaluate: impl FnOnce(&dyn Fn(Variable) -> f64) -> f64,
+) -> Result<f64, Error> {
+    let failed = Cell::new(None);
+    let value = evaluate(&|variable| {
+        point.read(variable).unwrap_or_else(|error| {
+            failed.set(Some(failed.take().unwrap_or(error)));
+            f64::NAN
+        })
+    });
+    failed.into_inner().map_or(Ok(value), Err)
 }
 
 impl<T: Evaluate + ?Sized> Evaluate for &T {

@@ -7,7 +7,7 @@
 use carom::prelude::*;
 use carom::presolve::{Domain, Implications, Propagator};
 use carom::program::Program;
-use carom::search::cuts::{Cut, mixed_integer_rounding_cuts};
+use carom::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
 use proptest::prelude::*;
 
 use crate::common::config;
@@ -127,13 +127,15 @@ proptest! {
         let program = Program::assemble(&case.model()).unwrap();
         let mut domain = Domain::new(&program);
         let points = case.points();
-        let conflict = Propagator::new(&program).propagate_all(&program, &mut domain).is_err();
+        let mut propagator = Propagator::new(&program);
+        let conflict = propagator.propagate_all(&program, &mut domain).is_err();
         prop_assert!(!conflict || points.is_empty());
         prop_assume!(!conflict);
         let x = case.relaxed(&program);
-        let rounded = mixed_integer_rounding_cuts(&program, &domain, &x);
-        prop_assert_eq!(cut_off(&rounded, &points), None);
-        for cut in &rounded {
+        let mut cuts = mixed_integer_rounding_cuts(&program, &domain, &x);
+        cuts.extend(implied_bound_cuts(&program, &mut domain, &mut propagator, &x));
+        prop_assert_eq!(cut_off(&cuts, &points), None);
+        for cut in &cuts {
             prop_assert!(cut.room(&x) < 0.0, "the relaxed point is not cut off");
         }
     }
@@ -218,4 +220,24 @@ fn what_both_values_of_a_binary_say_holds() {
     let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
     Implications::probe(&program, &mut domain, &mut propagator, &[0], 10, &|| true).unwrap();
     assert_eq!(domain.lower(1), 2.0);
+}
+
+/// `x <= 10 z` by a chain: the file's rows say `x <= y` and `y <= 20 z`, and `x <= 10`.
+#[test]
+fn a_chain_of_rows_becomes_one() {
+    let mut model = Model::new("chain");
+    let z = model.binary("z").unwrap();
+    let x = model.continuous("x", 0.0, 10.0).unwrap();
+    let y = model.continuous("y", 0.0, 20.0).unwrap();
+    model.add("first", x.le(y)).unwrap();
+    model.add("second", y.le(20.0 * z)).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
+    propagator.propagate_all(&program, &mut domain).unwrap();
+    let relaxed = [0.5, 10.0, 10.0];
+    let cuts = implied_bound_cuts(&program, &mut domain, &mut propagator, &relaxed);
+    assert_eq!(cuts.len(), 1);
+    assert!((cuts[0].room(&[0.5, 5.0, 20.0])).abs() < 1e-6);
+    assert!(cuts[0].room(&[1.0, 10.0, 10.0]) >= 0.0);
+    assert_eq!(domain.bounds(0), [0.0, 1.0]);
 }

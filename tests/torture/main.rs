@@ -32,3 +32,13 @@ proptest! {
         prop_assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
     }
 }
+
+/// What was once answered wrongly: objectives of 1e10 that cancel down to 1 lost their last digits
+/// (8008789, 8008916).
+#[test]
+fn what_was_wrong_is_right() {
+    for seed in [8_008_789, 8_008_916] {
+        let verdict = verdict(seed);
+        assert!(matches!(verdict, Verdict::Right), "seed {seed}: {verdict:?}");
+    }
+}

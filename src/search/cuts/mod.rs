@@ -1,5 +1,6 @@
 //! Cuts at the root: rows that every whole point satisfies and the relaxed point does not.
 //!
+//! * `implied_bounds` - what a binary's value does to the bounds of other columns
 //! * `mixed_integer_rounding` - aggregated rows, bounds substituted, divided and rounded
 //! * `rounding` - the rounding of one aggregate
 //! * `cut` - one cut, and what makes it safe to use
@@ -8,10 +9,12 @@
 //! relaxation is dropped, and where the bound was hardly lifted all of it is.
 
 mod cut;
+mod implied_bounds;
 mod mixed_integer_rounding;
 mod rounding;
 
 pub use cut::Cut;
+pub use implied_bounds::implied_bound_cuts;
 pub use mixed_integer_rounding::mixed_integer_rounding_cuts;
 
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
@@ -64,7 +67,8 @@ pub fn strengthen(
         return None;
     }
     let mut domain = Domain::new(program);
-    Propagator::new(program).propagate_all(program, &mut domain).ok()?;
+    let mut propagator = Propagator::new(program);
+    propagator.propagate_all(program, &mut domain).ok()?;
     let effort = || Effort {
         iterations: 60,
         tolerance: 1e-8,
@@ -81,7 +85,9 @@ pub fn strengthen(
         if stopped() {
             break;
         }
-        let found = select(mixed_integer_rounding_cuts(program, &domain, &x), &x);
+        let mut found = mixed_integer_rounding_cuts(program, &domain, &x);
+        found.extend(implied_bound_cuts(program, &mut domain, &mut propagator, &x));
+        let found = select(found, &x);
         if found.is_empty() {
             break;
         }

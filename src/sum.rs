@@ -1,0 +1,82 @@
+//! Sums of products with the digits that plain sums lose.
+//!
+//! Terms of an objective may be 1e12 and cancel down to 1. Every rounding of a product and of a sum is
+//! known exactly; adding these up beside the sum makes the result as good as one computed with twice
+//! the digits and rounded once.
+
+/// A sum and what rounding has left out of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sum {
+    sum: f64,
+    rest: f64,
+}
+
+impl Sum {
+    pub(crate) fn new(value: f64) -> Self {
+        Sum { sum: value, rest: 0.0 }
+    }
+
+    /// Adds a value.
+    pub(crate) fn add(&mut self, value: f64) {
+        let sum = self.sum + value;
+        let of_value = sum - self.sum;
+        self.rest += (self.sum - (sum - of_value)) + (value - of_value);
+        self.sum = sum;
+    }
+
+    /// Adds the product of two values.
+    pub(crate) fn add_product(&mut self, a: f64, b: f64) {
+        let product = a * b;
+        self.add(product);
+        self.rest += a.mul_add(b, -product);
+    }
+
+    /// Adds the product of three values.
+    pub(crate) fn add_product_of_three(&mut self, a: f64, b: f64, c: f64) {
+        let product = a * b;
+        self.add_product(product, c);
+        self.rest += a.mul_add(b, -product) * c;
+    }
+
+    /// The sum. Where anything was infinite or not a number, what a plain sum gives.
+    pub(crate) fn value(self) -> f64 {
+        if self.rest.is_finite() { self.sum + self.rest } else { self.sum }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cancels_leaves_its_digits() {
+        let mut sum = Sum::new(1e16);
+        sum.add(1.0);
+        sum.add(-1e16);
+        assert_eq!(sum.value(), 1.0);
+    }
+
+    #[test]
+    fn products_keep_both_halves() {
+        let a = 1.0 + f64::EPSILON;
+        // (1 + e)^2 - (1 + 2e) is e^2.
+        let mut square = Sum::default();
+        square.add_product(a, a);
+        square.add(-(1.0 + 2.0 * f64::EPSILON));
+        assert_eq!(square.value(), f64::EPSILON * f64::EPSILON);
+        let mut cube = Sum::default();
+        cube.add_product_of_three(a, a, 3.0);
+        cube.add_product(-3.0, 1.0 + 2.0 * f64::EPSILON);
+        assert_eq!(cube.value(), 3.0 * f64::EPSILON * f64::EPSILON);
+    }
+
+    #[test]
+    fn infinities_stay_what_they_are() {
+        let mut sum = Sum::new(1.0);
+        sum.add(f64::INFINITY);
+        assert_eq!(sum.value(), f64::INFINITY);
+        let mut product = Sum::default();
+        product.add_product(1e200, 1e200);
+        assert_eq!(product.value(), f64::INFINITY);
+    }
+}
