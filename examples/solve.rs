@@ -1,7 +1,8 @@
 //! Solves a model file, or writes it in another format.
 //!
 //! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
-//! [--deterministic] [--without PART] [--symmetry] [--log] [--pool K] [--write OUT] [--lowered OUT]`
+//! [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] [--pool K] [--write OUT]
+//! [--lowered OUT]`
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
 //! `.lp`, `.json`; other files by their contents.
@@ -13,6 +14,7 @@
 //! * `--deterministic`: the same search for any number of threads
 //! * `--without PART`: leave out `presolve` or `cuts`; may be said several times
 //! * `--symmetry`: order interchangeable columns
+//! * `--conflicts`: learn from conflicts
 //! * `--log`: progress and a summary on the standard error
 //! * `--pool K`: the objectives of the K best points with distinct integers, proved
 //! * `--write OUT`: write the model as it was read, and do not solve it
@@ -38,7 +40,8 @@ use carom::reformulate;
 use carom::solver::PoolMode;
 
 const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
-                     [--deterministic] [--without PART] [--symmetry] [--log] [--pool K] [--write OUT] [--lowered OUT]";
+                     [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] \
+                     [--pool K] [--write OUT] [--lowered OUT]";
 
 #[derive(Default)]
 struct Arguments {
@@ -194,6 +197,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
                 "cuts" => arguments.options.cuts = false,
                 part => return Err(format!("nothing is called `{part}`\n{USAGE}").into()),
             },
+            "--conflicts" => arguments.options.conflicts = true,
             "--symmetry" => arguments.options.symmetry = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),

@@ -1,12 +1,13 @@
 //! Solves random programs that are meant to hurt, and compares every answer with the exact one.
 //!
 //! `cargo run --release --example torture -- [--cases N] [--seed S] [--threads K]
-//! [--solver-threads T] [--out FOLDER]`
+//! [--solver-threads T] [--conflicts] [--out FOLDER]`
 //!
 //! * `--cases N`: how many programs, 10000 by default
 //! * `--seed S`: the first program's seed, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at once, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
+//! * `--conflicts`: learn from conflicts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
 //!
 //! Each program that was answered wrongly, or not to the end, is written there as an MPS file with
@@ -40,6 +41,7 @@ struct Arguments {
     seed: u64,
     threads: usize,
     solver_threads: usize,
+    conflicts: bool,
     out: String,
 }
 
@@ -56,9 +58,14 @@ fn main() -> ExitCode {
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
-    let mut arguments = Arguments { cases, seed, threads: 1, solver_threads: 1, out };
+    let (threads, solver_threads, conflicts) = (1, 1, false);
+    let mut arguments = Arguments { cases, seed, threads, solver_threads, conflicts, out };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
+        if word == "--conflicts" {
+            arguments.conflicts = true;
+            continue;
+        }
         let value = words.next().ok_or(format!("{word} needs a value"))?;
         match word.as_str() {
             "--cases" => arguments.cases = value.parse()?,
@@ -111,7 +118,9 @@ fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
     let case = generator::program(seed);
     let (model, variables) = case.build();
     let truth = truth(&case);
-    let options = Options::default().with_threads(arguments.solver_threads);
+    let options = Options::default()
+        .with_threads(arguments.solver_threads)
+        .with_conflicts(arguments.conflicts);
     let mut solver = BranchAndBound::new(options);
     let (verdict, nodes) = match solver.solve(&model) {
         Ok(solution) => (

@@ -1,6 +1,23 @@
-//! Current bounds of all columns, with a trail to undo changes.
+//! Current bounds of all columns, with a trail to undo changes, and why each was made.
 
 use crate::program::Program;
+
+/// Why a bound changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// Decided, or known from elsewhere: no row explains it.
+    Given,
+    /// It follows from all that was given before, in a way that was not kept.
+    Path,
+    /// Propagation of a row; the number of rows stands for the objective's limit.
+    Row(u32),
+    /// The table of implications, for this binary is fixed.
+    Implied(u32),
+    /// The no-good of this number: all its other literals hold.
+    NoGood(u32),
+    /// Bounds that had crossed by a hair were brought together; this loosens them.
+    Settled,
+}
 
 /// Bounds of all columns at a node. Changes are recorded, so that a node is left by undoing
 /// exactly what was done inside it.
@@ -13,11 +30,23 @@ pub struct Domain {
     shortest: Option<usize>,
 }
 
+/// One entry of the trail.
 #[derive(Debug, Clone, Copy)]
-struct Change {
-    column: usize,
-    is_upper: bool,
-    old: f64,
+pub(super) struct Change {
+    pub(super) old: f64,
+    /// Twice the column, plus one for an upper bound.
+    bound: u32,
+    pub(super) reason: Reason,
+}
+
+impl Change {
+    pub(super) fn column(&self) -> usize {
+        self.bound as usize / 2
+    }
+
+    pub(super) fn is_upper(&self) -> bool {
+        self.bound % 2 == 1
+    }
 }
 
 impl Domain {
@@ -64,10 +93,26 @@ impl Domain {
         self.apply(column, true, value);
     }
 
-    /// Sets one bound, recording the old one.
+    /// Sets one bound, recording the old one; as given, without a reason.
     pub fn apply(&mut self, column: usize, is_upper: bool, value: f64) {
+        self.apply_because(column, is_upper, value, Reason::Given);
+    }
+
+    /// Sets one bound for a reason, recording both the old bound and the reason.
+    pub fn apply_because(&mut self, column: usize, is_upper: bool, value: f64, reason: Reason) {
         let old = std::mem::replace(&mut self.bounds[column][usize::from(is_upper)], value);
-        self.trail.push(Change { column, is_upper, old });
+        let bound = 2 * column as u32 + u32::from(is_upper);
+        self.trail.push(Change { old, bound, reason });
+    }
+
+    /// An entry of the trail.
+    pub(super) fn change(&self, position: usize) -> Change {
+        self.trail[position]
+    }
+
+    /// All bounds.
+    pub(super) fn all(&self) -> &[[f64; 2]] {
+        &self.bounds
     }
 
     /// A mark to return to with [`undo_to`](Self::undo_to).
@@ -78,7 +123,7 @@ impl Domain {
     /// The columns changed since a mark, and whether it was the upper bound, in the order of the
     /// changes, repeats included.
     pub fn changed_since(&self, mark: usize) -> impl Iterator<Item = (usize, bool)> + '_ {
-        self.trail[mark..].iter().map(|c| (c.column, c.is_upper))
+        self.trail[mark..].iter().map(|c| (c.column(), c.is_upper()))
     }
 
     /// The earliest mark to which changes were undone since this was last asked; nothing where it was
@@ -91,7 +136,7 @@ impl Domain {
     pub fn undo_to(&mut self, mark: usize) {
         self.shortest = self.shortest.map(|shortest| shortest.min(mark));
         for change in self.trail.drain(mark..).rev() {
-            self.bounds[change.column][usize::from(change.is_upper)] = change.old;
+            self.bounds[change.column()][usize::from(change.is_upper())] = change.old;
         }
     }
 }

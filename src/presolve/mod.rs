@@ -5,10 +5,13 @@
 //! contradiction appears, and [`reduce`](reduce()) turns what is left into a smaller continuous
 //! program. What is done once, before the search, and undone after it, is in [`root`].
 
+mod analysis;
 mod coefficients;
 mod domain;
 mod footprint;
 mod implications;
+mod learning;
+mod no_goods;
 mod probing;
 mod projection;
 mod propagation;
@@ -17,8 +20,9 @@ pub mod root;
 mod tightening;
 
 pub use coefficients::tighten_coefficients;
-pub use domain::Domain;
+pub use domain::{Domain, Reason};
 pub use implications::Implications;
+pub use no_goods::{ConflictCounts, Literal, NoGood};
 pub use probing::{ProbingRecord, probe, probe_again};
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};

@@ -10,6 +10,7 @@
 //! A trial that found nothing is not repeated while nothing has changed that it looked at, at one
 //! node or from node to node.
 
+use super::analysis::Cut;
 use super::domain::Domain;
 use super::footprint::Blocks;
 use super::propagation::{Conflict, Propagator};
@@ -55,7 +56,7 @@ impl ProbingRecord {
         let (trials, found) = self.counts[usize::from(is_upper)];
         trials < JUDGED_AFTER
             || u64::from(found) * u64::from(EXPECTED) >= u64::from(trials)
-            || self.visits % RARELY == 0
+            || self.visits.is_multiple_of(RARELY)
     }
 
     fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {
@@ -131,7 +132,9 @@ pub fn probe_again(
                     propagator.try_bound(program, domain, j, is_upper, value);
                 record.note(j, is_upper, Trial { time, visited }, trial.is_err());
                 if trial.is_err() {
-                    domain.apply(j, !is_upper, if is_upper { upper } else { lower });
+                    let reason = propagator.reason_against(j, is_upper);
+                    let value = if is_upper { upper } else { lower };
+                    domain.apply_because(j, !is_upper, value, reason);
                     propagator.propagate_since(program, domain, mark)?;
                 }
             }
@@ -158,7 +161,7 @@ impl Propagator {
         self.footprint.start();
         self.least_gain = tolerance::PROBING_GAIN;
         domain.apply(column, is_upper, value);
-        let trial = self.propagate_since(program, domain, mark);
+        let trial = self.propagate_until(program, domain, mark, Cut::Decision);
         domain.undo_to(mark);
         self.least_gain = tolerance::PROPAGATION_GAIN;
         self.footprint.set_on_trial(false);

@@ -6,9 +6,11 @@
 
 use std::collections::VecDeque;
 
-use super::domain::Domain;
+use super::analysis::{Clash, Cut};
+use super::domain::{Domain, Reason};
 use super::footprint::{Blocks, Footprint};
 use super::implications::Implications;
+use super::learning::Learner;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use crate::program::Program;
 use crate::tolerance;
@@ -18,7 +20,7 @@ use crate::tolerance;
 pub enum Conflict {
     /// A row cannot be satisfied within the bounds; the row count stands for the objective's limit.
     Row(usize),
-    /// A column's bounds crossed.
+    /// A column's bounds crossed, or contradict what is known of it.
     Column(usize),
 }
 
@@ -33,14 +35,20 @@ pub struct Propagator {
     /// Rows that cannot bind, and the trail position from which on that is so.
     asleep: Vec<(usize, usize)>,
     /// The program's rows, then the linear objective, limited by the cutoff.
-    rows: Vec<Line>,
-    entries: Vec<Entry>,
+    pub(super) rows: Vec<Line>,
+    pub(super) entries: Vec<Entry>,
     uses: Uses,
     found: Vec<Tightening>,
-    implications: Implications,
+    pub(super) implications: Implications,
     pub(super) footprint: Footprint,
     /// What a bound of a continuous column must gain, of its width, to be followed.
     pub(super) least_gain: f64,
+    /// The cutoff in force; infinite where the objective's line does not use one.
+    pub(super) cutoff: f64,
+    /// How the last propagation failed.
+    pub(super) clash: Option<Clash>,
+    /// What learns from conflicts, where that is wanted.
+    pub(super) learner: Option<Box<Learner>>,
 }
 
 /// What the worklist knows of a row.
@@ -108,6 +116,9 @@ impl Propagator {
             uses: Uses::default(),
             found: Vec::new(),
             implications: Implications::default(),
+            cutoff: f64::INFINITY,
+            clash: None,
+            learner: None,
             footprint: Footprint::new(program.row_count()),
             least_gain: tolerance::PROPAGATION_GAIN,
         };
@@ -152,6 +163,7 @@ impl Propagator {
             return f64::INFINITY;
         }
         objective.limits[1] = cutoff - program.offset;
+        self.cutoff = cutoff;
         cutoff
     }
 
@@ -172,7 +184,8 @@ impl Propagator {
         }
         self.wake(domain);
         (0..program.row_count()).for_each(|row| self.enqueue(row));
-        self.run(program, domain)
+        let mark = domain.mark();
+        self.run(program, domain, mark)
     }
 
     /// Propagates the rows of columns that changed since `mark`.
@@ -186,10 +199,37 @@ impl Propagator {
         domain: &mut Domain,
         mark: usize,
     ) -> Result<(), Conflict> {
+        self.propagate_until(program, domain, mark, Cut::FirstImplicationPoint)
+    }
+
+    /// As [`propagate_since`](Self::propagate_since); a conflict is resolved up to `cut`.
+    pub(super) fn propagate_until(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        mark: usize,
+        cut: Cut,
+    ) -> Result<(), Conflict> {
+        let result = self.propagate_changes(program, domain, mark);
+        if self.learner.is_some() {
+            let clash = self.clash.take().filter(|_| result.is_err());
+            self.learn(program, domain, mark, clash, cut);
+        }
+        result
+    }
+
+    fn propagate_changes(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        mark: usize,
+    ) -> Result<(), Conflict> {
         self.wake(domain);
+        self.deny_single(domain)?;
         for (column, is_upper) in domain.changed_since(mark) {
             if domain.lower(column) > domain.upper(column) {
                 self.clear();
+                self.clash = Some(Clash::Crossed(column));
                 return Err(Conflict::Column(column));
             }
             self.enqueue_uses(column, is_upper, usize::MAX);
@@ -204,7 +244,7 @@ impl Propagator {
         if self.rows[objective].limits[1] < f64::INFINITY {
             self.enqueue(objective);
         }
-        self.run(program, domain)
+        self.run(program, domain, mark)
     }
 
     /// Whether changes from here on are on trial, to be taken back.
@@ -231,7 +271,7 @@ impl Propagator {
 
     /// Puts the rows on the list to which a changed bound can matter, but for the one that changed
     /// it.
-    fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
+    pub(super) fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
         self.footprint.touch(self.uses.blocks[column]);
         for &row in self.uses.of(column, is_upper) {
             let row = row as usize;
@@ -261,7 +301,7 @@ impl Propagator {
     }
 
     /// Fixes what a binary that has become fixed implies, and what that implies.
-    fn imply(
+    pub(super) fn imply(
         &mut self,
         program: &Program,
         domain: &mut Domain,
@@ -280,10 +320,11 @@ impl Propagator {
                 let is_upper = value == 0.0;
                 let [lower, upper] = domain.bounds(column);
                 if lower > value || upper < value {
+                    self.clash = Some(Clash::Implied { from: j, to: column });
                     return Err(Conflict::Column(column));
                 }
                 if lower < upper {
-                    domain.apply(column, is_upper, value);
+                    domain.apply_because(column, is_upper, value, Reason::Implied(j as u32));
                     self.enqueue_uses(column, is_upper, usize::MAX);
                     fixed.push(column);
                 }
@@ -292,9 +333,10 @@ impl Propagator {
         Ok(())
     }
 
-    fn run(&mut self, program: &Program, domain: &mut Domain) -> Result<(), Conflict> {
+    /// Propagates the rows on the list, and no-goods over what changed since `mark`.
+    fn run(&mut self, program: &Program, domain: &mut Domain, mark: usize) -> Result<(), Conflict> {
         let mut found = std::mem::take(&mut self.found);
-        let result = self.run_into(program, domain, &mut found);
+        let result = self.run_into(program, domain, mark, &mut found);
         found.clear();
         self.found = found;
         if result.is_err() {
@@ -307,12 +349,17 @@ impl Propagator {
         &mut self,
         program: &Program,
         domain: &mut Domain,
+        mut mark: usize,
         found: &mut Vec<Tightening>,
     ) -> Result<(), Conflict> {
         // A cap on the work: long chains of shrinking gains add nothing that a relaxation lacks.
         let objective = self.objective();
         let mut budget = 50 * (program.row_count() + 100);
-        while let Some(row) = self.queue.pop_front() {
+        loop {
+            if self.learner.is_some() {
+                self.follow_no_goods(program, domain, &mut mark)?;
+            }
+            let Some(row) = self.queue.pop_front() else { break };
             self.status[row] = Status::Idle;
             if budget == 0 {
                 self.clear();
@@ -323,7 +370,10 @@ impl Propagator {
             let Line { range: [start, end], limits } = self.rows[row];
             let entries = &self.entries[start..end];
             match tighten(&program.integral, domain, entries, limits, self.least_gain, found) {
-                RowState::Violated => return Err(Conflict::Row(row)),
+                RowState::Violated => {
+                    self.clash = Some(Clash::Row(row));
+                    return Err(Conflict::Row(row));
+                }
                 RowState::Implied if row != objective => {
                     self.status[row] = Status::Asleep;
                     self.asleep.push((row, domain.mark()));
@@ -331,8 +381,14 @@ impl Propagator {
                 RowState::Implied | RowState::Open => {}
             }
             for Tightening { column, is_upper, value } in found.drain(..) {
-                domain.apply(column, is_upper, value);
-                let settled = settle(program, domain, column)?;
+                domain.apply_because(column, is_upper, value, Reason::Row(row as u32));
+                let settled = match settle(program, domain, column) {
+                    Ok(settled) => settled,
+                    Err(conflict) => {
+                        self.clash = Some(Clash::Crossed(column));
+                        return Err(conflict);
+                    }
+                };
                 self.enqueue_uses(column, is_upper, row);
                 if settled {
                     self.enqueue_uses(column, !is_upper, row);
@@ -358,7 +414,7 @@ fn settle(program: &Program, domain: &mut Domain, column: usize) -> Result<bool,
         return Err(Conflict::Column(column));
     }
     let middle = 0.5 * (lower + upper);
-    domain.set_lower(column, middle);
-    domain.set_upper(column, middle);
+    domain.apply_because(column, false, middle, Reason::Settled);
+    domain.apply_because(column, true, middle, Reason::Settled);
     Ok(true)
 }

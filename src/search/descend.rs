@@ -16,6 +16,7 @@ impl Worker<'_> {
             self.propagator.touch(self.domain.changed_since(self.root));
             self.domain.undo_to(self.root);
             self.path.clear();
+            self.propagator.tidy_no_goods();
         }
         self.cutoff = self.propagator.set_cutoff(self.task.program, self.tree.cutoff());
         let mark = self.domain.mark();

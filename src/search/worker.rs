@@ -51,13 +51,17 @@ pub(super) struct Worker<'a> {
 impl<'a> Worker<'a> {
     pub(super) fn new(task: Task<'a>, tree: Desk<'a>, root: &'a Root) -> Self {
         let domain = root.domain.clone();
+        let mut propagator = root.propagator.clone();
+        if task.options.conflicts {
+            propagator.learn_conflicts(&domain);
+        }
         Worker {
             task,
             tree,
             clock: Clock::new(),
             root: domain.mark(),
             domain,
-            propagator: root.propagator.clone(),
+            propagator,
             covers: &root.covers,
             groups: &root.groups,
             // Windows are not probed: their binaries are.
@@ -87,7 +91,11 @@ impl<'a> Worker<'a> {
         let depth = node.path.len() as u64;
         let next = self.conclude(node);
         let times = self.clock.take();
+        let conflicts = self.propagator.take_conflict_counts();
         self.tree.count(|s| {
+            s.conflicts += conflicts.learned;
+            s.fixed_by_no_goods += conflicts.fixed;
+            s.refuted_by_no_goods += conflicts.refuted;
             s.nodes += 1;
             s.depth = s.depth.max(depth);
             s.times.add(&times);

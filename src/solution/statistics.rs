@@ -33,6 +33,13 @@ pub struct Statistics {
     pub unfinished: u64,
     /// Children closed by trials of branching; they never became nodes.
     pub closed_by_trials: u64,
+    /// Conflicts of propagation that were explained and kept as no-goods, those of trials and
+    /// heuristics included; 0 unless [`Options::conflicts`](crate::solver::Options::conflicts) is on.
+    pub conflicts: u64,
+    /// Bounds that no-goods moved.
+    pub fixed_by_no_goods: u64,
+    /// Contradictions that no-goods found, at nodes and on trial.
+    pub refuted_by_no_goods: u64,
     /// Splits that a [`Branching`](crate::solver::Branching) rule of the user's made.
     pub user_splits: u64,
     /// Answers of such a rule that did not divide their node and were not taken.
@@ -253,6 +260,9 @@ impl Statistics {
         self.split += part.split;
         self.unfinished += part.unfinished;
         self.closed_by_trials += part.closed_by_trials;
+        self.conflicts += part.conflicts;
+        self.fixed_by_no_goods += part.fixed_by_no_goods;
+        self.refuted_by_no_goods += part.refuted_by_no_goods;
         self.user_splits += part.user_splits;
         self.refused_splits += part.refused_splits;
         self.incumbents += part.incumbents;

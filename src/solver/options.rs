@@ -28,6 +28,7 @@ use crate::tolerance;
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
 /// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns* |
+/// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +82,9 @@ pub struct Options {
     /// Whether interchangeable columns are asked for falling values; default off. It is left out where
     /// a pool or leaves are kept, or points come from a seed or from guidance.
     pub symmetry: bool,
+    /// Whether the search learns from nodes and trials that propagation refutes: which bounds of
+    /// integers cannot hold together; default off. Each thread learns for itself.
+    pub conflicts: bool,
     /// Whether the program is presolved before the search; default on. It is left out where a pool
     /// or leaves are kept, or points or splits come from a seed or from guidance: these speak of the
     /// columns as they are.
@@ -121,6 +125,7 @@ impl Default for Options {
             keep_leaves: false,
             branching: BranchingRule::Automatic,
             symmetry: false,
+            conflicts: false,
             presolve: true,
             cuts: true,
         }
@@ -241,6 +246,13 @@ impl Options {
     #[must_use]
     pub fn with_symmetry(mut self, symmetry: bool) -> Self {
         self.symmetry = symmetry;
+        self
+    }
+
+    /// Learns from conflicts, or not.
+    #[must_use]
+    pub fn with_conflicts(mut self, conflicts: bool) -> Self {
+        self.conflicts = conflicts;
         self
     }
 

@@ -9,6 +9,7 @@ mod generators;
 #[path = "../instances/riccati.rs"]
 mod riccati;
 
+mod conflicts;
 mod deterministic;
 mod events;
 mod limits;
