@@ -10,6 +10,7 @@ use super::domain::Domain;
 use super::implications::Implications;
 use super::tightening::{Entry, Line, Tightening, tighten};
 use crate::program::Program;
+use crate::solver::Deadline;
 use crate::tolerance;
 
 /// Proof of infeasibility by propagation: the row or column at which it surfaced.
@@ -36,6 +37,7 @@ pub struct Propagator {
     uses: Vec<Vec<Use>>,
     found: Vec<Tightening>,
     implications: Implications,
+    deadline: Deadline,
 }
 
 /// A row that a column is in, and which changes of the column's bounds can matter to the row.
@@ -57,6 +59,7 @@ impl Propagator {
             uses: vec![Vec::new(); program.column_count()],
             found: Vec::new(),
             implications: Implications::default(),
+            deadline: Deadline::default(),
         };
         for row in 0..program.row_count() {
             let limits = [program.row_lower[row], program.row_upper[row]];
@@ -91,6 +94,12 @@ impl Propagator {
     /// Makes every later propagation follow a table of implications as well.
     pub fn set_implications(&mut self, implications: Implications) {
         self.implications = implications;
+    }
+
+    /// Makes every later propagation end at a deadline. What is concluded until then holds; what
+    /// is not may be missing.
+    pub fn set_deadline(&mut self, deadline: &Deadline) {
+        self.deadline = deadline.clone();
     }
 
     /// Makes every later propagation look only for points whose (minimised) objective is at most
@@ -239,12 +248,12 @@ impl Propagator {
         let mut budget = 50 * (program.row_count() + 100);
         while let Some(row) = self.queue.pop_front() {
             self.queued[row] = false;
-            if budget == 0 {
+            let Line { range: [start, end], limits } = self.rows[row];
+            if budget == 0 || self.deadline.spend(1 + end - start) {
                 self.clear();
                 break;
             }
             budget -= 1;
-            let Line { range: [start, end], limits } = self.rows[row];
             let entries = &self.entries[start..end];
             if !tighten(&program.integral, domain, entries, limits, found) {
                 return Err(Conflict::Row(row));

@@ -28,6 +28,8 @@ use crate::tolerance;
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
 /// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns* |
+/// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
+/// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,10 +83,13 @@ pub struct Options {
     /// Whether interchangeable columns are asked for falling values; default off. It is left out where
     /// a pool or leaves are kept, or points come from a seed or from guidance.
     pub symmetry: bool,
-    /// Whether the program is presolved before the search; default on. It is left out where a pool
-    /// or leaves are kept, or points or splits come from a seed or from guidance: these speak of the
-    /// columns as they are.
+    /// Whether the program is presolved before the search; default on. It is left out where a pool or
+    /// leaves are kept, the leaves of a seed are given, or splits come from guidance: these speak of
+    /// the columns as they are. Guesses, proposed points and priorities go through it.
     pub presolve: bool,
+    /// Whether parts of the program without a common row are searched one after the other; default
+    /// on. Left out where presolve is, and where there is a seed or guidance.
+    pub blocks: bool,
     /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
     /// where presolve is.
     pub cuts: bool,
@@ -122,6 +127,7 @@ impl Default for Options {
             branching: BranchingRule::Automatic,
             symmetry: false,
             presolve: true,
+            blocks: true,
             cuts: true,
         }
     }
@@ -248,6 +254,13 @@ impl Options {
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
         self.presolve = presolve;
+        self
+    }
+
+    /// Sets whether parts without a common row are searched one after the other.
+    #[must_use]
+    pub fn with_blocks(mut self, blocks: bool) -> Self {
+        self.blocks = blocks;
         self
     }
 
