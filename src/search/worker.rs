@@ -73,7 +73,7 @@ impl<'a> Worker<'a> {
             cutoff: f64::INFINITY,
             since_rounding: u64::MAX,
             on_trial: false,
-            probing: Probing::new(),
+            probing: Probing::new(task.program.column_count()),
             root_done: false,
             deadline: root.deadline.clone(),
         }
