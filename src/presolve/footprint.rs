@@ -13,8 +13,8 @@ pub(super) type Blocks = u128;
 /// The clock of changes and the blocks that propagation visits.
 #[derive(Debug, Clone)]
 pub(super) struct Footprint {
-    /// Rows of a block.
-    size: usize,
+    /// The logarithm of the number of rows of a block.
+    shift: u32,
     visited: Blocks,
     /// By block, when it last changed.
     changed: Vec<u32>,
@@ -26,13 +26,13 @@ pub(super) struct Footprint {
 impl Footprint {
     /// For so many rows.
     pub(super) fn new(rows: usize) -> Self {
-        let size = rows.div_ceil(BLOCKS).max(1);
-        Footprint { size, visited: 0, changed: vec![0; BLOCKS], now: 1, on_trial: false }
+        let shift = rows.div_ceil(BLOCKS).next_power_of_two().trailing_zeros();
+        Footprint { shift, visited: 0, changed: vec![0; BLOCKS], now: 1, on_trial: false }
     }
 
     #[inline]
     fn block(&self, row: usize) -> usize {
-        (row / self.size).min(BLOCKS - 1)
+        (row >> self.shift).min(BLOCKS - 1)
     }
 
     /// Propagation looks at a row.

@@ -94,7 +94,23 @@ pub(super) fn tighten(
     if most <= limits[1] && least >= limits[0] {
         return RowState::Implied;
     }
-    tighten_binding(integral, domain, entries, limits, least_gain, found)
+    let activities = if widest < f64::INFINITY {
+        [least, most].map(|finite| Activity { finite, infinite: 0 })
+    } else {
+        count_infinite(domain, entries)
+    };
+    tighten_binding(integral, domain, entries, limits, activities, least_gain, found)
+}
+
+/// Smallest and largest activity of a row with infinite terms.
+fn count_infinite(domain: &Domain, entries: &[Entry]) -> [Activity; 2] {
+    let mut activities = [Activity::default(); 2];
+    for entry in entries {
+        let (low, high) = ends(domain, entry);
+        activities[0].add(low);
+        activities[1].add(high);
+    }
+    activities
 }
 
 /// As [`tighten`], for rows that may bind or have infinite activities.
@@ -103,14 +119,13 @@ fn tighten_binding(
     domain: &Domain,
     entries: &[Entry],
     [row_lower, row_upper]: [f64; 2],
+    [least, most]: [Activity; 2],
     least_gain: f64,
     found: &mut Vec<Tightening>,
 ) -> RowState {
-    let (mut least, mut most, mut scale) = (Activity::default(), Activity::default(), 0.0_f64);
+    let mut scale = 0.0_f64;
     for entry in entries {
         let (low, high) = ends(domain, entry);
-        least.add(low);
-        most.add(high);
         scale += size(low).max(size(high));
     }
     let scale = scale.max(size(row_lower)).max(size(row_upper)).max(1.0);
