@@ -23,7 +23,8 @@ use seeding::{leaf_of, report, seed_of};
 /// Branch and bound over continuous relaxations.
 ///
 /// A model is lowered (indicators and logic to rows), assembled, presolved, and searched; incumbents are
-/// accepted only when they pass the model's own [`Verification`], implications included.
+/// accepted only when they pass the model's own
+/// [`Verification`](crate::solution::Verification), implications included.
 ///
 /// ```
 /// use carom::prelude::*;
