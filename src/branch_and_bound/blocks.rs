@@ -200,7 +200,9 @@ impl Parts<'_> {
         if flat.is_none() {
             *bound = bound.max(found.bound);
         }
-        if let Some(values) = found.points.into_iter().next() {
+        if let Some(mut values) = found.points.into_iter().next() {
+            // Windows of events are columns of the search only.
+            values.truncate(block.program.column_count());
             let value = block.program.objective(&values);
             if best.as_ref().is_none_or(|(old, _)| value < *old) {
                 *best = Some((value, values));
@@ -368,5 +370,7 @@ fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
         let largest = terms().fold(0.0_f64, |most, term| most.max(term.abs()));
         within(terms().sum(), program.row_lower[row], program.row_upper[row], largest)
     };
-    x.iter().enumerate().all(column) && (0..program.row_count()).all(row)
+    // Behind the program's own columns there may be windows of the search.
+    x.iter().enumerate().take(program.column_count()).all(column)
+        && (0..program.row_count()).all(row)
 }
