@@ -8,6 +8,7 @@ use super::common::config;
 use super::common::enumeration::optimum;
 use super::common::generate::{Shape, case};
 use super::common::quadratic_program::Minimum;
+use super::generators::{beside as beside_models, wall};
 use super::{knapsack, parity};
 
 /// Several programs as one, without a common row; `keys` decide the order of the columns.
@@ -239,4 +240,16 @@ fn a_hard_block_leaves_the_others_their_share() {
     assert_eq!(solution.statistics().blocks, 2);
     assert!(solution.statistics().nodes <= 200);
     assert!(solution.bound().is_finite());
+}
+
+/// Without an objective, blocks are searched with windows of events, which are columns of their own.
+#[test]
+fn windows_of_blocks_are_theirs_alone() {
+    let walls = [123, 122].map(|steps| wall(steps, 0.02, 0.5, false));
+    let both = |k: usize| beside_models(&[walls[0].clone(), walls[k].clone()]);
+    let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
+    let feasible = solve(&both(0));
+    assert!(feasible.is_optimal() && feasible.verification().is_some_and(|v| v.holds()));
+    assert_eq!(feasible.statistics().blocks, 2);
+    assert!(solve(&both(1)).is_infeasible());
 }
