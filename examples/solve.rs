@@ -12,7 +12,7 @@
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
 //! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve` or `cuts`; may be said several times
+//! * `--without PART`: leave out `presolve`, `cuts` or `blocks`; may be said several times
 //! * `--symmetry`: order interchangeable columns
 //! * `--conflicts`: learn from conflicts
 //! * `--log`: progress and a summary on the standard error
@@ -195,6 +195,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             "--without" => match value()?.as_str() {
                 "presolve" => arguments.options.presolve = false,
                 "cuts" => arguments.options.cuts = false,
+                "blocks" => arguments.options.blocks = false,
                 part => return Err(format!("nothing is called `{part}`\n{USAGE}").into()),
             },
             "--conflicts" => arguments.options.conflicts = true,

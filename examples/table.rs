@@ -1,7 +1,7 @@
 //! Solves the programs of the benchmark and prints what each cost, or writes them as files.
 //!
 //! `cargo run --release --example table -- [NAME...] [--threads K] [--time-limit S] [--rounds N]
-//! [--write FOLDER]`
+//! [--write FOLDER] [--limits]`
 //!
 //! * `NAME...`: parts of names; without, all programs
 //! * `--threads K`: threads of the tree search, 1 by default
@@ -10,12 +10,17 @@
 //! * `--write FOLDER`: write each program there as an MPS file, and all answers as `answers.txt`
 //!   (name and optimum, or `infeasible`), and solve nothing; `benches/compare.py` reads them
 //!
+//! * `--limits`: instead, stop solves of large programs at 16 moments from 2 ms to 3 s, every other one
+//!   by an interrupt from another thread, and print how long after the limit the answers came
+//!
 //! Programs are solved from their MPS text, without knowledge of where they come from. Allocations
 //! are all of the process during the solve, lowering included. The exit status tells whether every
 //! answer was the listed one. `docs/benchmarks.md` says more.
 
 #[path = "../tests/instances/generators.rs"]
 mod generators;
+#[path = "../tests/instances/large.rs"]
+mod large;
 #[path = "../tests/instances/random_miqp.rs"]
 mod random_miqp;
 #[path = "../tests/instances/riccati.rs"]
@@ -26,10 +31,15 @@ mod suite;
 use std::alloc::System;
 use std::error::Error;
 use std::process::ExitCode;
+use std::sync::mpsc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use carom::model::mps;
-use carom::prelude::{BranchAndBound, Options, Solution, Solver, Termination};
+use carom::prelude::{
+    BranchAndBound, Control, Interrupt, Model, Options, Solution, Solver, Termination,
+};
+use large::large;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use suite::{Truth, suite};
 
@@ -49,7 +59,7 @@ fn main() -> ExitCode {
 
 fn run() -> Result<bool, Box<dyn Error>> {
     let mut options = Options::default().with_time_limit(Duration::from_secs(60));
-    let (mut names, mut folder, mut rounds) = (Vec::new(), None, 3_usize);
+    let (mut names, mut folder, mut rounds, mut limits) = (Vec::new(), None, 3_usize, false);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -60,12 +70,17 @@ fn run() -> Result<bool, Box<dyn Error>> {
                 options.time_limit = Some(Duration::try_from_secs_f64(value()?.parse()?)?);
             }
             "--write" => folder = Some(value()?),
+            "--limits" => limits = true,
             _ if word.starts_with("--") => return Err(format!("unexpected `{word}`").into()),
             _ => names.push(word),
         }
     }
     if let Some(folder) = folder {
         write(&names, &folder)?;
+        return Ok(true);
+    }
+    if limits {
+        overshoots(&names, options.threads)?;
         return Ok(true);
     }
     println!(
@@ -127,4 +142,68 @@ fn write(names: &[String], folder: &str) -> Result<(), Box<dyn Error>> {
         answers += &format!("{name} {answer}\n");
     }
     Ok(std::fs::write(format!("{folder}/answers.txt"), answers)?)
+}
+
+/// Prints by how much solves of large programs overshoot their limits.
+fn overshoots(names: &[String], threads: usize) -> Result<(), Box<dyn Error>> {
+    const MOMENTS: u32 = 16;
+    const LIMITS: [f64; 2] = [0.002, 3.0];
+    println!("| program | rows | columns | stopped | median / ms | largest / ms | at / ms |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for (name, model) in large(names) {
+        let mut overshoots = Vec::new();
+        for k in 0..MOMENTS {
+            let share = f64::from(k) / f64::from(MOMENTS - 1);
+            let limit = Duration::from_secs_f64(LIMITS[0] * (LIMITS[1] / LIMITS[0]).powf(share));
+            let (ended, took) = stopped(&model, limit, threads, k % 2 == 1)?;
+            if ended.is_limit() {
+                overshoots.push((took.saturating_sub(limit), limit));
+            }
+        }
+        overshoots.sort();
+        let rows = model.constraint_count() + model.indicator_count();
+        print!("| {name} | {rows} | {} | {} |", model.variable_count(), overshoots.len());
+        match (overshoots.get(overshoots.len() / 2), overshoots.last()) {
+            (Some((median, _)), Some((most, at))) => println!(
+                " {:.1} | {:.1} | {} |",
+                1e3 * median.as_secs_f64(),
+                1e3 * most.as_secs_f64(),
+                at.as_millis()
+            ),
+            _ => println!(" - | - | - |"),
+        }
+    }
+    Ok(())
+}
+
+/// Solves until a moment; why it stopped, and after how long.
+fn stopped(
+    model: &Model,
+    limit: Duration,
+    threads: usize,
+    by_interrupt: bool,
+) -> Result<(Termination, Duration), Box<dyn Error>> {
+    let time_limit = (!by_interrupt).then_some(limit);
+    let mut options = Options::default().with_threads(threads);
+    options.time_limit = time_limit;
+    let interrupt = Interrupt::new();
+    let (done, ended) = mpsc::channel();
+    let start = Instant::now();
+    let (solution, took) = thread::scope(|scope| {
+        let other = interrupt.clone();
+        if by_interrupt {
+            // Not beyond the end of a solve that is done before.
+            scope.spawn(move || match ended.recv_timeout(limit) {
+                Ok(()) => {}
+                Err(_) => other.trigger(),
+            });
+        }
+        let mut control = Control::default().with_interrupt(&interrupt);
+        let solution = BranchAndBound::new(options).solve_with(model, &mut control);
+        let took = start.elapsed();
+        // Nobody listens where the limit came first.
+        let _ = done.send(());
+        (solution, took)
+    });
+    Ok((solution?.termination(), took))
 }

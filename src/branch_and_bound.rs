@@ -1,24 +1,30 @@
-//! The default backend: the whole pipeline in one short function.
+//! The default backend: the whole pipeline, a step a function.
+//!
+//! * `pipeline` - lower, assemble, presolve, search, restore
+//! * `stage` - cutting and searching what presolve has left
+//! * `blocks` - parts without a common row, one after the other
+//! * `seeding` - seeds and leaves: from variables to columns, and back
 
+mod blocks;
+mod pipeline;
 mod seeding;
+mod stage;
 
 use web_time::Instant;
 
 use crate::error::Error;
 use crate::model::Model;
-use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
-use crate::program::Program;
-use crate::reformulate;
-use crate::search::cuts::strengthen;
-use crate::search::{Found, Guide, Task, search};
-use crate::solution::{Outcome, Point, Solution, Statistics, Verification};
-use crate::solver::{Budget, Control, Options, Solver, TreeSeed};
+use crate::search::{Found, Guide};
+use crate::solution::{Outcome, Solution};
+use crate::solver::{Control, Deadline, Options, Solver, TreeSeed};
+use pipeline::Pipeline;
 use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
 ///
 /// A model is lowered (indicators and logic to rows), assembled, presolved, and searched; incumbents are
-/// accepted only when they pass the model's own [`Verification`], implications included.
+/// accepted only when they pass the model's own
+/// [`Verification`](crate::solution::Verification), implications included.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -66,73 +72,16 @@ impl Solver for BranchAndBound {
         let _span = tracing::info_span!("solve", model = model.name()).entered();
         let (start, options) = (Instant::now(), &self.options);
         options.check()?;
-        let budget = Budget::new(options.time_limit, control.interrupt());
-        let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
-        let program = Program::assemble(lowered.model())?;
+        let deadline = Deadline::new(start, options.time_limit, control.interrupt());
         let guide = Guide::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
-        let integral: Vec<bool> = model.variables().map(|v| v.kind().is_integral()).collect();
-        // Seeds, guidance, pools and leaves speak of the columns as they are.
-        let as_is = given.is_some() || !guide.is_idle() || options.pool > 1 || options.keep_leaves;
-        let rules: &[Rule] = if options.presolve && !as_is { &Rule::ALL } else { &[] };
-        let go_on = || budget.exhausted().is_none();
-        let mut at_root = Statistics::default();
-        let found = match presolve(&program, rules, &go_on)? {
-            Presolve::Infeasible => Found::infeasible(),
-            Presolve::Presolved(presolved) => {
-                let Presolved { program, postsolve } = &*presolved;
-                let restore = |values: &[f64]| lowered.restore(&postsolve.point(values));
-                let accept = |values: &[f64]| {
-                    Point::new(model, restore(values)).is_ok_and(|point| {
-                        Verification::of(model, &point, options.feasibility).holds()
-                    })
-                };
-                let key = |values: &[f64]| {
-                    let values = restore(values);
-                    let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
-                    integers.map(|(value, _)| value.round() as i64).collect()
-                };
-                let describe = |values: &[f64]| Point::new(model, restore(values)).ok();
-                let time_left =
-                    || options.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
-                let cut = if options.cuts && !as_is {
-                    strengthen(program, &time_left, control.interrupt(), &mut at_root)
-                } else {
-                    None
-                };
-                let task = Task {
-                    guide: &guide,
-                    windows: None,
-                    program: cut.as_ref().unwrap_or(program),
-                    accept: &accept,
-                    key: &key,
-                    describe: &describe,
-                    options,
-                    start,
-                };
-                let found = search(task, control, given.as_ref().map(|(seed, _)| seed));
-                let points = found.points.iter().map(|values| postsolve.point(values)).collect();
-                Found { points, ..found }
-            }
-        };
-        let report = given.as_ref().map(|(_, ignored)| report(model, &found, *ignored));
-        let mut statistics = found.statistics;
-        statistics.relaxations += at_root.relaxations;
-        statistics.iterations += at_root.iterations;
-        statistics.time = start.elapsed();
-        let outcome = Outcome {
-            termination: found.termination,
-            values: found.points.first().map(|values| lowered.restore(values)),
-            bound: program.sign * found.bound,
-            statistics,
-        };
-        let solution = Solution::new(model, outcome, options.feasibility)?;
-        let others = found.points.iter().skip(1).map(|values| lowered.restore(values));
-        let leaves = found.leaves.iter().map(|leaf| leaf_of(model, leaf, program.sign)).collect();
-        let solution = solution
-            .with_pool(model, others, found.pool_complete, options.feasibility)?
-            .with_leaves(leaves)
-            .with_seed_report(report);
+        let seed = given.as_ref().map(|(seed, _)| seed);
+        let pipeline = Pipeline { model, options, start, deadline: &deadline, guide: &guide, seed };
+        let mut found = pipeline.run(control)?;
+        found.statistics.time = start.elapsed();
+        let seed_report =
+            given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
+        let solution = solution(model, options, found)?.with_seed_report(seed_report);
         #[cfg(feature = "tracing")]
         tracing::info!(
             termination = %solution.termination(),
@@ -143,4 +92,20 @@ impl Solver for BranchAndBound {
         );
         Ok(solution)
     }
+}
+
+/// The verified answer from what was found, in values of the model's variables.
+fn solution(model: &Model, options: &Options, found: Found) -> Result<Solution, Error> {
+    let (sign, feasibility) = (model.sense().sign(), options.feasibility);
+    let mut points = found.points.into_iter();
+    let outcome = Outcome {
+        termination: found.termination,
+        values: points.next(),
+        bound: sign * found.bound,
+        statistics: found.statistics,
+    };
+    let leaves = found.leaves.iter().map(|leaf| leaf_of(model, leaf, sign)).collect();
+    let solution = Solution::new(model, outcome, feasibility)?;
+    let solution = solution.with_pool(model, points, found.pool_complete, feasibility)?;
+    Ok(solution.with_leaves(leaves))
 }

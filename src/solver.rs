@@ -21,6 +21,7 @@
 mod budget;
 mod certificate;
 mod control;
+mod deadline;
 mod guidance;
 mod log;
 mod options;
@@ -30,6 +31,7 @@ mod seed;
 
 pub use certificate::{Certificate, certify};
 pub use control::{Control, Interrupt, OnIncumbent};
+pub use deadline::Deadline;
 pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
 pub use log::Log;
 pub use options::{Options, PoolMode};

@@ -77,12 +77,17 @@ proptest! {
         priorities in prop::collection::vec(-2i32..3, 8),
         seed in any::<u16>(),
         threads in 1usize..3,
+        splits in any::<bool>(),
     ) {
         let (model, variables) = case.build();
         let whim = Whim { variables: &variables, seed: usize::from(seed) };
         let split = |node: &NodeView<'_>| whim.split(node);
         let propose = |node: &NodeView<'_>| whim.propose(node);
-        let mut guidance = Guidance::default().with_branching(&split).with_proposal(&propose);
+        let mut guidance = Guidance::default().with_proposal(&propose);
+        if splits {
+            // Without, what presolve leaves is searched.
+            guidance = guidance.with_branching(&split);
+        }
         for (&variable, &priority) in variables.iter().zip(&priorities) {
             guidance = guidance.with_priority(variable, priority);
         }

@@ -28,8 +28,15 @@ use suite::{Truth, suite};
 fn programs() -> &'static [(&'static str, Model, Truth)] {
     static PROGRAMS: OnceLock<Vec<(&'static str, Model, Truth)>> = OnceLock::new();
     PROGRAMS.get_or_init(|| {
-        let names =
-            ["wall_dt02_", "pendulum_20", "cartpole_10", "cartpole_20", "boxes_20", "puck_15"];
+        let names = [
+            "wall_dt02_",
+            "wall_dt005_e5",
+            "pendulum_20",
+            "cartpole_10",
+            "cartpole_20",
+            "boxes_20",
+            "puck_15",
+        ];
         let mut programs = suite(&names.map(str::to_owned));
         programs.push(("parity", parity(), Truth::Optimum(1.0)));
         programs

@@ -30,18 +30,21 @@ pub(super) fn seed_of(model: &Model, given: &TreeSeed) -> (Seed, usize) {
     (Seed { guess, leaves }, ignored)
 }
 
-/// What became of a seed, in words and variables of the model.
-pub(super) fn report(model: &Model, found: &Found, ignored: usize) -> SeedReport {
+/// What became of a seed, in words and variables of the model; columns and points are the model's.
+pub(super) fn report(model: &Model, found: &Found, seed: &Seed, ignored: usize) -> SeedReport {
     let variables: Vec<Variable> = model.variables().map(|variable| variable.id()).collect();
     let name = |column: usize| match model.variables().nth(column) {
         Some(variable) => variable.name().to_string(),
         None => format!("column {column}"),
     };
+    let changed = |point: &[f64]| -> Vec<Variable> {
+        let differs = |&&(j, value): &&(usize, f64)| point.get(j) != Some(&value.round());
+        let columns = seed.guess.iter().filter(differs);
+        columns.filter_map(|&(j, _)| variables.get(j).copied()).collect()
+    };
     let guess = found.guess.as_ref().map(|end| match end {
-        GuessEnd::Point(changed) if changed.is_empty() => GuessStatus::Accepted,
-        GuessEnd::Point(changed) => GuessStatus::Repaired {
-            changed: changed.iter().filter_map(|&j| variables.get(j).copied()).collect(),
-        },
+        GuessEnd::Point(point) if changed(point).is_empty() => GuessStatus::Accepted,
+        GuessEnd::Point(point) => GuessStatus::Repaired { changed: changed(point) },
         GuessEnd::Contradiction(column) => GuessStatus::Rejected {
             reason: format!(
                 "the value of `{}` contradicts the model or values before it, and no point was \

@@ -97,14 +97,17 @@ impl Implications {
             }
             propagator.propagate_since(program, domain, mark)?;
         }
-        Ok(Self::contraposed(&noted))
+        Ok(Self::contraposed(&noted, go_on))
     }
 
     /// The contrapositions that probing did not find by itself.
-    fn contraposed(noted: &[Option<Vec<usize>>]) -> Implications {
+    fn contraposed(noted: &[Option<Vec<usize>>], go_on: &dyn Fn() -> bool) -> Implications {
         let mut table =
             Implications { by_literal: vec![Vec::new(); noted.len()], ..Implications::default() };
         for (literal, implied) in noted.iter().enumerate() {
+            if implied.is_some() && !go_on() {
+                break;
+            }
             for &other in implied.iter().flatten() {
                 // `literal` implies `other`, so "not other" implies "not literal".
                 let (from, to) = (other ^ 1, literal ^ 1);

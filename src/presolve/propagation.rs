@@ -13,6 +13,7 @@ use super::implications::Implications;
 use super::learning::Learner;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use crate::program::Program;
+use crate::solver::Deadline;
 use crate::tolerance;
 
 /// Proof of infeasibility by propagation: the row or column at which it surfaced.
@@ -40,6 +41,7 @@ pub struct Propagator {
     uses: Uses,
     found: Vec<Tightening>,
     pub(super) implications: Implications,
+    deadline: Deadline,
     pub(super) footprint: Footprint,
     /// What a bound of a continuous column must gain, of its width, to be followed.
     pub(super) least_gain: f64,
@@ -119,6 +121,7 @@ impl Propagator {
             cutoff: f64::INFINITY,
             clash: None,
             learner: None,
+            deadline: Deadline::default(),
             footprint: Footprint::new(program.row_count()),
             least_gain: tolerance::PROPAGATION_GAIN,
         };
@@ -151,6 +154,12 @@ impl Propagator {
     /// Makes every later propagation follow a table of implications as well.
     pub fn set_implications(&mut self, implications: Implications) {
         self.implications = implications;
+    }
+
+    /// Makes every later propagation end at a deadline. What is concluded until then holds; what
+    /// is not may be missing.
+    pub fn set_deadline(&mut self, deadline: &Deadline) {
+        self.deadline = deadline.clone();
     }
 
     /// Makes every later propagation look only for points whose (minimised) objective is at most
@@ -361,13 +370,13 @@ impl Propagator {
             }
             let Some(row) = self.queue.pop_front() else { break };
             self.status[row] = Status::Idle;
-            if budget == 0 {
+            let Line { range: [start, end], limits } = self.rows[row];
+            if budget == 0 || self.deadline.spend(1 + end - start) {
                 self.clear();
                 break;
             }
             budget -= 1;
             self.footprint.visit(row);
-            let Line { range: [start, end], limits } = self.rows[row];
             let entries = &self.entries[start..end];
             match tighten(&program.integral, domain, entries, limits, self.least_gain, found) {
                 RowState::Violated => {

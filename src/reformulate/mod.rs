@@ -43,7 +43,7 @@ pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 use crate::error::Error;
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{Outcome, Solution};
-use crate::solver::Solver;
+use crate::solver::{Deadline, Solver};
 use direction::Tie;
 use linear_program::Maximizer;
 use lowering::Lowering;
@@ -112,14 +112,37 @@ impl Lowered {
     /// that it stands for: auxiliary variables are dropped, and the variables of functions that
     /// were relaxed to one side are moved onto them, which harms nothing.
     pub fn restore(&self, values: &[f64]) -> Vec<f64> {
-        let mut values: Vec<f64> = values.iter().take(self.original).copied().collect();
-        if values.len() == self.original {
-            for (variable, function, tie) in &self.relaxed {
-                direction::restore(*variable, function, *tie, &mut values);
-            }
-        }
-        values
+        restore(self.original, &self.relaxed, values)
     }
+
+    /// Only the way back: all the rest is as large as the model, and a solve has no use for it.
+    pub(crate) fn into_way_back(self) -> WayBack {
+        WayBack { original: self.original, relaxed: self.relaxed }
+    }
+}
+
+/// What [`Lowered::restore`] needs.
+#[derive(Debug)]
+pub(crate) struct WayBack {
+    original: usize,
+    relaxed: Vec<(Variable, Function, Tie)>,
+}
+
+impl WayBack {
+    /// As [`Lowered::restore`].
+    pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
+        restore(self.original, &self.relaxed, values)
+    }
+}
+
+fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64]) -> Vec<f64> {
+    let mut values: Vec<f64> = values.iter().take(original).copied().collect();
+    if values.len() == original {
+        for (variable, function, tie) in relaxed {
+            direction::restore(*variable, function, *tie, &mut values);
+        }
+    }
+    values
 }
 
 /// Replaces every indicator by big-M rows, with each M from the *current* bounds (of parameters:
@@ -148,50 +171,93 @@ pub fn lower_until(model: &Model, stop: &dyn Fn() -> bool) -> Result<Lowered, Er
     lower_by(model, None, stop)
 }
 
+/// As [`lower`], but nothing where a deadline comes first.
+///
+/// # Errors
+///
+/// As for [`lower`], from the statements before the one at which it stopped.
+pub fn lower_before(model: &Model, deadline: &Deadline) -> Result<Option<Lowered>, Error> {
+    lower_or_stop(model, None, &|| deadline.is_over(), deadline)
+}
+
 /// As [`lower_until`], with one method for all disjunctions.
 fn lower_by(
     model: &Model,
     method: Option<Method>,
     stop: &dyn Fn() -> bool,
 ) -> Result<Lowered, Error> {
+    let lowered = lower_or_stop(model, method, stop, &Deadline::default())?;
+    lowered.ok_or_else(|| Error::Backend { message: "lowering was stopped".into() })
+}
+
+/// From the moment on at which `stop` says so, without linear programs; nothing where the deadline
+/// comes first.
+fn lower_or_stop(
+    model: &Model,
+    method: Option<Method>,
+    stop: &dyn Fn() -> bool,
+    deadline: &Deadline,
+) -> Result<Option<Lowered>, Error> {
     let open = model.parameters().next().is_some().then(|| model.with_open_parameters());
     let open = open.as_ref().unwrap_or(model);
-    let mut lowered = lower_with(open, method, None, stop)?;
+    let Some(mut lowered) = lower_with(open, method, None, stop, deadline)? else {
+        return Ok(None);
+    };
     if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() && !stop() {
         let maximizer = Maximizer::of(&lowered.model, stop)?;
-        lowered = lower_with(open, method, Some(maximizer), stop)?;
+        match lower_with(open, method, Some(maximizer), stop, deadline)? {
+            Some(tighter) => lowered = tighter,
+            None => return Ok(None),
+        }
     }
     lowered.model.take_parameters(model);
     lowered.revision = model.revision();
-    Ok(lowered)
+    Ok(Some(lowered))
 }
+
+/// What lowering a statement costs, in visited entries.
+const STATEMENT: usize = 500;
 
 fn lower_with<'a>(
     model: &Model,
     method: Option<Method>,
     maximizer: Option<Maximizer<'a>>,
     stop: &'a dyn Fn() -> bool,
-) -> Result<Lowered, Error> {
+    deadline: &Deadline,
+) -> Result<Option<Lowered>, Error> {
+    let mut deadline = deadline.clone();
     let mut lowering = Lowering::new(model, maximizer, stop);
     let mut relaxed = Vec::new();
     // First, for they bound their variables; and in this order, for younger ones build on older.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
+        if deadline.spend(STATEMENT) {
+            return Ok(None);
+        }
         functions::apply(&function, tie, &mut lowering)?;
         if tie != Tie::Exact {
             relaxed.push((function.result(), function.function().clone(), tie));
         }
     }
     for indicator in model.indicators() {
+        if deadline.spend(STATEMENT) {
+            return Ok(None);
+        }
         big_m::apply(&indicator, &mut lowering)?;
     }
     for disjunction in model.disjunctions() {
+        if deadline.spend(STATEMENT) {
+            return Ok(None);
+        }
         let own = disjunction.method().unwrap_or(model.reformulation().method());
         disjunction::apply(&disjunction, method.unwrap_or(own), &mut lowering)?;
     }
     for statement in model.logical_constraints() {
+        if deadline.spend(STATEMENT) {
+            return Ok(None);
+        }
         logic::apply(&statement, &mut lowering)?;
     }
     let Lowering { model: lowered, report, original, .. } = lowering;
     let (written, revision) = (model.constraint_count(), model.revision());
-    Ok(Lowered { model: lowered, report, original, written, relaxed, revision })
+    Ok(Some(Lowered { model: lowered, report, original, written, relaxed, revision }))
 }

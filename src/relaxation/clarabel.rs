@@ -9,6 +9,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
+use web_time::Instant;
+
 use super::{Answer, Claim, Effort, Relaxation};
 use crate::presolve::Reduced;
 
@@ -35,6 +37,7 @@ enum Source {
 
 impl Relaxation for ClarabelRelaxation {
     fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer {
+        let began = Instant::now();
         let conic = Conic::of(program);
         let n = program.columns.len();
         let unknown = || Answer {
@@ -43,7 +46,14 @@ impl Relaxation for ClarabelRelaxation {
             y: vec![0.0; program.rows.len()],
             iterations: 0,
         };
+        // The library's own limit knows nothing of the time before its first iteration.
+        let (limit, interrupt) = (effort.time, effort.interrupt.clone());
+        let late =
+            move || interrupt.is_triggered() || limit.is_some_and(|limit| began.elapsed() >= limit);
         let run = || {
+            if late() {
+                return None;
+            }
             let quadratic = &program.quadratic;
             let p = CscMatrix::new(
                 n,
@@ -61,12 +71,12 @@ impl Relaxation for ClarabelRelaxation {
                 settings(effort),
             )
             .ok()?;
-            let interrupt = effort.interrupt.clone();
             // The promise is checked by whoever asked; a margin makes it likely to hold.
             let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0) - program.offset;
+            let stop = late.clone();
             solver.set_termination_callback(move |info| {
                 let promised = info.cost_dual > enough && info.res_dual < PROMISE;
-                promised || interrupt.is_triggered()
+                promised || stop()
             });
             solver.solve();
             Some(solver.solution)
@@ -77,9 +87,7 @@ impl Relaxation for ClarabelRelaxation {
                     SolverStatus::Solved => Claim::Solved,
                     SolverStatus::PrimalInfeasible => Claim::Infeasible,
                     SolverStatus::DualInfeasible => Claim::Unbounded,
-                    SolverStatus::CallbackTerminated if !effort.interrupt.is_triggered() => {
-                        Claim::Beyond
-                    }
+                    SolverStatus::CallbackTerminated if !late() => Claim::Beyond,
                     _ => Claim::Unknown,
                 },
                 y: conic.row_multipliers(&solution.z, program.rows.len()),

@@ -6,11 +6,11 @@ use super::trace::span;
 use super::worker::Worker;
 use crate::solution::Heuristic;
 
-/// What became of a guess, in columns.
+/// What became of a guess, in columns and values of the program.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GuessEnd {
-    /// A verified point with all guessed values but those of these columns.
-    Point(Vec<usize>),
+    /// A verified point, with all guessed values or most of them.
+    Point(Vec<f64>),
     /// Already propagation contradicts the value of this column, and no repair was found.
     Contradiction(usize),
     /// No point with these values was found.
@@ -51,10 +51,7 @@ impl Worker<'_> {
         }
         self.tree.end(before);
         self.tree.report_guess(match (found, contradiction) {
-            (Some(point), _) => {
-                let differs = |&&(j, value): &&(usize, f64)| point[j] != value.round();
-                GuessEnd::Point(seed.guess.iter().filter(differs).map(|&(j, _)| j).collect())
-            }
+            (Some(point), _) => GuessEnd::Point(point),
             _ if self.tree.limit_reached().is_some() => GuessEnd::Stopped,
             (None, Some(column)) => GuessEnd::Contradiction(column),
             (None, None) => GuessEnd::Nothing,

@@ -1,20 +1,33 @@
 //! Priorities, splits and points that the user knows: asked for, checked, and taken where they fit.
 
+use std::borrow::Cow;
+
 use super::branching::Split;
 use super::worker::Worker;
 use crate::error::Error;
 use crate::model::Model;
+use crate::presolve::root::Postsolve;
 use crate::program::Program;
 use crate::solution::Heuristic;
 use crate::solver::{Guidance, NodeView, SplitAt};
 
-/// A [`Guidance`] for the columns of a program whose first columns are the model's variables.
+/// A [`Guidance`] for the columns of a program whose first columns are the model's variables, or for
+/// what presolve has left of them.
 #[derive(Debug)]
 pub struct Guide<'a> {
     model: &'a Model,
     /// By variable; empty where there are none.
     priorities: Vec<i32>,
     guidance: Guidance<'a>,
+    origin: Option<Origin<'a>>,
+}
+
+/// Where the columns of a presolved program come from.
+#[derive(Debug)]
+struct Origin<'a> {
+    postsolve: &'a Postsolve,
+    /// Bounds of the original's columns.
+    bounds: Vec<[f64; 2]>,
 }
 
 impl<'a> Guide<'a> {
@@ -25,12 +38,62 @@ impl<'a> Guide<'a> {
     /// [`Error::ForeignHandle`] for the priority of a variable of another model.
     pub fn new(model: &'a Model, guidance: &Guidance<'a>) -> Result<Self, Error> {
         let priorities = guidance.priorities(model)?;
-        Ok(Guide { model, priorities, guidance: guidance.clone() })
+        Ok(Guide { model, priorities, guidance: guidance.clone(), origin: None })
+    }
+
+    /// The same for what presolve has left of a program.
+    pub fn presolved<'b>(&self, postsolve: &'b Postsolve, original: &Program) -> Guide<'b>
+    where
+        'a: 'b,
+    {
+        let bounds = if self.steers() {
+            original.lower.iter().zip(&original.upper).map(|(&l, &u)| [l, u]).collect()
+        } else {
+            Vec::new()
+        };
+        Guide {
+            model: self.model,
+            priorities: self.priorities.clone(),
+            guidance: self.guidance.clone(),
+            origin: Some(Origin { postsolve, bounds }),
+        }
+    }
+
+    /// Whether the user splits nodes.
+    pub fn splits(&self) -> bool {
+        self.guidance.branching().is_some()
+    }
+
+    /// Whether the user proposes points.
+    pub fn proposes(&self) -> bool {
+        !self.guidance.proposals().is_empty()
+    }
+
+    /// Bounds and values of the model's variables, and of what else there is.
+    fn in_model<'x>(&self, bounds: Vec<[f64; 2]>, x: &'x [f64]) -> (Vec<[f64; 2]>, Cow<'x, [f64]>) {
+        let Some(Origin { postsolve, bounds: original }) = &self.origin else {
+            return (bounds, Cow::Borrowed(x));
+        };
+        let mut all = original.clone();
+        for (&j, own) in postsolve.columns().iter().zip(bounds) {
+            if let Some(entry) = all.get_mut(j) {
+                *entry = own;
+            }
+        }
+        (all, Cow::Owned(postsolve.point(x)))
+    }
+
+    /// Values of the model's variables as values of the program's columns.
+    fn carried(&self, values: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+        match &self.origin {
+            Some(origin) => origin.postsolve.carry(&values),
+            None => values,
+        }
     }
 
     /// Whether the user splits nodes or proposes points.
     pub(super) fn steers(&self) -> bool {
-        self.guidance.branching().is_some() || !self.guidance.proposals().is_empty()
+        self.splits() || self.proposes()
     }
 
     /// Whether the user says nothing.
@@ -45,7 +108,11 @@ impl<'a> Guide<'a> {
 
     /// The priority of a column; auxiliary ones have that of variables without.
     pub(super) fn priority(&self, column: usize) -> i32 {
-        self.priorities.get(column).copied().unwrap_or(0)
+        let variable = match &self.origin {
+            Some(origin) => origin.postsolve.columns().get(column).copied(),
+            None => Some(column),
+        };
+        variable.and_then(|j| self.priorities.get(j)).copied().unwrap_or(0)
     }
 }
 
@@ -79,8 +146,9 @@ impl Worker<'_> {
         let program = self.program();
         let bounds: Vec<[f64; 2]> =
             (0..program.column_count()).map(|j| self.domain.bounds(j)).collect();
-        let model = self.task.guide.model;
-        let node = NodeView::new(model, &bounds, x, self.path.len(), program.sign * bound);
+        let guide = self.task.guide;
+        let (bounds, x) = guide.in_model(bounds, x);
+        let node = NodeView::new(guide.model, &bounds, &x, self.path.len(), program.sign * bound);
         to(&node, &bounds)
     }
 
@@ -110,7 +178,7 @@ impl Worker<'_> {
                 known.collect::<Vec<_>>()
             });
             let mark = self.domain.mark();
-            for (j, value) in proposed {
+            for (j, value) in self.task.guide.carried(proposed) {
                 if self.program().integral[j] && value.is_finite() {
                     self.fix_guessed(j, value);
                 }

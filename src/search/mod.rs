@@ -64,7 +64,7 @@ use web_time::Instant;
 
 use crate::program::Program;
 use crate::solution::{Point, Statistics, Termination};
-use crate::solver::{BranchingRule, Control, Options};
+use crate::solver::{BranchingRule, Control, Deadline, Options};
 pub use guess::GuessEnd;
 pub use guide::Guide;
 use node::Path;
@@ -144,6 +144,21 @@ impl Closed {
 }
 
 impl Found {
+    /// The answer where a deadline came before the search.
+    pub fn stopped(deadline: &Deadline) -> Self {
+        let interrupted = deadline.interrupt().is_triggered();
+        Found {
+            termination: if interrupted {
+                Termination::Interrupted
+            } else {
+                Termination::TimeLimit
+            },
+            pool_complete: false,
+            bound: f64::NEG_INFINITY,
+            ..Found::infeasible()
+        }
+    }
+
     /// The answer where infeasibility was proved without a search.
     pub fn infeasible() -> Self {
         Found {
@@ -171,12 +186,13 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     let rounds = task.options.deterministic;
     let workers = if rounds { rounds::WORKERS } else { task.options.threads };
     let interrupt = control.interrupt().linked();
-    let limit = task.options.time_limit;
-    let in_time = || limit.is_none_or(|limit| task.start.elapsed() < limit);
-    let go_on = || !interrupt.is_triggered() && in_time();
+    let deadline = Deadline::new(task.start, task.options.time_limit, &interrupt);
     let ordered = ordered(task, seed);
     let task = Task { program: ordered.as_ref().unwrap_or(task.program), ..task };
-    let mut root = Root::new(task.program, &go_on);
+    let mut root = Root::new(task.program, &deadline);
+    if root.conflict.is_none() && deadline.is_over() {
+        return Found::stopped(&deadline);
+    }
     let windows = windows(task, &root);
     let task = Task {
         program: windows.as_ref().map_or(task.program, Windows::program),

@@ -4,6 +4,7 @@ use super::disjunction::covers;
 use super::purify::groups;
 use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
 use crate::program::Program;
+use crate::solver::Deadline;
 
 /// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
 /// a relaxation.
@@ -17,13 +18,16 @@ pub(super) struct Root {
     /// With what is known about implications.
     pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
+    pub(super) deadline: Deadline,
 }
 
 impl Root {
-    /// `go_on` is asked before every trial of probing.
-    pub(super) fn new(program: &Program, go_on: &dyn Fn() -> bool) -> Self {
+    /// What propagation and probing find until the deadline, which propagation keeps.
+    pub(super) fn new(program: &Program, deadline: &Deadline) -> Self {
+        let go_on = &|| !deadline.is_over();
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);
+        propagator.set_deadline(deadline);
         let order = late_first(program);
         let conflict = propagator
             .propagate_all(program, &mut domain)
@@ -35,7 +39,8 @@ impl Root {
             .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covers(program), groups(program));
-        Root { covers, groups, domain, propagator, conflict }
+        let deadline = deadline.clone();
+        Root { covers, groups, domain, propagator, conflict, deadline }
     }
 
     /// Carries the root over to a program with further columns.
@@ -51,6 +56,7 @@ impl Root {
             domain.apply(j, true, upper);
         }
         let mut propagator = Propagator::new(program);
+        propagator.set_deadline(&self.deadline);
         propagator.set_implications(self.propagator.implications().clone());
         self.conflict = propagator.propagate_all(program, &mut domain).err();
         (self.domain, self.propagator) = (domain, propagator);

@@ -13,7 +13,7 @@ impl Worker<'_> {
         let mut order: Vec<usize> = self.own_integers().to_vec();
         let distance = |j: usize| (point[j] - point[j].round()).abs();
         order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
-        let complete = order.into_iter().all(|j| self.fix_rounded(j, point[j]));
+        let complete = order.into_iter().all(|j| self.fix_rounded(j, point[j]) && !self.is_late());
         if complete {
             let end = self.domain.mark();
             self.solve_assignment(end);

@@ -16,6 +16,7 @@ use crate::presolve::{Conflict, Domain, Propagator};
 use crate::program::Program;
 use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
 use crate::solution::{Heuristic, Termination};
+use crate::solver::Deadline;
 
 /// One thread of the search, with its own domain and propagation.
 pub(super) struct Worker<'a> {
@@ -46,6 +47,7 @@ pub(super) struct Worker<'a> {
     pub(super) probing: Probing,
     /// Whether the root, probed before the search, has been processed.
     pub(super) root_done: bool,
+    pub(super) deadline: Deadline,
 }
 
 impl<'a> Worker<'a> {
@@ -77,6 +79,7 @@ impl<'a> Worker<'a> {
             on_trial: false,
             probing: Probing::new(task.program.column_count()),
             root_done: false,
+            deadline: root.deadline.clone(),
         }
     }
 
@@ -338,6 +341,11 @@ impl<'a> Worker<'a> {
 
     pub(super) fn is_leaf(&self) -> bool {
         self.program().integers.iter().all(|&j| self.domain.is_fixed(j))
+    }
+
+    /// Whether a limit is reached, for loops: the clock is read once in a while.
+    pub(super) fn is_late(&mut self) -> bool {
+        self.deadline.spend(100)
     }
 
     pub(super) fn program(&self) -> &'a Program {

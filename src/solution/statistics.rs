@@ -54,6 +54,9 @@ pub struct Statistics {
     ///
     /// [`Options::memory_limit`]: crate::solver::Options::memory_limit
     pub tree_bytes: u64,
+    /// Parts without a common row that were searched one after the other; 0 where the program was
+    /// searched as a whole.
+    pub blocks: u64,
     /// Threads that took part.
     pub threads: u64,
     /// What the threads spent their time on.

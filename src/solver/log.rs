@@ -101,6 +101,9 @@ impl<W: Write> Log<W> {
             statistics.max_open,
             statistics.tree_bytes,
         ));
+        if statistics.blocks > 0 {
+            self.write(format_args!("{} blocks, one after the other\n", statistics.blocks));
+        }
         self.write(format_args!(
             "ended: propagation {}, relaxation {}, bound {}, leaf {}; split {}, unfinished {}\n",
             statistics.refuted_by_propagation,

@@ -29,6 +29,8 @@ use crate::tolerance;
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
 /// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
+/// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
+/// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,10 +87,13 @@ pub struct Options {
     /// Whether the search learns from nodes and trials that propagation refutes: which bounds of
     /// integers cannot hold together; default off. Each thread learns for itself.
     pub conflicts: bool,
-    /// Whether the program is presolved before the search; default on. It is left out where a pool
-    /// or leaves are kept, or points or splits come from a seed or from guidance: these speak of the
-    /// columns as they are.
+    /// Whether the program is presolved before the search; default on. It is left out where a pool or
+    /// leaves are kept, the leaves of a seed are given, or splits come from guidance: these speak of
+    /// the columns as they are. Guesses, proposed points and priorities go through it.
     pub presolve: bool,
+    /// Whether parts of the program without a common row are searched one after the other; default
+    /// on. Left out where presolve is, and where there is a seed or guidance.
+    pub blocks: bool,
     /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
     /// where presolve is.
     pub cuts: bool,
@@ -127,6 +132,7 @@ impl Default for Options {
             symmetry: false,
             conflicts: false,
             presolve: true,
+            blocks: true,
             cuts: true,
         }
     }
@@ -260,6 +266,13 @@ impl Options {
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
         self.presolve = presolve;
+        self
+    }
+
+    /// Sets whether parts without a common row are searched one after the other.
+    #[must_use]
+    pub fn with_blocks(mut self, blocks: bool) -> Self {
+        self.blocks = blocks;
         self
     }
 

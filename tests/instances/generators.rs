@@ -369,3 +369,28 @@ pub(crate) fn puck(steps: usize, dt: f64) -> Model {
     }
     rows.finish()
 }
+
+/// Programs beside each other: variables and rows of all of them, and the sum of their objectives.
+pub(crate) fn beside(models: &[Model]) -> Model {
+    let mut rows = Rows::new("beside");
+    for (k, model) in models.iter().enumerate() {
+        let mut copies = Vec::new();
+        for variable in model.variables() {
+            let (name, bounds) = (format!("part{k}"), variable.bounds());
+            let name = (&name[..], copies.len());
+            let copy = rows.model.variable(name, variable.kind(), bounds.lower, bounds.upper);
+            copies.push(copy.unwrap());
+        }
+        for row in model.constraints() {
+            let terms = row.terms().iter().map(|&(v, a)| (copies[v.index()], a));
+            rows.row(&terms.collect::<Terms>(), row.limits().lower, row.limits().upper);
+        }
+        for (a, b, q) in model.objective().products() {
+            rows.cost.add_product(q, copies[a.index()], copies[b.index()]);
+        }
+        let linear = model.objective().affine().terms().into_iter();
+        let linear: Affine = linear.map(|(v, a)| a * copies[v.index()]).sum();
+        rows.cost += Quadratic::from(linear + model.objective().affine().offset());
+    }
+    rows.finish()
+}

@@ -2,7 +2,7 @@
 
 use carom::prelude::*;
 
-use crate::generators::{boxes, cartpole, pendulum, puck, wall};
+use crate::generators::{beside, boxes, cartpole, pendulum, puck, wall};
 use crate::random_miqp::random_miqp;
 
 /// What is true of an instance.
@@ -17,7 +17,7 @@ use Truth::{Infeasible, Optimum};
 /// All instances, or those whose name has one of the parts.
 pub(crate) fn suite(parts: &[String]) -> Vec<(&'static str, Model, Truth)> {
     type Entry = (&'static str, fn() -> Model, Truth);
-    let all: [Entry; 23] = [
+    let all: [Entry; 24] = [
         ("wall_dt02_e5_122", || wall(122, 0.02, 0.5, false), Infeasible),
         ("wall_dt02_e5_123", || wall(123, 0.02, 0.5, false), Optimum(0.0)),
         ("wall_dt0125_e5_194", || wall(194, 0.0125, 0.5, false), Infeasible),
@@ -29,6 +29,7 @@ pub(crate) fn suite(parts: &[String]) -> Vec<(&'static str, Model, Truth)> {
         ("wall_fuel_60", || wall(60, 0.05, 0.5, true), Optimum(33.605465)),
         ("pendulum_20_bigm", || pendulum(20, [0.0, 0.8], false), Optimum(210.85804)),
         ("pendulum_20_hull", || pendulum(20, [0.0, 0.8], true), Optimum(210.85804)),
+        ("two_pendulum_20", two_pendulums, Optimum(421.71608)),
         ("pendulum_40_bigm", || pendulum(40, [-0.05, 1.0], false), Optimum(28.912257)),
         ("cartpole_10", || cartpole(10, [0.0, 0.1, 0.0, -1.0]), Optimum(54.629685)),
         ("cartpole_20", || cartpole(20, [0.0, 0.2, 0.0, -2.0]), Optimum(228.39263)),
@@ -45,4 +46,9 @@ pub(crate) fn suite(parts: &[String]) -> Vec<(&'static str, Model, Truth)> {
     let wanted = |name: &str| parts.is_empty() || parts.iter().any(|part| name.contains(part));
     let chosen = all.into_iter().filter(|(name, ..)| wanted(name));
     chosen.map(|(name, model, truth)| (name, model(), truth)).collect()
+}
+
+/// The same pendulum twice, written in two ways, without a common row.
+fn two_pendulums() -> Model {
+    beside(&[pendulum(20, [0.0, 0.8], false), pendulum(20, [0.0, 0.8], true)])
 }

@@ -8,6 +8,7 @@ use carom::prelude::*;
 use carom::presolve::{Domain, Implications, Propagator};
 use carom::program::Program;
 use carom::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
+use carom::solver::Deadline;
 use proptest::prelude::*;
 
 use crate::common::config;
@@ -132,7 +133,7 @@ proptest! {
         prop_assert!(!conflict || points.is_empty());
         prop_assume!(!conflict);
         let x = case.relaxed(&program);
-        let mut cuts = mixed_integer_rounding_cuts(&program, &domain, &x);
+        let mut cuts = mixed_integer_rounding_cuts(&program, &domain, &x, &Deadline::default());
         cuts.extend(implied_bound_cuts(&program, &mut domain, &mut propagator, &x));
         prop_assert_eq!(cut_off(&cuts, &points), None);
         for cut in &cuts {
@@ -204,7 +205,8 @@ fn the_fraction_of_a_knapsack_is_rounded() {
     model.add("r", (2.0 * x).le(5.0)).unwrap();
     model.maximize(x).unwrap();
     let program = Program::assemble(&model).unwrap();
-    let cuts = mixed_integer_rounding_cuts(&program, &Domain::new(&program), &[2.5]);
+    let cuts =
+        mixed_integer_rounding_cuts(&program, &Domain::new(&program), &[2.5], &Deadline::default());
     assert_eq!(cuts.len(), 1);
     assert!((cuts[0].room(&[2.0])).abs() < 1e-6);
 }

@@ -1,5 +1,5 @@
 //! The tree search from outside: threads, deterministic rounds, limits, pools of points, seeds,
-//! events, statistics.
+//! events, statistics, blocks.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -9,6 +9,7 @@ mod generators;
 #[path = "../instances/riccati.rs"]
 mod riccati;
 
+mod blocks;
 mod conflicts;
 mod deterministic;
 mod events;

@@ -172,6 +172,52 @@ fn a_guess_without_a_point_is_rejected_in_words() {
     }
 }
 
+/// Presolve takes most of the columns out and decides some; a guess of the optimum is accepted all the
+/// same, and so is one over other integers than are left.
+#[test]
+fn guesses_go_through_presolve() {
+    let mut model = Model::new("m");
+    let v = model.binary_family("v", 12).unwrap();
+    let n = model.integer("n", 0.0, 20.0).unwrap();
+    let m = model.integer("m", 0.0, 40.0).unwrap();
+    let x = model.continuous("x", 0.0, 100.0).unwrap();
+    model.add("decided", (v[0] + v[1]).ge(2.0)).unwrap();
+    model.add("copy", (m - 2.0 * n).equals(0.0)).unwrap();
+    model.add("sum", (x - 3.0 * m - v[2]).equals(0.0)).unwrap();
+    let load: Affine = v.iter().enumerate().map(|(k, v)| (3 + k * k % 7) as f64 * v).sum();
+    model.add("load", (load + n).within(17.0, 23.0)).unwrap();
+    let cost: Affine = v.iter().enumerate().map(|(k, v)| (2 + k * k % 5) as f64 * v).sum();
+    model.minimize(cost - 0.5 * x + (n - 4.0).square()).unwrap();
+    let best = BranchAndBound::default().solve(&model).unwrap();
+    let optimum = best.objective().unwrap();
+    let all: Vec<Variable> =
+        model.variables().filter(|v| v.kind().is_integral()).map(|v| v.id()).collect();
+    let known: Vec<(Variable, f64)> = all.iter().map(|&v| (v, best.value(v).unwrap())).collect();
+    let only = |variable: Variable| known.iter().copied().filter(|k| k.0 == variable).collect();
+    for (guess, accepted) in [
+        (known.clone(), true),
+        (only(m), true),
+        (only(v[0]), true),
+        (vec![(v[0], 0.0)], false),
+        (vec![(m, 7.0)], false),
+    ] {
+        for presolve in [true, false] {
+            let seed = TreeSeed::new().with_guess(guess.clone());
+            let solution = solve(&model, &seed, Options::default().with_presolve(presolve));
+            assert!(solution.is_optimal());
+            assert!((solution.objective().unwrap() - optimum).abs() < 1e-5);
+            match solution.seed_report().unwrap().guess.clone().unwrap() {
+                GuessStatus::Accepted => assert!(accepted, "{guess:?}, {presolve}"),
+                GuessStatus::Repaired { changed } => {
+                    assert_eq!(changed, [guess[0].0]);
+                    assert!(!accepted, "{guess:?}, {presolve}");
+                }
+                other => panic!("{guess:?}, {presolve}: {other:?}"),
+            }
+        }
+    }
+}
+
 /// The same program again, from its own tree: its plan is accepted, and its ends are found again.
 #[test]
 fn the_ends_of_a_tree_are_found_again() {

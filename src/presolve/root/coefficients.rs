@@ -39,6 +39,9 @@ struct Tightened {
 pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
     let mut changes = 0;
     for row in work.live_rows() {
+        if work.is_late(work.rows[row].len()) {
+            break;
+        }
         if work.rows[row].len() < 2 {
             continue;
         }

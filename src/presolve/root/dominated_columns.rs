@@ -27,6 +27,9 @@ pub(super) fn apply(work: &mut Work) -> usize {
     // Each column fixed by signs alone is decided by the rows as they are; fixing one only takes
     // entries away.
     for column in work.live_columns() {
+        if work.is_late(work.uses[column].len()) {
+            return changes;
+        }
         let found = decided(work, column, &signs(work), 0.0);
         if let Some(value) = found {
             fix(work, column, value);

@@ -11,6 +11,9 @@ use super::work::{Work, is_whole};
 pub(super) fn apply(work: &mut Work) -> usize {
     let mut changes = 0;
     for row in work.live_rows() {
+        if work.is_late(work.rows[row].len()) {
+            break;
+        }
         if !work.is_equality(row) {
             continue;
         }

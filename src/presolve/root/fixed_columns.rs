@@ -12,10 +12,15 @@ struct FixedColumn {
 pub(super) fn apply(work: &mut Work) -> usize {
     let fixed: Vec<usize> =
         work.live_columns().into_iter().filter(|&j| work.lower[j] == work.upper[j]).collect();
+    let mut changes = 0;
     for &column in &fixed {
+        if work.is_late(work.uses[column].len()) {
+            break;
+        }
         fix(work, column, work.lower[column]);
+        changes += 1;
     }
-    fixed.len()
+    changes
 }
 
 /// Puts a column at a value.

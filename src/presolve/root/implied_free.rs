@@ -16,6 +16,9 @@ const FILL: isize = 0;
 pub(super) fn apply(work: &mut Work) -> usize {
     let mut changes = 0;
     for row in work.live_rows() {
+        if work.is_late(work.rows[row].len()) {
+            break;
+        }
         if !work.is_equality(row) || !(2..=LONGEST).contains(&work.rows[row].len()) {
             continue;
         }

@@ -2,6 +2,7 @@
 //!
 //! * `work` - the program while it is being reduced
 //! * `postsolve` - the stack of undos: values, multipliers and reduced costs of the original
+//! * `patterns` - which rows or columns have their entries at the same positions
 //! * `substitute` - a column expressed by an equality; shared by the rules that do so
 //!
 //! One rule a file; the loop applies them in turn until none finds anything:
@@ -16,7 +17,10 @@
 //! * `dominated_columns` - columns whose reduced cost has a known sign
 //! * `parallel_columns` - columns that are multiples of another one
 //! * `coefficients` - rows of integers, divided and rounded; big-Ms that can shrink
+//!
+//! And for what is left, `blocks`: the parts that nothing links.
 
+mod blocks;
 mod coefficients;
 mod dominated_columns;
 mod doubletons;
@@ -24,6 +28,7 @@ mod fixed_columns;
 mod implied_free;
 mod parallel_columns;
 mod parallel_rows;
+mod patterns;
 mod postsolve;
 mod redundant_rows;
 mod singleton_rows;
@@ -31,10 +36,12 @@ mod slack_columns;
 mod substitute;
 mod work;
 
+pub use blocks::{Block, blocks};
 pub use postsolve::{Postsolve, Restored};
 
 use crate::error::Error;
 use crate::program::Program;
+use crate::solver::Deadline;
 use work::Work;
 
 /// The rules of the presolve before the search.
@@ -75,6 +82,19 @@ impl Rule {
         Rule::ImpliedFree,
         Rule::DominatedColumns,
         Rule::ParallelColumns,
+        Rule::Coefficients,
+    ];
+
+    /// The rules that leave every column that stays its meaning, and every assignment of the integral
+    /// ones that has a point: for programs about whose columns something is known.
+    pub const FAITHFUL: [Rule; 8] = [
+        Rule::FixedColumns,
+        Rule::SingletonRows,
+        Rule::RedundantRows,
+        Rule::ParallelRows,
+        Rule::Doubletons,
+        Rule::SlackColumns,
+        Rule::ImpliedFree,
         Rule::Coefficients,
     ];
 
@@ -182,28 +202,45 @@ pub fn presolve(
     rules: &[Rule],
     go_on: &dyn Fn() -> bool,
 ) -> Result<Presolve, Error> {
-    let mut work = Work::new(program);
-    if work.settle().is_err() {
-        return Ok(Presolve::Infeasible);
+    let mut work = Work::new(program, &Deadline::default());
+    match reduce(&mut work, rules, go_on) {
+        Err(Infeasible) => Ok(Presolve::Infeasible),
+        Ok(_) => Ok(Presolve::Presolved(Box::new(work.finish()?))),
     }
+}
+
+/// As [`presolve`], but nothing where a deadline comes first.
+///
+/// # Errors
+///
+/// As for [`presolve`].
+pub fn presolve_until(
+    program: &Program,
+    rules: &[Rule],
+    deadline: &Deadline,
+) -> Result<Option<Presolve>, Error> {
+    let mut work = Work::new(program, deadline);
+    match reduce(&mut work, rules, &|| !deadline.is_over()) {
+        Err(Infeasible) => Ok(Some(Presolve::Infeasible)),
+        Ok(false) => Ok(None),
+        Ok(true) => Ok(Some(Presolve::Presolved(Box::new(work.finish()?)))),
+    }
+}
+
+/// Applies the rules; whether they came to their end.
+fn reduce(work: &mut Work, rules: &[Rule], go_on: &dyn Fn() -> bool) -> Result<bool, Infeasible> {
+    work.settle()?;
     for _ in 0..ROUNDS {
         let mut changes = 0;
         for rule in rules {
             if !go_on() {
-                return finish(work);
+                return Ok(false);
             }
-            match rule.apply(&mut work) {
-                Ok(found) => changes += found,
-                Err(Infeasible) => return Ok(Presolve::Infeasible),
-            }
+            changes += rule.apply(work)?;
         }
         if changes == 0 {
             break;
         }
     }
-    finish(work)
-}
-
-fn finish(work: Work) -> Result<Presolve, Error> {
-    Ok(Presolve::Presolved(Box::new(work.finish()?)))
+    Ok(go_on())
 }

@@ -3,9 +3,8 @@
 //! `x_j + r x_k` is one column as far as rows and objective can tell. Continuous pairs, and integral
 //! ones with `r = 1` or `r = -1`, lose nothing by it.
 
-use std::collections::HashMap;
-
 use super::parallel_rows::PARALLEL;
+use super::patterns::Patterns;
 use super::postsolve::{Restored, Undo};
 use super::work::Work;
 
@@ -22,20 +21,25 @@ struct ParallelColumn {
 }
 
 pub(super) fn apply(work: &mut Work) -> usize {
-    let mut seen: HashMap<Vec<usize>, Vec<usize>> = HashMap::new();
+    let mut seen = Patterns::new(work.uses.len());
     let mut changes = 0;
     for column in work.live_columns() {
+        if work.is_late(work.uses[column].len()) {
+            break;
+        }
         if !work.is_straight(column) || work.uses[column].is_empty() {
             continue;
         }
-        let bucket = seen.entry(work.uses[column].clone()).or_default();
-        let twin = bucket.iter().find_map(|&other| Some((other, ratio(work, column, other)?)));
+        let fingerprint = Patterns::fingerprint(work.uses[column].iter().copied());
+        let twin = seen
+            .candidates(fingerprint)
+            .find_map(|other| Some((other, ratio(work, column, other)?)));
         match twin {
             Some((twin, ratio)) => {
                 merge(work, column, twin, ratio);
                 changes += 1;
             }
-            None => bucket.push(column),
+            None => seen.note(column, fingerprint),
         }
     }
     changes
@@ -43,6 +47,9 @@ pub(super) fn apply(work: &mut Work) -> usize {
 
 /// The factor from `other` to `column`, when they can be merged.
 fn ratio(work: &Work, column: usize, other: usize) -> Option<f64> {
+    if work.uses[column] != work.uses[other] {
+        return None;
+    }
     let (one, two) = (work.column(column), work.column(other));
     let ratio = one.first()?.1 / two.first()?.1;
     let close = |a: f64, b: f64| (a - ratio * b).abs() <= PARALLEL * a.abs();

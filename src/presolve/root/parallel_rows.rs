@@ -1,8 +1,7 @@
 //! Rows that are multiples of another one are merged into it.
 
-use std::collections::HashMap;
-
 use super::Infeasible;
+use super::patterns::Patterns;
 use super::postsolve::{Restored, Undo};
 use super::work::Work;
 
@@ -20,17 +19,20 @@ struct ParallelRow {
 }
 
 pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
-    let mut seen: HashMap<Vec<usize>, Vec<usize>> = HashMap::new();
+    let mut seen = Patterns::new(work.rows.len());
     let mut changes = 0;
     for row in work.live_rows() {
+        if work.is_late(work.rows[row].len()) {
+            break;
+        }
         if work.rows[row].is_empty() {
             continue;
         }
-        let pattern = work.rows[row].iter().map(|&(j, _)| j).collect();
-        let bucket = seen.entry(pattern).or_default();
-        let twin = bucket.iter().find_map(|&other| Some((other, ratio(work, row, other)?)));
+        let fingerprint = Patterns::fingerprint(work.rows[row].iter().map(|&(j, _)| j));
+        let twin =
+            seen.candidates(fingerprint).find_map(|other| Some((other, ratio(work, row, other)?)));
         let Some((twin, ratio)) = twin else {
-            bucket.push(row);
+            seen.note(row, fingerprint);
             continue;
         };
         let (p, q) = (work.row_lower[row] / ratio, work.row_upper[row] / ratio);
@@ -50,9 +52,10 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
 fn ratio(work: &Work, row: usize, other: usize) -> Option<f64> {
     let (one, two) = (&work.rows[row], &work.rows[other]);
     let ratio = one.first()?.1 / two.first()?.1;
-    let parallel =
-        |(a, b): (&(usize, f64), &(usize, f64))| (a.1 - ratio * b.1).abs() <= PARALLEL * a.1.abs();
-    one.iter().zip(two).all(parallel).then_some(ratio)
+    let parallel = |(a, b): (&(usize, f64), &(usize, f64))| {
+        a.0 == b.0 && (a.1 - ratio * b.1).abs() <= PARALLEL * a.1.abs()
+    };
+    (one.len() == two.len() && one.iter().zip(two).all(parallel)).then_some(ratio)
 }
 
 impl Undo for ParallelRow {

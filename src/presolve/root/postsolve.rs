@@ -6,12 +6,16 @@
 //! They are those of the continuous program that is left when the integral columns are fixed, so the
 //! reduced cost of an integral column may have any sign.
 
+use std::collections::BTreeMap;
 use std::fmt::Debug;
 
 /// Undoes one reduction. Columns and rows have the numbers of the original program throughout.
 pub(super) trait Undo: Debug + Send + Sync {
     /// Gives values to the columns that the reduction took out.
     fn primal(&self, x: &mut [f64]);
+
+    /// Passes on what known values of columns that the reduction took out say about others.
+    fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}
 
     /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed or
     /// took out; the values are restored already.
@@ -69,6 +73,24 @@ impl Postsolve {
         let mut full = scatter(self.column_count, &self.columns, x);
         self.undos.iter().rev().for_each(|undo| undo.primal(&mut full));
         full
+    }
+
+    /// Values of columns of the original as values of presolved ones, in their order. Those of columns
+    /// that were taken out go to the column that they decide, behind the others, or are left out; of
+    /// several values of a column the first one counts.
+    pub fn carry(&self, values: &[(usize, f64)]) -> Vec<(usize, f64)> {
+        let mut known: BTreeMap<usize, f64> = BTreeMap::new();
+        for &(column, value) in values {
+            known.entry(column).or_insert(value);
+        }
+        self.undos.iter().for_each(|undo| undo.carry(&mut known));
+        let place = |column: usize| self.columns.binary_search(&column).ok();
+        let mut carried = Vec::with_capacity(known.len());
+        for &(column, _) in values {
+            carried.extend(known.remove(&column).and_then(|value| Some((place(column)?, value))));
+        }
+        carried.extend(known.into_iter().filter_map(|(column, v)| Some((place(column)?, v))));
+        carried
     }
 
     /// The original's point with its multipliers, from values, multipliers and reduced costs.

@@ -22,6 +22,9 @@ struct ForcingRow {
 pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
     let mut changes = 0;
     for row in work.live_rows() {
+        if work.is_late(work.rows[row].len()) {
+            break;
+        }
         let range = work.range(work.rows[row].iter());
         let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
         let excess = CROSSED * range.scale.max(finite(lower)).max(finite(upper));

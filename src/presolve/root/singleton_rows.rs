@@ -22,6 +22,9 @@ struct SingletonRow {
 pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
     let mut changes = 0;
     for row in work.live_rows() {
+        if work.is_late(work.rows[row].len()) {
+            break;
+        }
         match work.rows[row][..] {
             [] => {
                 let (lower, upper) = (work.row_lower[row], work.row_upper[row]);

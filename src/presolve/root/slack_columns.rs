@@ -22,6 +22,9 @@ struct Slack {
 pub(super) fn apply(work: &mut Work) -> usize {
     let mut changes = 0;
     for column in work.live_columns() {
+        if work.is_late(work.uses[column].len()) {
+            break;
+        }
         let [row] = work.uses[column][..] else { continue };
         if work.integral[column] || !work.is_straight(column) || work.rows[row].len() < 2 {
             continue;

@@ -5,6 +5,8 @@
 //! `b / a_j - upper <= rest / a_j <= b / a_j - lower`; a row with the unit of the column, so that it is
 //! missed by no more than the bound would be.
 
+use std::collections::BTreeMap;
+
 use super::postsolve::{Restored, Undo};
 use super::work::{OldColumn, Sparse, Work};
 
@@ -131,6 +133,12 @@ impl Undo for Substituted {
     fn primal(&self, x: &mut [f64]) {
         let value = self.constant - self.terms.iter().map(|&(k, a)| a * x[k]).sum::<f64>();
         x[self.old.column] = if self.integral { value.round() } else { value };
+    }
+
+    fn carry(&self, known: &mut BTreeMap<usize, f64>) {
+        if let ([(other, a)], Some(&value)) = (&self.terms[..], known.get(&self.old.column)) {
+            known.entry(*other).or_insert((self.constant - value) / a);
+        }
     }
 
     /// The multiplier of the equality makes the reduced cost of its column what the kept row says,

@@ -213,7 +213,12 @@ impl Iterate {
     }
 
     /// Goes one predictor-corrector step; its length, or nothing where the system broke down.
-    pub(super) fn advance(&mut self, program: &Scaled, kkt: &mut Kkt) -> Option<f64> {
+    pub(super) fn advance(
+        &mut self,
+        program: &Scaled,
+        kkt: &mut Kkt,
+        late: &dyn Fn() -> bool,
+    ) -> Option<f64> {
         let sides = program.sides.len();
         self.column_weight.fill(0.0);
         self.row_weight.fill(0.0);
@@ -224,7 +229,7 @@ impl Iterate {
                 Target::Row(i) => self.row_weight[i] += weight,
             }
         }
-        if !kkt.factorise(&self.column_weight, &self.row_weight) {
+        if !kkt.factorise(&self.column_weight, &self.row_weight) || late() {
             return None;
         }
         let mean = self.barrier / sides.max(1) as f64;
@@ -243,6 +248,9 @@ impl Iterate {
             let target = (ahead / self.barrier).clamp(0.0, 1.0).powi(3) * mean;
             for k in 0..sides {
                 self.centre[k] += self.slack_move[k] * self.dual_move[k] - target;
+            }
+            if late() {
+                return None;
             }
             self.solve(program, kkt);
             length = (FRACTION * self.longest()).min(1.0);
@@ -306,7 +314,12 @@ impl Iterate {
 
     /// A better start: the point that misses the sides least in the squares, traded against the
     /// objective, with what it misses as multipliers; both moved inside.
-    pub(super) fn improve_start(&mut self, program: &Scaled, kkt: &mut Kkt) -> bool {
+    pub(super) fn improve_start(
+        &mut self,
+        program: &Scaled,
+        kkt: &mut Kkt,
+        late: &dyn Fn() -> bool,
+    ) -> bool {
         let n = self.x.len();
         self.x.fill(0.0);
         self.multipliers.fill(0.0);
@@ -321,7 +334,7 @@ impl Iterate {
                 Target::Row(i) => self.row_weight[i] += 1.0,
             }
         }
-        if !kkt.factorise(&self.column_weight, &self.row_weight) {
+        if !kkt.factorise(&self.column_weight, &self.row_weight) || late() {
             return false;
         }
         // With unit slacks and duals of zero, a side pulls by its residual.

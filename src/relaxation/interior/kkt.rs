@@ -56,8 +56,8 @@ pub(super) struct Kkt {
 }
 
 impl Kkt {
-    /// The pattern of the system; nothing where it cannot be ordered.
-    pub(super) fn new(program: &Scaled) -> Option<Self> {
+    /// The pattern of the system; nothing where it cannot be ordered, or is late.
+    pub(super) fn new(program: &Scaled, late: &dyn Fn() -> bool) -> Option<Self> {
         let n = program.column.len();
         let m = program.rows.len();
         let mut kind = vec![Kind::Short; m];
@@ -140,6 +140,9 @@ impl Kkt {
             start.push(index.len());
         }
         let signs = (0..size).map(|k| if k < n { 1 } else { -1 }).collect();
+        if late() {
+            return None;
+        }
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &start, None, &index);
         let symbolic = factorize_symbolic_cholesky(
             pattern,
@@ -151,6 +154,9 @@ impl Kkt {
             },
         )
         .ok()?;
+        if late() {
+            return None;
+        }
         let need = symbolic
             .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));

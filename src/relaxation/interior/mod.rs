@@ -44,6 +44,11 @@ const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer {
+        let began = web_time::Instant::now();
+        let late = || {
+            let over = effort.time.is_some_and(|time| began.elapsed() >= time);
+            over || effort.interrupt.is_triggered()
+        };
         let scaled = Scaled::of(program);
         let (n, m) = (program.columns.len(), program.rows.len());
         let nothing = |iterations| Answer {
@@ -52,11 +57,11 @@ impl Relaxation for InteriorPoint {
             y: vec![0.0; m],
             iterations,
         };
-        let Some(mut kkt) = Kkt::new(&scaled) else { return nothing(0) };
+        let Some(mut kkt) = Kkt::new(&scaled, &late) else { return nothing(0) };
         let mut at = Iterate::start(&scaled);
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
         let linear = scaled.quadratic.index.is_empty();
-        if linear && !at.improve_start(&scaled, &mut kkt) {
+        if linear && !at.improve_start(&scaled, &mut kkt, &late) {
             return nothing(0);
         }
         let feasibility_problem = program.is_feasibility_problem();
@@ -67,7 +72,6 @@ impl Relaxation for InteriorPoint {
             let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
             Answer { claim, x, y, iterations }
         };
-        let began = web_time::Instant::now();
         let (mut stuck, mut iterations) = (0, 0);
         let mut nearly = None;
         while iterations < effort.iterations {
@@ -110,11 +114,10 @@ impl Relaxation for InteriorPoint {
             if at.diverges() {
                 break;
             }
-            let late = effort.time.is_some_and(|time| began.elapsed() >= time);
-            if late || effort.interrupt.is_triggered() {
+            if late() {
                 break;
             }
-            let Some(step) = at.advance(&scaled, &mut kkt) else { break };
+            let Some(step) = at.advance(&scaled, &mut kkt, &late) else { break };
             iterations += 1;
             stuck = if step < SHORT_STEP { stuck + 1 } else { 0 };
             if stuck >= STUCK {

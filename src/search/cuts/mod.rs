@@ -23,8 +23,7 @@ use crate::presolve::{Domain, Propagator, Reduced, Reduction, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
 use crate::solution::Statistics;
-use crate::solver::Interrupt;
-use web_time::Duration;
+use crate::solver::Deadline;
 
 /// Most rounds.
 const ROUNDS: usize = 15;
@@ -52,13 +51,11 @@ const BINDING: f64 = 1e-6;
 ///
 /// # Arguments
 ///
-/// * `time`: the time left, when there is a limit.
-/// * `interrupt`: ends the rounds when triggered.
+/// * `deadline`: ends the rounds.
 /// * `statistics`: relaxations and iterations are added to it.
 pub fn strengthen(
     program: &Program,
-    time: &dyn Fn() -> Option<Duration>,
-    interrupt: &Interrupt,
+    deadline: &Deadline,
     statistics: &mut Statistics,
 ) -> Option<Program> {
     // Under a curved objective the relaxed optimum is rarely at a corner that a cut takes off.
@@ -68,24 +65,27 @@ pub fn strengthen(
     }
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
+    propagator.set_deadline(deadline);
     propagator.propagate_all(program, &mut domain).ok()?;
     let effort = || Effort {
         iterations: 60,
         tolerance: 1e-8,
         refinements: 1,
         cutoff: f64::INFINITY,
-        time: time(),
-        interrupt: interrupt.clone(),
+        time: deadline.left(),
+        interrupt: deadline.interrupt().clone(),
     };
-    let stopped = || interrupt.is_triggered() || time().is_some_and(|left| left.is_zero());
+    if deadline.is_over() {
+        return None;
+    }
     let (first, mut x) = relax(program, &domain, &effort(), statistics)?;
     let (mut last, mut idle) = (first, 0);
     let mut cuts: Vec<Cut> = Vec::new();
     for _ in 0..ROUNDS {
-        if stopped() {
-            break;
+        if deadline.is_over() {
+            return None;
         }
-        let mut found = mixed_integer_rounding_cuts(program, &domain, &x);
+        let mut found = mixed_integer_rounding_cuts(program, &domain, &x, deadline);
         found.extend(implied_bound_cuts(program, &mut domain, &mut propagator, &x));
         let found = select(found, &x);
         if found.is_empty() {

@@ -1,0 +1,376 @@
+//! Searching the blocks of a program one after the other.
+//!
+//! Bounds and objectives add up; so do the gaps, of which each block gets its share. A block without
+//! a point leaves none for the whole, and one without a bound no bound. Time and nodes are shared
+//! evenly among the blocks that are still to come, and what a block leaves is there for the others.
+
+use std::cell::{Cell, RefCell};
+use std::ops::ControlFlow;
+
+use web_time::Duration;
+
+use super::stage::{Search, Stage};
+use crate::presolve::root::{Block, blocks};
+use crate::program::Program;
+use crate::search::Found;
+use crate::solution::{Statistics, Termination};
+use crate::solver::{Control, Event, Incumbent, Options, Progress};
+use crate::tolerance;
+
+/// A block and what is known of it.
+struct Part {
+    block: Block,
+    bound: f64,
+    /// Objective and values of its best point.
+    best: Option<(f64, Vec<f64>)>,
+    ended: Option<Termination>,
+    granted: Grant,
+    /// The absolute and the relative gap at which it may stop.
+    gap: [f64; 2],
+}
+
+/// What a search may spend: time from now on, and nodes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Grant {
+    time: Option<Duration>,
+    nodes: Option<u64>,
+}
+
+impl Grant {
+    /// Whether it allows more than an earlier one.
+    fn exceeds(self, earlier: Grant) -> bool {
+        self.time > earlier.time || self.nodes > earlier.nodes
+    }
+}
+
+/// What the other blocks add to the figures of one, in the model's own sense.
+struct Others {
+    nodes: u64,
+    relaxations: u64,
+    /// Their objective, where each of them has a point.
+    value: Option<f64>,
+    bound: f64,
+}
+
+impl Others {
+    fn progress(&self, own: &Progress) -> Progress {
+        let bound = own.bound + self.bound;
+        Progress {
+            nodes: own.nodes + self.nodes,
+            relaxations: own.relaxations + self.relaxations,
+            incumbent: own.incumbent.zip(self.value).map(|(own, others)| own + others),
+            // Opposite infinities: the block is infeasible, and nothing is known of the others.
+            bound: if bound.is_nan() { self.bound } else { bound },
+            ..*own
+        }
+    }
+
+    fn event(&self, own: &Event) -> Event {
+        let progress = self.progress(own.progress());
+        match own {
+            Event::Root(_) if self.nodes == 0 => Event::Root(progress),
+            Event::Incumbent(_) if progress.incumbent.is_some() => Event::Incumbent(progress),
+            _ => Event::Progress(progress),
+        }
+    }
+}
+
+/// All blocks of a stage.
+struct Parts<'a> {
+    stage: &'a Stage<'a>,
+    parts: Vec<Part>,
+    statistics: Statistics,
+    searches: usize,
+    /// Whether any points will do, since the objective of a block falls forever.
+    any_point: bool,
+    /// Whether the user has had enough.
+    left: Cell<bool>,
+}
+
+impl Stage<'_> {
+    /// What is found of the program block by block; nothing where it is a single one, or where the
+    /// blocks come to no conclusion.
+    pub(super) fn run_blocks(&self, control: &mut Control<'_>) -> Option<Found> {
+        if !self.options.blocks || self.as_is {
+            return None;
+        }
+        let blocks = blocks(self.program);
+        let count = blocks.len();
+        let gap = [self.options.absolute_gap / count.max(1) as f64, self.options.relative_gap];
+        let part = |block| Part {
+            block,
+            bound: f64::NEG_INFINITY,
+            best: None,
+            ended: None,
+            granted: Grant::default(),
+            gap,
+        };
+        let mut parts = Parts {
+            stage: self,
+            parts: blocks.into_iter().map(part).collect(),
+            statistics: Statistics { blocks: count as u64, ..Statistics::default() },
+            searches: 0,
+            any_point: false,
+            left: Cell::new(false),
+        };
+        (count > 1).then(|| parts.run(control))?
+    }
+}
+
+impl Parts<'_> {
+    fn run(&mut self, control: &mut Control<'_>) -> Option<Found> {
+        let control = &RefCell::new(control);
+        // A second time where the gaps of the blocks are met and that of the whole is not: objectives
+        // may cancel.
+        for _ in 0..2 {
+            loop {
+                let before = self.searches;
+                for k in 0..self.parts.len() {
+                    if !self.is_stopped(control) && !self.is_done(k) {
+                        self.search(k, control);
+                    }
+                    if self.parts[k].ended == Some(Termination::Infeasible) {
+                        let statistics = self.statistics;
+                        return Some(Found { statistics, ..Found::infeasible() });
+                    }
+                }
+                if self.searches == before {
+                    break;
+                }
+            }
+            if !self.tighten() {
+                break;
+            }
+        }
+        self.conclude(control.borrow().interrupt().is_triggered())
+    }
+
+    fn is_done(&self, k: usize) -> bool {
+        let Part { ended, best, .. } = &self.parts[k];
+        let ended = ended.is_some_and(|reason| !reason.is_limit());
+        ended || (self.any_point && best.is_some())
+    }
+
+    fn is_stopped(&self, control: &RefCell<&mut Control<'_>>) -> bool {
+        self.left.get() || control.borrow().interrupt().is_triggered()
+    }
+
+    /// The share of a block in what is left; nothing where nothing is left.
+    fn grant(&self, k: usize) -> Option<Grant> {
+        let waiting = (k..self.parts.len()).filter(|&k| !self.is_done(k)).count().max(1);
+        let (limits, start) = (self.stage.options, self.stage.start);
+        let time = limits.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
+        let nodes = limits.node_limit.map(|limit| limit.saturating_sub(self.statistics.nodes));
+        if time.is_some_and(|time| time.is_zero()) || (self.searches > 0 && nodes == Some(0)) {
+            return None;
+        }
+        let share = |nodes: u64| nodes.div_ceil(waiting as u64);
+        Some(Grant { time: time.map(|t| t / waiting as u32), nodes: nodes.map(share) })
+    }
+
+    /// Searches a block, unless it was before with as much time and as many nodes.
+    fn search(&mut self, k: usize, control: &RefCell<&mut Control<'_>>) {
+        let Some(grant) = self.grant(k) else { return };
+        let Part { block, granted, ended, gap, .. } = &self.parts[k];
+        if ended.is_some() && !grant.exceeds(*granted) {
+            return;
+        }
+        let [absolute_gap, relative_gap] = *gap;
+        let options = Options {
+            absolute_gap,
+            relative_gap,
+            time_limit: grant.time.map(|time| self.stage.start.elapsed().saturating_add(time)),
+            node_limit: grant.nodes,
+            ..self.stage.options.clone()
+        };
+        let mut flat = None;
+        if self.any_point {
+            let mut program = block.program.clone();
+            program.make_feasibility_problem();
+            flat = Some(program);
+        }
+        let program = flat.as_ref().unwrap_or(&block.program);
+        let found = self.search_one(k, program, &options, control);
+
+        self.searches += 1;
+        self.statistics.add(&found.statistics);
+        self.statistics.threads = self.statistics.threads.max(found.statistics.threads);
+        let Part { block, bound, best, ended, granted, .. } = &mut self.parts[k];
+        (*ended, *granted) = (Some(found.termination), grant);
+        if flat.is_none() {
+            *bound = bound.max(found.bound);
+        }
+        if let Some(mut values) = found.points.into_iter().next() {
+            // Windows of events are columns of the search only.
+            values.truncate(block.program.column_count());
+            let value = block.program.objective(&values);
+            if best.as_ref().is_none_or(|(old, _)| value < *old) {
+                *best = Some((value, values));
+            }
+        }
+        self.any_point |= found.termination == Termination::Unbounded;
+    }
+
+    fn search_one(
+        &self,
+        k: usize,
+        program: &Program,
+        options: &Options,
+        control: &RefCell<&mut Control<'_>>,
+    ) -> Found {
+        let (stage, block) = (self.stage, &self.parts[k].block);
+        let others = self.others(k);
+        let rest = self.point(Some(k));
+        let accept = |values: &[f64]| holds(&block.program, values, options.feasibility);
+        let describe = |values: &[f64]| {
+            let mut point = rest.clone()?;
+            block.scatter(values, &mut point);
+            stage.verified(&point)
+        };
+        let mut on_event = |event: &Event| control.borrow_mut().report(&others.event(event));
+        let mut on_incumbent = |found: &Incumbent<'_>| {
+            let Some(value) = others.value else { return ControlFlow::Continue(()) };
+            let (objective, figures) = (found.objective + value, others.progress(&found.progress));
+            let whole = Incumbent::new(found.point, objective, found.found_by, figures);
+            let flow = control.borrow_mut().report_incumbent(&whole);
+            self.left.set(self.left.get() || flow.is_break());
+            flow
+        };
+        let (interrupt, watches) = {
+            let control = control.borrow();
+            (control.interrupt().clone(), control.watches_incumbents())
+        };
+        let mut inner = Control::default().with_interrupt(&interrupt).with_progress(&mut on_event);
+        if watches {
+            inner = inner.with_incumbent(&mut on_incumbent);
+        }
+        let search = Search { program, accept: &accept, describe: &describe, options };
+        stage.search(search, &mut inner, None)
+    }
+
+    fn others(&self, k: usize) -> Others {
+        let others =
+            || self.parts.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, part)| part);
+        let (sign, offset) = (self.stage.program.sign, self.stage.program.offset);
+        let values = others().map(|part| part.best.as_ref().map(|(value, _)| value));
+        Others {
+            nodes: self.statistics.nodes,
+            relaxations: self.statistics.relaxations,
+            value: values.sum::<Option<f64>>().map(|value| sign * (offset + value)),
+            bound: sign * (offset + others().map(|part| part.bound).sum::<f64>()),
+        }
+    }
+
+    /// The best points of all blocks, but perhaps one, put together; nothing where one is missing.
+    fn point(&self, except: Option<usize>) -> Option<Vec<f64>> {
+        let mut point = vec![0.0; self.stage.program.column_count()];
+        for (k, part) in self.parts.iter().enumerate() {
+            match &part.best {
+                _ if Some(k) == except => {}
+                Some((_, values)) => part.block.scatter(values, &mut point),
+                None => return None,
+            }
+        }
+        Some(point)
+    }
+
+    fn bound(&self) -> f64 {
+        self.stage.program.offset + self.parts.iter().map(|part| part.bound).sum::<f64>()
+    }
+
+    /// How far bound and objective of the whole may be apart.
+    fn allowed(&self, value: f64) -> f64 {
+        let options = self.stage.options;
+        options.absolute_gap.max(options.relative_gap * value.abs())
+    }
+
+    /// Where all blocks are solved and the whole is not: opens those again that are further from
+    /// their bounds than their share. Whether there are any.
+    fn tighten(&mut self) -> bool {
+        let solved = |part: &Part| part.ended == Some(Termination::Optimal);
+        let Some(point) = self.point(None).filter(|_| self.parts.iter().all(solved)) else {
+            return false;
+        };
+        let value = self.stage.program.objective(&point);
+        let allowed = self.allowed(value);
+        if value - self.bound() <= allowed {
+            return false;
+        }
+        let share = 0.9 * allowed / self.parts.len() as f64;
+        for part in &mut self.parts {
+            if part.best.as_ref().is_some_and(|(value, _)| value - part.bound > share) {
+                (part.ended, part.gap) = (None, [share, 0.0]);
+            }
+        }
+        true
+    }
+
+    /// What follows from all blocks for the whole, where anything does.
+    fn conclude(&self, interrupted: bool) -> Option<Found> {
+        let reason = self.limit(interrupted);
+        let point = self.point(None);
+        let verified = point.filter(|point| self.stage.verified(point).is_some());
+        let found = |termination, bound, points: Vec<Vec<f64>>| {
+            let statistics = self.statistics;
+            Some(Found {
+                termination,
+                bound,
+                points,
+                statistics,
+                pool_complete: false,
+                ..Found::infeasible()
+            })
+        };
+        let ended = |part: &Part| part.ended == Some(Termination::Unbounded);
+        let falls = self.parts.iter().any(ended);
+        let Some(point) = verified else {
+            let bound = if falls { f64::NEG_INFINITY } else { self.bound() };
+            return found(reason?, bound, Vec::new());
+        };
+        if falls {
+            return found(Termination::Unbounded, f64::NEG_INFINITY, vec![point]);
+        }
+        let value = self.stage.program.objective(&point);
+        let bound = self.bound().min(value);
+        if value - bound <= self.allowed(value) {
+            return found(Termination::Optimal, bound, vec![point]);
+        }
+        found(reason?, bound, vec![point])
+    }
+
+    /// The limit that kept blocks from being searched to their ends, if one did.
+    fn limit(&self, interrupted: bool) -> Option<Termination> {
+        if interrupted || self.left.get() {
+            return Some(Termination::Interrupted);
+        }
+        let reached = self.parts.iter().filter_map(|part| part.ended).find(|end| end.is_limit());
+        let waits = self.parts.iter().any(|part| part.ended.is_none());
+        let options = self.stage.options;
+        let nodes = options.node_limit.is_some_and(|limit| self.statistics.nodes >= limit);
+        let late = options.time_limit.is_some_and(|limit| self.stage.start.elapsed() >= limit);
+        reached.or(match (waits, late, nodes) {
+            (true, true, _) => Some(Termination::TimeLimit),
+            (true, false, true) => Some(Termination::NodeLimit),
+            _ => None,
+        })
+    }
+}
+
+/// Whether a point satisfies bounds and rows of a program as a model's verification wants it.
+fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
+    let within = |value: f64, lower: f64, upper: f64, largest: f64| {
+        let miss = (lower - value).max(value - upper);
+        let limit = if lower - value > value - upper { lower } else { upper };
+        miss <= feasibility * tolerance::row_scale(largest, limit)
+    };
+    let column = |(j, &v): (usize, &f64)| within(v, program.lower[j], program.upper[j], v.abs());
+    let row = |row: usize| {
+        let (columns, values) = program.row(row);
+        let terms = || columns.iter().zip(values).map(|(&j, &a)| a * x[j]);
+        let largest = terms().fold(0.0_f64, |most, term| most.max(term.abs()));
+        within(terms().sum(), program.row_lower[row], program.row_upper[row], largest)
+    };
+    // Behind the program's own columns there may be windows of the search.
+    x.iter().enumerate().take(program.column_count()).all(column)
+        && (0..program.row_count()).all(row)
+}

@@ -1,0 +1,85 @@
+//! One solve: lower, assemble, presolve, search, restore.
+
+use web_time::Instant;
+
+use super::stage::Stage;
+use crate::error::Error;
+use crate::model::Model;
+use crate::presolve::root::{Presolve, Rule, presolve_until};
+use crate::program::Program;
+use crate::reformulate;
+use crate::search::{Found, GuessEnd, Guide, Seed};
+use crate::solver::{Control, Deadline, Options};
+
+/// What the steps of a solve share.
+pub(super) struct Pipeline<'a> {
+    pub(super) model: &'a Model,
+    pub(super) options: &'a Options,
+    pub(super) start: Instant,
+    pub(super) deadline: &'a Deadline,
+    pub(super) guide: &'a Guide<'a>,
+    pub(super) seed: Option<&'a Seed>,
+}
+
+impl Pipeline<'_> {
+    /// What is found of the model's program; points are values of its variables. Nothing is known
+    /// where a limit comes before the search.
+    pub(super) fn run(&self, control: &mut Control<'_>) -> Result<Found, Error> {
+        let Some(lowered) = reformulate::lower_before(self.model, self.deadline)? else {
+            return Ok(Found::stopped(self.deadline));
+        };
+        let program = Program::assemble(lowered.model())?;
+        let way_back = lowered.into_way_back();
+        let as_is = self.is_about_columns();
+        let rules: &[Rule] = match self.options.presolve && !as_is {
+            false => &[],
+            // Nothing that is known may be reduced away.
+            true if self.seed.is_some() || self.guide.proposes() => &Rule::FAITHFUL,
+            true => &Rule::ALL,
+        };
+        let presolved = match presolve_until(&program, rules, self.deadline)? {
+            Some(Presolve::Presolved(presolved)) => presolved,
+            Some(Presolve::Infeasible) => return Ok(Found::infeasible()),
+            None => return Ok(Found::stopped(self.deadline)),
+        };
+        let postsolve = &presolved.postsolve;
+        let guide = self.guide.presolved(postsolve, &program);
+        let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..seed.clone() };
+        let seed = self.seed.map(carried);
+        drop(program);
+        let restore = |values: &[f64]| way_back.restore(&postsolve.point(values));
+        let stage = Stage {
+            model: self.model,
+            options: self.options,
+            start: self.start,
+            guide: &guide,
+            program: &presolved.program,
+            restore: &restore,
+            as_is,
+        };
+        let mut found = stage.run(control, seed.as_ref());
+        found.points = found.points.iter().map(|values| restore(values)).collect();
+        found.guess = match found.guess {
+            Some(GuessEnd::Point(values)) => Some(GuessEnd::Point(restore(&values))),
+            Some(GuessEnd::Contradiction(column)) => {
+                let column = postsolve.columns().get(column).copied().unwrap_or(column);
+                Some(GuessEnd::Contradiction(column))
+            }
+            // Where presolve has decided all that was guessed, any point tells.
+            None if self.seed.is_some_and(|seed| !seed.guess.is_empty()) => {
+                let nothing_left = seed.is_some_and(|seed| seed.guess.is_empty());
+                let point = found.points.first().filter(|_| nothing_left);
+                point.cloned().map(GuessEnd::Point)
+            }
+            other => other,
+        };
+        Ok(found)
+    }
+
+    /// Whether somebody speaks of the tree or of all columns: pools, leaves and splits do.
+    fn is_about_columns(&self) -> bool {
+        let kept = self.options.pool > 1 || self.options.keep_leaves;
+        let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
+        kept || boxes || self.guide.splits()
+    }
+}

@@ -1,0 +1,104 @@
+//! Cutting and searching what presolve has left.
+
+use web_time::Instant;
+
+use crate::model::Model;
+use crate::program::Program;
+use crate::search::cuts::strengthen;
+use crate::search::{Accept, Found, Guide, Seed, Task, search};
+use crate::solution::{Point, Statistics, Verification};
+use crate::solver::{Control, Deadline, Options};
+
+/// A presolved program, and the way back to the model.
+#[derive(Clone, Copy)]
+pub(super) struct Stage<'a> {
+    pub(super) model: &'a Model,
+    pub(super) options: &'a Options,
+    pub(super) start: Instant,
+    pub(super) guide: &'a Guide<'a>,
+    pub(super) program: &'a Program,
+    /// From values of the program's columns to values of the model's variables.
+    pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    /// Whether the columns must stay as they are.
+    pub(super) as_is: bool,
+}
+
+/// A program to search, and who judges its points.
+#[derive(Clone, Copy)]
+pub(super) struct Search<'a> {
+    pub(super) program: &'a Program,
+    pub(super) accept: &'a Accept<'a>,
+    /// The user's point that a point stands for, where it is one.
+    pub(super) describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
+    pub(super) options: &'a Options,
+}
+
+impl Stage<'_> {
+    /// What is found of the program, in blocks where it has any.
+    pub(super) fn run(&self, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+        if seed.is_none()
+            && self.guide.is_idle()
+            && let Some(found) = self.run_blocks(control)
+        {
+            return found;
+        }
+        let accept = |values: &[f64]| self.verified(values).is_some();
+        let describe = |values: &[f64]| self.point(values);
+        let search = Search {
+            program: self.program,
+            accept: &accept,
+            describe: &describe,
+            options: self.options,
+        };
+        self.search(search, control, seed)
+    }
+
+    /// The model's point behind values of all columns.
+    pub(super) fn point(&self, values: &[f64]) -> Option<Point> {
+        Point::new(self.model, (self.restore)(values)).ok()
+    }
+
+    /// The same, where the model's own verification accepts it.
+    pub(super) fn verified(&self, values: &[f64]) -> Option<Point> {
+        let holds =
+            |point: &Point| Verification::of(self.model, point, self.options.feasibility).holds();
+        self.point(values).filter(holds)
+    }
+
+    /// Cuts and searches a program: this one, or a part of it.
+    pub(super) fn search(
+        &self,
+        Search { program, accept, describe, options }: Search<'_>,
+        control: &mut Control<'_>,
+        seed: Option<&Seed>,
+    ) -> Found {
+        let integral: Vec<bool> = self.model.variables().map(|v| v.kind().is_integral()).collect();
+        // Asked for only where a pool is kept, and there all columns are searched together.
+        let key = |values: &[f64]| {
+            let values = (self.restore)(values);
+            let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
+            integers.map(|(value, _)| value.round() as i64).collect()
+        };
+        let deadline = Deadline::new(self.start, options.time_limit, control.interrupt());
+        let mut at_root = Statistics::default();
+        let cut = if options.cuts && !self.as_is {
+            strengthen(program, &deadline, &mut at_root)
+        } else {
+            None
+        };
+        let task = Task {
+            program: cut.as_ref().unwrap_or(program),
+            accept,
+            key: &key,
+            describe,
+            windows: None,
+            guide: self.guide,
+            options,
+            start: self.start,
+        };
+        let mut found = search(task, control, seed);
+        found.statistics.relaxations += at_root.relaxations;
+        found.statistics.iterations += at_root.iterations;
+        found
+    }
+}

@@ -1,0 +1,153 @@
+//! Parts of a program that no row and no product links.
+//!
+//! Two vehicles without a common row, or axes that are decided apart: the tree of the whole is the
+//! product of the trees of its blocks, and searching them one after the other makes it their sum.
+
+use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
+
+use crate::program::Program;
+
+/// A part of a program, with an offset of 0.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// The program's column of each of its columns.
+    pub columns: Vec<usize>,
+    /// Its rows and its share of the objective.
+    pub program: Program,
+}
+
+impl Block {
+    /// Writes values of the block's columns into a point of the program.
+    pub fn scatter(&self, values: &[f64], point: &mut [f64]) {
+        self.columns.iter().zip(values).for_each(|(&j, &value)| point[j] = value);
+    }
+}
+
+/// The blocks of a program, those with fewest integers first; nothing where it is a single one.
+///
+/// What has no integers is one block, however many parts it has. Rows without columns, which may be
+/// false, go to the first block.
+///
+/// ```
+/// use carom::prelude::*;
+/// use carom::presolve::root::blocks;
+/// use carom::program::Program;
+///
+/// let mut model = Model::new("two");
+/// let [a, b, c] = ["a", "b", "c"].map(|name| model.integer(name, 0.0, 9.0).unwrap());
+/// model.add("link", (2.0 * a + 3.0 * c).le(7.0))?;
+/// let blocks = blocks(&Program::assemble(&model)?);
+/// assert_eq!(blocks[0].columns, [b.index()]);
+/// assert_eq!(blocks[1].columns, [a.index(), c.index()]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+pub fn blocks(program: &Program) -> Vec<Block> {
+    let n = program.column_count();
+    let mut parts = Parts { parent: (0..n).collect() };
+    for row in 0..program.row_count() {
+        let columns = program.row(row).0;
+        columns.windows(2).for_each(|pair| parts.join(pair[0], pair[1]));
+    }
+    for j in 0..n {
+        program.quadratic_column(j).0.iter().for_each(|&i| parts.join(i, j));
+    }
+    // What has no integers hangs together with the first of its kind.
+    let mut has_integers = vec![false; n];
+    program.integers.iter().for_each(|&j| has_integers[parts.root(j)] = true);
+    let mut first = None;
+    for j in 0..n {
+        let root = parts.root(j);
+        if !has_integers[root] {
+            parts.join(*first.get_or_insert(root), root);
+        }
+    }
+    let (mut number, mut columns) = (vec![usize::MAX; n], Vec::<Vec<usize>>::new());
+    let mut block_of = vec![0; n];
+    for (j, block_of) in block_of.iter_mut().enumerate() {
+        let root = parts.root(j);
+        if number[root] == usize::MAX {
+            number[root] = columns.len();
+            columns.push(Vec::new());
+        }
+        *block_of = number[root];
+        columns[number[root]].push(j);
+    }
+    if columns.len() < 2 {
+        return Vec::new();
+    }
+    let mut rows = vec![Vec::new(); columns.len()];
+    for row in 0..program.row_count() {
+        rows[program.row(row).0.first().map_or(0, |&j| block_of[j])].push(row);
+    }
+    let mut position = vec![0; n];
+    columns.iter().for_each(|c| c.iter().enumerate().for_each(|(k, &j)| position[j] = k));
+    let parts = columns.into_iter().zip(rows);
+    let mut blocks: Vec<Block> = Vec::new();
+    for (columns, rows) in parts {
+        match extract(program, columns, &rows, &position) {
+            Some(block) => blocks.push(block),
+            None => return Vec::new(),
+        }
+    }
+    blocks.sort_by_key(|block| (block.program.integers.len(), block.columns[0]));
+    blocks
+}
+
+/// Columns that hang together (union and find).
+struct Parts {
+    parent: Vec<usize>,
+}
+
+impl Parts {
+    fn root(&mut self, mut j: usize) -> usize {
+        while self.parent[j] != j {
+            self.parent[j] = self.parent[self.parent[j]];
+            j = self.parent[j];
+        }
+        j
+    }
+
+    /// The smaller number is the root, so that chains of columns stay short.
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b)] = a.min(b);
+    }
+}
+
+/// The part of a program over some columns and all of their rows; `position` tells where a column
+/// is in its block. Nothing where the matrices cannot be allocated.
+fn extract(
+    program: &Program,
+    columns: Vec<usize>,
+    rows: &[usize],
+    position: &[usize],
+) -> Option<Block> {
+    let (m, n) = (rows.len(), columns.len());
+    let (mut entries, mut products) = (Vec::new(), Vec::new());
+    for (k, &row) in rows.iter().enumerate() {
+        let (inside, values) = program.row(row);
+        entries.extend(inside.iter().zip(values).map(|(&j, &a)| Triplet::new(k, position[j], a)));
+    }
+    for (k, &j) in columns.iter().enumerate() {
+        let (inside, values) = program.quadratic_column(j);
+        products.extend(inside.iter().zip(values).map(|(&i, &p)| Triplet::new(position[i], k, p)));
+    }
+    let pick = |from: &[f64], which: &[usize]| which.iter().map(|&k| from[k]).collect();
+    let integral: Vec<bool> = columns.iter().map(|&j| program.integral[j]).collect();
+    let program = Program {
+        quadratic: SparseColMat::try_new_from_triplets(n, n, &products).ok()?,
+        linear: pick(&program.linear, &columns),
+        offset: 0.0,
+        sign: program.sign,
+        rows: SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?,
+        columns: SparseColMat::try_new_from_triplets(m, n, &entries).ok()?,
+        row_lower: pick(&program.row_lower, rows),
+        row_upper: pick(&program.row_upper, rows),
+        lower: pick(&program.lower, &columns),
+        upper: pick(&program.upper, &columns),
+        integers: (0..n).filter(|&k| integral[k]).collect(),
+        integral,
+        step: columns.iter().map(|&j| program.step[j]).collect(),
+    };
+    Some(Block { columns, program })
+}
