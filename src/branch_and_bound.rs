@@ -108,6 +108,7 @@ impl Solver for BranchAndBound {
                     key: &key,
                     describe: &describe,
                     options,
+                    cutoff: f64::INFINITY,
                     start,
                 };
                 let found = search(task, control, given.as_ref().map(|(seed, _)| seed));

@@ -28,6 +28,12 @@ impl<'a> Guide<'a> {
         Ok(Guide { model, priorities, guidance: guidance.clone() })
     }
 
+    /// For a search inside the search: the same priorities, no questions.
+    pub(super) fn idle(&self) -> Guide<'a> {
+        let (model, priorities) = (self.model, self.priorities.clone());
+        Guide { model, priorities, guidance: Guidance::default() }
+    }
+
     /// Whether the user splits nodes or proposes points.
     pub(super) fn steers(&self) -> bool {
         self.guidance.branching().is_some() || !self.guidance.proposals().is_empty()

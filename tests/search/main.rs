@@ -11,6 +11,7 @@ mod riccati;
 
 mod deterministic;
 mod events;
+mod heuristics;
 mod limits;
 mod pool;
 mod seeds;
