@@ -70,10 +70,10 @@ fn long() -> Model {
     for k in 0..6 {
         let weights: Vec<f64> = (0..n).map(|_| number()).collect();
         let half = (weights.iter().sum::<f64>() / 2.0).floor();
-        let sum = weights.iter().zip(&x).map(|(&weight, &x)| weight * x).sum::<Affine>();
-        model.add(("split", k), sum.eq(half)).unwrap();
+        let sum = weights.iter().zip(&x).map(|(&weight, x)| weight * x).sum::<Affine>();
+        model.add(("split", k), sum.equals(half)).unwrap();
     }
-    model.maximize(x.iter().map(|&x| number() * x).sum::<Affine>()).unwrap();
+    model.maximize(x.iter().map(|x| number() * x).sum::<Affine>()).unwrap();
     model
 }
 

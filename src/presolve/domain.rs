@@ -9,6 +9,8 @@ pub struct Domain {
     /// Lower and upper bound side by side: propagation nearly always reads both.
     bounds: Vec<[f64; 2]>,
     trail: Vec<Change>,
+    /// The shortest that the trail has been since somebody last asked; nothing where nobody has.
+    shortest: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +24,8 @@ impl Domain {
     /// The bounds of a program.
     pub fn new(program: &Program) -> Self {
         let sides = program.lower.iter().zip(&program.upper);
-        Domain { bounds: sides.map(|(&lower, &upper)| [lower, upper]).collect(), trail: Vec::new() }
+        let bounds = sides.map(|(&lower, &upper)| [lower, upper]).collect();
+        Domain { bounds, trail: Vec::new(), shortest: None }
     }
 
     /// Number of columns.
@@ -78,8 +81,15 @@ impl Domain {
         self.trail[mark..].iter().map(|c| (c.column, c.is_upper))
     }
 
+    /// The earliest mark to which changes were undone since this was last asked; nothing where it was
+    /// never asked.
+    pub(super) fn undone_to(&mut self) -> Option<usize> {
+        self.shortest.replace(self.trail.len())
+    }
+
     /// Undoes all changes since the mark.
     pub fn undo_to(&mut self, mark: usize) {
+        self.shortest = self.shortest.map(|shortest| shortest.min(mark));
         for change in self.trail.drain(mark..).rev() {
             self.bounds[change.column][usize::from(change.is_upper)] = change.old;
         }

@@ -7,6 +7,7 @@
 
 mod coefficients;
 mod domain;
+mod footprint;
 mod implications;
 mod probing;
 mod projection;
@@ -18,7 +19,7 @@ mod tightening;
 pub use coefficients::tighten_coefficients;
 pub use domain::Domain;
 pub use implications::Implications;
-pub use probing::probe;
+pub use probing::{ProbingRecord, probe, probe_again};
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};
 pub use reduce::{Compressed, Reduced, Reduction, reduce};

@@ -6,10 +6,65 @@
 //!
 //! What is excluded at one step often lets the next step be excluded, forwards or backwards in time,
 //! so rounds change direction: a chain falls in one round instead of one link a round.
+//!
+//! A trial that found nothing is not repeated while nothing has changed that it looked at, at one
+//! node or from node to node.
 
 use super::domain::Domain;
+use super::footprint::Blocks;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
+use crate::tolerance;
+
+/// Trials after which a side is judged, the share of successes that is then expected of it (one in so
+/// many), and how often it is tried all the same (every so many visits). On programs of walls no
+/// impact is ever found to be needed, and half of all trials look for one.
+const JUDGED_AFTER: u32 = 100;
+const EXPECTED: u32 = 50;
+const RARELY: u32 = 8;
+
+/// What earlier trials looked at, and what came of them.
+#[derive(Debug, Clone)]
+pub struct ProbingRecord {
+    /// By column, the last one of its upper value and of its lower one.
+    trials: Vec<[Trial; 2]>,
+    /// The same for all columns together: trials, and those that found something.
+    counts: [(u32, u32); 2],
+    visits: u32,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Trial {
+    /// 0 where there was none.
+    time: u32,
+    visited: Blocks,
+}
+
+impl ProbingRecord {
+    /// Nothing was tried yet; `columns` is the number of columns of the program.
+    pub fn new(columns: usize) -> Self {
+        ProbingRecord {
+            trials: vec![[Trial::default(); 2]; columns],
+            counts: [(0, 0); 2],
+            visits: 0,
+        }
+    }
+
+    /// Whether a side finds something often enough, or has its turn.
+    fn is_worth(&self, is_upper: bool) -> bool {
+        let (trials, found) = self.counts[usize::from(is_upper)];
+        trials < JUDGED_AFTER
+            || u64::from(found) * u64::from(EXPECTED) >= u64::from(trials)
+            || self.visits % RARELY == 0
+    }
+
+    fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {
+        let side = usize::from(is_upper);
+        self.trials[column][side] = trial;
+        self.counts[side].0 += 1;
+        self.counts[side].1 += u32::from(found);
+    }
+}
 
 /// Probes columns in the given order and back until a full round changes nothing, or the trials run out.
 ///
@@ -24,11 +79,31 @@ pub fn probe(
     domain: &mut Domain,
     propagator: &mut Propagator,
     columns: &[usize],
-    mut trials: usize,
+    trials: usize,
+    go_on: &dyn Fn() -> bool,
+) -> Result<(), Conflict> {
+    let mut record = ProbingRecord::new(program.column_count());
+    probe_again(program, domain, propagator, (columns, trials), &mut record, go_on)
+}
+
+/// Like [`probe`] with so many trials of these columns, at one of many nodes that share a propagator:
+/// it passes over what the record says has been tried on the same bounds, and tries the sides that
+/// hardly ever find anything now and then only.
+///
+/// # Errors
+///
+/// The [`Conflict`] that proves the domain empty.
+pub fn probe_again(
+    program: &Program,
+    domain: &mut Domain,
+    propagator: &mut Propagator,
+    (columns, mut trials): (&[usize], usize),
+    record: &mut ProbingRecord,
     go_on: &dyn Fn() -> bool,
 ) -> Result<(), Conflict> {
     let open =
         |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
+    record.visits = record.visits.wrapping_add(1);
     let mut backwards = false;
     loop {
         let before = domain.mark();
@@ -38,16 +113,23 @@ pub fn probe(
                 if !open(domain, j) {
                     break;
                 }
+                let last = record.trials[j][usize::from(is_upper)];
+                let changed = propagator.footprint.changed_after(last.time);
+                let known = last.time > 0 && changed & last.visited == 0;
+                if known || !record.is_worth(is_upper) {
+                    continue;
+                }
                 if trials == 0 || !go_on() {
                     return Ok(());
                 }
                 trials -= 1;
-                let (lower, upper) = (domain.lower(j), domain.upper(j));
+                let [lower, upper] = domain.bounds(j);
                 let mark = domain.mark();
                 // First the upper value, then the lower one.
-                domain.apply(j, is_upper, if is_upper { lower } else { upper });
-                let trial = propagator.propagate_since(program, domain, mark);
-                domain.undo_to(mark);
+                let value = if is_upper { lower } else { upper };
+                let (trial, visited, time) =
+                    propagator.try_bound(program, domain, j, is_upper, value);
+                record.note(j, is_upper, Trial { time, visited }, trial.is_err());
                 if trial.is_err() {
                     domain.apply(j, !is_upper, if is_upper { upper } else { lower });
                     propagator.propagate_since(program, domain, mark)?;
@@ -58,5 +140,29 @@ pub fn probe(
             return Ok(());
         }
         backwards = !backwards;
+    }
+}
+
+impl Propagator {
+    /// Propagates a bound on trial and takes everything back: the outcome, what it looked at, and when.
+    fn try_bound(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        column: usize,
+        is_upper: bool,
+        value: f64,
+    ) -> (Result<(), Conflict>, Blocks, u32) {
+        let mark = domain.mark();
+        self.footprint.set_on_trial(true);
+        self.footprint.start();
+        self.least_gain = tolerance::PROBING_GAIN;
+        domain.apply(column, is_upper, value);
+        let trial = self.propagate_since(program, domain, mark);
+        domain.undo_to(mark);
+        self.least_gain = tolerance::PROPAGATION_GAIN;
+        self.footprint.set_on_trial(false);
+        let (visited, time) = self.footprint.finish();
+        (trial, visited, time)
     }
 }

@@ -7,8 +7,9 @@
 use std::collections::VecDeque;
 
 use super::domain::Domain;
+use super::footprint::{Blocks, Footprint};
 use super::implications::Implications;
-use super::tightening::{Entry, Line, Tightening, tighten};
+use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use crate::program::Program;
 use crate::tolerance;
 
@@ -28,22 +29,71 @@ pub enum Conflict {
 #[derive(Debug, Clone)]
 pub struct Propagator {
     queue: VecDeque<usize>,
-    queued: Vec<bool>,
+    status: Vec<Status>,
+    /// Rows that cannot bind, and the trail position from which on that is so.
+    asleep: Vec<(usize, usize)>,
     /// The program's rows, then the linear objective, limited by the cutoff.
     rows: Vec<Line>,
     entries: Vec<Entry>,
-    /// By column: the rows it is in, the objective last.
-    uses: Vec<Vec<Use>>,
+    uses: Uses,
     found: Vec<Tightening>,
     implications: Implications,
+    pub(super) footprint: Footprint,
+    /// What a bound of a continuous column must gain, of its width, to be followed.
+    pub(super) least_gain: f64,
 }
 
-/// A row that a column is in, and which changes of the column's bounds can matter to the row.
-#[derive(Debug, Clone, Copy)]
-struct Use {
-    row: u32,
-    /// By bound changed: lower, upper.
-    matters: [bool; 2],
+/// What the worklist knows of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Status {
+    Idle,
+    Queued,
+    /// It cannot bind, whatever else is tightened.
+    Asleep,
+}
+
+/// By column: the rows to which its bounds can matter.
+#[derive(Debug, Clone, Default)]
+struct Uses {
+    /// By column and bound, the lower one first: where its rows begin, and the end of all.
+    start: Vec<usize>,
+    rows: Vec<u32>,
+    /// By column: the blocks of all its rows.
+    blocks: Vec<Blocks>,
+}
+
+impl Uses {
+    /// Of lines of which the last one is the objective, whose upper limit comes later.
+    fn new(columns: usize, lines: &[Line], entries: &[Entry], footprint: &Footprint) -> Self {
+        let mut lists = vec![Vec::new(); 2 * columns];
+        let mut blocks = vec![0; columns];
+        for (row, line) in lines.iter().enumerate() {
+            let is_objective = row + 1 == lines.len();
+            // The least activity meets the upper limit, the largest one the lower limit.
+            let least = is_objective || line.limits[1].is_finite();
+            let most = line.limits[0].is_finite();
+            for entry in &entries[line.range[0]..line.range[1]] {
+                let positive = entry.coefficient > 0.0;
+                let matters = if positive { [least, most] } else { [most, least] };
+                for side in [0, 1].into_iter().filter(|&side| matters[side]) {
+                    lists[2 * entry.column + side].push(row as u32);
+                }
+                blocks[entry.column] |= footprint.blocks_of(row);
+            }
+        }
+        let mut uses = Uses { start: vec![0], rows: Vec::new(), blocks };
+        for list in lists {
+            uses.rows.extend(list);
+            uses.start.push(uses.rows.len());
+        }
+        uses
+    }
+
+    /// The rows to which a bound of a column matters.
+    fn of(&self, column: usize, is_upper: bool) -> &[u32] {
+        let k = 2 * column + usize::from(is_upper);
+        &self.rows[self.start[k]..self.start[k + 1]]
+    }
 }
 
 impl Propagator {
@@ -51,12 +101,15 @@ impl Propagator {
     pub fn new(program: &Program) -> Self {
         let mut propagator = Propagator {
             queue: VecDeque::new(),
-            queued: vec![false; program.row_count() + 1],
+            status: vec![Status::Idle; program.row_count() + 1],
+            asleep: Vec::new(),
             rows: Vec::with_capacity(program.row_count() + 1),
             entries: Vec::new(),
-            uses: vec![Vec::new(); program.column_count()],
+            uses: Uses::default(),
             found: Vec::new(),
             implications: Implications::default(),
+            footprint: Footprint::new(program.row_count()),
+            least_gain: tolerance::PROPAGATION_GAIN,
         };
         for row in 0..program.row_count() {
             let limits = [program.row_lower[row], program.row_upper[row]];
@@ -67,19 +120,15 @@ impl Propagator {
         let linear = program.quadratic.compute_nnz() == 0;
         let costs = program.linear.iter().copied().enumerate().filter(|_| linear);
         propagator.add(costs, [f64::NEG_INFINITY, f64::INFINITY]);
+        let Propagator { rows, entries, footprint, .. } = &propagator;
+        propagator.uses = Uses::new(program.column_count(), rows, entries, footprint);
         propagator
     }
 
     fn add(&mut self, terms: impl Iterator<Item = (usize, f64)>, limits: [f64; 2]) {
-        let (row, start) = (self.rows.len(), self.entries.len());
-        let is_objective = row + 1 == self.queued.len();
-        for (column, coefficient) in terms.filter(|(_, a)| *a != 0.0) {
-            self.entries.push(Entry { column, coefficient });
-            // The least activity meets the upper limit, the largest one the lower limit.
-            let (least, most) = (is_objective || limits[1].is_finite(), limits[0].is_finite());
-            let matters = if coefficient > 0.0 { [least, most] } else { [most, least] };
-            self.uses[column].push(Use { row: row as u32, matters });
-        }
+        let start = self.entries.len();
+        let entries = terms.filter(|(_, a)| *a != 0.0);
+        self.entries.extend(entries.map(|(column, coefficient)| Entry { column, coefficient }));
         self.rows.push(Line { range: [start, self.entries.len()], limits });
     }
 
@@ -121,6 +170,7 @@ impl Propagator {
         {
             return Err(Conflict::Column(crossed));
         }
+        self.wake(domain);
         (0..program.row_count()).for_each(|row| self.enqueue(row));
         self.run(program, domain)
     }
@@ -136,6 +186,7 @@ impl Propagator {
         domain: &mut Domain,
         mark: usize,
     ) -> Result<(), Conflict> {
+        self.wake(domain);
         for (column, is_upper) in domain.changed_since(mark) {
             if domain.lower(column) > domain.upper(column) {
                 self.clear();
@@ -156,14 +207,24 @@ impl Propagator {
         self.run(program, domain)
     }
 
+    /// Whether changes from here on are on trial, to be taken back.
+    pub fn set_on_trial(&mut self, on_trial: bool) {
+        self.footprint.set_on_trial(on_trial);
+    }
+
+    /// The bounds of these columns are no longer what they were.
+    pub fn touch(&mut self, columns: impl Iterator<Item = (usize, bool)>) {
+        columns.for_each(|(column, _)| self.footprint.touch(self.uses.blocks[column]));
+    }
+
     /// The number of the objective's line: the last one.
     fn objective(&self) -> usize {
         self.rows.len() - 1
     }
 
     fn enqueue(&mut self, row: usize) {
-        if !self.queued[row] {
-            self.queued[row] = true;
+        if self.status[row] == Status::Idle {
+            self.status[row] = Status::Queued;
             self.queue.push_back(row);
         }
     }
@@ -171,10 +232,11 @@ impl Propagator {
     /// Puts the rows on the list to which a changed bound can matter, but for the one that changed
     /// it.
     fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
-        for &Use { row, matters } in &self.uses[column] {
+        self.footprint.touch(self.uses.blocks[column]);
+        for &row in self.uses.of(column, is_upper) {
             let row = row as usize;
-            if matters[usize::from(is_upper)] && row != changed_by && !self.queued[row] {
-                self.queued[row] = true;
+            if row != changed_by && self.status[row] == Status::Idle {
+                self.status[row] = Status::Queued;
                 self.queue.push_back(row);
             }
         }
@@ -182,7 +244,19 @@ impl Propagator {
 
     fn clear(&mut self) {
         for row in self.queue.drain(..) {
-            self.queued[row] = false;
+            self.status[row] = Status::Idle;
+        }
+    }
+
+    /// Wakes the rows whose sleep began in what has been undone since the last propagation.
+    fn wake(&mut self, domain: &mut Domain) {
+        let undone = domain.undone_to();
+        while let Some(&(row, since)) = self.asleep.last() {
+            if undone.is_some_and(|mark| since <= mark) {
+                break;
+            }
+            self.status[row] = Status::Idle;
+            self.asleep.pop();
         }
     }
 
@@ -236,18 +310,25 @@ impl Propagator {
         found: &mut Vec<Tightening>,
     ) -> Result<(), Conflict> {
         // A cap on the work: long chains of shrinking gains add nothing that a relaxation lacks.
+        let objective = self.objective();
         let mut budget = 50 * (program.row_count() + 100);
         while let Some(row) = self.queue.pop_front() {
-            self.queued[row] = false;
+            self.status[row] = Status::Idle;
             if budget == 0 {
                 self.clear();
                 break;
             }
             budget -= 1;
+            self.footprint.visit(row);
             let Line { range: [start, end], limits } = self.rows[row];
             let entries = &self.entries[start..end];
-            if !tighten(&program.integral, domain, entries, limits, found) {
-                return Err(Conflict::Row(row));
+            match tighten(&program.integral, domain, entries, limits, self.least_gain, found) {
+                RowState::Violated => return Err(Conflict::Row(row)),
+                RowState::Implied if row != objective => {
+                    self.status[row] = Status::Asleep;
+                    self.asleep.push((row, domain.mark()));
+                }
+                RowState::Implied | RowState::Open => {}
             }
             for Tightening { column, is_upper, value } in found.drain(..) {
                 domain.apply(column, is_upper, value);

@@ -7,9 +7,6 @@
 //! Everything dropped is implied (up to rounding) by what is kept, so a dual bound of the reduced
 //! program is a dual bound of the node.
 
-use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use super::domain::Domain;
 use crate::program::Program;
 
@@ -300,7 +297,7 @@ impl Work<'_> {
 
     /// Copies the live rows over the free columns, merging parallel ones.
     fn collect_rows(&self, position: &[usize], out: &mut Reduced) -> Result<(), Contradiction> {
-        let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
+        let mut seen = Twins::new(self.alive.len());
         for &row in &self.alive {
             let (columns, coefficients) = self.program.row(row);
             let begin = out.rows.index.len();
@@ -324,10 +321,8 @@ impl Work<'_> {
                 }
                 continue;
             }
-            let mut hasher = DefaultHasher::new();
-            out.rows.index[begin..].hash(&mut hasher);
-            let bucket = seen.entry(hasher.finish()).or_default();
-            if let Some((twin, ratio)) = find_twin(&out.rows, bucket, begin) {
+            let bucket = seen.bucket(&out.rows.index[begin..]);
+            if let Some((twin, ratio)) = find_twin(&out.rows, seen.rows_of(bucket), begin) {
                 // This row is `ratio` times the twin.
                 if ratio < 0.0 {
                     limits.swap(0, 1);
@@ -339,7 +334,7 @@ impl Work<'_> {
                 out.rows.value.truncate(begin);
                 continue;
             }
-            bucket.push(out.row_lower.len());
+            seen.push(bucket);
             out.row_lower.push(limits[0]);
             out.row_upper.push(limits[1]);
             out.rows.start.push(out.rows.index.len());
@@ -361,10 +356,49 @@ impl Work<'_> {
     }
 }
 
+/// The finished rows by the columns that they are about.
+struct Twins {
+    /// By bucket: the last row in it.
+    last: Vec<usize>,
+    /// By row: the row before it in its bucket.
+    before: Vec<usize>,
+}
+
+impl Twins {
+    fn new(rows: usize) -> Self {
+        let last = vec![usize::MAX; (2 * rows).next_power_of_two()];
+        Twins { last, before: Vec::with_capacity(rows) }
+    }
+
+    fn bucket(&self, columns: &[usize]) -> usize {
+        let mix = |hash: u64, &k: &usize| {
+            (hash ^ k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23)
+        };
+        let hash = columns.iter().fold(columns.len() as u64, mix);
+        hash as usize & (self.last.len() - 1)
+    }
+
+    /// The rows of a bucket, the latest first.
+    fn rows_of(&self, bucket: usize) -> impl Iterator<Item = usize> + '_ {
+        let row = |k: usize| (k != usize::MAX).then_some(k);
+        std::iter::successors(row(self.last[bucket]), move |&k| row(self.before[k]))
+    }
+
+    /// The next finished row is in this bucket.
+    fn push(&mut self, bucket: usize) {
+        let before = std::mem::replace(&mut self.last[bucket], self.before.len());
+        self.before.push(before);
+    }
+}
+
 /// A finished row parallel to the unfinished one from `begin` on, and the factor between them.
-fn find_twin(rows: &Compressed, bucket: &[usize], begin: usize) -> Option<(usize, f64)> {
+fn find_twin(
+    rows: &Compressed,
+    mut bucket: impl Iterator<Item = usize>,
+    begin: usize,
+) -> Option<(usize, f64)> {
     let (index, value) = (&rows.index[begin..], &rows.value[begin..]);
-    bucket.iter().find_map(|&other| {
+    bucket.find_map(|other| {
         let (other_index, other_value) = rows.vector(other);
         if other_index != index {
             return None;

@@ -29,6 +29,16 @@ pub(super) struct Tightening {
     pub(super) value: f64,
 }
 
+/// What a visit says about a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum RowState {
+    /// No point of the domain satisfies it.
+    Violated,
+    /// Every point of the domain satisfies it.
+    Implied,
+    Open,
+}
+
 /// Smallest or largest activity of a row: the finite part, and how many terms are infinite.
 #[derive(Clone, Copy, Default)]
 struct Activity {
@@ -45,25 +55,27 @@ impl Activity {
         }
     }
 
-    /// The activity without one of its terms; `None` when it is infinite.
-    fn without(&self, term: f64) -> Option<f64> {
+    /// The room between the activity without one of its terms and a limit; `None` where the rest is
+    /// infinite.
+    fn room(&self, term: f64, limit: f64) -> Option<f64> {
         match (self.infinite, term.is_finite()) {
-            (0, true) => Some(self.finite - term),
-            (1, false) => Some(self.finite),
+            (0, true) => Some(limit - self.finite + term),
+            (1, false) => Some(limit - self.finite),
             _ => None,
         }
     }
 }
 
-/// Finds the bounds that one row tightens; `false` when the row cannot be satisfied.
+/// Finds the bounds that one row tightens by more than `least_gain` of their width.
 #[inline]
 pub(super) fn tighten(
     integral: &[bool],
     domain: &Domain,
     entries: &[Entry],
     limits: [f64; 2],
+    least_gain: f64,
     found: &mut Vec<Tightening>,
-) -> bool {
+) -> RowState {
     let (mut least, mut most, mut widest) = (0.0, 0.0, 0.0_f64);
     for entry in entries {
         let (low, high) = ends(domain, entry);
@@ -73,9 +85,32 @@ pub(super) fn tighten(
     }
     // Sums that are not numbers compare false and take the long way.
     if limits[1] - least >= widest && most - limits[0] >= widest && widest < f64::INFINITY {
-        return true;
+        return if most <= limits[1] && least >= limits[0] {
+            RowState::Implied
+        } else {
+            RowState::Open
+        };
     }
-    tighten_binding(integral, domain, entries, limits, found)
+    if most <= limits[1] && least >= limits[0] {
+        return RowState::Implied;
+    }
+    let activities = if widest < f64::INFINITY {
+        [least, most].map(|finite| Activity { finite, infinite: 0 })
+    } else {
+        count_infinite(domain, entries)
+    };
+    tighten_binding(integral, domain, entries, limits, activities, least_gain, found)
+}
+
+/// Smallest and largest activity of a row with infinite terms.
+fn count_infinite(domain: &Domain, entries: &[Entry]) -> [Activity; 2] {
+    let mut activities = [Activity::default(); 2];
+    for entry in entries {
+        let (low, high) = ends(domain, entry);
+        activities[0].add(low);
+        activities[1].add(high);
+    }
+    activities
 }
 
 /// As [`tighten`], for rows that may bind or have infinite activities.
@@ -84,13 +119,13 @@ fn tighten_binding(
     domain: &Domain,
     entries: &[Entry],
     [row_lower, row_upper]: [f64; 2],
+    [least, most]: [Activity; 2],
+    least_gain: f64,
     found: &mut Vec<Tightening>,
-) -> bool {
-    let (mut least, mut most, mut scale) = (Activity::default(), Activity::default(), 0.0_f64);
+) -> RowState {
+    let mut scale = 0.0_f64;
     for entry in entries {
         let (low, high) = ends(domain, entry);
-        least.add(low);
-        most.add(high);
         scale += size(low).max(size(high));
     }
     let scale = scale.max(size(row_lower)).max(size(row_upper)).max(1.0);
@@ -98,39 +133,37 @@ fn tighten_binding(
     if (least.infinite == 0 && least.finite > row_upper + excess)
         || (most.infinite == 0 && most.finite < row_lower - excess)
     {
-        return false;
+        return RowState::Violated;
     }
     let upper_binds = row_upper.is_finite() && (most.infinite > 0 || most.finite > row_upper);
     let lower_binds = row_lower.is_finite() && (least.infinite > 0 || least.finite < row_lower);
     if !upper_binds && !lower_binds {
-        return true;
+        return RowState::Implied;
     }
     // Accumulated rounding of the activity, in the row's unit.
     let rounding = 1e-15 * scale * (entries.len() as f64);
+    let mut offer = |entry: &Entry, term: f64, is_upper: bool| {
+        let value = term / entry.coefficient;
+        found.extend(worthwhile(integral, domain, entry.column, is_upper, value, least_gain));
+    };
     for entry in entries {
         let (low, high) = ends(domain, entry);
         if low == high {
             continue;
         }
-        // No gain where the room is as wide as the term, before any division; an infinite width
-        // has room for any gain.
-        let width = high - low;
-        let mut offer = |rest: f64, limit: f64, room: f64, is_upper: bool| {
-            if room < width || width.is_infinite() {
-                let value = (limit - rest) / entry.coefficient;
-                found.extend(worthwhile(integral, domain, entry.column, is_upper, value));
-            }
-        };
-        if upper_binds && let Some(rest) = least.without(low) {
-            let limit = row_upper + rounding;
-            offer(rest, limit, limit - rest - low, entry.coefficient > 0.0);
+        // No gain beyond the other end of the term, before any division.
+        if upper_binds
+            && let Some(most) = least.room(low, row_upper + rounding).filter(|&m| m < high)
+        {
+            offer(entry, most, entry.coefficient > 0.0);
         }
-        if lower_binds && let Some(rest) = most.without(high) {
-            let limit = row_lower - rounding;
-            offer(rest, limit, rest + high - limit, entry.coefficient < 0.0);
+        if lower_binds
+            && let Some(least) = most.room(high, row_lower - rounding).filter(|&l| l > low)
+        {
+            offer(entry, least, entry.coefficient < 0.0);
         }
     }
-    true
+    RowState::Open
 }
 
 fn size(value: f64) -> f64 {
@@ -152,6 +185,7 @@ fn worthwhile(
     column: usize,
     is_upper: bool,
     value: f64,
+    least_gain: f64,
 ) -> Option<Tightening> {
     if !value.is_finite() || value.abs() >= tolerance::INFINITE {
         return None;
@@ -173,7 +207,7 @@ fn worthwhile(
         let gain = if is_upper { upper - value } else { value - lower };
         let width = upper - lower;
         let worth = if width.is_finite() {
-            (tolerance::PROPAGATION_GAIN * width).max(10.0 * slack)
+            (least_gain * width).max(10.0 * slack)
         } else {
             1e-3 * value.abs().max(1.0)
         };

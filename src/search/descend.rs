@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::clock::Activity;
 use super::node::Decision;
 use super::worker::Worker;
-use crate::presolve::{Conflict, probe};
+use crate::presolve::{Conflict, probe_again};
 
 impl Worker<'_> {
     /// Brings the domain to a node: on from the current path where it is a prefix, else from the
@@ -13,6 +13,7 @@ impl Worker<'_> {
     pub(super) fn enter(&mut self, path: &[Decision]) -> Result<(), Conflict> {
         let shared = path.len() >= self.path.len() && path[..self.path.len()] == self.path[..];
         if !shared {
+            self.propagator.touch(self.domain.changed_since(self.root));
             self.domain.undo_to(self.root);
             self.path.clear();
         }
@@ -48,7 +49,9 @@ impl Worker<'_> {
             self.tree.limit_reached().is_none()
         };
         let (domain, propagator) = (&mut self.domain, &mut self.propagator);
-        let result = probe(self.task.program, domain, propagator, &self.late_first, trials, &go_on);
+        let order = (&self.late_first[..], trials);
+        let record = &mut self.probing.record;
+        let result = probe_again(self.task.program, domain, propagator, order, record, &go_on);
         let decided = |&(j, _): &(usize, bool)| self.task.program.integral[j];
         let gains = self.domain.changed_since(before).filter(decided).count();
         self.probing.book(done.get(), gains, result.is_err());

@@ -4,6 +4,8 @@
 //! have to; on others hundreds of trials a node find nothing and cost more than the relaxations.
 //! Trials are paid from a credit that every success raises.
 
+use crate::presolve::ProbingRecord;
+
 /// Most trials at a node, and those that are always allowed, to notice when probing begins to pay.
 const MOST: usize = 200;
 const ALWAYS: usize = 4;
@@ -19,11 +21,13 @@ const REFUTED: i64 = 400;
 /// The account of one worker.
 pub(super) struct Probing {
     credit: i64,
+    /// What was tried, and where.
+    pub(super) record: ProbingRecord,
 }
 
 impl Probing {
-    pub(super) fn new() -> Self {
-        Probing { credit: CREDIT }
+    pub(super) fn new(columns: usize) -> Self {
+        Probing { credit: CREDIT, record: ProbingRecord::new(columns) }
     }
 
     /// Trials for the next node.
@@ -47,7 +51,7 @@ mod tests {
 
     #[test]
     fn probing_that_brings_nothing_ends_and_comes_back() {
-        let mut probing = Probing::new();
+        let mut probing = Probing::new(0);
         for _ in 0..100 {
             probing.book(probing.trials(), 0, false);
         }

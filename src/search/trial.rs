@@ -53,7 +53,9 @@ impl Worker<'_> {
     ) -> Option<Trial> {
         let mark = self.domain.mark();
         self.domain.apply(decision.column, decision.is_upper, decision.value);
+        self.propagator.set_on_trial(true);
         let propagated = self.propagate_since(mark);
+        self.propagator.set_on_trial(false);
         let mut point = Vec::new();
         let verdict = match propagated.ok().and_then(|()| self.project_node()) {
             Some(projection) => {

@@ -71,7 +71,7 @@ impl<'a> Worker<'a> {
             cutoff: f64::INFINITY,
             accounts: Accounts::new(),
             on_trial: false,
-            probing: Probing::new(),
+            probing: Probing::new(task.program.column_count()),
             root_done: false,
         }
     }

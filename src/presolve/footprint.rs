@@ -1,0 +1,86 @@
+//! Which part of a program a propagation looked at, and which part has changed since.
+//!
+//! A trial of probing that found nothing finds nothing again as long as the bounds of the rows that
+//! it looked at are the same. Rows are put together in blocks of neighbours, so that a part of the
+//! program is one word.
+
+/// Blocks of rows; as many as a word has bits.
+const BLOCKS: usize = 128;
+
+/// A set of blocks.
+pub(super) type Blocks = u128;
+
+/// The clock of changes and the blocks that propagation visits.
+#[derive(Debug, Clone)]
+pub(super) struct Footprint {
+    /// The logarithm of the number of rows of a block.
+    shift: u32,
+    visited: Blocks,
+    /// By block, when it last changed.
+    changed: Vec<u32>,
+    now: u32,
+    /// Whether changes are on trial, to be taken back.
+    on_trial: bool,
+}
+
+impl Footprint {
+    /// For so many rows.
+    pub(super) fn new(rows: usize) -> Self {
+        let shift = rows.div_ceil(BLOCKS).next_power_of_two().trailing_zeros();
+        Footprint { shift, visited: 0, changed: vec![0; BLOCKS], now: 1, on_trial: false }
+    }
+
+    #[inline]
+    fn block(&self, row: usize) -> usize {
+        (row >> self.shift).min(BLOCKS - 1)
+    }
+
+    /// Propagation looks at a row.
+    #[inline]
+    pub(super) fn visit(&mut self, row: usize) {
+        self.visited |= 1 << self.block(row);
+    }
+
+    /// The block of a row, as a set.
+    pub(super) fn blocks_of(&self, row: usize) -> Blocks {
+        1 << self.block(row)
+    }
+
+    /// A bound of a column in these blocks changes.
+    #[inline]
+    pub(super) fn touch(&mut self, mut blocks: Blocks) {
+        if self.on_trial {
+            return;
+        }
+        while blocks != 0 {
+            self.changed[blocks.trailing_zeros() as usize] = self.now;
+            blocks &= blocks - 1;
+        }
+    }
+
+    /// Changes from here on are on trial, or are not.
+    pub(super) fn set_on_trial(&mut self, on_trial: bool) {
+        self.on_trial = on_trial;
+    }
+
+    /// Forgets which rows were visited.
+    pub(super) fn start(&mut self) {
+        self.visited = 0;
+    }
+
+    /// The blocks that were visited since the start, and the time; what changes later is later.
+    pub(super) fn finish(&mut self) -> (Blocks, u32) {
+        let now = self.now;
+        self.now = now.saturating_add(1);
+        (self.visited, now)
+    }
+
+    /// The blocks that changed after a time.
+    pub(super) fn changed_after(&self, time: u32) -> Blocks {
+        let mut blocks = 0;
+        for (block, &changed) in self.changed.iter().enumerate() {
+            blocks |= Blocks::from(changed > time) << block;
+        }
+        blocks
+    }
+}
