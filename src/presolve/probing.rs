@@ -55,7 +55,7 @@ impl ProbingRecord {
         let (trials, found) = self.counts[usize::from(is_upper)];
         trials < JUDGED_AFTER
             || u64::from(found) * u64::from(EXPECTED) >= u64::from(trials)
-            || self.visits % RARELY == 0
+            || self.visits.is_multiple_of(RARELY)
     }
 
     fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {

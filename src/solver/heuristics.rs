@@ -41,7 +41,13 @@ pub struct Heuristics {
 
 impl Default for Heuristics {
     fn default() -> Self {
-        Heuristics { local_branching: false, ..Heuristics::all() }
+        Heuristics {
+            rounding: true,
+            diving: true,
+            neighbourhood: true,
+            local_branching: false,
+            pump: true,
+        }
     }
 }
 
