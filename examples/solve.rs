@@ -1,18 +1,21 @@
 //! Solves a model file, or writes it in another format.
 //!
 //! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
-//! [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] [--pool K] [--write OUT]
-//! [--lowered OUT]`
+//! [--node-limit N] [--deterministic] [--with PART] [--without PART] [--symmetry] [--conflicts] [--log]
+//! [--pool K] [--write OUT] [--lowered OUT]`
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
 //! `.lp`, `.json`; other files by their contents.
 //!
 //! * `--solution`: also print the values that are not zero (beyond 1e-9), `name = value`
 //! * `--time-limit S`: stop after S seconds
+//! * `--node-limit N`: stop after N nodes
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
 //! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve`, `cuts` or `blocks`; may be said several times
+//! * `--without PART`: leave out `presolve`, `cuts`, `blocks`, a heuristic (`rounding`, `diving`,
+//!   `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
+//! * `--with PART`: take in a heuristic, or all `heuristics`
 //! * `--symmetry`: order interchangeable columns
 //! * `--conflicts`: learn from conflicts
 //! * `--log`: progress and a summary on the standard error
@@ -37,10 +40,11 @@ use carom::prelude::{
     BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
 };
 use carom::reformulate;
-use carom::solver::PoolMode;
+use carom::solver::{Heuristics, PoolMode};
 
 const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
-                     [--deterministic] [--without PART] [--symmetry] [--conflicts] [--log] \
+                     [--node-limit N] [--deterministic] [--with PART] [--without PART] \
+                     [--symmetry] [--conflicts] [--log] \
                      [--pool K] [--write OUT] [--lowered OUT]";
 
 #[derive(Default)]
@@ -192,12 +196,14 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
                 arguments.options.pool = number(&word, &value()?)?;
                 arguments.options.pool_mode = PoolMode::Best;
             }
+            "--node-limit" => arguments.options.node_limit = Some(number(&word, &value()?)?),
             "--without" => match value()?.as_str() {
                 "presolve" => arguments.options.presolve = false,
                 "cuts" => arguments.options.cuts = false,
                 "blocks" => arguments.options.blocks = false,
-                part => return Err(format!("nothing is called `{part}`\n{USAGE}").into()),
+                part => switch(&mut arguments.options.heuristics, part, false)?,
             },
+            "--with" => switch(&mut arguments.options.heuristics, &value()?, true)?,
             "--conflicts" => arguments.options.conflicts = true,
             "--symmetry" => arguments.options.symmetry = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
@@ -210,6 +216,20 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
         }
     }
     if arguments.file.is_empty() { Err(USAGE.into()) } else { Ok(arguments) }
+}
+
+/// Switches a heuristic, or all of them.
+fn switch(heuristics: &mut Heuristics, part: &str, on: bool) -> Result<(), String> {
+    match part {
+        "heuristics" => *heuristics = if on { Heuristics::all() } else { Heuristics::none() },
+        "rounding" => heuristics.rounding = on,
+        "diving" => heuristics.diving = on,
+        "neighbourhood" => heuristics.neighbourhood = on,
+        "local-branching" => heuristics.local_branching = on,
+        "pump" => heuristics.pump = on,
+        _ => return Err(format!("nothing is called `{part}`\n{USAGE}")),
+    }
+    Ok(())
 }
 
 fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {

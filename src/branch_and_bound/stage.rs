@@ -94,6 +94,7 @@ impl Stage<'_> {
             windows: None,
             guide: self.guide,
             options,
+            cutoff: f64::INFINITY,
             start: self.start,
         };
         let mut found = search(task, control, seed);

@@ -40,4 +40,18 @@ impl Program {
         self.step.resize(n, None);
         Some(())
     }
+
+    /// Replaces the objective: one linear coefficient a column, and the entries of the symmetric
+    /// matrix, of which equal places are added up; nothing where it cannot be allocated.
+    pub(crate) fn replace_objective(
+        &mut self,
+        linear: Vec<f64>,
+        products: &[(usize, usize, f64)],
+    ) -> Option<()> {
+        let n = self.column_count();
+        let entries: Vec<_> = products.iter().map(|&(i, j, p)| Triplet::new(i, j, p)).collect();
+        self.quadratic = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
+        (self.linear, self.offset) = (linear, 0.0);
+        Some(())
+    }
 }

@@ -154,9 +154,9 @@ impl Pseudocosts {
         (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
     }
 
-    /// Product of the expected gains of both children; columns that nothing is known about are taken
-    /// for average ones.
-    fn score(&self, column: usize, value: f64) -> f64 {
+    /// Expected gains of lowering and of raising a column to the next whole value; those of
+    /// columns that nothing is known about are the average ones.
+    pub(super) fn gains(&self, column: usize, value: f64) -> [f64; 2] {
         let expected = |side: usize, fraction: f64| {
             let (sum, count) = match self.count[column][side] {
                 0 => self.total[side],
@@ -165,7 +165,13 @@ impl Pseudocosts {
             (sum / f64::from(count.max(1)) * fraction).max(LEAST_GAIN)
         };
         let fraction = value - value.floor();
-        expected(0, fraction) * expected(1, 1.0 - fraction)
+        [expected(0, fraction), expected(1, 1.0 - fraction)]
+    }
+
+    /// Product of the expected gains of both children.
+    fn score(&self, column: usize, value: f64) -> f64 {
+        let [down, up] = self.gains(column, value);
+        down * up
     }
 }
 

@@ -40,6 +40,17 @@ impl Clock {
         std::mem::replace(&mut self.activity, activity)
     }
 
+    /// Stops measuring while somebody else's clock runs; what was going on.
+    pub(super) fn pause(&mut self) -> Activity {
+        self.switch(Activity::Other)
+    }
+
+    /// Goes on after a pause.
+    pub(super) fn resume(&mut self, activity: Activity) {
+        self.restart();
+        self.activity = activity;
+    }
+
     /// Starts measuring anew: time that passed since the last reading is nobody's.
     pub(super) fn restart(&mut self) {
         self.since = Instant::now();

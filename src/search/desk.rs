@@ -8,7 +8,7 @@ use std::cell::{Cell, RefCell};
 use std::sync::atomic::Ordering;
 
 use crossbeam_deque::Worker as Deque;
-use web_time::Duration;
+use web_time::{Duration, Instant};
 
 use super::best_points::Accepted;
 use super::guess::GuessEnd;
@@ -34,6 +34,14 @@ pub(super) struct Desk<'a> {
     /// The last point that a guess led to.
     last_found: RefCell<Option<Vec<f64>>>,
     frozen: RefCell<Round>,
+}
+
+/// A source of points at work.
+pub(super) struct Begun {
+    before: Heuristic,
+    /// Relaxations before.
+    relaxations: u64,
+    since: Instant,
 }
 
 /// What a round keeps back.
@@ -100,6 +108,16 @@ impl<'a> Desk<'a> {
         few && self.tree.task.options.memory_limit.is_none()
     }
 
+    /// The best point and its value, in rounds that of the round's start.
+    pub(super) fn incumbent(&self) -> Option<(f64, Vec<f64>)> {
+        self.tree.incumbent()
+    }
+
+    /// Memory that a search inside this one may take, where there is a limit.
+    pub(super) fn memory_left(&self) -> Option<u64> {
+        self.tree.memory_left()
+    }
+
     /// Adds an open node.
     pub(super) fn push(&self, mut node: Node) {
         let Some(own) = &self.own else {
@@ -122,15 +140,22 @@ impl<'a> Desk<'a> {
         if waiting { node.min(self.base.get()) } else { node }
     }
 
-    /// From here on, points are found by this source; returns the one before.
-    pub(super) fn begin(&self, source: Heuristic) -> Heuristic {
+    /// From here on, points are found by this source; what [`end`](Self::end) wants to know.
+    pub(super) fn begin(&self, source: Heuristic) -> Begun {
         self.count(|s| s.heuristics.of_mut(source).calls += 1);
-        self.found_by.replace(source)
+        let relaxations = self.share.borrow().statistics.relaxations;
+        Begun { before: self.found_by.replace(source), relaxations, since: Instant::now() }
     }
 
     /// Goes back to the source before.
-    pub(super) fn end(&self, before: Heuristic) {
-        self.found_by.set(before);
+    pub(super) fn end(&self, begun: Begun) {
+        let source = self.found_by.replace(begun.before);
+        self.count(|s| {
+            let taken = s.relaxations - begun.relaxations;
+            let count = s.heuristics.of_mut(source);
+            count.relaxations += taken;
+            count.time += begun.since.elapsed();
+        });
     }
 
     /// Offers a verified point; `true` when it is the best this worker knows.

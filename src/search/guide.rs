@@ -23,7 +23,7 @@ pub struct Guide<'a> {
 }
 
 /// Where the columns of a presolved program come from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Origin<'a> {
     postsolve: &'a Postsolve,
     /// Bounds of the original's columns.
@@ -89,6 +89,12 @@ impl<'a> Guide<'a> {
             Some(origin) => origin.postsolve.carry(&values),
             None => values,
         }
+    }
+
+    /// For a search inside the search: the same priorities, no questions.
+    pub(super) fn idle(&self) -> Guide<'a> {
+        let (model, priorities) = (self.model, self.priorities.clone());
+        Guide { model, priorities, guidance: Guidance::default(), origin: self.origin.clone() }
     }
 
     /// Whether the user splits nodes or proposes points.

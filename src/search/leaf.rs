@@ -9,16 +9,17 @@ use crate::tolerance;
 
 impl Worker<'_> {
     /// Fixes all integers to the rounded values of `point`, solves the rest and offers the
-    /// result. The domain is left as it was.
-    pub(super) fn try_assignment(&mut self, point: &[f64]) {
+    /// result; whether it was accepted. The domain is left as it was.
+    pub(super) fn try_assignment(&mut self, point: &[f64]) -> bool {
         let mark = self.domain.mark();
         for &j in self.own_integers() {
             let value = point[j].round();
             self.domain.apply(j, false, value.max(self.domain.lower(j)));
             self.domain.apply(j, true, value.min(self.domain.upper(j)));
         }
-        self.solve_assignment(mark);
+        let found = self.solve_assignment(mark);
         self.domain.undo_to(mark);
+        found
     }
 
     /// Solves the leaf that the domain has become since `mark` and offers its point.

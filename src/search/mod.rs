@@ -23,13 +23,18 @@
 //! * `windows` - splitting "nothing happens in these steps", `order` - which binaries are steps
 //! * `symmetry` - interchangeable columns in falling order
 //! * `purify` - whole values where the relaxed point leaves a choice
+//! * `heuristics` - when which heuristic runs, `allowance` - how much one may spend
 //! * `rounding` - the round-and-propagate heuristic
+//! * `diving` - fixing, propagating and relaxing in turn down to a point
+//! * `neighbourhood` - small searches near the best point
+//! * `pump` - rounding and projection in turn
 //! * `reporter` - progress events
 //! * `unbounded` - recession directions
 //!
 //! Nothing is pruned on an unverified relaxation, and no incumbent is accepted that the caller's
 //! check refuses.
 
+mod allowance;
 mod best_points;
 mod branching;
 mod clock;
@@ -37,14 +42,18 @@ pub mod cuts;
 mod descend;
 mod desk;
 mod disjunction;
+mod diving;
 mod guess;
 mod guide;
+mod heuristics;
 mod leaf;
 mod live;
+mod neighbourhood;
 mod node;
 mod node_relaxation;
 mod order;
 mod probing;
+mod pump;
 mod purify;
 mod reduced_cost;
 mod reporter;
@@ -96,6 +105,8 @@ pub struct Task<'a> {
     pub guide: &'a Guide<'a>,
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
+    /// Points must be better than this (minimised objective); infinite where any will do.
+    pub cutoff: f64,
     /// When the solve began.
     pub start: Instant,
 }

@@ -125,10 +125,7 @@ impl Worker<'_> {
                 Method::Clarabel => self.relaxation.solve(reduced, &effort),
             };
             self.clock.switch(activity);
-            self.tree.count(|s| {
-                s.relaxations += 1;
-                s.iterations += answer.iterations;
-            });
+            self.count_relaxation(answer.iterations);
             if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
                 return Verdict::Stopped;
             }
@@ -185,6 +182,14 @@ impl Worker<'_> {
         Verdict::Relaxed { bound: best.0, x: best.1, y: multipliers, settled }
     }
 
+    pub(super) fn count_relaxation(&mut self, iterations: u64) {
+        self.accounts.iterations += iterations;
+        self.tree.count(|s| {
+            s.relaxations += 1;
+            s.iterations += iterations;
+        });
+    }
+
     /// Distance of a value from its bound, relative, up to which a relaxation counts as settled.
     fn slack(&self) -> f64 {
         if self.on_trial { 1e-3 } else { 1e-6 }
@@ -204,10 +209,7 @@ impl Worker<'_> {
         let activity = self.clock.switch(Activity::Relaxation);
         let mut answer = self.relaxation.solve(&directions, &effort);
         self.clock.switch(activity);
-        self.tree.count(|s| {
-            s.relaxations += 1;
-            s.iterations += answer.iterations;
-        });
+        self.count_relaxation(answer.iterations);
         polish(&directions, &mut answer.x);
         is_descent_ray(reduced, &answer.x)
     }
@@ -218,7 +220,8 @@ impl Worker<'_> {
         flat.make_feasibility_problem();
         let mut options = self.task.options.nested();
         options.branching = BranchingRule::LatestFirst;
-        let task = Task { program: &flat, windows: None, options: &options, ..self.task };
+        let (program, cutoff) = (&flat, f64::INFINITY);
+        let task = Task { program, windows: None, options: &options, cutoff, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
         let Found { termination, points, statistics, .. } = search(task, &mut control, None);
         let incumbent = points.into_iter().next();

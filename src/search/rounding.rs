@@ -7,18 +7,17 @@
 use super::worker::Worker;
 
 impl Worker<'_> {
-    /// Tries to turn a relaxed point into a feasible one. The domain is left as it was.
-    pub(super) fn round_and_propagate(&mut self, point: &[f64]) {
+    /// Tries to turn a relaxed point into a feasible one; whether it did. The domain is left as it
+    /// was.
+    pub(super) fn round_and_propagate(&mut self, point: &[f64]) -> bool {
         let mark = self.domain.mark();
         let mut order: Vec<usize> = self.own_integers().to_vec();
         let distance = |j: usize| (point[j] - point[j].round()).abs();
         order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
         let complete = order.into_iter().all(|j| self.fix_rounded(j, point[j]) && !self.is_late());
-        if complete {
-            let end = self.domain.mark();
-            self.solve_assignment(end);
-        }
+        let found = complete && self.solve_assignment(self.domain.mark());
         self.domain.undo_to(mark);
+        found
     }
 
     /// Fixes one integer near `value`; `false` when both sides contradict the domain.

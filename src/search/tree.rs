@@ -50,6 +50,8 @@ pub(super) struct State {
     /// Smallest bound of a subtree that could be neither finished nor split.
     stalled: f64,
     pub(super) stop: Option<Termination>,
+    /// Bytes of the tree when they were last counted: in rounds, before the present one.
+    bytes: u64,
     /// Nodes that were handed to workers.
     pub(super) started: u64,
     statistics: Statistics,
@@ -86,6 +88,7 @@ impl<'a> Tree<'a> {
             closed: f64::INFINITY,
             stalled: f64::INFINITY,
             stop: None,
+            bytes: 0,
             started: 0,
             statistics: Statistics::default(),
             leaves: Vec::new(),
@@ -100,7 +103,7 @@ impl<'a> Tree<'a> {
             state: Mutex::new(state),
             wake: Condvar::new(),
             idle: AtomicUsize::new(0),
-            cutoff: AtomicU64::new(f64::INFINITY.to_bits()),
+            cutoff: AtomicU64::new(task.cutoff.to_bits()),
             serial: AtomicU64::new(1),
             open: AtomicUsize::new(1),
             steps: StepCount::default(),
@@ -167,6 +170,7 @@ impl<'a> Tree<'a> {
         let options = self.task.options;
         let open = self.open.load(Ordering::Relaxed);
         let bytes = self.bytes(state);
+        state.bytes = bytes;
         let counts = &mut state.statistics;
         counts.max_open = counts.max_open.max(open as u64);
         counts.tree_bytes = counts.tree_bytes.max(bytes);
@@ -194,6 +198,19 @@ impl<'a> Tree<'a> {
         (nodes + steps + leaves + state.points.bytes()) as u64
     }
 
+    /// A worker's share of the memory that is left, where there is a limit.
+    pub(super) fn memory_left(&self) -> Option<u64> {
+        let limit = self.task.options.memory_limit?;
+        let state = self.lock();
+        Some(limit.saturating_sub(state.bytes) / state.floors.len().max(1) as u64)
+    }
+
+    /// The best point and its value. In rounds it is that of the last one's end.
+    pub(super) fn incumbent(&self) -> Option<(f64, Vec<f64>)> {
+        let state = self.lock();
+        state.points.incumbent().map(|best| (best.value, best.point.clone()))
+    }
+
     /// Whether memory is so short that depth goes before the best bound.
     pub(super) fn is_short_of_memory(&self, state: &State) -> bool {
         self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)
@@ -217,6 +234,7 @@ impl<'a> Tree<'a> {
         } else {
             beaten
         };
+        let cutoff = cutoff.min(self.task.cutoff);
         self.cutoff.store(cutoff.to_bits(), Ordering::Release);
         better
     }

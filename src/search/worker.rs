@@ -2,8 +2,9 @@
 
 use super::Task;
 use super::branching::{Child, Pseudocosts, Split};
-use super::clock::{Activity, Clock};
+use super::clock::Clock;
 use super::desk::Desk;
+use super::heuristics::Accounts;
 use super::node::{Decision, Node, Path};
 use super::node_relaxation::Verdict;
 use super::probing::Probing;
@@ -26,7 +27,7 @@ pub(super) struct Worker<'a> {
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
     pub(super) covers: &'a [Vec<usize>],
-    groups: &'a [Vec<usize>],
+    pub(super) groups: &'a [Vec<usize>],
     pub(super) late_first: Vec<usize>,
     pub(super) relaxation: ClarabelRelaxation,
     pub(super) interior: InteriorPoint,
@@ -40,8 +41,7 @@ pub(super) struct Worker<'a> {
     pub(super) root_conflict: Option<Conflict>,
     /// The cutoff that propagation uses at the current node.
     pub(super) cutoff: f64,
-    /// Nodes since the rounding heuristic last ran.
-    pub(super) since_rounding: u64,
+    pub(super) accounts: Accounts,
     /// Whether a child is on trial, so that a rough answer will do.
     pub(super) on_trial: bool,
     pub(super) probing: Probing,
@@ -75,7 +75,7 @@ impl<'a> Worker<'a> {
             route: Vec::new(),
             root_conflict: root.conflict,
             cutoff: f64::INFINITY,
-            since_rounding: u64::MAX,
+            accounts: Accounts::new(),
             on_trial: false,
             probing: Probing::new(task.program.column_count()),
             root_done: false,
@@ -92,6 +92,7 @@ impl<'a> Worker<'a> {
     pub(super) fn process(&mut self, node: Node) -> Option<Node> {
         span!(DEBUG, "node", depth = node.path.len(), bound = node.bound);
         let depth = node.path.len() as u64;
+        self.accounts.nodes += 1;
         let next = self.conclude(node);
         let times = self.clock.take();
         let conflicts = self.propagator.take_conflict_counts();
@@ -314,29 +315,6 @@ impl<'a> Worker<'a> {
         }
         parts.sort_by(|a, b| a.order.total_cmp(&b.order));
         parts.into_iter().map(|part| part.path).collect()
-    }
-
-    fn look_for_points(&mut self, point: &[f64], bound: f64, at_root: bool) {
-        let integrality = self.task.options.integrality;
-        let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
-        let activity = self.clock.switch(Activity::Heuristic);
-        if self.program().integers.iter().all(whole) {
-            span!(DEBUG, "heuristic", name = "relaxation");
-            let before = self.tree.begin(Heuristic::Relaxation);
-            self.try_assignment(point);
-            self.tree.end(before);
-        }
-        let pause = if self.tree.cutoff() == f64::INFINITY { 5 } else { 50 };
-        if at_root || self.since_rounding >= pause {
-            span!(DEBUG, "heuristic", name = "rounding");
-            self.since_rounding = 0;
-            let before = self.tree.begin(Heuristic::Rounding);
-            self.round_and_propagate(point);
-            self.tree.end(before);
-            self.try_proposals(point, bound);
-        }
-        self.since_rounding += 1;
-        self.clock.switch(activity);
     }
 
     pub(super) fn is_leaf(&self) -> bool {

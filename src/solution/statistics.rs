@@ -15,6 +15,8 @@ use web_time::Duration;
 pub struct Statistics {
     /// Nodes of the tree that were processed, the root included.
     pub nodes: u64,
+    /// Nodes of small searches inside heuristics, which are not counted in `nodes`.
+    pub nested_nodes: u64,
     /// Continuous relaxations solved, those of heuristics and checks included.
     pub relaxations: u64,
     /// Interior-point iterations over all relaxations.
@@ -107,6 +109,14 @@ pub enum Heuristic {
     Guess,
     /// Values proposed by a [`Proposal`](crate::solver::Proposal), completed.
     Proposal,
+    /// Diving: fix, propagate and relax in turn.
+    Diving,
+    /// Relaxation-induced neighbourhood search.
+    Neighbourhood,
+    /// Local branching.
+    LocalBranching,
+    /// The feasibility pump.
+    Pump,
 }
 
 /// What one source of points tried and found.
@@ -121,6 +131,11 @@ pub struct HeuristicCount {
     pub points: u64,
     /// How many of these were better than all before.
     pub incumbents: u64,
+    /// Relaxations solved in it, those of its own small searches included.
+    pub relaxations: u64,
+    /// Time in it, summed over all threads, relaxations included. Unlike the parts of
+    /// [`Times`], it overlaps with these.
+    pub time: Duration,
 }
 
 /// What each source of points tried and found.
@@ -133,16 +148,24 @@ pub struct Heuristics {
     rounding: HeuristicCount,
     guess: HeuristicCount,
     proposal: HeuristicCount,
+    diving: HeuristicCount,
+    neighbourhood: HeuristicCount,
+    local_branching: HeuristicCount,
+    pump: HeuristicCount,
 }
 
 impl Heuristic {
     /// All sources of points.
-    pub const ALL: [Heuristic; 5] = [
+    pub const ALL: [Heuristic; 9] = [
         Heuristic::Leaf,
         Heuristic::Relaxation,
         Heuristic::Rounding,
         Heuristic::Guess,
         Heuristic::Proposal,
+        Heuristic::Diving,
+        Heuristic::Neighbourhood,
+        Heuristic::LocalBranching,
+        Heuristic::Pump,
     ];
 
     /// The letter that marks its points in a [`Log`](crate::solver::Log).
@@ -153,6 +176,10 @@ impl Heuristic {
             Heuristic::Rounding => 'R',
             Heuristic::Guess => 'G',
             Heuristic::Proposal => 'P',
+            Heuristic::Diving => 'D',
+            Heuristic::Neighbourhood => 'N',
+            Heuristic::LocalBranching => 'B',
+            Heuristic::Pump => 'F',
         }
     }
 }
@@ -165,6 +192,10 @@ impl fmt::Display for Heuristic {
             Heuristic::Rounding => "rounding",
             Heuristic::Guess => "guess",
             Heuristic::Proposal => "proposal",
+            Heuristic::Diving => "diving",
+            Heuristic::Neighbourhood => "neighbourhood",
+            Heuristic::LocalBranching => "local branching",
+            Heuristic::Pump => "pump",
         })
     }
 }
@@ -178,6 +209,10 @@ impl Heuristics {
             Heuristic::Rounding => self.rounding,
             Heuristic::Guess => self.guess,
             Heuristic::Proposal => self.proposal,
+            Heuristic::Diving => self.diving,
+            Heuristic::Neighbourhood => self.neighbourhood,
+            Heuristic::LocalBranching => self.local_branching,
+            Heuristic::Pump => self.pump,
         }
     }
 
@@ -194,6 +229,10 @@ impl Heuristics {
             Heuristic::Rounding => &mut self.rounding,
             Heuristic::Guess => &mut self.guess,
             Heuristic::Proposal => &mut self.proposal,
+            Heuristic::Diving => &mut self.diving,
+            Heuristic::Neighbourhood => &mut self.neighbourhood,
+            Heuristic::LocalBranching => &mut self.local_branching,
+            Heuristic::Pump => &mut self.pump,
         }
     }
 }
@@ -247,13 +286,28 @@ impl Statistics {
 
     /// The same counts without what varies from run to run: times, and the number of threads.
     pub fn without_times(&self) -> Statistics {
-        Statistics { times: Times::default(), time: Duration::ZERO, threads: 0, ..*self }
+        let mut heuristics = self.heuristics;
+        for heuristic in Heuristic::ALL {
+            heuristics.of_mut(heuristic).time = Duration::ZERO;
+        }
+        let (times, time) = (Times::default(), Duration::ZERO);
+        Statistics { times, time, heuristics, threads: 0, ..*self }
+    }
+
+    /// Adds what a search inside a heuristic took: its relaxations and times, and its nodes as
+    /// nested ones. What it found is counted where it is offered.
+    pub(crate) fn add_nested(&mut self, inner: &Statistics) {
+        self.relaxations += inner.relaxations;
+        self.iterations += inner.iterations;
+        self.nested_nodes += inner.nodes + inner.nested_nodes;
+        self.times.add(&inner.times);
     }
 
     /// Adds the counts and times of a part of the search. Largest values are kept, and the time
     /// of the solve and its threads are left alone.
     pub fn add(&mut self, part: &Statistics) {
         self.nodes += part.nodes;
+        self.nested_nodes += part.nested_nodes;
         self.relaxations += part.relaxations;
         self.iterations += part.iterations;
         self.refuted_by_propagation += part.refuted_by_propagation;
@@ -278,6 +332,8 @@ impl Statistics {
             sum.calls += count.calls;
             sum.points += count.points;
             sum.incumbents += count.incumbents;
+            sum.relaxations += count.relaxations;
+            sum.time += count.time;
         }
     }
 }

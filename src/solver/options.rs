@@ -2,6 +2,7 @@
 
 use web_time::Duration;
 
+use super::heuristics::Heuristics;
 use super::rules::BranchingRule;
 use crate::error::Error;
 use crate::tolerance;
@@ -27,10 +28,12 @@ use crate::tolerance;
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns* |
+/// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns fall* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
+/// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
+/// | `heuristics` | [`Heuristics`] | all but local branching | all | as default | decisions, *Heuristics are paid from allowances* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,6 +100,8 @@ pub struct Options {
     /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
     /// where presolve is.
     pub cuts: bool,
+    /// Which heuristics may look for points; default [`Heuristics::default`].
+    pub heuristics: Heuristics,
 }
 
 /// Which points a pool holds.
@@ -134,15 +139,17 @@ impl Default for Options {
             presolve: true,
             blocks: true,
             cuts: true,
+            heuristics: Heuristics::default(),
         }
     }
 }
 
 impl Options {
-    /// A good point soon: a gap of a tenth of a percent, and a thread for every processor.
+    /// A good point soon: a gap of a tenth of a percent, every heuristic, and a thread for every
+    /// processor.
     pub fn fast() -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(256);
-        Options { relative_gap: 1e-3, threads, ..Options::default() }
+        Options { relative_gap: 1e-3, threads, heuristics: Heuristics::all(), ..Options::default() }
     }
 
     /// The default.
@@ -167,6 +174,7 @@ impl Options {
             pool_mode: PoolMode::Found,
             pool_gap: None,
             keep_leaves: false,
+            heuristics: self.heuristics.nested(),
             ..self.clone()
         }
     }
@@ -280,6 +288,13 @@ impl Options {
     #[must_use]
     pub fn with_cuts(mut self, cuts: bool) -> Self {
         self.cuts = cuts;
+        self
+    }
+
+    /// Sets which heuristics may look for points.
+    #[must_use]
+    pub fn with_heuristics(mut self, heuristics: Heuristics) -> Self {
+        self.heuristics = heuristics;
         self
     }
 

@@ -19,6 +19,7 @@ fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
     let (options, model) = (Options::default(), Model::new("none"));
     let guide = Guide::new(&model, &Guidance::default()).expect("no guidance is none");
     let task = Task {
+        cutoff: f64::INFINITY,
         program,
         accept,
         guide: &guide,

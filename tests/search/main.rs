@@ -13,6 +13,7 @@ mod blocks;
 mod conflicts;
 mod deterministic;
 mod events;
+mod heuristics;
 mod limits;
 mod pool;
 mod seeds;
