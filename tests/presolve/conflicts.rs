@@ -10,21 +10,19 @@ use carom::program::Program;
 use proptest::prelude::*;
 
 use crate::common::config;
+use crate::grid::{Grid, GridRow, TOP, balance, columns, general, grid, some_binaries};
 
 const REGRESSIONS: &str = "tests/regressions/conflicts.txt";
 
-/// Columns: binaries, then an integer, then two continuous ones in steps of a half.
 const BINARIES: usize = 6;
-const COLUMNS: usize = BINARIES + 3;
-const TOP: f64 = 3.0;
+const COLUMNS: usize = columns(BINARIES);
 
 /// What bounds of continuous columns may be missed by through rounding.
 const SLACK: f64 = 1e-7;
 
 #[derive(Debug, Clone)]
 struct Case {
-    rows: Vec<(Vec<i8>, Option<i8>, Option<i8>)>,
-    cost: Vec<i8>,
+    grid: Grid,
     walk: Vec<Step>,
     implications: bool,
 }
@@ -41,11 +39,7 @@ struct Step {
     cutoff: Option<prop::sample::Index>,
 }
 
-fn row() -> impl Strategy<Value = (Vec<i8>, Option<i8>, Option<i8>)> {
-    let general = (prop::collection::vec(-4i8..=5, COLUMNS), -3i8..=9, any::<bool>());
-    let general = general.prop_map(|(row, limit, below)| {
-        if below { (row, None, Some(limit)) } else { (row, Some(limit - 6), None) }
-    });
+fn row() -> impl Strategy<Value = GridRow> {
     // Where a binary is on, a row of two other columns must hold: an indicator with its big-M.
     let indicator = (0..BINARIES, 0..COLUMNS, 0..COLUMNS, -2i8..=2, -2i8..=3);
     let indicator = indicator.prop_map(|(z, x, y, a, limit)| {
@@ -56,13 +50,8 @@ fn row() -> impl Strategy<Value = (Vec<i8>, Option<i8>, Option<i8>)> {
         row[z] += big_m;
         (row, None, Some(limit + big_m))
     });
-    let balance = (prop::collection::vec(-1i8..=1, COLUMNS), -1i8..=2)
-        .prop_map(|(row, at)| (row, Some(at), Some(at)));
-    let covering = prop::collection::vec(0i8..=1, BINARIES).prop_map(|mut row| {
-        row.resize(COLUMNS, 0);
-        (row, Some(1), None)
-    });
-    prop_oneof![2 => general, 4 => indicator, 1 => balance, 2 => covering]
+    let covering = some_binaries(BINARIES).prop_map(|row| (row, Some(1), None));
+    prop_oneof![2 => general(BINARIES), 4 => indicator, 1 => balance(BINARIES), 2 => covering]
 }
 
 fn case() -> impl Strategy<Value = Case> {
@@ -82,69 +71,9 @@ fn case() -> impl Strategy<Value = Case> {
         probes,
         cutoff,
     });
-    let rows = prop::collection::vec(row(), 2..9);
-    let cost = prop::collection::vec(-3i8..=3, COLUMNS);
-    (rows, cost, prop::collection::vec(step, 1..40), any::<bool>()).prop_map(
-        |(rows, cost, walk, implications)| Case {
-            rows: rows.into_iter().filter(|(row, ..)| row.iter().any(|a| *a != 0)).collect(),
-            cost,
-            walk,
-            implications,
-        },
-    )
-}
-
-impl Case {
-    fn model(&self) -> Model {
-        let mut model = Model::new("conflicts");
-        let mut variables = Vec::new();
-        for j in 0..COLUMNS {
-            let name = format!("v{j}");
-            variables.push(match j {
-                j if j < BINARIES => model.binary(name).unwrap(),
-                BINARIES => model.integer(name, 0.0, TOP).unwrap(),
-                _ => model.continuous(name, 0.0, TOP).unwrap(),
-            });
-        }
-        let sum = |row: &[i8]| -> Affine {
-            variables.iter().zip(row).map(|(&v, &a)| f64::from(a) * v).sum()
-        };
-        for (i, (row, lower, upper)) in self.rows.iter().enumerate() {
-            let lower = lower.map_or(f64::NEG_INFINITY, f64::from);
-            let upper = upper.map_or(f64::INFINITY, f64::from);
-            model.add(format!("r{i}"), sum(row).within(lower, upper)).unwrap();
-        }
-        model.minimize(sum(&self.cost)).unwrap();
-        model
-    }
-
-    /// The grid points that satisfy the rows, with their objectives.
-    fn points(&self) -> Vec<(Vec<f64>, f64)> {
-        let sum = |row: &[i8], p: &[f64]| -> f64 {
-            row.iter().zip(p).map(|(&a, v)| f64::from(a) * v).sum()
-        };
-        let mut points = vec![Vec::new()];
-        for j in 0..COLUMNS {
-            let (top, step) = match j {
-                j if j < BINARIES => (1.0, 1.0),
-                BINARIES => (TOP, 1.0),
-                _ => (TOP, 0.5),
-            };
-            let values: Vec<f64> = (0..=(top / step) as u32).map(|k| f64::from(k) * step).collect();
-            points = points
-                .into_iter()
-                .flat_map(|p| values.iter().map(move |&v| [&p[..], &[v]].concat()))
-                .collect();
-        }
-        points.retain(|p| {
-            self.rows.iter().all(|(row, lower, upper)| {
-                let sum = sum(row, p);
-                lower.is_none_or(|l| f64::from(l) <= sum)
-                    && upper.is_none_or(|u| sum <= f64::from(u))
-            })
-        });
-        points.into_iter().map(|p| (p.clone(), sum(&self.cost, &p))).collect()
-    }
+    let grid = grid(BINARIES, prop::collection::vec(row(), 2..9));
+    (grid, prop::collection::vec(step, 1..40), any::<bool>())
+        .prop_map(|(grid, walk, implications)| Case { grid, walk, implications })
 }
 
 /// Whether a point satisfies a bound.
@@ -161,8 +90,9 @@ struct Counts {
 
 /// Walks, and checks every bound and every no-good on the way.
 fn walk(case: &Case) -> Result<Counts, TestCaseError> {
-    let program = Program::assemble(&case.model()).unwrap();
-    let points = case.points();
+    let program = Program::assemble(&case.grid.model()).unwrap();
+    let points: Vec<(Vec<f64>, f64)> =
+        case.grid.points().into_iter().map(|p| (p.clone(), case.grid.cost_of(&p))).collect();
     let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
     let columns: Vec<usize> = program.integers.clone();
     let go_on = || true;

@@ -12,103 +12,44 @@ use carom::solver::Deadline;
 use proptest::prelude::*;
 
 use crate::common::config;
+use crate::grid::{Grid, balance, columns, general, grid, some_binaries};
 
 const REGRESSIONS: &str = "tests/regressions/cuts.txt";
 
-/// Columns: binaries, then an integer, then two continuous ones in steps of a half.
 const BINARIES: usize = 4;
-const COLUMNS: usize = BINARIES + 3;
-const TOP: f64 = 3.0;
+const COLUMNS: usize = columns(BINARIES);
 
 /// What a whole point may violate a cut by through rounding.
 const SLACK: f64 = 1e-7;
 
 #[derive(Debug, Clone)]
 struct Case {
-    rows: Vec<(Vec<i8>, Option<i8>, Option<i8>)>,
-    cost: Vec<i8>,
+    grid: Grid,
     /// Where the relaxed point is taken to be, as a fraction of each column's range.
     relaxed: Vec<f64>,
 }
 
 fn case() -> impl Strategy<Value = Case> {
-    let general = (prop::collection::vec(-4i8..=5, COLUMNS), -3i8..=9, any::<bool>());
-    let general = general.prop_map(|(row, limit, below)| {
-        if below { (row, None, Some(limit)) } else { (row, Some(limit - 6), None) }
-    });
     // x <= m z: a variable bound.
     let switch = (0..BINARIES, BINARIES..COLUMNS, 1i8..=3).prop_map(|(z, x, m)| {
         let mut row = vec![0; COLUMNS];
         (row[x], row[z]) = (1, -m);
         (row, None, Some(0))
     });
-    let balance = (prop::collection::vec(-1i8..=1, COLUMNS), -1i8..=2)
-        .prop_map(|(row, at)| (row, Some(at), Some(at)));
-    let packing = prop::collection::vec(0i8..=1, BINARIES).prop_map(|mut row| {
-        row.resize(COLUMNS, 0);
-        (row, None, Some(1))
-    });
-    let row = prop_oneof![3 => general, 2 => switch, 1 => balance, 1 => packing];
-    let rows = prop::collection::vec(row, 1..6);
+    let packing = some_binaries(BINARIES).prop_map(|row| (row, None, Some(1)));
+    let row = prop_oneof![
+        3 => general(BINARIES),
+        2 => switch,
+        1 => balance(BINARIES),
+        1 => packing,
+    ];
+    let grid = grid(BINARIES, prop::collection::vec(row, 1..6));
     let fraction = prop_oneof![2 => 0.0..=1.0, 1 => Just(0.0), 1 => Just(1.0), 1 => Just(0.5)];
-    let cost = prop::collection::vec(-3i8..=3, COLUMNS);
-    (rows, cost, prop::collection::vec(fraction, COLUMNS)).prop_map(|(rows, cost, relaxed)| Case {
-        rows: rows.into_iter().filter(|(row, ..)| row.iter().any(|a| *a != 0)).collect(),
-        cost,
-        relaxed,
-    })
+    (grid, prop::collection::vec(fraction, COLUMNS))
+        .prop_map(|(grid, relaxed)| Case { grid, relaxed })
 }
 
 impl Case {
-    fn model(&self) -> Model {
-        let mut model = Model::new("cuts");
-        let mut variables = Vec::new();
-        for j in 0..COLUMNS {
-            let name = format!("v{j}");
-            variables.push(match j {
-                j if j < BINARIES => model.binary(name).unwrap(),
-                BINARIES => model.integer(name, 0.0, TOP).unwrap(),
-                _ => model.continuous(name, 0.0, TOP).unwrap(),
-            });
-        }
-        let sum = |row: &[i8]| -> Affine {
-            variables.iter().zip(row).map(|(&v, &a)| f64::from(a) * v).sum()
-        };
-        for (i, (row, lower, upper)) in self.rows.iter().enumerate() {
-            let lower = lower.map_or(f64::NEG_INFINITY, f64::from);
-            let upper = upper.map_or(f64::INFINITY, f64::from);
-            model.add(format!("r{i}"), sum(row).within(lower, upper)).unwrap();
-        }
-        model.minimize(sum(&self.cost)).unwrap();
-        model
-    }
-
-    /// The grid points that satisfy the rows.
-    fn points(&self) -> Vec<Vec<f64>> {
-        let mut points = vec![Vec::new()];
-        for j in 0..COLUMNS {
-            let (top, step) = match j {
-                j if j < BINARIES => (1.0, 1.0),
-                BINARIES => (TOP, 1.0),
-                _ => (TOP, 0.5),
-            };
-            let values = (0..=(top / step) as u32).map(|k| f64::from(k) * step);
-            let values: Vec<f64> = values.collect();
-            points = points
-                .into_iter()
-                .flat_map(|p| values.iter().map(move |&v| [&p[..], &[v]].concat()))
-                .collect();
-        }
-        points.retain(|p| {
-            self.rows.iter().all(|(row, lower, upper)| {
-                let sum: f64 = row.iter().zip(p).map(|(&a, v)| f64::from(a) * v).sum();
-                lower.is_none_or(|l| f64::from(l) <= sum)
-                    && upper.is_none_or(|u| sum <= f64::from(u))
-            })
-        });
-        points
-    }
-
     fn relaxed(&self, program: &Program) -> Vec<f64> {
         let at =
             |j: usize| program.lower[j] + self.relaxed[j] * (program.upper[j] - program.lower[j]);
@@ -125,9 +66,9 @@ proptest! {
 
     #[test]
     fn no_whole_point_is_cut_off(case in case()) {
-        let program = Program::assemble(&case.model()).unwrap();
+        let program = Program::assemble(&case.grid.model()).unwrap();
         let mut domain = Domain::new(&program);
-        let points = case.points();
+        let points = case.grid.points();
         let mut propagator = Propagator::new(&program);
         let conflict = propagator.propagate_all(&program, &mut domain).is_err();
         prop_assert!(!conflict || points.is_empty());
@@ -143,9 +84,9 @@ proptest! {
 
     #[test]
     fn implications_hold_at_whole_points(case in case()) {
-        let program = Program::assemble(&case.model()).unwrap();
+        let program = Program::assemble(&case.grid.model()).unwrap();
         let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
-        let points = case.points();
+        let points = case.grid.points();
         let columns: Vec<usize> = program.integers.clone();
         let found = propagator.propagate_all(&program, &mut domain).and_then(|()| {
             let go_on = || true;
@@ -186,7 +127,7 @@ proptest! {
 
     #[test]
     fn optima_stay_the_same(case in case()) {
-        let model = case.model();
+        let model = case.grid.model();
         let solve = |cuts: bool| {
             BranchAndBound::new(Options::default().with_cuts(cuts)).solve(&model).unwrap()
         };

@@ -5,6 +5,7 @@ mod common;
 
 mod conflicts;
 mod cuts;
+mod grid;
 mod kkt;
 mod programs;
 mod rules;
