@@ -46,9 +46,14 @@ pub const PROPAGATION_INFEASIBLE: f64 = 1e-8;
 /// Radius inside which variables without any finite bound are searched, in the variable's unit.
 ///
 /// A dual bound needs every column's contribution over its domain. Where neither bounds,
-/// propagation nor curvature limit a variable, bounds and infeasibility proofs hold for points
-/// with `|x| <= FREE_RADIUS`.
+/// propagation nor curvature limit a variable, bounds hold for points with `|x| <= FREE_RADIUS`.
 pub const FREE_RADIUS: f64 = 1e9;
+
+/// The same where a relaxation is proved to have no point at all: a point beyond [`FREE_RADIUS`] is a
+/// point all the same. Multipliers are corrected until columns without bounds have next to no say in
+/// the proof, so the larger radius costs no proof: 10,000 programs of `examples/torture` (from seed
+/// 20000000) end as they did with the smaller one.
+pub const INFEASIBILITY_RADIUS: f64 = 1e15;
 
 /// Relative tolerance of the eigenvalue test of a quadratic objective (no unit): the smallest
 /// eigenvalue may be below zero by this fraction of the largest magnitude.

@@ -11,7 +11,7 @@
 //! A column without a finite bound (or with a far one) on the side that `g` pulls to needs
 //! `g_j = 0`. There the pair is corrected first, `x̂` where the objective curves and `y` where rows
 //! press, again with twice the digits, and what is left of `g_j` (about 1e-30) is charged over
-//! [`tolerance::FREE_RADIUS`].
+//! [`tolerance::FREE_RADIUS`], or [`tolerance::INFEASIBILITY_RADIUS`] where there is no objective.
 
 use super::correction::Correction;
 use super::extended::Extended;
@@ -221,6 +221,11 @@ impl Pair<'_> {
         (0..self.x.len()).filter(pulls).collect()
     }
 
+    /// How far columns without bounds are taken to reach.
+    fn radius(&self) -> f64 {
+        if self.objective { tolerance::FREE_RADIUS } else { tolerance::INFEASIBILITY_RADIUS }
+    }
+
     fn bound(&self, gradient: &Gradient) -> f64 {
         let program = self.program;
         let mut sum = Sum::default();
@@ -242,7 +247,7 @@ impl Pair<'_> {
         for j in 0..self.x.len() {
             let (g, error) = (gradient.value[j], gradient.error(j));
             let reach = |bound: f64| {
-                if bound.is_finite() { bound } else { bound.signum() * tolerance::FREE_RADIUS }
+                if bound.is_finite() { bound } else { bound.signum() * self.radius() }
             };
             let (lower, upper) = (reach(program.lower[j]), reach(program.upper[j]));
             if g.high.abs() <= error {

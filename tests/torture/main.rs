@@ -42,3 +42,10 @@ fn what_was_wrong_is_right() {
         assert!(matches!(verdict, Verdict::Right), "seed {seed}: {verdict:?}");
     }
 }
+
+/// Its only points are at 5e11, and it was called infeasible.
+#[test]
+fn points_far_away_are_points() {
+    let verdict = verdict(70_195);
+    assert!(matches!(verdict, Verdict::Right | Verdict::Stalled(_)), "{verdict:?}");
+}
