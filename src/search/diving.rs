@@ -108,12 +108,12 @@ impl Worker<'_> {
         let fractional = self.own_integers().iter().copied().filter(|&j| distance(j) > integrality);
         let candidate = |j: usize| {
             let (x, below) = (point[j], point[j].floor());
-            match guide {
-                Guide::Incumbent if let Some(best) = best => {
+            match (guide, best) {
+                (Guide::Incumbent, Some(best)) => {
                     let aim = if best[j] > x { below + 0.75 } else { below + 0.25 };
                     ((x - best[j]).abs(), j, aim)
                 }
-                Guide::Pseudocosts => {
+                (Guide::Pseudocosts, _) => {
                     let [down, up] = self.pseudocosts.gains(j, x);
                     let aim = if up < down { below + 0.75 } else { below + 0.25 };
                     (down.min(up) / down.max(up), j, aim)
