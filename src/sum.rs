@@ -4,6 +4,25 @@
 //! known exactly; adding these up beside the sum makes the result as good as one computed with twice
 //! the digits and rounded once.
 
+/// The rounded sum and its rounding error (Knuth).
+pub(crate) fn exact_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}
+
+/// The rounded product and its rounding error (Dekker).
+pub(crate) fn exact_product(a: f64, b: f64) -> (f64, f64) {
+    let halves = |v: f64| {
+        let t = 134_217_729.0 * v; // 2^27 + 1
+        let high = t - (t - v);
+        (high, v - high)
+    };
+    let product = a * b;
+    let ((a, x), (b, y)) = (halves(a), halves(b));
+    (product, ((a * b - product) + a * y + x * b) + x * y)
+}
+
 /// A sum and what rounding has left out of it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sum {
@@ -18,24 +37,23 @@ impl Sum {
 
     /// Adds a value.
     pub(crate) fn add(&mut self, value: f64) {
-        let sum = self.sum + value;
-        let of_value = sum - self.sum;
-        self.rest += (self.sum - (sum - of_value)) + (value - of_value);
+        let (sum, error) = exact_sum(self.sum, value);
         self.sum = sum;
+        self.rest += error;
     }
 
     /// Adds the product of two values.
     pub(crate) fn add_product(&mut self, a: f64, b: f64) {
-        let product = a * b;
+        let (product, error) = exact_product(a, b);
         self.add(product);
-        self.rest += a.mul_add(b, -product);
+        self.rest += error;
     }
 
     /// Adds the product of three values.
     pub(crate) fn add_product_of_three(&mut self, a: f64, b: f64, c: f64) {
-        let product = a * b;
+        let (product, error) = exact_product(a, b);
         self.add_product(product, c);
-        self.rest += a.mul_add(b, -product) * c;
+        self.rest += error * c;
     }
 
     /// The sum. Where anything was infinite or not a number, what a plain sum gives.

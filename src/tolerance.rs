@@ -36,8 +36,8 @@ pub const PROPAGATION_SLACK: f64 = 1e-9;
 pub const PROPAGATION_GAIN: f64 = 1e-3;
 
 /// The same for propagation on trial (no unit). With [`PROPAGATION_GAIN`], most of the time of a trial
-/// goes into long chains of small gains: on a pendulum of 40 steps it visits 2.5 times as many
-/// rows, and the tree has the same size.
+/// goes into long chains of small gains, and the trees are hardly smaller (`docs/decisions.md`,
+/// *Probing at every node*).
 pub const PROBING_GAIN: f64 = 1e-2;
 
 /// Relative excess over a row's limit at which its activity proves infeasibility (no unit).

@@ -98,8 +98,8 @@ impl Propagator {
         self.learner.iter().flat_map(|learner| learner.no_goods.iter())
     }
 
-    /// Drops little used no-goods where there are many, or where they have not paid. Only for domains in which nothing has
-    /// changed since learning began.
+    /// Drops little used no-goods where there are many, or where they have not paid. Only for domains
+    /// in which nothing has changed since learning began.
     pub fn tidy_no_goods(&mut self) {
         if let Some(learner) = &mut self.learner {
             learner.no_goods.tidy(learner.account.credit <= 0);

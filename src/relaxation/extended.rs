@@ -2,6 +2,8 @@
 
 use std::ops::Neg;
 
+use crate::sum::{exact_product, exact_sum};
+
 /// The unevaluated sum `high + low`, with `low` below half a unit in the last place of `high`.
 ///
 /// Sums and products of a few hundred terms are exact to about 1e-30 of the terms' magnitude.
@@ -42,25 +44,6 @@ impl Neg for Extended {
     fn neg(self) -> Extended {
         Extended { high: -self.high, low: -self.low }
     }
-}
-
-/// The rounded sum and its rounding error (Knuth).
-fn exact_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let part = sum - a;
-    (sum, (a - (sum - part)) + (b - part))
-}
-
-/// The rounded product and its rounding error (Dekker).
-fn exact_product(a: f64, b: f64) -> (f64, f64) {
-    let halves = |v: f64| {
-        let t = 134_217_729.0 * v; // 2^27 + 1
-        let high = t - (t - v);
-        (high, v - high)
-    };
-    let product = a * b;
-    let ((a, x), (b, y)) = (halves(a), halves(b));
-    (product, ((a * b - product) + a * y + x * b) + x * y)
 }
 
 #[cfg(test)]

@@ -17,8 +17,7 @@ pub(super) struct Allowance {
 
 impl Allowance {
     /// Iterations that may be spent now, when the worker has taken `total` in all, with a free start
-    /// or without. Calls without
-    /// success lower the share in proportion.
+    /// or without. Calls without success lower the share in proportion.
     pub(super) fn left(&self, total: u64, free_start: bool) -> u64 {
         let favour = (1 + self.successes) as f64 / (1 + self.calls) as f64;
         let start = if free_start { START } else { 0 };
