@@ -9,7 +9,11 @@ use crate::presolve::root::{Presolve, Rule, presolve_until};
 use crate::program::Program;
 use crate::reformulate;
 use crate::search::{Found, GuessEnd, Guide, Seed};
+use crate::solution::{Point, Termination};
 use crate::solver::{Control, Deadline, Options};
+
+/// Rounding of bounds below this, relative, is below that of any objective (no unit).
+const VISIBLE: f64 = 1e-10;
 
 /// What the steps of a solve share.
 pub(super) struct Pipeline<'a> {
@@ -73,7 +77,26 @@ impl Pipeline<'_> {
             }
             other => other,
         };
+        self.charge(presolved.rounding, &mut found)?;
         Ok(found)
+    }
+
+    /// Takes what presolve may have lost to rounding off the bound, where it can be seen at all; the
+    /// gap asked for may not be met then.
+    fn charge(&self, rounding: f64, found: &mut Found) -> Result<(), Error> {
+        if !found.bound.is_finite() || rounding <= VISIBLE * found.bound.abs().max(1.0) {
+            return Ok(());
+        }
+        found.bound -= rounding;
+        if let (Termination::Optimal, Some(values)) = (found.termination, found.points.first()) {
+            let point = Point::new(self.model, values.clone())?;
+            let value = self.model.sense().sign() * point.value(self.model.objective())?;
+            let allowed = self.options.relative_gap * value.abs();
+            if value - found.bound > allowed.max(self.options.absolute_gap) {
+                found.termination = Termination::Stalled;
+            }
+        }
+        Ok(())
     }
 
     /// Whether somebody speaks of the tree or of all columns: pools, leaves and splits do.

@@ -5,6 +5,7 @@
 //! not: `x <= 2 + 8 (1 - z)` at a node with `x <= 5` becomes `x <= 2 + 3 (1 - z)`.
 
 use super::reduce::Reduced;
+use crate::tolerance;
 
 /// Rows are left this much looser than they could be, relative to their activity (no unit):
 /// rounding must not cut a whole point off.
@@ -14,6 +15,10 @@ const MARGIN: f64 = 1e-9;
 /// dynamics gains little from any single row, and the relaxations take more iterations: without
 /// this limit a pendulum of 40 steps took 516 nodes of 14.7 iterations instead of 67 of 10.8.
 const FEW_ROWS: usize = 3;
+
+/// Rows that can be missed by no more than this stay as they are, in their unit: tight coefficients as
+/// small as that would be rounding.
+const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
 
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
 const GAIN: f64 = 1e-3;
@@ -46,7 +51,7 @@ pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
             scale += p.abs().max(q.abs());
         }
         let margin = MARGIN * scale;
-        if !(most.is_finite() && most > limit) {
+        if !(most.is_finite() && most - limit > IMPERCEPTIBLE) {
             continue;
         }
         for (_, value) in columns.iter().zip(values).filter(|(k, _)| binary[**k]) {

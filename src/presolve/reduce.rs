@@ -9,6 +9,7 @@
 
 use super::domain::Domain;
 use crate::program::Program;
+use crate::sum::Sum;
 
 /// Columns closer together than this (relative to their magnitude, at least 1) count as fixed;
 /// row sides implied up to this margin count as implied.
@@ -272,14 +273,20 @@ impl Work<'_> {
 
     fn substitute_objective(&self, position: &[usize], reduced: &mut Reduced) {
         let program = self.program;
+        let mut constant = Sum::new(program.offset);
         for j in 0..program.column_count() {
             let (rows, entries) = program.quadratic_column(j);
             if self.fixed[j] {
-                reduced.offset += program.linear[j] * self.lower[j];
+                constant.add_product(program.linear[j], self.lower[j]);
+            }
+            if self.slack[j] > 0.0 {
+                constant.add(-self.worth_of_slack(j));
             }
             for (&i, &p) in rows.iter().zip(entries) {
                 match (self.fixed[i], self.fixed[j]) {
-                    (true, true) => reduced.offset += 0.5 * p * self.lower[i] * self.lower[j],
+                    (true, true) => {
+                        constant.add_product_of_three(self.lower[i], self.lower[j], 0.5 * p);
+                    }
                     (true, false) => reduced.linear[position[j]] += p * self.lower[i],
                     (false, true) => {}
                     (false, false) if i <= j => {
@@ -293,6 +300,17 @@ impl Work<'_> {
                 reduced.quadratic.start.push(reduced.quadratic.index.len());
             }
         }
+        reduced.offset = constant.value();
+    }
+
+    /// How much a column that was fixed inside narrow bounds may lower the objective at the other
+    /// values there; products with columns without bounds left out.
+    fn worth_of_slack(&self, j: usize) -> f64 {
+        let (rows, entries) = self.program.quadratic_column(j);
+        let reach = |i: usize| self.lower[i].abs().max(self.upper[i].abs());
+        let products = rows.iter().zip(entries).map(|(&i, p)| p.abs() * reach(i));
+        let curved: f64 = products.filter(|v| v.is_finite()).sum();
+        self.slack[j] * (self.program.linear[j].abs() + curved)
     }
 
     /// Copies the live rows over the free columns, merging parallel ones.

@@ -7,7 +7,8 @@ use std::fmt;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Termination {
-    /// Bound and incumbent meet the requested gap.
+    /// Bound and incumbent meet the requested gap. Where variables have no bounds, the bound is one for
+    /// points within [`FREE_RADIUS`](crate::tolerance::FREE_RADIUS).
     Optimal,
     /// It is proved that no point satisfies the model.
     Infeasible,

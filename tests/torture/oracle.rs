@@ -259,12 +259,19 @@ pub(crate) fn judge(
             column.upper = column.upper.min(FREE_RADIUS);
         }
         let bound = case.sign() * solution.bound();
-        let holds = match self::truth(&near) {
-            Truth::Least { value, .. } => bound <= value + 1e-9 * value.abs().max(1.0),
+        let Truth::Least { value, .. } = self::truth(&near) else {
+            return Verdict::Wrong(format!("{what}; the exact answer is {truth:?}"));
+        };
+        let margin = 1e-9 * value.abs().max(1.0);
+        let own = solution.objective().map_or(f64::INFINITY, |own| case.sign() * own);
+        let gap = options.absolute_gap.max(options.relative_gap * own.abs());
+        let ends = match solution.termination() {
+            Termination::Stalled | Termination::Unbounded => true,
+            // What a program gains beyond the radius may be less than the gap within it.
+            Termination::Optimal => own <= value + 1.01 * gap + margin,
             _ => false,
         };
-        let ended = solution.termination();
-        if holds && matches!(ended, Termination::Stalled | Termination::Unbounded) {
+        if ends && bound <= value + margin {
             return Verdict::Beyond;
         }
     }

@@ -7,6 +7,7 @@
 use super::Infeasible;
 use super::postsolve::{Restored, Undo};
 use super::work::{Sparse, Work, is_whole};
+use crate::tolerance;
 
 /// Rows are left this much looser than they could be, relative to their activity (no unit).
 const MARGIN: f64 = 1e-9;
@@ -17,6 +18,10 @@ const GAIN: f64 = 1e-3;
 /// In rows with continuous columns, only binaries in at most this many rows are tightened; see the
 /// tightening at nodes.
 const FEW_ROWS: usize = 3;
+
+/// Rows that can be missed by no more than this stay as they are, in their unit: tight coefficients as
+/// small as that would be rounding.
+const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
 
 /// Largest coefficient of an integer row that is divided.
 const LARGEST: f64 = 1e9;
@@ -99,7 +104,7 @@ fn tighten(work: &mut Work, row: usize) -> bool {
     let range = work.range(work.rows[row].iter());
     let mut most = if sign > 0.0 { range.most } else { -range.least };
     let scale: f64 = range.scale * work.rows[row].len() as f64;
-    if !(most.is_finite() && most > old_limit) {
+    if !(most.is_finite() && most - old_limit > IMPERCEPTIBLE) {
         return false;
     }
     let old = work.rows[row].clone();

@@ -29,10 +29,10 @@ pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
     for &(row, a) in &old.entries {
         work.shift_row(row, a * value);
     }
-    work.offset += work.linear[column] * value;
+    work.shift_objective(work.linear[column] * value);
     for (k, p) in work.quadratic[column].clone() {
         if k == column {
-            work.offset += 0.5 * p * value * value;
+            work.shift_objective(0.5 * p * value * value);
         } else {
             work.linear[k] += p * value;
         }

@@ -130,6 +130,9 @@ pub struct Presolved {
     pub program: Program,
     /// From its points to those of the original.
     pub postsolve: Postsolve,
+    /// How far rounding may have moved the objective, in its unit. What a bound on the presolved
+    /// program says of the original is less by this much: constants of 1e8 may cancel down to 1.
+    pub rounding: f64,
 }
 
 impl Presolved {

@@ -8,6 +8,10 @@ use super::work::{IMPLIED, Sparse, Work};
 /// Excess of the least activity over a limit, relative, that proves infeasibility.
 const CROSSED: f64 = 1e-8;
 
+/// A row forces columns that change its activity by at least this many times the margin up to which it
+/// is taken to force them.
+const TELLING: f64 = 1e3;
+
 /// A row that leaves each of its columns one bound.
 #[derive(Debug)]
 struct ForcingRow {
@@ -39,7 +43,11 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
         } else {
             None
         };
-        if let Some(by_lower) = forcing {
+        let tells = |&(j, a): &(usize, f64)| {
+            let width = work.upper[j] - work.lower[j];
+            width == 0.0 || a.abs() * width >= TELLING * margin
+        };
+        if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
             force(work, row, by_lower);
             changes += 1;
             continue;

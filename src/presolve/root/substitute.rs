@@ -13,6 +13,10 @@ use super::work::{OldColumn, Sparse, Work};
 /// Entries that cancel to less than this, relative to what they came from, are 0.
 const CANCELLED: f64 = 1e-13;
 
+/// Entries that cancel to less than this and are not 0 have too few digits left: a row of `8192 x` and
+/// one of `8192.0002 x` would leave a difference that is mostly rounding.
+const BLURRED: f64 = 1e-6;
+
 /// Largest quotient of coefficients that goes into another row: numbers must not grow.
 const GROWTH: f64 = 1e3;
 
@@ -29,12 +33,25 @@ struct Substituted {
     kept: bool,
 }
 
-/// Whether a column can be expressed by a row without numbers growing.
+/// Whether a column can be expressed by a row without numbers growing or losing their digits.
 pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
     let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= GROWTH * pivot);
     let entries = work.column(column);
-    in_row && entries.iter().all(|(_, a)| a.abs() <= GROWTH * pivot)
+    in_row
+        && entries.iter().all(|(_, a)| a.abs() <= GROWTH * pivot)
+        && entries.iter().all(|&(other, _)| other == row || is_sharp(work, column, row, other))
+}
+
+/// Whether the entries of another row keep their digits when a row replaces a column there.
+fn is_sharp(work: &Work, column: usize, row: usize, other: usize) -> bool {
+    let factor = work.coefficient(other, column) / work.coefficient(row, column);
+    let entries = work.rows[row].iter().filter(|(j, _)| *j != column);
+    entries.into_iter().all(|&(j, a)| {
+        let (own, new) = (work.coefficient(other, j), factor * a);
+        let (left, size) = ((own - new).abs(), own.abs().max(new.abs()));
+        left <= CANCELLED * size || left >= BLURRED * size
+    })
 }
 
 /// Replaces a column by what an equality says about it; `keep` leaves a row for its bounds.
@@ -89,7 +106,7 @@ fn minus(row: &Sparse, factor: f64, terms: &Sparse) -> Sparse {
 
 fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &Sparse) {
     let linear = work.linear[column];
-    work.offset += linear * constant;
+    work.shift_objective(linear * constant);
     for &(k, a) in terms {
         work.linear[k] -= linear * a;
     }
@@ -119,7 +136,7 @@ fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &S
     }
     for (m, p) in curvature {
         if m == column {
-            work.offset += 0.5 * p * constant * constant;
+            work.shift_objective(0.5 * p * constant * constant);
             for &(k, a) in terms {
                 work.linear[k] -= p * constant * a;
             }

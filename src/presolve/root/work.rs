@@ -38,6 +38,8 @@ pub(super) struct Work {
     /// `P`, both triangles.
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
     pub(super) offset: f64,
+    /// How far rounding may have moved the constant of the objective.
+    rounding: f64,
     pub(super) undos: Vec<Box<dyn Undo>>,
     step: Vec<Option<usize>>,
     sign: f64,
@@ -98,6 +100,7 @@ impl Work {
                 .map(|j| pairs(program.quadratic_column(j)).into_iter().collect())
                 .collect(),
             offset: program.offset,
+            rounding: 0.0,
             undos: Vec::new(),
             step: program.step.clone(),
             sign: program.sign,
@@ -184,6 +187,13 @@ impl Work {
             self.quadratic[other].remove(&column);
         }
         self.linear[column] = 0.0;
+    }
+
+    /// Adds a constant to the objective: a product that may cancel against others, and whose factors
+    /// are rounded themselves.
+    pub(super) fn shift_objective(&mut self, constant: f64) {
+        self.offset += constant;
+        self.rounding += 2.0 * f64::EPSILON * constant.abs();
     }
 
     /// Moves the limits of a row by a constant that joins its activity.
@@ -296,7 +306,7 @@ impl Work {
             column_count: self.uses.len(),
             row_count: self.rows.len(),
         };
-        Ok(Presolved { program, postsolve })
+        Ok(Presolved { program, postsolve, rounding: self.rounding })
     }
 }
 

@@ -25,10 +25,12 @@ pub struct Cut {
 
 impl Cut {
     /// A cut from exact-looking terms: small coefficients leave at their bounds, the limit is loosened.
-    /// Nothing when a bound for that is missing or the point satisfies the cut.
+    /// Nothing when a bound for that is missing or the point satisfies the cut. `size` is the largest
+    /// magnitude of what was added up to terms and limit.
     pub(super) fn new(
         terms: BTreeMap<usize, f64>,
         mut limit: f64,
+        mut size: f64,
         domain: &Domain,
         x: &[f64],
     ) -> Option<Cut> {
@@ -37,7 +39,7 @@ impl Cut {
             return None;
         }
         let mut kept = Vec::with_capacity(terms.len());
-        let mut size = limit.abs();
+        size = size.max(limit.abs());
         for (j, a) in terms {
             let [lower, upper] = domain.bounds(j);
             let corner = if a > 0.0 { lower } else { upper };
@@ -94,6 +96,7 @@ impl Cut {
     }
 }
 
-fn finite(bound: f64) -> f64 {
+/// The magnitude of a bound, 0 for a missing one.
+pub(super) fn finite(bound: f64) -> f64 {
     if bound.is_finite() { bound.abs() } else { 0.0 }
 }

@@ -76,7 +76,7 @@ fn cuts_between(
         for (sign, at0, at1) in [(1.0, u0, u1), (-1.0, -l0, -l1)] {
             if at0.is_finite() && at1.is_finite() && sign * x[j] > at0 + (at1 - at0) * x[z] {
                 let terms = BTreeMap::from([(j, sign), (z, at0 - at1)]);
-                cuts.extend(Cut::new(terms, at0, domain, x));
+                cuts.extend(Cut::new(terms, at0, at0.abs().max(at1.abs()), domain, x));
             }
         }
     }

@@ -23,11 +23,16 @@ const STARTS: usize = 2000;
 /// Distance from its bounds below which a column is not worth eliminating.
 const NEAR: f64 = 1e-6;
 
+/// Accuracy to which the coefficients of a row are taken to be known, relative to its largest.
+const ACCURACY: f64 = 1e-10;
+
 /// An aggregate `sum of terms = right side`; terms past the columns are slacks of rows.
 #[derive(Debug, Clone)]
 pub(super) struct Aggregate {
     pub(super) terms: BTreeMap<usize, f64>,
     pub(super) right: f64,
+    /// How accurately the coefficients are known: rows that nearly cancel leave little else.
+    pub(super) noise: f64,
 }
 
 /// Cuts by rounding that a point violates.
@@ -74,7 +79,8 @@ fn equality(program: &Program, row: usize, x: &[f64]) -> Option<Aggregate> {
     if lower != upper {
         terms.insert(program.column_count() + row, 1.0);
     }
-    Some(Aggregate { terms, right: if sign > 0.0 { upper } else { -lower } })
+    let noise = ACCURACY * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    Some(Aggregate { terms, right: if sign > 0.0 { upper } else { -lower }, noise })
 }
 
 /// Which side of a row its slack is measured from: `1` for the upper one.
@@ -95,7 +101,7 @@ fn best_rounding(
 ) -> Option<Cut> {
     let rounded = [1.0, -1.0].into_iter().filter_map(|sign| {
         let terms = aggregate.terms.iter().map(|(&k, a)| (k, sign * a)).collect();
-        let one = Aggregate { terms, right: sign * aggregate.right };
+        let one = Aggregate { terms, right: sign * aggregate.right, noise: aggregate.noise };
         round(program, domain, x, substitutes, &one)
     });
     rounded.max_by(|a, b| a.depth(x).total_cmp(&b.depth(x)))
@@ -163,4 +169,5 @@ fn eliminate(program: &Program, aggregate: &mut Aggregate, column: usize, row: u
     }
     aggregate.terms.remove(&column);
     aggregate.right += factor * other.right;
+    aggregate.noise += factor.abs() * other.noise;
 }

@@ -7,13 +7,16 @@
 
 use std::collections::BTreeMap;
 
-use super::cut::Cut;
+use super::cut::{Cut, finite};
 use super::mixed_integer_rounding::{Aggregate, slack_sign};
 use crate::presolve::Domain;
 use crate::program::Program;
 
 /// Fractions of the right side that are rounded.
 const FRACTIONS: std::ops::RangeInclusive<f64> = 0.02..=0.98;
+
+/// Divisors are at least this much larger than the noise of the coefficients.
+const CLEAR: f64 = 1e5;
 
 /// Most divisors that are tried.
 const DIVISORS: usize = 12;
@@ -120,7 +123,11 @@ pub(super) fn round(
     candidates.sort_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
     for whole in candidates {
         let size = whole.coefficient.abs();
-        if divisors.len() < DIVISORS && divisors.iter().all(|d| (d - size).abs() > 1e-6 * size) {
+        let clear = size >= CLEAR * aggregate.noise;
+        if clear
+            && divisors.len() < DIVISORS
+            && divisors.iter().all(|d| (d - size).abs() > 1e-6 * size)
+        {
             divisors.push(size);
         }
     }
@@ -258,40 +265,62 @@ fn depth(base: &Base, divisor: f64) -> f64 {
     (sum - (base.right / divisor).floor()) / f64::max(norm, 1e-12).sqrt()
 }
 
+/// A row that is being added up. What cancels leaves rounding, of which the size tells.
+struct Total<'a> {
+    domain: &'a Domain,
+    terms: BTreeMap<usize, f64>,
+    limit: f64,
+    size: f64,
+}
+
+impl Total<'_> {
+    fn add(&mut self, j: usize, a: f64) {
+        *self.terms.entry(j).or_insert(0.0) += a;
+        let [lower, upper] = self.domain.bounds(j);
+        let reach = finite(lower).max(finite(upper)).max(1.0);
+        self.size = self.size.max(a.abs() * reach);
+    }
+
+    fn raise(&mut self, limit: f64) {
+        self.limit += limit;
+        self.size = self.size.max(limit.abs());
+    }
+}
+
 /// The rounding in the program's columns.
 fn write(program: &Program, domain: &Domain, x: &[f64], base: &Base, divisor: f64) -> Option<Cut> {
     let f = fraction(base, divisor)?;
     let n = program.column_count();
-    let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
-    let mut limit = (base.right / divisor).floor();
-    let mut add = |j: usize, a: f64| *terms.entry(j).or_insert(0.0) += a;
+    let mut total = Total { domain, terms: BTreeMap::new(), limit: 0.0, size: 0.0 };
+    total.raise((base.right / divisor).floor());
     for whole in &base.whole {
         let a = rounded(whole.coefficient / divisor, f);
         if whole.at_upper {
-            add(whole.column, -a);
-            limit -= a * whole.bounds[1];
+            total.add(whole.column, -a);
+            total.raise(-a * whole.bounds[1]);
         } else {
-            add(whole.column, a);
-            limit += a * whole.bounds[0];
+            total.add(whole.column, a);
+            total.raise(a * whole.bounds[0]);
         }
     }
     for rest in &base.rest {
         let (a, from) = (rest.coefficient / (divisor * (1.0 - f)), rest.from);
         if rest.key < n {
-            add(rest.key, a * from.sign);
-            limit += a * from.sign * from.constant;
+            total.add(rest.key, a * from.sign);
+            total.raise(a * from.sign * from.constant);
             if from.slope != 0.0 {
-                add(from.binary, -a * from.sign * from.slope);
+                total.add(from.binary, -a * from.sign * from.slope);
             }
         } else {
             // s = upper - a'x, or a'x - lower.
             let row = rest.key - n;
             let sign = slack_sign(program, row, x);
             let (columns, values) = program.row(row);
-            columns.iter().zip(values).for_each(|(&j, v)| add(j, -a * sign * v));
+            columns.iter().zip(values).for_each(|(&j, v)| total.add(j, -a * sign * v));
             let end = if sign > 0.0 { program.row_upper[row] } else { -program.row_lower[row] };
-            limit -= a * end;
+            total.raise(-a * end);
         }
     }
-    Cut::new(terms, limit, domain, x)
+    let Total { terms, limit, size, .. } = total;
+    Cut::new(terms, limit, size, domain, x)
 }
