@@ -75,12 +75,14 @@ impl Footprint {
         (self.visited, now)
     }
 
-    /// The blocks that changed after a time.
-    pub(super) fn changed_after(&self, time: u32) -> Blocks {
-        let mut blocks = 0;
-        for (block, &changed) in self.changed.iter().enumerate() {
-            blocks |= Blocks::from(changed > time) << block;
+    /// Whether any of these blocks changed after a time.
+    pub(super) fn has_changed(&self, mut blocks: Blocks, time: u32) -> bool {
+        while blocks != 0 {
+            if self.changed[blocks.trailing_zeros() as usize] > time {
+                return true;
+            }
+            blocks &= blocks - 1;
         }
-        blocks
+        false
     }
 }

@@ -115,8 +115,8 @@ pub fn probe_again(
                     break;
                 }
                 let last = record.trials[j][usize::from(is_upper)];
-                let changed = propagator.footprint.changed_after(last.time);
-                let known = last.time > 0 && changed & last.visited == 0;
+                let known =
+                    last.time > 0 && !propagator.footprint.has_changed(last.visited, last.time);
                 if known || !record.is_worth(is_upper) {
                     continue;
                 }

@@ -3,6 +3,9 @@
 use crate::presolve::{Compressed, Reduced};
 use crate::tolerance;
 
+/// By how much a ray may leave a row, relative to the row's largest term along it (no unit).
+const ROW: f64 = 1e-8;
+
 /// The program whose solutions are the steepest recession directions: the rows and bounds without
 /// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
 /// box leaves no direction.
@@ -53,9 +56,20 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     if !(size > 0.0 && size.is_finite()) {
         return false;
     }
-    let d: Vec<f64> = ray.iter().map(|v| v / size).collect();
-    let cost: f64 = program.linear.iter().zip(&d).map(|(q, d)| q * d).sum();
-    let cost_scale = program.linear.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+    let mut d: Vec<f64> = ray.iter().map(|v| v / size).collect();
+    for (j, d) in d.iter_mut().enumerate() {
+        let side = if *d > 0.0 { program.upper[j] } else { program.lower[j] };
+        if side.is_finite() {
+            if d.abs() > MARGIN {
+                return false;
+            }
+            *d = 0.0;
+        }
+    }
+    // Costs of columns that stay where they are say nothing of the fall.
+    let costs = || program.linear.iter().zip(&d).map(|(q, d)| q * d);
+    let cost: f64 = costs().sum();
+    let cost_scale = costs().fold(0.0_f64, |m, cost| m.max(cost.abs()));
     if cost.is_nan() || cost >= -1e-6 * cost_scale {
         return false;
     }
@@ -73,16 +87,13 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     let bend: f64 = curved.iter().zip(&d).map(|(c, d)| c * d).sum();
     let flat = bend * tolerance::FREE_RADIUS <= -cost
         && curved.iter().all(|c| c.abs() <= MARGIN * cost_scale.max(1.0));
-    let bounds = d.iter().enumerate().all(|(j, &d)| {
-        (d <= MARGIN || program.upper[j].is_infinite())
-            && (d >= -MARGIN || program.lower[j].is_infinite())
-    });
     let rows = (0..program.rows.len()).all(|i| {
         let (columns, values) = program.rows.vector(i);
-        let change: f64 = columns.iter().zip(values).map(|(&j, &a)| a * d[j]).sum();
-        let scale = values.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-        (change <= MARGIN * scale || program.row_upper[i].is_infinite())
-            && (change >= -MARGIN * scale || program.row_lower[i].is_infinite())
+        let terms = || columns.iter().zip(values).map(|(&j, &a)| a * d[j]);
+        let change: f64 = terms().sum();
+        let slack = ROW * terms().fold(0.0_f64, |m, term| m.max(term.abs()));
+        (change <= slack || program.row_upper[i].is_infinite())
+            && (change >= -slack || program.row_lower[i].is_infinite())
     });
-    flat && bounds && rows
+    flat && rows
 }
