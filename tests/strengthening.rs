@@ -7,9 +7,12 @@
 mod common;
 
 use carom::prelude::*;
-use carom::presolve::{Domain, Reduced, Reduction, project, reduce, tighten_coefficients};
+use carom::presolve::{
+    Domain, Reduced, Reduction, project, reduce, tighten_by_cases, tighten_coefficients,
+};
 use carom::program::Program;
 use carom::relaxation::reduced_costs;
+use carom::solver::Deadline;
 use common::config;
 use proptest::prelude::*;
 
@@ -154,6 +157,20 @@ proptest! {
     }
 
     #[test]
+    fn what_holds_in_every_case_keeps_whole_points(case in case()) {
+        let program = case.program(false);
+        if let Some(tight) = tighten_by_cases(&program, &Deadline::default()) {
+            for point in case.points() {
+                let row = missed(&tight, &point);
+                prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, point, tight);
+                let outside = (0..point.len())
+                    .find(|&j| point[j] < tight.lower[j] - SLACK || point[j] > tight.upper[j] + SLACK);
+                prop_assert!(outside.is_none(), "column {:?} at {:?}: {:?}", outside, point, tight);
+            }
+        }
+    }
+
+    #[test]
     fn projections_keep_the_relaxation(case in case(), weights in prop::collection::vec(0.0..1.0, 3)) {
         let program = case.program(false);
         let points = case.points();
@@ -251,4 +268,41 @@ fn a_disjunction_of_two_sides() {
     assert!(inside[1] > inside[2] && inside[2] > 0.5 && inside[1] < 1.0, "{inside:?}");
     assert_eq!(projection.lift(&[3.0]), [3.0, 1.0, 0.0]);
     assert_eq!(projection.lift(&[8.0]), [8.0, 0.0, 1.0]);
+}
+
+/// Three steps of `x' = x / 2 + 1` or `x' = 1 - x / 2` from `x = 1`, each written with a big-M of 200:
+/// `x` is within `[0.5, 1.5]`, then `[0.25, 1.75]`, `[0.125, 1.875]`.
+#[test]
+fn cases_bound_what_can_be_reached() {
+    let mut model = Model::new("piecewise-affine");
+    let x = model.continuous_family("x", 4, -100.0, 100.0).unwrap();
+    model.add("start", x[0].equals(1.0)).unwrap();
+    for t in 0..3 {
+        let up = model.binary(format!("up{t}")).unwrap();
+        let down = model.binary(format!("down{t}")).unwrap();
+        model.add(format!("one{t}"), (up + down).equals(1.0)).unwrap();
+        for (slope, mode, name) in [(0.5, up, "up"), (-0.5, down, "down")] {
+            let miss = x[t + 1] - slope * x[t];
+            let above = (miss.clone() + 200.0 * mode).le(201.0);
+            model.add(format!("above_{name}{t}"), above).unwrap();
+            model.add(format!("below_{name}{t}"), (miss - 200.0 * mode).ge(-199.0)).unwrap();
+        }
+    }
+    let program = Program::assemble(&model).unwrap();
+    let tight = tighten_by_cases(&program, &Deadline::default()).expect("there are cases");
+    let column = |t: usize| model.variable_by_name(format!("x[{t}]")).unwrap().index();
+    for (t, reach) in [(1, 0.5), (2, 0.75), (3, 0.875)] {
+        let j = column(t);
+        assert!((tight.lower[j] - (1.0 - reach)).abs() < 1e-6, "{t}: {}", tight.lower[j]);
+        assert!((tight.upper[j] - (1.0 + reach)).abs() < 1e-6, "{t}: {}", tight.upper[j]);
+    }
+    // The rows of the first step say no more than the bounds of x[1] and stay as they are.
+    let later = |columns: &[usize]| columns.contains(&column(2)) || columns.contains(&column(3));
+    let largest = |program: &Program| {
+        let rows = (0..program.row_count()).map(|row| program.row(row));
+        let values = rows.filter(|row| later(row.0)).flat_map(|row| row.1);
+        values.fold(0.0_f64, |most, a| most.max(a.abs()))
+    };
+    assert_eq!(largest(&program), 200.0);
+    assert!(largest(&tight) < 2.0, "{}", largest(&tight));
 }

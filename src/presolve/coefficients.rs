@@ -11,11 +11,6 @@ use crate::tolerance;
 /// rounding must not cut a whole point off.
 const MARGIN: f64 = 1e-9;
 
-/// Only binaries in at most this many rows are tightened. One that switches a whole step of the
-/// dynamics gains little from any single row, and the relaxations take more iterations: without
-/// this limit a pendulum of 40 steps took 516 nodes of 14.7 iterations instead of 67 of 10.8.
-const FEW_ROWS: usize = 3;
-
 /// Rows that can be missed by no more than this stay as they are, in their unit: tight coefficients as
 /// small as that would be rounding.
 const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
@@ -25,11 +20,8 @@ const GAIN: f64 = 1e-3;
 
 /// Tightens the one-sided rows of a reduced program; `integral` is by program column.
 pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
-    let mut uses = vec![0usize; reduced.columns.len()];
-    reduced.rows.index.iter().for_each(|&k| uses[k] += 1);
-    let binary: Vec<bool> = (0..reduced.columns.len())
-        .map(|k| uses[k] <= FEW_ROWS && is_binary(reduced, k, integral))
-        .collect();
+    let binary: Vec<bool> =
+        (0..reduced.columns.len()).map(|k| is_binary(reduced, k, integral)).collect();
     for row in 0..reduced.rows.len() {
         let (lower, upper) = (reduced.row_lower[row], reduced.row_upper[row]);
         // In the form `sign * row <= limit`.

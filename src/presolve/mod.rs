@@ -6,6 +6,7 @@
 //! program. What is done once, before the search, and undone after it, is in [`root`].
 
 mod analysis;
+mod cases;
 mod coefficients;
 mod domain;
 mod footprint;
@@ -19,6 +20,7 @@ mod reduce;
 pub mod root;
 mod tightening;
 
+pub use cases::tighten_by_cases;
 pub use coefficients::tighten_coefficients;
 pub use domain::{Domain, Reason};
 pub use implications::Implications;

@@ -15,10 +15,6 @@ const MARGIN: f64 = 1e-9;
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
 const GAIN: f64 = 1e-3;
 
-/// In rows with continuous columns, only binaries in at most this many rows are tightened; see the
-/// tightening at nodes.
-const FEW_ROWS: usize = 3;
-
 /// Rows that can be missed by no more than this stay as they are, in their unit: tight coefficients as
 /// small as that would be rounding.
 const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
@@ -114,7 +110,7 @@ fn tighten(work: &mut Work, row: usize) -> bool {
     let mut entries = old.clone();
     for (j, value) in &mut entries {
         let is_binary = work.integral[*j] && work.lower[*j] == 0.0 && work.upper[*j] == 1.0;
-        if !is_binary || (!whole && work.uses[*j].len() > FEW_ROWS) {
+        if !is_binary {
             continue;
         }
         let size = value.abs();

@@ -1,0 +1,163 @@
+//! What holds in every case of a disjunction.
+//!
+//! A row `z_1 + ... + z_k >= 1` over binaries says that one of `k` cases applies. Each is propagated on
+//! trial: cases that contradict the bounds are excluded, and bounds that all the others share hold in
+//! any case. In a piecewise-affine system, step after step, they are boxes around what can be reached,
+//! where propagation alone sees rows that may be switched off; the big-Ms shrink with them.
+
+use super::domain::Domain;
+use super::propagation::{Conflict, Propagator};
+use super::root::{Presolve, Rule, presolve_until};
+use crate::program::Program;
+use crate::solver::Deadline;
+
+/// Most trials. Each is a propagation of the rows that it reaches.
+const TRIALS: usize = 4000;
+
+/// Most rounds over all disjunctions, and the numbers of cases that are tried.
+const ROUNDS: usize = 4;
+const CASES: std::ops::RangeInclusive<usize> = 2..=12;
+
+/// A bound must move by this fraction of the width between the bounds (no unit).
+const GAIN: f64 = 0.01;
+
+/// A program with the bounds that hold in every case, and big-Ms to match; nothing where there are none.
+///
+/// Columns and rows stay, and so do all points whose integral columns are whole.
+pub fn tighten_by_cases(program: &Program, deadline: &Deadline) -> Option<Program> {
+    let disjunctions = disjunctions(program);
+    if disjunctions.is_empty() {
+        return None;
+    }
+    let mut domain = Domain::new(program);
+    let mut propagator = Propagator::new(program);
+    propagator.set_deadline(deadline);
+    // Where the bounds contradict each other the search says so.
+    propagator.propagate_all(program, &mut domain).ok()?;
+    let go_on = || !deadline.is_over();
+    let gained = gain(program, &mut domain, &mut propagator, &disjunctions, &go_on).ok()?;
+    if gained == 0 {
+        return None;
+    }
+    let mut tight = program.clone();
+    for j in 0..program.column_count() {
+        [tight.lower[j], tight.upper[j]] = domain.bounds(j);
+    }
+    match presolve_until(&tight, &[Rule::Coefficients], deadline) {
+        Ok(Some(Presolve::Presolved(presolved))) => Some(presolved.program),
+        _ => None,
+    }
+}
+
+/// The columns of each row that wants one of them.
+fn disjunctions(program: &Program) -> Vec<Vec<usize>> {
+    let is_binary =
+        |j: usize| program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
+    let disjunction = |row: usize| {
+        let (columns, values) = program.row(row);
+        let first = *values.first()?;
+        let alike = values.iter().all(|&a| a == first) && columns.iter().all(|&j| is_binary(j));
+        let limit = if first > 0.0 { program.row_lower[row] } else { program.row_upper[row] };
+        (CASES.contains(&columns.len()) && alike && limit == first).then(|| columns.to_vec())
+    };
+    (0..program.row_count()).filter_map(disjunction).collect()
+}
+
+/// Bounds of a column that changed in a case.
+struct Changed {
+    column: usize,
+    bounds: [f64; 2],
+}
+
+/// Tries the cases of all disjunctions until nothing is gained; how many bounds moved.
+fn gain(
+    program: &Program,
+    domain: &mut Domain,
+    propagator: &mut Propagator,
+    disjunctions: &[Vec<usize>],
+    go_on: &dyn Fn() -> bool,
+) -> Result<usize, Conflict> {
+    let (mut gained, mut trials) = (0, 0);
+    for _ in 0..ROUNDS {
+        let before = gained;
+        for columns in disjunctions {
+            if columns.iter().any(|&j| domain.lower(j) == 1.0) {
+                continue;
+            }
+            let mut shared: Option<Vec<Changed>> = None;
+            for &j in columns.iter() {
+                if domain.is_fixed(j) {
+                    continue;
+                }
+                trials += 1;
+                if trials > TRIALS || !go_on() {
+                    return Ok(gained);
+                }
+                let mark = domain.mark();
+                domain.apply(j, false, 1.0);
+                let case = propagator.propagate_since(program, domain, mark);
+                let changed = case.is_ok().then(|| changes(domain, mark));
+                domain.undo_to(mark);
+                match changed {
+                    Some(changed) => {
+                        shared = Some(match shared {
+                            Some(shared) => union(shared, changed),
+                            None => changed,
+                        });
+                    }
+                    None => {
+                        domain.apply(j, true, 0.0);
+                        gained += 1;
+                        propagator.propagate_since(program, domain, mark)?;
+                    }
+                }
+            }
+            let mark = domain.mark();
+            for Changed { column, bounds } in shared.unwrap_or_default() {
+                gained += apply(domain, column, bounds);
+            }
+            propagator.propagate_since(program, domain, mark)?;
+        }
+        if gained == before {
+            break;
+        }
+    }
+    Ok(gained)
+}
+
+/// The columns that changed since a mark, sorted, with their bounds.
+fn changes(domain: &Domain, mark: usize) -> Vec<Changed> {
+    let mut columns: Vec<usize> = domain.changed_since(mark).map(|(j, _)| j).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    columns.into_iter().map(|column| Changed { column, bounds: domain.bounds(column) }).collect()
+}
+
+/// What holds in both of two cases, for the columns that changed in both.
+fn union(one: Vec<Changed>, other: Vec<Changed>) -> Vec<Changed> {
+    let mut other = other.into_iter().peekable();
+    let shared = one.into_iter().filter_map(|a| {
+        while other.next_if(|b| b.column < a.column).is_some() {}
+        let b = other.next_if(|b| b.column == a.column)?;
+        let bounds = [a.bounds[0].min(b.bounds[0]), a.bounds[1].max(b.bounds[1])];
+        Some(Changed { bounds, ..a })
+    });
+    shared.collect()
+}
+
+/// Moves the bounds of a column where that is worth it; how many.
+fn apply(domain: &mut Domain, column: usize, [lower, upper]: [f64; 2]) -> usize {
+    let [old_lower, old_upper] = domain.bounds(column);
+    let width = old_upper - old_lower;
+    let worth = |moved: f64| moved > 0.0 && (!width.is_finite() || moved > GAIN * width);
+    let mut moved = 0;
+    if worth(lower - old_lower) {
+        domain.apply(column, false, lower);
+        moved += 1;
+    }
+    if worth(old_upper - upper) {
+        domain.apply(column, true, upper);
+        moved += 1;
+    }
+    moved
+}
