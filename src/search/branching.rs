@@ -8,7 +8,8 @@
 //!   tree in 71 nodes where earliest-first ran out of time.
 //! * With an objective, columns are split by pseudocosts: the average growth of the bound per
 //!   unit of fraction, initialised by trying both children of a column (strong branching). A child
-//!   that the trial refutes is never queued.
+//!   that the trial refutes is never queued. Disjunctions are split into their sides where the tree
+//!   is expected to grow more slowly that way.
 
 use super::node::{Decision, Known};
 use super::trial::{Trial, common};
@@ -18,11 +19,33 @@ use crate::solver::BranchingRule;
 /// Trials of new columns per node.
 pub(super) const TRIALS: usize = 8;
 
+/// The same where a disjunction could be split instead, whose sides have had theirs.
+const BESIDE: usize = 2;
+
 /// Trials in a row that may find no better column before the rest is taken at its pseudocosts.
 const PATIENCE: usize = 4;
 
+/// Halvings of the interval of a rate of growth: five digits, of rates from 1 to 1e9.
+const HALVINGS: usize = 22;
+
 /// Gains below this count as this much (objective's unit), so that products stay comparable.
 pub(super) const LEAST_GAIN: f64 = 1e-9;
+
+/// At which rate a tree grows whose nodes all split with these gains of their children: it has
+/// `exp(rate * gap)` nodes, where `sum of exp(-rate * gain) = 1` (Le Bodic and Nemhauser 2017).
+pub(super) fn growth_rate(gains: &[f64]) -> f64 {
+    let (least, most) =
+        gains.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &g| (l.min(g), m.max(g)));
+    let all = (gains.len() as f64).ln();
+    let (mut low, mut high) = ((all / most).ln(), (all / least).ln());
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let rate = middle.exp();
+        let sum: f64 = gains.iter().map(|gain| (-rate * gain).exp()).sum();
+        if sum > 1.0 { low = middle } else { high = middle }
+    }
+    (0.5 * (low + high)).exp()
+}
 
 /// Average growth of the bound per unit of fraction, downwards and upwards, by column.
 #[derive(Debug, Clone)]
@@ -214,10 +237,14 @@ impl Worker<'_> {
         if late_first || bound == f64::NEG_INFINITY {
             return Split::both(self.split(latest, x[latest]), bound);
         }
-        if !guide.has_priorities()
-            && let Some(split) = self.split_disjunction(x, bound)
+        let disjunction = match guide.has_priorities() {
+            true => None,
+            false => self.split_disjunction(x, bound),
+        };
+        if let Some((split, _)) = disjunction.as_ref()
+            && split.closed
         {
-            return split;
+            return disjunction.map_or_else(Split::nothing, |(split, _)| split);
         }
         // By the expected gain, the most promising first; those that little is known about are tried.
         let mut ranked: Vec<(f64, usize)> =
@@ -226,7 +253,8 @@ impl Worker<'_> {
             let fractional = || distance(b.1).total_cmp(&distance(a.1));
             b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
         });
-        let (mut trials, mut idle, mut fixed) = (TRIALS, 0, false);
+        let most = if disjunction.is_some() { BESIDE } else { TRIALS };
+        let (mut trials, mut idle, mut fixed) = (most, 0, false);
         let mut best: (f64, usize, Option<[Trial; 2]>) = (f64::NEG_INFINITY, latest, None);
         for (expected, j) in ranked {
             if self.domain.is_fixed(j) {
@@ -237,7 +265,12 @@ impl Worker<'_> {
                 trials -= 1;
                 // The far child is the likelier one to be closed; then its sibling is the node
                 // itself with a tighter bound, which may wait for more of them.
-                let [near, far] = self.split(j, x[j]);
+                let [mut near, mut far] = self.split(j, x[j]);
+                // The rise of a side was tried with its disjunction.
+                let half = disjunction.is_some() && self.pseudocosts.known_up(j);
+                if half && near.is_upper {
+                    (near, far) = (far, near);
+                }
                 let Some(b) = self.try_child(far, x[j], bound) else {
                     if self.task.options.keep_leaves {
                         return Split::only(near, bound);
@@ -248,6 +281,14 @@ impl Worker<'_> {
                     (fixed, idle) = (true, 0);
                     continue;
                 };
+                if half {
+                    score = self.pseudocosts.score(j, x[j]);
+                    idle = if score > best.0 { 0 } else { idle + 1 };
+                    if score > best.0 {
+                        best = (score, j, None);
+                    }
+                    continue;
+                }
                 let Some(a) = self.try_child(near, x[j], bound) else {
                     return Split { children: vec![Child::tried(far, b, bound)], closed: true };
                 };
@@ -266,6 +307,16 @@ impl Worker<'_> {
         if fixed && (tried.is_none() || self.domain.is_fixed(j)) {
             // The same node with tighter bounds.
             return Split::again(bound);
+        }
+        let gains = match &tried {
+            Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
+            None => self.pseudocosts.gains(j, x[j]),
+        };
+        if let Some((split, rate)) = disjunction
+            && !fixed
+            && rate <= growth_rate(&gains)
+        {
+            return split;
         }
         let decisions = self.split(j, x[j]);
         match tried {
@@ -288,5 +339,24 @@ impl Worker<'_> {
         let down = Decision { column, is_upper: true, value: below };
         let up = Decision { column, is_upper: false, value: below + 1.0 };
         if value - below > 0.5 { [up, down] } else { [down, up] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_of_growth() {
+        let close = |gains: &[f64], rate: f64| {
+            let found = growth_rate(gains);
+            assert!((found - rate).abs() <= 1e-4 * rate, "{gains:?}: {found}");
+        };
+        close(&[1.0, 1.0], 2.0_f64.ln());
+        close(&[0.5, 0.5, 0.5], 2.0 * 3.0_f64.ln());
+        // The golden ratio.
+        close(&[1.0, 2.0], ((1.0 + 5.0_f64.sqrt()) / 2.0).ln());
+        // A child that gains nothing is worse than a third one that gains something.
+        assert!(growth_rate(&[1.0, 1e-9]) > growth_rate(&[1.0, 1.0, 1.0]));
     }
 }

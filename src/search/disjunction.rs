@@ -4,11 +4,13 @@
 //! column, only the children that turn something on move the relaxation; the others say "not this
 //! one" and leave the relaxed point where it was, a node each. Here the node gets one child a side,
 //! and the child of side `s` excludes the sides before it. Sides are scored like columns, by
-//! pseudocosts of turning them on, initialised by trying them.
+//! pseudocosts of turning them on, initialised by trying them. Where excluding a side moves the bound
+//! as well, splitting a column may be better: of the best disjunction and the best column, that is
+//! taken whose gains let the tree grow more slowly.
 
 use std::collections::BTreeMap;
 
-use super::branching::{Child, LEAST_GAIN, Split, TRIALS};
+use super::branching::{Child, LEAST_GAIN, Split, TRIALS, growth_rate};
 use super::node::Decision;
 use super::trial::Trial;
 use super::worker::Worker;
@@ -39,8 +41,8 @@ struct Violated {
 }
 
 impl Worker<'_> {
-    /// Splits a violated disjunction, where there is one.
-    pub(super) fn split_disjunction(&mut self, x: &[f64], bound: f64) -> Option<Split> {
+    /// Splits a violated disjunction, where there is one; and at which rate the tree would grow.
+    pub(super) fn split_disjunction(&mut self, x: &[f64], bound: f64) -> Option<(Split, f64)> {
         let mut violated = self.violated_disjunctions(x);
         if violated.is_empty() {
             return None;
@@ -66,7 +68,7 @@ impl Worker<'_> {
             if left.len() < disjunction.sides.len() {
                 // Some sides are closed: that is as good as a split.
                 disjunction.sides = left;
-                return Some(sides(&disjunction.sides, bound, tried, true));
+                return Some((sides(&disjunction.sides, bound, tried, true), 0.0));
             }
         }
         let average = self.average_gain(&violated);
@@ -76,7 +78,8 @@ impl Worker<'_> {
         let best = violated
             .iter()
             .max_by(|a, b| a.score.total_cmp(&b.score).then_with(|| b.sides.cmp(&a.sides)))?;
-        Some(sides(&best.sides, bound, tried, false))
+        let rate = growth_rate(&self.gains_of(&best.sides, x, average));
+        Some((sides(&best.sides, bound, tried, false), rate))
     }
 
     fn violated_disjunctions(&self, x: &[f64]) -> Vec<Violated> {
@@ -105,15 +108,18 @@ impl Worker<'_> {
 
     /// The geometric mean of the sides' gains, in the unit of a product of two.
     fn score_of(&self, sides: &[usize], x: &[f64], average: f64) -> f64 {
-        let log: f64 = sides
-            .iter()
-            .map(|&j| {
-                let fraction = 1.0 - x[j];
-                let gain = self.pseudocosts.gain_up(j, fraction).unwrap_or(average * fraction);
-                gain.max(LEAST_GAIN).ln()
-            })
-            .sum();
+        let log: f64 = self.gains_of(sides, x, average).into_iter().map(f64::ln).sum();
         log / (sides.len() as f64) - (sides.len() as f64).ln()
+    }
+
+    /// What turning each side on is expected to gain.
+    fn gains_of(&self, sides: &[usize], x: &[f64], average: f64) -> Vec<f64> {
+        let gain = |&j: &usize| {
+            let fraction = 1.0 - x[j];
+            let known = self.pseudocosts.gain_up(j, fraction);
+            known.unwrap_or(average * fraction).max(LEAST_GAIN)
+        };
+        sides.iter().map(gain).collect()
     }
 }
 
