@@ -6,6 +6,9 @@ use crate::tolerance;
 /// By how much a ray may leave a row, relative to the row's largest term along it (no unit).
 const ROW: f64 = 1e-8;
 
+/// Entries of a ray that are this small beside its largest one may be rounding (no unit).
+const NOISE: f64 = 1e-9;
+
 /// The program whose solutions are the steepest recession directions: the rows and bounds without
 /// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
 /// box leaves no direction.
@@ -91,7 +94,9 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
         let (columns, values) = program.rows.vector(i);
         let terms = || columns.iter().zip(values).map(|(&j, &a)| a * d[j]);
         let change: f64 = terms().sum();
-        let slack = ROW * terms().fold(0.0_f64, |m, term| m.max(term.abs()));
+        let largest = |m: f64, v: f64| m.max(v.abs());
+        let slack =
+            ROW * terms().fold(0.0, largest) + NOISE * values.iter().copied().fold(0.0, largest);
         (change <= slack || program.row_upper[i].is_infinite())
             && (change >= -slack || program.row_lower[i].is_infinite())
     });
