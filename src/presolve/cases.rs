@@ -5,7 +5,10 @@
 //! any case. In a piecewise-affine system, step after step, they are boxes around what can be reached,
 //! where propagation alone sees rows that may be switched off; the big-Ms shrink with them.
 
+use std::ops::RangeInclusive;
+
 use super::domain::Domain;
+use super::implications::{Bounds, changes};
 use super::propagation::{Conflict, Propagator};
 use super::root::{Presolve, Rule, presolve_until};
 use crate::program::Program;
@@ -16,7 +19,7 @@ const TRIALS: usize = 4000;
 
 /// Most rounds over all disjunctions, and the numbers of cases that are tried.
 const ROUNDS: usize = 4;
-const CASES: std::ops::RangeInclusive<usize> = 2..=12;
+const CASES: RangeInclusive<usize> = 2..=12;
 
 /// A bound must move by this fraction of the width between the bounds (no unit).
 const GAIN: f64 = 0.01;
@@ -25,7 +28,7 @@ const GAIN: f64 = 0.01;
 ///
 /// Columns and rows stay, and so do all points whose integral columns are whole.
 pub fn tighten_by_cases(program: &Program, deadline: &Deadline) -> Option<Program> {
-    let disjunctions = disjunctions(program);
+    let disjunctions = covering_rows(program, &CASES);
     if disjunctions.is_empty() {
         return None;
     }
@@ -49,24 +52,18 @@ pub fn tighten_by_cases(program: &Program, deadline: &Deadline) -> Option<Progra
     }
 }
 
-/// The columns of each row that wants one of them.
-fn disjunctions(program: &Program) -> Vec<Vec<usize>> {
+/// The covering rows of a program, those that want one of so many binaries: the columns of each.
+pub fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<Vec<usize>> {
     let is_binary =
         |j: usize| program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
-    let disjunction = |row: usize| {
+    let cover = |row: usize| {
         let (columns, values) = program.row(row);
         let first = *values.first()?;
         let alike = values.iter().all(|&a| a == first) && columns.iter().all(|&j| is_binary(j));
         let limit = if first > 0.0 { program.row_lower[row] } else { program.row_upper[row] };
-        (CASES.contains(&columns.len()) && alike && limit == first).then(|| columns.to_vec())
+        (sizes.contains(&columns.len()) && alike && limit == first).then(|| columns.to_vec())
     };
-    (0..program.row_count()).filter_map(disjunction).collect()
-}
-
-/// Bounds of a column that changed in a case.
-struct Changed {
-    column: usize,
-    bounds: [f64; 2],
+    (0..program.row_count()).filter_map(cover).collect()
 }
 
 /// Tries the cases of all disjunctions until nothing is gained; how many bounds moved.
@@ -84,7 +81,7 @@ fn gain(
             if columns.iter().any(|&j| domain.lower(j) == 1.0) {
                 continue;
             }
-            let mut shared: Option<Vec<Changed>> = None;
+            let mut shared: Option<Vec<Bounds>> = None;
             for &j in columns.iter() {
                 if domain.is_fixed(j) {
                     continue;
@@ -113,7 +110,7 @@ fn gain(
                 }
             }
             let mark = domain.mark();
-            for Changed { column, bounds } in shared.unwrap_or_default() {
+            for Bounds { column, bounds } in shared.unwrap_or_default() {
                 gained += apply(domain, column, bounds);
             }
             propagator.propagate_since(program, domain, mark)?;
@@ -125,22 +122,14 @@ fn gain(
     Ok(gained)
 }
 
-/// The columns that changed since a mark, sorted, with their bounds.
-fn changes(domain: &Domain, mark: usize) -> Vec<Changed> {
-    let mut columns: Vec<usize> = domain.changed_since(mark).map(|(j, _)| j).collect();
-    columns.sort_unstable();
-    columns.dedup();
-    columns.into_iter().map(|column| Changed { column, bounds: domain.bounds(column) }).collect()
-}
-
 /// What holds in both of two cases, for the columns that changed in both.
-fn union(one: Vec<Changed>, other: Vec<Changed>) -> Vec<Changed> {
+fn union(one: Vec<Bounds>, other: Vec<Bounds>) -> Vec<Bounds> {
     let mut other = other.into_iter().peekable();
     let shared = one.into_iter().filter_map(|a| {
         while other.next_if(|b| b.column < a.column).is_some() {}
         let b = other.next_if(|b| b.column == a.column)?;
         let bounds = [a.bounds[0].min(b.bounds[0]), a.bounds[1].max(b.bounds[1])];
-        Some(Changed { bounds, ..a })
+        Some(Bounds { bounds, ..a })
     });
     shared.collect()
 }

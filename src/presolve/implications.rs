@@ -122,9 +122,9 @@ impl Implications {
 }
 
 /// Bounds of a column in one branch.
-struct Bounds {
-    column: usize,
-    bounds: [f64; 2],
+pub(super) struct Bounds {
+    pub(super) column: usize,
+    pub(super) bounds: [f64; 2],
 }
 
 fn is_open(program: &Program, domain: &Domain, j: usize) -> bool {
@@ -132,7 +132,7 @@ fn is_open(program: &Program, domain: &Domain, j: usize) -> bool {
 }
 
 /// The columns that changed since a mark, sorted, with their bounds.
-fn changes(domain: &Domain, mark: usize) -> Vec<Bounds> {
+pub(super) fn changes(domain: &Domain, mark: usize) -> Vec<Bounds> {
     let mut columns: Vec<usize> = domain.changed_since(mark).map(|(j, _)| j).collect();
     columns.sort_unstable();
     columns.dedup();

@@ -20,7 +20,7 @@ mod reduce;
 pub mod root;
 mod tightening;
 
-pub use cases::tighten_by_cases;
+pub use cases::{covering_rows, tighten_by_cases};
 pub use coefficients::tighten_coefficients;
 pub use domain::{Domain, Reason};
 pub use implications::Implications;

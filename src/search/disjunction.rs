@@ -14,23 +14,15 @@ use super::branching::{Child, LEAST_GAIN, Split, TRIALS, growth_rate};
 use super::node::Decision;
 use super::trial::Trial;
 use super::worker::Worker;
+use crate::presolve::covering_rows;
 use crate::program::Program;
 
 /// Numbers of sides that are split at once.
 const SIDES: std::ops::RangeInclusive<usize> = 3..=8;
 
-/// The covering rows of a program: the columns of each.
+/// The covering rows of a program that can be split: the columns of each.
 pub(super) fn covers(program: &Program) -> Vec<Vec<usize>> {
-    let binary =
-        |j: usize| program.integral[j] && program.lower[j] == 0.0 && program.upper[j] == 1.0;
-    let cover = |row: usize| {
-        let (columns, values) = program.row(row);
-        let first = *values.first()?;
-        let unit = values.iter().all(|&a| a == first) && columns.iter().all(|&j| binary(j));
-        let limit = if first > 0.0 { program.row_lower[row] } else { program.row_upper[row] };
-        (SIDES.contains(&columns.len()) && unit && limit == first).then(|| columns.to_vec())
-    };
-    (0..program.row_count()).filter_map(cover).collect()
+    covering_rows(program, &SIDES)
 }
 
 /// A disjunction that the relaxed point violates.
