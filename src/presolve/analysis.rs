@@ -297,7 +297,7 @@ impl Analysis {
         }
         match target {
             Some(target) => {
-                let mut own = entries.iter().filter(|e| e.column == target.0);
+                let mut own = entries.iter().filter(|e| e.column() == target.0);
                 let (Some(own), None) = (own.next(), own.next()) else { return false };
                 let own = own.coefficient;
                 let sign = if (own > 0.0) == (target.1 == 1) { 1.0 } else { -1.0 };
@@ -326,7 +326,7 @@ impl Analysis {
         let (mut rest, mut size, mut scale, mut largest) = (0.0, 0.0, 0.0_f64, 0.0_f64);
         let mut uses: Vec<Use> = Vec::new();
         for entry in entries {
-            let column = entry.column;
+            let column = entry.column();
             if target.is_some_and(|(target, _)| target.0 == column) {
                 continue;
             }

@@ -98,6 +98,11 @@ impl Propagator {
         self.learner.iter().flat_map(|learner| learner.no_goods.iter())
     }
 
+    /// Whether [`tidy_no_goods`](Self::tidy_no_goods) has something to do.
+    pub fn has_untidy_no_goods(&self) -> bool {
+        self.learner.as_ref().is_some_and(|l| l.no_goods.is_untidy(l.account.credit <= 0))
+    }
+
     /// Drops little used no-goods where there are many, or where they have not paid. Only for domains
     /// in which nothing has changed since learning began.
     pub fn tidy_no_goods(&mut self) {

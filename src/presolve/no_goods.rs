@@ -142,13 +142,22 @@ impl NoGoods {
         }
     }
 
+    /// Whether [`tidy`](Self::tidy) would drop some.
+    pub(super) fn is_untidy(&self, only_used: bool) -> bool {
+        self.are_many() || (only_used && self.list.iter().any(|n| !n.used))
+    }
+
+    fn are_many(&self) -> bool {
+        self.list.len() > MOST / 2
+    }
+
     /// Drops those that are little used where there are many, and those that were never used where
-    /// only these are wanted. Nothing on the trail may name a no-good when this is called.
+    /// only used ones are wanted. Nothing on the trail may name a no-good when this is called.
     pub(super) fn tidy(&mut self, only_used: bool) {
-        let many = self.list.len() > MOST / 2;
-        if !many && (!only_used || self.list.iter().all(|n| n.used)) {
+        if !self.is_untidy(only_used) {
             return;
         }
+        let many = self.are_many();
         if only_used {
             self.list.retain(|no_good| no_good.used);
         }

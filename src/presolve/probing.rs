@@ -32,6 +32,8 @@ pub struct ProbingRecord {
     /// The same for all columns together: trials, and those that found something.
     counts: [(u32, u32); 2],
     visits: u32,
+    /// The bounds found last: column, whether it is the upper one, value.
+    found: Vec<(usize, bool, f64)>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,7 +50,14 @@ impl ProbingRecord {
             trials: vec![[Trial::default(); 2]; columns],
             counts: [(0, 0); 2],
             visits: 0,
+            found: Vec::new(),
         }
+    }
+
+    /// The bounds that the last visit found by its trials, in their order: the column, whether it is
+    /// the upper bound, and its value. Propagation finds the rest again.
+    pub fn found(&self) -> &[(usize, bool, f64)] {
+        &self.found
     }
 
     /// Whether a side finds something often enough, or has its turn.
@@ -105,6 +114,7 @@ pub fn probe_again(
     let open =
         |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
     record.visits = record.visits.wrapping_add(1);
+    record.found.clear();
     let mut backwards = false;
     loop {
         let before = domain.mark();
@@ -135,6 +145,7 @@ pub fn probe_again(
                     let reason = propagator.reason_against(j, is_upper);
                     let value = if is_upper { upper } else { lower };
                     domain.apply_because(j, !is_upper, value, reason);
+                    record.found.push((j, !is_upper, value));
                     propagator.propagate_since(program, domain, mark)?;
                 }
             }

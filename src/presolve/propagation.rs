@@ -86,9 +86,9 @@ impl Uses {
                 let positive = entry.coefficient > 0.0;
                 let matters = if positive { [least, most] } else { [most, least] };
                 for side in [0, 1].into_iter().filter(|&side| matters[side]) {
-                    lists[2 * entry.column + side].push(row as u32);
+                    lists[2 * entry.column() + side].push(row as u32);
                 }
-                blocks[entry.column] |= footprint.blocks_of(row);
+                blocks[entry.column()] |= footprint.blocks_of(row);
             }
         }
         let mut uses = Uses { start: vec![0], rows: Vec::new(), blocks };
@@ -142,7 +142,7 @@ impl Propagator {
     fn add(&mut self, terms: impl Iterator<Item = (usize, f64)>, limits: [f64; 2]) {
         let start = self.entries.len();
         let entries = terms.filter(|(_, a)| *a != 0.0);
-        self.entries.extend(entries.map(|(column, coefficient)| Entry { column, coefficient }));
+        self.entries.extend(entries.map(|(column, coefficient)| Entry::new(column, coefficient)));
         self.rows.push(Line { range: [start, self.entries.len()], limits });
     }
 
@@ -378,7 +378,8 @@ impl Propagator {
             budget -= 1;
             self.footprint.visit(row);
             let entries = &self.entries[start..end];
-            match tighten(&program.integral, domain, entries, limits, self.least_gain, found) {
+            match tighten(&program.integral, domain.all(), entries, limits, self.least_gain, found)
+            {
                 RowState::Violated => {
                     self.clash = Some(Clash::Row(row));
                     return Err(Conflict::Row(row));

@@ -189,8 +189,9 @@ impl Work<'_> {
             let (mut free, mut single, mut constant, mut slack) = (0, 0, 0.0, 0.0);
             for (k, (&j, &a)) in columns.iter().zip(coefficients).enumerate() {
                 let (p, q) = (a * self.lower[j], a * self.upper[j]);
-                least += p.min(q);
-                most += p.max(q);
+                let (low, high) = if p < q { (p, q) } else { (q, p) };
+                least += low;
+                most += high;
                 if self.fixed[j] {
                     constant += p;
                     slack += a.abs() * self.slack[j];
@@ -316,6 +317,12 @@ impl Work<'_> {
     /// Copies the live rows over the free columns, merging parallel ones.
     fn collect_rows(&self, position: &[usize], out: &mut Reduced) -> Result<(), Contradiction> {
         let mut seen = Twins::new(self.alive.len());
+        let entries = self.alive.iter().map(|&row| self.program.row(row).0.len()).sum();
+        out.rows.index.reserve(entries);
+        out.rows.value.reserve(entries);
+        out.rows.start.reserve(self.alive.len());
+        out.row_lower.reserve(self.alive.len());
+        out.row_upper.reserve(self.alive.len());
         for &row in &self.alive {
             let (columns, coefficients) = self.program.row(row);
             let begin = out.rows.index.len();

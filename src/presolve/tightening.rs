@@ -4,14 +4,34 @@
 //! is at least the widest term, no bound can move. Bounds of continuous columns are loosened by a
 //! hair ([`tolerance::PROPAGATION_SLACK`]), so rounding never cuts a feasible point off.
 
-use super::domain::Domain;
 use crate::tolerance;
 
 /// One term of a row; the coefficient is not zero.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
-    pub(super) column: usize,
+    /// Twice the column, plus one where the coefficient is negative: the bound at which the term is
+    /// smallest.
+    least: u32,
     pub(super) coefficient: f64,
+}
+
+impl Entry {
+    pub(super) fn new(column: usize, coefficient: f64) -> Self {
+        Entry { least: 2 * column as u32 + u32::from(coefficient < 0.0), coefficient }
+    }
+
+    #[inline]
+    pub(super) fn column(&self) -> usize {
+        (self.least / 2) as usize
+    }
+
+    /// Smallest and largest value of the term.
+    #[inline]
+    fn ends(&self, bounds: &[[f64; 2]]) -> (f64, f64) {
+        let side = (self.least % 2) as usize;
+        let bounds = &bounds[self.column()];
+        (self.coefficient * bounds[side], self.coefficient * bounds[1 - side])
+    }
 }
 
 /// A row: where its entries are, and its limits.
@@ -70,7 +90,7 @@ impl Activity {
 #[inline]
 pub(super) fn tighten(
     integral: &[bool],
-    domain: &Domain,
+    bounds: &[[f64; 2]],
     entries: &[Entry],
     limits: [f64; 2],
     least_gain: f64,
@@ -78,10 +98,10 @@ pub(super) fn tighten(
 ) -> RowState {
     let (mut least, mut most, mut widest) = (0.0, 0.0, 0.0_f64);
     for entry in entries {
-        let (low, high) = ends(domain, entry);
+        let (low, high) = entry.ends(bounds);
         least += low;
         most += high;
-        widest = widest.max(high - low);
+        widest = larger(high - low, widest);
     }
     // Sums that are not numbers compare false and take the long way.
     if limits[1] - least >= widest && most - limits[0] >= widest && widest < f64::INFINITY {
@@ -97,16 +117,16 @@ pub(super) fn tighten(
     let activities = if widest < f64::INFINITY {
         [least, most].map(|finite| Activity { finite, infinite: 0 })
     } else {
-        count_infinite(domain, entries)
+        count_infinite(bounds, entries)
     };
-    tighten_binding(integral, domain, entries, limits, activities, least_gain, found)
+    tighten_binding(integral, bounds, entries, limits, activities, least_gain, found)
 }
 
 /// Smallest and largest activity of a row with infinite terms.
-fn count_infinite(domain: &Domain, entries: &[Entry]) -> [Activity; 2] {
+fn count_infinite(bounds: &[[f64; 2]], entries: &[Entry]) -> [Activity; 2] {
     let mut activities = [Activity::default(); 2];
     for entry in entries {
-        let (low, high) = ends(domain, entry);
+        let (low, high) = entry.ends(bounds);
         activities[0].add(low);
         activities[1].add(high);
     }
@@ -116,7 +136,7 @@ fn count_infinite(domain: &Domain, entries: &[Entry]) -> [Activity; 2] {
 /// As [`tighten`], for rows that may bind or have infinite activities.
 fn tighten_binding(
     integral: &[bool],
-    domain: &Domain,
+    bounds: &[[f64; 2]],
     entries: &[Entry],
     [row_lower, row_upper]: [f64; 2],
     [least, most]: [Activity; 2],
@@ -125,8 +145,8 @@ fn tighten_binding(
 ) -> RowState {
     let mut scale = 0.0_f64;
     for entry in entries {
-        let (low, high) = ends(domain, entry);
-        scale += size(low).max(size(high));
+        let (low, high) = entry.ends(bounds);
+        scale += larger(size(low), size(high));
     }
     let scale = scale.max(size(row_lower)).max(size(row_upper)).max(1.0);
     let excess = tolerance::PROPAGATION_INFEASIBLE * scale;
@@ -144,14 +164,30 @@ fn tighten_binding(
     let rounding = 1e-15 * scale * (entries.len() as f64);
     let mut offer = |entry: &Entry, term: f64, is_upper: bool| {
         let value = term / entry.coefficient;
-        found.extend(worthwhile(integral, domain, entry.column, is_upper, value, least_gain));
+        found.extend(worthwhile(integral, bounds, entry.column(), is_upper, value, least_gain));
     };
+    if least.infinite + most.infinite == 0 {
+        let rest_below = row_upper + rounding - least.finite;
+        let rest_above = row_lower - rounding - most.finite;
+        for entry in entries {
+            let (low, high) = entry.ends(bounds);
+            // No gain beyond the other end of the term, or too small a one, before any division.
+            let gain = if integral[entry.column()] { 0.0 } else { least_gain * (high - low) };
+            let (most, least) = (rest_below + low, rest_above + high);
+            if most < high - gain && low < high {
+                offer(entry, most, entry.coefficient > 0.0);
+            }
+            if least > low + gain && low < high {
+                offer(entry, least, entry.coefficient < 0.0);
+            }
+        }
+        return RowState::Open;
+    }
     for entry in entries {
-        let (low, high) = ends(domain, entry);
+        let (low, high) = entry.ends(bounds);
         if low == high {
             continue;
         }
-        // No gain beyond the other end of the term, before any division.
         if upper_binds
             && let Some(most) = least.room(low, row_upper + rounding).filter(|&m| m < high)
         {
@@ -170,18 +206,17 @@ fn size(value: f64) -> f64 {
     if value.is_finite() { value.abs() } else { 0.0 }
 }
 
-/// Smallest and largest value of a term.
+/// The larger one of two numbers; the second where one is none. One instruction, unlike
+/// [`f64::max`].
 #[inline]
-fn ends(domain: &Domain, entry: &Entry) -> (f64, f64) {
-    let [lower, upper] = domain.bounds(entry.column);
-    let (p, q) = (entry.coefficient * lower, entry.coefficient * upper);
-    if entry.coefficient > 0.0 { (p, q) } else { (q, p) }
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// A candidate bound, when it is worth it.
 fn worthwhile(
     integral: &[bool],
-    domain: &Domain,
+    bounds: &[[f64; 2]],
     column: usize,
     is_upper: bool,
     value: f64,
@@ -190,7 +225,7 @@ fn worthwhile(
     if !value.is_finite() || value.abs() >= tolerance::INFINITE {
         return None;
     }
-    let [lower, upper] = domain.bounds(column);
+    let [lower, upper] = bounds[column];
     let value = if integral[column] {
         let value = if is_upper {
             (value + tolerance::INTEGRALITY).floor()

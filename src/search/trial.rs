@@ -122,10 +122,7 @@ impl Worker<'_> {
         }
         let (mark, known) = (self.domain.mark(), self.path.len());
         for fact in facts {
-            let [lower, upper] = self.domain.bounds(fact.column);
-            let news = if fact.is_upper { fact.value < upper } else { fact.value > lower };
-            if news {
-                self.domain.apply(fact.column, fact.is_upper, fact.value);
+            if self.apply_if_news(fact) {
                 self.path.push(*fact);
             }
         }

@@ -3,6 +3,7 @@
 use super::Task;
 use super::branching::{Child, Pseudocosts, Split};
 use super::clock::Clock;
+use super::descend::Stop;
 use super::desk::Desk;
 use super::heuristics::Accounts;
 use super::node::{Decision, Node, Path};
@@ -34,6 +35,8 @@ pub(super) struct Worker<'a> {
     pub(super) pseudocosts: Pseudocosts,
     /// The decisions that the domain currently reflects.
     pub(super) path: Vec<Decision>,
+    /// The nodes on that path which the search went down from.
+    pub(super) stops: Vec<Stop>,
     /// A buffer for the decisions of the node that is entered.
     route: Vec<Decision>,
     /// Trail position after root propagation.
@@ -72,6 +75,7 @@ impl<'a> Worker<'a> {
             interior: InteriorPoint::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),
             path: Vec::new(),
+            stops: Vec::new(),
             route: Vec::new(),
             root_conflict: root.conflict,
             cutoff: f64::INFINITY,
