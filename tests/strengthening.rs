@@ -8,7 +8,8 @@ mod common;
 
 use carom::prelude::*;
 use carom::presolve::{
-    Domain, Reduced, Reduction, project, reduce, tighten_by_cases, tighten_coefficients,
+    Domain, Reduced, Reduction, project, reduce, tighten_by_cases, tighten_by_partners,
+    tighten_coefficients,
 };
 use carom::program::Program;
 use carom::relaxation::reduced_costs;
@@ -117,6 +118,63 @@ impl Case {
     }
 }
 
+/// One step of a system in two modes: `next = a x + b u + c` on either side of `x = guard`, written
+/// with big-Ms that are too large.
+#[derive(Debug, Clone)]
+struct System {
+    /// Slope, gain of the input, constant, by mode.
+    modes: [[f64; 3]; 2],
+    guard: f64,
+    /// By how much the Ms are larger than need be, and what each row is multiplied by.
+    slack: f64,
+    scale: Vec<f64>,
+}
+
+fn system() -> impl Strategy<Value = System> {
+    let number = || prop_oneof![-2.0..2.0f64, Just(0.0), Just(1.0)];
+    let mode = || [number(), number(), number()];
+    let scale = prop::collection::vec(prop_oneof![Just(1.0), 1e-3..1e3f64], 6);
+    ([mode(), mode()], -0.9..0.9f64, 0.0..50.0f64, scale)
+        .prop_map(|(modes, guard, slack, scale)| System { modes, guard, slack, scale })
+}
+
+/// Bound of the next state and of what a mode says it is.
+const NEXT: f64 = 10.0;
+
+impl System {
+    fn model(&self) -> Model {
+        let mut model = Model::new("system");
+        let x = model.continuous("x", -1.0, 1.0).unwrap();
+        let u = model.continuous("u", -1.0, 1.0).unwrap();
+        let next = model.continuous("next", -NEXT, NEXT).unwrap();
+        let on = [model.binary("low").unwrap(), model.binary("high").unwrap()];
+        model.add("one", (on[0] + on[1]).equals(1.0)).unwrap();
+        for (k, &[a, b, c]) in self.modes.iter().enumerate() {
+            let m = NEXT + a.abs() + b.abs() + c.abs() + self.slack;
+            let [above, below, side] = [0, 1, 2].map(|i| self.scale[3 * k + i]);
+            let miss = next - a * x - b * u - c;
+            model
+                .add(format!("above{k}"), (above * (miss.clone() + m * on[k])).le(above * m))
+                .unwrap();
+            model.add(format!("below{k}"), (below * (miss - m * on[k])).ge(-below * m)).unwrap();
+            let beyond = if k == 0 { x - self.guard } else { self.guard - x };
+            let m = 2.0 + self.slack;
+            model.add(format!("side{k}"), (side * (beyond + m * on[k])).le(side * m)).unwrap();
+        }
+        model
+    }
+
+    /// What the system does in a mode, from shares of what state and input can be.
+    fn point(&self, x: f64, u: f64, mode: usize) -> Option<Vec<f64>> {
+        let [low, high] = if mode == 0 { [-1.0, self.guard] } else { [self.guard, 1.0] };
+        let (x, u) = (low + x * (high - low), 2.0 * u - 1.0);
+        let [a, b, c] = self.modes[mode];
+        let next = a * x + b * u + c;
+        let one = |k: usize| if mode == k { 1.0 } else { 0.0 };
+        (next.abs() <= NEXT).then(|| vec![x, u, next, one(0), one(1)])
+    }
+}
+
 /// The first row of a program that a point misses.
 fn missed(program: &Program, point: &[f64]) -> Option<usize> {
     (0..program.row_count()).find(|&row| {
@@ -166,6 +224,36 @@ proptest! {
                 let outside = (0..point.len())
                     .find(|&j| point[j] < tight.lower[j] - SLACK || point[j] > tight.upper[j] + SLACK);
                 prop_assert!(outside.is_none(), "column {:?} at {:?}: {:?}", outside, point, tight);
+            }
+        }
+    }
+
+    #[test]
+    fn partners_keep_whole_points(case in case()) {
+        let program = case.program(false);
+        if let Some(tight) = tighten_by_partners(&program, &Deadline::default()) {
+            for point in case.points() {
+                let row = missed(&tight, &point);
+                prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, point, tight);
+            }
+        }
+    }
+
+    /// Points of every mode, whatever the Ms and the scale of the rows.
+    #[test]
+    fn partners_keep_what_a_system_can_do(
+        system in system(),
+        at in prop::collection::vec((0.0..=1.0f64, 0.0..=1.0f64, 0..2usize), 20),
+    ) {
+        let model = system.model();
+        let program = Program::assemble(&model).unwrap();
+        let tight = tighten_by_partners(&program, &Deadline::default());
+        for (x, u, mode) in at {
+            let Some(point) = system.point(x, u, mode) else { continue };
+            prop_assert_eq!(missed(&program, &point), None);
+            if let Some(tight) = &tight {
+                let row = missed(tight, &point);
+                prop_assert!(row.is_none(), "row {:?} at {:?}\n{}", row, point, model);
             }
         }
     }
@@ -305,4 +393,38 @@ fn cases_bound_what_can_be_reached() {
     };
     assert_eq!(largest(&program), 200.0);
     assert!(largest(&tight) < 2.0, "{}", largest(&tight));
+}
+
+/// A spring that pushes back beyond 0.1, as a mode with a big-M of 50: what the two modes have in common
+/// is the hull of the step, so the force is at most 0 everywhere, and none where the spring is off.
+#[test]
+fn partners_find_the_hull_of_a_step() {
+    let mut model = Model::new("spring");
+    let x = model.continuous("x", -0.2, 0.2).unwrap();
+    let force = model.continuous("force", -20.0, 20.0).unwrap();
+    let (free, pressed) = (model.binary("free").unwrap(), model.binary("pressed").unwrap());
+    model.add("one", (free + pressed).equals(1.0)).unwrap();
+    model.add("off_above", (force + 50.0 * free).le(50.0)).unwrap();
+    model.add("off_below", (force - 50.0 * free).ge(-50.0)).unwrap();
+    let spring = force + 100.0 * (x - 0.1);
+    model.add("on_above", (spring.clone() + 50.0 * pressed).le(50.0)).unwrap();
+    model.add("on_below", (spring - 50.0 * pressed).ge(-50.0)).unwrap();
+    model.add("left", (x + 0.3 * free).le(0.4)).unwrap();
+    model.add("right", (x - 0.3 * pressed).ge(-0.2)).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let tight = tighten_by_partners(&program, &Deadline::default()).expect("the Ms are too large");
+    let [x, force, free, pressed] = [x, force, free, pressed].map(|v| v.index());
+    let is_relaxed = |at: [f64; 3]| {
+        let mut point = vec![0.0; program.column_count()];
+        (point[x], point[force], point[pressed]) = (at[0], at[1], at[2]);
+        point[free] = 1.0 - at[2];
+        assert_eq!(missed(&program, &point), None);
+        missed(&tight, &point).is_none()
+    };
+    // Half off at -0.2, half on at 0.2: on average x = 0 under a force of -5, the largest there.
+    assert!(is_relaxed([0.0, -5.0, 0.5]));
+    assert!(!is_relaxed([0.0, -5.1, 0.5]));
+    assert!(!is_relaxed([0.0, 0.1, 0.5]));
+    assert!(!is_relaxed([0.15, -4.9, 0.5]));
+    assert!(is_relaxed([0.15, -5.0, 0.5]));
 }

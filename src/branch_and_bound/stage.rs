@@ -3,7 +3,7 @@
 use web_time::Instant;
 
 use crate::model::Model;
-use crate::presolve::tighten_by_cases;
+use crate::presolve::{tighten_by_cases, tighten_by_partners};
 use crate::program::Program;
 use crate::search::cuts::strengthen;
 use crate::search::{Accept, Found, Guide, Seed, Task, search};
@@ -82,11 +82,10 @@ impl Stage<'_> {
         };
         let deadline = Deadline::new(self.start, options.time_limit, control.interrupt());
         let mut at_root = Statistics::default();
-        let tight = if options.presolve && !self.as_is {
-            tighten_by_cases(program, &deadline)
-        } else {
-            None
-        };
+        let tightens = options.presolve && !self.as_is;
+        let boxed = if tightens { tighten_by_cases(program, &deadline) } else { None };
+        let program = boxed.as_ref().unwrap_or(program);
+        let tight = if tightens { tighten_by_partners(program, &deadline) } else { None };
         let program = tight.as_ref().unwrap_or(program);
         let cut = if options.cuts && !self.as_is {
             strengthen(program, &deadline, &mut at_root)

@@ -41,6 +41,21 @@ impl Program {
         Some(())
     }
 
+    /// Replaces the rows; terms with a coefficient of 0 are left out. Nothing where they cannot be
+    /// allocated.
+    pub(crate) fn replace_rows(&mut self, rows: &[Addition]) -> Option<()> {
+        let (m, n) = (rows.len(), self.column_count());
+        let entries: Vec<_> = (rows.iter().enumerate())
+            .flat_map(|(row, (terms, _))| terms.iter().map(move |&(j, a)| Triplet::new(row, j, a)))
+            .filter(|entry| entry.val != 0.0)
+            .collect();
+        self.rows = SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?;
+        self.columns = SparseColMat::try_new_from_triplets(m, n, &entries).ok()?;
+        self.row_lower = rows.iter().map(|(_, limits)| limits[0]).collect();
+        self.row_upper = rows.iter().map(|(_, limits)| limits[1]).collect();
+        Some(())
+    }
+
     /// Replaces the objective: one linear coefficient a column, and the entries of the symmetric
     /// matrix, of which equal places are added up; nothing where it cannot be allocated.
     pub(crate) fn replace_objective(

@@ -1,0 +1,290 @@
+//! Big-Ms from the rows beside them.
+//!
+//! Where a binary switches a row off, the bounds of the row's columns say too little about how far the
+//! row can go. In a piecewise-affine system `x+ - A x - B u` is one thing in one mode and another thing
+//! in the other, over the same columns: where the first mode is off the second one is on, and its rows
+//! bound the difference from the first. So each value of a binary is propagated, and the rest of each
+//! of its rows is bounded there by a multiple of a partner, a row that shares columns with it, plus the
+//! bounds of what the two do not share. The binary's coefficient and the row's limit move to match.
+//! With two modes that often is the convex hull of a step, without the columns of one.
+
+use super::domain::Domain;
+use super::propagation::Propagator;
+use crate::program::Program;
+use crate::solver::Deadline;
+use crate::tolerance;
+
+/// Most binaries that are tried, at both values.
+const TRIALS: usize = 4000;
+
+/// Longest rows that are looked at (columns).
+const LONGEST: usize = 24;
+
+/// Columns in more rows than this have no partners to offer.
+const MOST_ROWS: usize = 40;
+
+/// Fewest continuous columns that partners share.
+const SHARED: usize = 2;
+
+/// Most multiples of a partner that are tried.
+const MULTIPLES: usize = 4;
+
+/// Limits stay this much looser than they could be, relative to what was added up (no unit): rounding
+/// must not cut a whole point off.
+const MARGIN: f64 = 1e-9;
+
+/// Gains below this fraction of a coefficient are not worth a change (no unit).
+const GAIN: f64 = 1e-3;
+
+/// Gains up to this, in the row's unit, would be rounding.
+const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
+
+/// Coefficients up to this, in the row's unit, are left out.
+const NOTHING: f64 = 1e-9;
+
+/// A program whose big-Ms are no larger than the rows beside them allow; nothing where none shrinks.
+///
+/// Columns and rows stay, and so do all points whose integral columns are whole.
+pub fn tighten_by_partners(program: &Program, deadline: &Deadline) -> Option<Program> {
+    let mut domain = Domain::new(program);
+    let mut propagator = Propagator::new(program);
+    propagator.set_deadline(deadline);
+    // Where the bounds contradict each other the search says so.
+    propagator.propagate_all(program, &mut domain).ok()?;
+    let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
+    let open: Vec<usize> = program.integers.iter().copied().filter(is_open).take(TRIALS).collect();
+    let mut rows = Rows::new(program);
+    for z in open {
+        if deadline.is_over() {
+            return None;
+        }
+        let mut lines: Vec<(usize, Vec<usize>)> = Vec::new();
+        for &row in program.column(z).0 {
+            if rows.is_big_m(row) {
+                lines.push((row, rows.partners(row)));
+            }
+        }
+        if lines.is_empty() {
+            continue;
+        }
+        let mut reach = [const { Vec::new() }; 2];
+        for (value, reach) in [0.0, 1.0].into_iter().zip(&mut reach) {
+            let mark = domain.mark();
+            domain.apply(z, value == 0.0, value);
+            if propagator.propagate_since(program, &mut domain, mark).is_ok() {
+                let far =
+                    |(row, partners): &(usize, Vec<usize>)| rows.reach(&domain, *row, z, partners);
+                *reach = lines.iter().map(far).collect();
+            }
+            domain.undo_to(mark);
+        }
+        // A value that cannot be taken is left to probing: nothing to pair the other one with.
+        let [off, on] = reach;
+        for ((row, _), reach) in lines.into_iter().zip(off.into_iter().zip(on)) {
+            rows.tighten(row, z, reach.into());
+        }
+    }
+    let mut tight = rows.into_program()?;
+    // The new rows are about binaries, whatever the old ones made them.
+    for &j in &program.integers {
+        [tight.lower[j], tight.upper[j]] = domain.bounds(j);
+    }
+    Some(tight)
+}
+
+/// The rows while they change.
+struct Rows<'a> {
+    program: &'a Program,
+    /// Coefficients, in the order of the program's.
+    values: Vec<f64>,
+    limits: Vec<[f64; 2]>,
+    changed: bool,
+    /// Coefficients of the row that is looked at, and of its partner, by column.
+    line: Vec<f64>,
+    partner: Vec<f64>,
+    /// Rows that are partners already.
+    seen: Vec<bool>,
+}
+
+/// A bound that is being added up, with the size of what went into it.
+#[derive(Clone, Copy, Default)]
+struct Reach {
+    sum: f64,
+    size: f64,
+}
+
+impl Reach {
+    fn add(&mut self, term: f64) {
+        self.sum += term;
+        self.size += term.abs();
+    }
+
+    /// Adds the largest value of a term.
+    fn add_term(&mut self, a: f64, [lower, upper]: [f64; 2]) {
+        if a != 0.0 {
+            self.add(if a > 0.0 { a * upper } else { a * lower });
+        }
+    }
+
+    /// The bound with its margin; infinite where it is none.
+    fn value(self) -> f64 {
+        let value = self.sum + MARGIN * self.size.max(1.0);
+        if value.is_nan() { f64::INFINITY } else { value }
+    }
+}
+
+impl<'a> Rows<'a> {
+    fn new(program: &'a Program) -> Self {
+        let (n, m) = (program.column_count(), program.row_count());
+        let limits = program.row_lower.iter().zip(&program.row_upper);
+        Rows {
+            program,
+            values: program.rows.val().to_vec(),
+            limits: limits.map(|(&lower, &upper)| [lower, upper]).collect(),
+            changed: false,
+            line: vec![0.0; n],
+            partner: vec![0.0; n],
+            seen: vec![false; m],
+        }
+    }
+
+    /// The terms of a row that are left.
+    fn terms(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.program.rows.symbolic().row_range(row);
+        let columns = self.program.row(row).0.iter().copied();
+        columns.zip(self.values[range].iter().copied()).filter(|(_, a)| *a != 0.0)
+    }
+
+    fn len(&self, row: usize) -> usize {
+        self.program.row(row).0.len()
+    }
+
+    /// Whether a row is short and has one limit.
+    fn is_big_m(&self, row: usize) -> bool {
+        let [lower, upper] = self.limits[row];
+        self.len(row) <= LONGEST && lower.is_finite() != upper.is_finite()
+    }
+
+    /// The form `sign * row <= limit` of a row with one limit.
+    fn one_side(&self, row: usize) -> (f64, f64) {
+        let [lower, upper] = self.limits[row];
+        if upper.is_finite() { (1.0, upper) } else { (-1.0, -lower) }
+    }
+
+    /// The short rows that share enough continuous columns with a row.
+    fn partners(&mut self, row: usize) -> Vec<usize> {
+        let program = self.program;
+        let continuous =
+            |row: usize| program.row(row).0.iter().copied().filter(|&j| !program.integral[j]);
+        continuous(row).for_each(|j| self.line[j] = 1.0);
+        self.seen[row] = true;
+        let mut partners = Vec::new();
+        for j in continuous(row) {
+            let others = program.column(j).0;
+            for &other in others.iter().filter(|_| others.len() <= MOST_ROWS) {
+                if !std::mem::replace(&mut self.seen[other], true) {
+                    partners.push(other);
+                }
+            }
+        }
+        partners.iter().chain([&row]).for_each(|&row| self.seen[row] = false);
+        partners.retain(|&other| {
+            let shared = continuous(other).filter(|&j| self.line[j] != 0.0).count();
+            shared >= SHARED && self.len(other) <= LONGEST
+        });
+        continuous(row).for_each(|j| self.line[j] = 0.0);
+        partners
+    }
+
+    /// The largest value in a domain of a row without one of its columns, as `<=`.
+    fn reach(&mut self, domain: &Domain, row: usize, except: usize, partners: &[usize]) -> f64 {
+        let (sign, _) = self.one_side(row);
+        let terms: Vec<(usize, f64)> =
+            (self.terms(row)).filter(|(j, _)| *j != except).map(|(j, a)| (j, sign * a)).collect();
+        let mut alone = Reach::default();
+        for &(j, a) in &terms {
+            alone.add_term(a, domain.bounds(j));
+            self.line[j] = a;
+        }
+        let mut best = alone.value();
+        for &other in partners {
+            best = best.min(self.reach_beside(domain, &terms, other));
+        }
+        terms.iter().for_each(|&(j, _)| self.line[j] = 0.0);
+        best
+    }
+
+    /// The same, by multiples of a partner that take one of the shared columns out.
+    fn reach_beside(&mut self, domain: &Domain, terms: &[(usize, f64)], other: usize) -> f64 {
+        let beside: Vec<(usize, f64)> = self.terms(other).collect();
+        beside.iter().for_each(|&(j, c)| self.partner[j] = c);
+        let [lower, upper] = self.limits[other];
+        let (mut best, mut tried): (f64, Vec<f64>) = (f64::INFINITY, Vec::new());
+        for &(j, c) in beside.iter().filter(|(j, _)| !self.program.integral[*j]) {
+            // `factor * partner <= factor * limit`.
+            let factor = self.line[j] / c;
+            let limit = if factor > 0.0 { upper } else { lower };
+            if factor == 0.0 || !limit.is_finite() || tried.contains(&factor) {
+                continue;
+            }
+            if tried.len() == MULTIPLES {
+                break;
+            }
+            tried.push(factor);
+            let mut reach = Reach::default();
+            reach.add(factor * limit);
+            for &(k, a) in terms.iter().filter(|(k, _)| self.partner[*k] == 0.0) {
+                reach.add_term(a, domain.bounds(k));
+            }
+            for &(k, c) in &beside {
+                // What cancels leaves rounding, of the size of what cancelled.
+                reach.size += (factor * c * magnitude(domain.bounds(k))).abs();
+                reach.add_term(self.line[k] - factor * c, domain.bounds(k));
+            }
+            best = best.min(reach.value());
+        }
+        beside.iter().for_each(|&(j, _)| self.partner[j] = 0.0);
+        best
+    }
+
+    /// Moves a row's coefficient of a binary, and its limit, to how far the rest goes at both values.
+    fn tighten(&mut self, row: usize, z: usize, reach: [f64; 2]) {
+        let (sign, limit) = self.one_side(row);
+        let columns = self.program.row(row).0;
+        let Some(place) = columns.iter().position(|&j| j == z) else { return };
+        let place = self.program.rows.symbolic().row_range(row).start + place;
+        let old = sign * self.values[place];
+        let room = [limit, limit - old];
+        let [off, on] = [room[0].min(reach[0]), room[1].min(reach[1])];
+        let gain = (room[0] - off) + (room[1] - on);
+        let worth = gain > IMPERCEPTIBLE.max(GAIN * old.abs());
+        if !(worth && off.is_finite() && on.is_finite()) {
+            return;
+        }
+        let (coefficient, limit) = match off - on {
+            small if small.abs() <= NOTHING => (0.0, off.max(on)),
+            coefficient => (coefficient, off),
+        };
+        self.values[place] = sign * coefficient;
+        self.limits[row][usize::from(sign > 0.0)] = sign * limit;
+        self.changed = true;
+    }
+
+    fn into_program(self) -> Option<Program> {
+        if !self.changed {
+            return None;
+        }
+        let row = |row: usize| (self.terms(row).collect(), self.limits[row]);
+        let rows: Vec<_> = (0..self.limits.len()).map(row).collect();
+        let mut tight = self.program.clone();
+        tight.replace_rows(&rows)?;
+        Some(tight)
+    }
+}
+
+/// The largest magnitude between two bounds; 0 for infinite ones, which make any sum infinite that they
+/// do not drop out of.
+fn magnitude([lower, upper]: [f64; 2]) -> f64 {
+    let most = lower.abs().max(upper.abs());
+    if most.is_finite() { most } else { 0.0 }
+}
