@@ -13,8 +13,8 @@
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
 //! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve`, `cuts`, `blocks`, a heuristic (`rounding`, `diving`,
-//!   `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
+//! * `--without PART`: leave out `presolve`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`,
+//!   `diving`, `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
 //! * `--with PART`: take in a heuristic, or all `heuristics`
 //! * `--symmetry`: order interchangeable columns
 //! * `--conflicts`: learn from conflicts
@@ -226,6 +226,7 @@ fn switch(heuristics: &mut Heuristics, part: &str, on: bool) -> Result<(), Strin
         "diving" => heuristics.diving = on,
         "neighbourhood" => heuristics.neighbourhood = on,
         "local-branching" => heuristics.local_branching = on,
+        "roll-out" => heuristics.roll_out = on,
         "pump" => heuristics.pump = on,
         _ => return Err(format!("nothing is called `{part}`\n{USAGE}")),
     }

@@ -12,6 +12,7 @@
 //!   is expected to grow more slowly that way.
 
 use super::node::{Decision, Known};
+use super::pseudocosts::LEAST_GAIN;
 use super::trial::{Trial, common};
 use super::worker::Worker;
 use crate::solver::BranchingRule;
@@ -28,9 +29,6 @@ const PATIENCE: usize = 4;
 /// Halvings of the interval of a rate of growth: five digits, of rates from 1 to 1e9.
 const HALVINGS: usize = 22;
 
-/// Gains below this count as this much (objective's unit), so that products stay comparable.
-pub(super) const LEAST_GAIN: f64 = 1e-9;
-
 /// At which rate a tree grows whose nodes all split with these gains of their children: it has
 /// `exp(rate * gap)` nodes, where `sum of exp(-rate * gain) = 1` (Le Bodic and Nemhauser 2017).
 pub(super) fn growth_rate(gains: &[f64]) -> f64 {
@@ -45,25 +43,6 @@ pub(super) fn growth_rate(gains: &[f64]) -> f64 {
         if sum > 1.0 { low = middle } else { high = middle }
     }
     (0.5 * (low + high)).exp()
-}
-
-/// Average growth of the bound per unit of fraction, downwards and upwards, by column.
-#[derive(Debug, Clone)]
-pub(super) struct Pseudocosts {
-    sum: Vec<[f64; 2]>,
-    count: Vec<[u32; 2]>,
-    /// Over all columns, by direction.
-    total: [(f64, u32); 2],
-    /// What was learned and not yet told to others, where there are any.
-    fresh: Option<Vec<Lesson>>,
-}
-
-/// What one child taught about a column.
-#[derive(Debug, Clone, Copy)]
-struct Lesson {
-    column: usize,
-    side: usize,
-    gain: f64,
 }
 
 /// A child of a split: what it decides, and what a trial has found out about it.
@@ -114,93 +93,24 @@ impl Split {
     }
 }
 
+/// The column that a node is split at.
+struct Chosen {
+    /// The column, and its children where they were tried; nothing where all columns are fixed by now.
+    column: Option<(usize, Option<[Trial; 2]>)>,
+    /// Whether trials have closed sides of columns.
+    fixed: bool,
+}
+
 impl Child {
     fn tried(decision: Decision, trial: Trial, bound: f64) -> Self {
         Child { decisions: vec![decision], bound: trial.bound.max(bound), known: trial.known }
     }
 }
 
-impl Pseudocosts {
-    pub(super) fn new(columns: usize) -> Self {
-        Pseudocosts {
-            sum: vec![[0.0; 2]; columns],
-            count: vec![[0; 2]; columns],
-            total: [(0.0, 0); 2],
-            fresh: None,
-        }
-    }
-
-    /// Learns from a child: `gain` of the bound after moving a column by `fraction`.
-    pub(super) fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
-        if gain.is_finite() && fraction > 1e-6 {
-            let lesson = Lesson { column, side: usize::from(up), gain: gain.max(0.0) / fraction };
-            self.take_in(lesson);
-            self.fresh.iter_mut().for_each(|fresh| fresh.push(lesson));
-        }
-    }
-
-    fn take_in(&mut self, Lesson { column, side, gain }: Lesson) {
-        self.sum[column][side] += gain;
-        self.count[column][side] += 1;
-        self.total[side].0 += gain;
-        self.total[side].1 += 1;
-    }
-
-    /// Keeps what is learned from here on, to tell it.
-    pub(super) fn record(&mut self) {
-        self.fresh = Some(Vec::new());
-    }
-
-    /// Tells what was learned since the last time.
-    pub(super) fn tell(&mut self, shared: &mut Pseudocosts) {
-        self.fresh.iter_mut().for_each(|fresh| fresh.drain(..).for_each(|l| shared.take_in(l)));
-    }
-
-    /// Knows from here on what all together learned.
-    pub(super) fn learn_all(&mut self, shared: &Pseudocosts) {
-        self.sum.copy_from_slice(&shared.sum);
-        self.count.copy_from_slice(&shared.count);
-        self.total = shared.total;
-    }
-
-    fn known(&self, column: usize) -> bool {
-        self.count[column].iter().all(|&c| c > 0)
-    }
-
-    pub(super) fn known_up(&self, column: usize) -> bool {
-        self.count[column][1] > 0
-    }
-
-    /// Expected gain of raising a column by `fraction`, if anything is known.
-    pub(super) fn gain_up(&self, column: usize, fraction: f64) -> Option<f64> {
-        let count = self.count[column][1];
-        (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
-    }
-
-    /// Expected gains of lowering and of raising a column to the next whole value; those of
-    /// columns that nothing is known about are the average ones.
-    pub(super) fn gains(&self, column: usize, value: f64) -> [f64; 2] {
-        let expected = |side: usize, fraction: f64| {
-            let (sum, count) = match self.count[column][side] {
-                0 => self.total[side],
-                count => (self.sum[column][side], count),
-            };
-            (sum / f64::from(count.max(1)) * fraction).max(LEAST_GAIN)
-        };
-        let fraction = value - value.floor();
-        [expected(0, fraction), expected(1, 1.0 - fraction)]
-    }
-
-    /// Product of the expected gains of both children.
-    fn score(&self, column: usize, value: f64) -> f64 {
-        let [down, up] = self.gains(column, value);
-        down * up
-    }
-}
-
 impl Worker<'_> {
-    /// Chooses a split of the current node with relaxed point `x` and bound `bound`.
-    pub(super) fn choose_split(&mut self, x: &[f64], bound: f64) -> Split {
+    /// Chooses a split of the current node with bound `bound` and relaxed point `x`, which was `raw`
+    /// before binaries that had a choice were settled.
+    pub(super) fn choose_split(&mut self, x: &[f64], raw: &[f64], bound: f64) -> Split {
         let integrality = self.task.options.integrality;
         let program = self.program();
         let distance = |j: usize| (x[j] - x[j].round()).abs();
@@ -246,68 +156,22 @@ impl Worker<'_> {
         {
             return disjunction.map_or_else(Split::nothing, |(split, _)| split);
         }
-        // By the expected gain, the most promising first; those that little is known about are tried.
-        let mut ranked: Vec<(f64, usize)> =
-            open.iter().map(|&j| (self.pseudocosts.score(j, x[j]), j)).collect();
-        ranked.sort_by(|a, b| {
-            let fractional = || distance(b.1).total_cmp(&distance(a.1));
-            b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
-        });
-        let most = if disjunction.is_some() { BESIDE } else { TRIALS };
-        let (mut trials, mut idle, mut fixed) = (most, 0, false);
-        let mut best: (f64, usize, Option<[Trial; 2]>) = (f64::NEG_INFINITY, latest, None);
-        for (expected, j) in ranked {
-            if self.domain.is_fixed(j) {
-                continue;
-            }
-            let (mut score, mut tried) = (expected, None);
-            if trials > 0 && idle < PATIENCE && !self.pseudocosts.known(j) {
-                trials -= 1;
-                // The far child is the likelier one to be closed; then its sibling is the node
-                // itself with a tighter bound, which may wait for more of them.
-                let [mut near, mut far] = self.split(j, x[j]);
-                // The rise of a side was tried with its disjunction.
-                let half = disjunction.is_some() && self.pseudocosts.known_up(j);
-                if half && near.is_upper {
-                    (near, far) = (far, near);
-                }
-                let Some(b) = self.try_child(far, x[j], bound) else {
-                    if self.task.options.keep_leaves {
-                        return Split::only(near, bound);
-                    }
-                    if let Err(split) = self.note_facts(&[near]) {
-                        return split;
-                    }
-                    (fixed, idle) = (true, 0);
-                    continue;
-                };
-                if half {
-                    score = self.pseudocosts.score(j, x[j]);
-                    idle = if score > best.0 { 0 } else { idle + 1 };
-                    if score > best.0 {
-                        best = (score, j, None);
-                    }
-                    continue;
-                }
-                let Some(a) = self.try_child(near, x[j], bound) else {
-                    return Split { children: vec![Child::tried(far, b, bound)], closed: true };
-                };
-                score = a.gain.max(LEAST_GAIN) * b.gain.max(LEAST_GAIN);
-                if let Err(split) = self.note_facts(&common(&a, &b)) {
-                    return split;
-                }
-                tried = Some([a, b]);
-                idle = if score > best.0 { 0 } else { idle + 1 };
-            }
-            if score > best.0 && !self.domain.is_fixed(j) {
-                best = (score, j, tried);
-            }
-        }
-        let (_, j, tried) = best;
-        if fixed && (tried.is_none() || self.domain.is_fixed(j)) {
+        let chosen = match self.choose_column(x, bound, &open, disjunction.is_some()) {
+            Ok(chosen) => chosen,
+            Err(split) => return split,
+        };
+        let excluded = match self.exclude_values(x, raw, bound) {
+            Ok(excluded) => excluded,
+            Err(split) => return split,
+        };
+        let fixed = chosen.fixed || excluded;
+        let stands = |(j, tried): &(usize, Option<_>)| {
+            !self.domain.is_fixed(*j) && (tried.is_some() || !fixed)
+        };
+        let Some((j, tried)) = chosen.column.filter(stands) else {
             // The same node with tighter bounds.
             return Split::again(bound);
-        }
+        };
         let gains = match &tried {
             Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
             None => self.pseudocosts.gains(j, x[j]),
@@ -329,8 +193,75 @@ impl Worker<'_> {
         }
     }
 
+    /// The best of some open columns, the most promising first; those that little is known about are
+    /// tried. A split, where a trial leaves nothing or one child.
+    fn choose_column(
+        &mut self,
+        x: &[f64],
+        bound: f64,
+        open: &[usize],
+        beside: bool,
+    ) -> Result<Chosen, Split> {
+        let mut ranked: Vec<(f64, usize)> =
+            open.iter().map(|&j| (self.pseudocosts.score(j, x[j]), j)).collect();
+        ranked.sort_by(|a, b| {
+            let distance = |j: usize| (x[j] - x[j].round()).abs();
+            let fractional = || distance(b.1).total_cmp(&distance(a.1));
+            b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
+        });
+        let (mut trials, mut idle) = (if beside { BESIDE } else { TRIALS }, 0);
+        let (mut most, mut best) = (f64::NEG_INFINITY, Chosen { column: None, fixed: false });
+        for (expected, j) in ranked {
+            if self.domain.is_fixed(j) {
+                continue;
+            }
+            let (mut score, mut tried) = (expected, None);
+            if trials > 0 && idle < PATIENCE && !self.pseudocosts.known(j) {
+                trials -= 1;
+                // The far child is the likelier one to be closed; then its sibling is the node
+                // itself with a tighter bound, which may wait for more of them.
+                let [mut near, mut far] = self.split(j, x[j]);
+                // The rise of a side was tried with its disjunction.
+                let half = beside && self.pseudocosts.known_up(j);
+                if half && near.is_upper {
+                    (near, far) = (far, near);
+                }
+                let Some(b) = self.try_child(far, x[j], bound) else {
+                    self.keep_only(near, bound)?;
+                    (best.fixed, idle) = (true, 0);
+                    continue;
+                };
+                if half {
+                    score = self.pseudocosts.score(j, x[j]);
+                } else {
+                    let Some(a) = self.try_child(near, x[j], bound) else {
+                        let children = vec![Child::tried(far, b, bound)];
+                        return Err(Split { children, closed: true });
+                    };
+                    score = a.gain.max(LEAST_GAIN) * b.gain.max(LEAST_GAIN);
+                    self.note_facts(&common(&a, &b))?;
+                    tried = Some([a, b]);
+                }
+                idle = if score > most { 0 } else { idle + 1 };
+            }
+            if score > most && !self.domain.is_fixed(j) {
+                (most, best.column) = (score, Some((j, tried)));
+            }
+        }
+        Ok(best)
+    }
+
+    /// Goes on with one side of a column, the other one being closed. Where the ends of the tree are
+    /// kept, that is a split.
+    pub(super) fn keep_only(&mut self, side: Decision, bound: f64) -> Result<(), Split> {
+        if self.task.options.keep_leaves {
+            return Err(Split::only(side, bound));
+        }
+        self.note_facts(&[side])
+    }
+
     /// Splits at the value of the relaxation: `x <= floor` or `x >= floor + 1`, nearer side first.
-    fn split(&self, column: usize, value: f64) -> [Decision; 2] {
+    pub(super) fn split(&self, column: usize, value: f64) -> [Decision; 2] {
         let (lower, upper) = (self.domain.lower(column), self.domain.upper(column));
         let value =
             if value.is_finite() { value.clamp(lower, upper) } else { lower.max(upper.min(0.0)) };

@@ -10,8 +10,9 @@
 
 use std::collections::BTreeMap;
 
-use super::branching::{Child, LEAST_GAIN, Split, TRIALS, growth_rate};
+use super::branching::{Child, Split, TRIALS, growth_rate};
 use super::node::Decision;
+use super::pseudocosts::LEAST_GAIN;
 use super::trial::Trial;
 use super::worker::Worker;
 use crate::presolve::covering_rows;

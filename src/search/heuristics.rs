@@ -1,7 +1,10 @@
 //! When which heuristic runs.
 
+use std::collections::BTreeSet;
+
 use super::allowance::Allowance;
 use super::clock::Activity;
+use super::exclusion::Exclusion;
 use super::trace::span;
 use super::worker::Worker;
 use crate::solution::Heuristic;
@@ -18,6 +21,9 @@ pub(super) struct Accounts {
     pub(super) nodes: u64,
     /// Interior-point iterations of this worker, those of its small searches included.
     pub(super) iterations: u64,
+    pub(super) exclusion: Exclusion,
+    /// Fingerprints of the integers that were solved as leaves by heuristics.
+    pub(super) assignments: BTreeSet<u64>,
     pub(super) diving: Allowance,
     pub(super) neighbourhood: Allowance,
     pub(super) local_branching: Allowance,
@@ -29,6 +35,8 @@ impl Accounts {
             since_rounding: u64::MAX,
             nodes: 0,
             iterations: 0,
+            exclusion: Exclusion::new(),
+            assignments: BTreeSet::new(),
             diving: Allowance::default(),
             neighbourhood: Allowance::default(),
             local_branching: Allowance::default(),
@@ -43,10 +51,7 @@ impl Worker<'_> {
         let activity = self.clock.switch(Activity::Heuristic);
         let whole = self.is_whole(point);
         if whole {
-            span!(DEBUG, "heuristic", name = "relaxation");
-            let before = self.tree.begin(Heuristic::Relaxation);
-            self.try_assignment(point);
-            self.tree.end(before);
+            self.try_whole_point(point);
         }
         let pause = if self.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
         if at_root || self.accounts.since_rounding >= pause {
@@ -55,6 +60,12 @@ impl Worker<'_> {
                 span!(DEBUG, "heuristic", name = "rounding");
                 let before = self.tree.begin(Heuristic::Rounding);
                 self.round_and_propagate(point);
+                self.tree.end(before);
+            }
+            if on.roll_out && !self.program().is_feasibility_problem() {
+                span!(DEBUG, "heuristic", name = "roll-out");
+                let before = self.tree.begin(Heuristic::RollOut);
+                self.roll_out(point);
                 self.tree.end(before);
             }
             self.try_proposals(point, bound);
@@ -70,6 +81,22 @@ impl Worker<'_> {
             self.search_near_incumbent(point, bound);
         }
         self.clock.switch(activity);
+    }
+
+    /// Tries a point that has become whole by settling what had a choice.
+    pub(super) fn look_for_settled_point(&mut self, raw: &[f64], settled: &[f64]) {
+        if raw != settled && self.is_whole(settled) {
+            let activity = self.clock.switch(Activity::Heuristic);
+            self.try_whole_point(settled);
+            self.clock.switch(activity);
+        }
+    }
+
+    fn try_whole_point(&mut self, point: &[f64]) {
+        span!(DEBUG, "heuristic", name = "relaxation");
+        let before = self.tree.begin(Heuristic::Relaxation);
+        self.try_assignment(point);
+        self.tree.end(before);
     }
 
     /// Whether all integers of a point are whole.

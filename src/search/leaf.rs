@@ -1,5 +1,7 @@
 //! Points from fixed integers: solve what is left, polish, verify, offer.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use super::clock::Activity;
 use super::node_relaxation::Verdict;
 use super::worker::Worker;
@@ -27,7 +29,8 @@ impl Worker<'_> {
         if self.propagate_since(mark).is_err() {
             return false;
         }
-        if !self.is_leaf() {
+        // The same integers lead to the same point.
+        if !self.is_leaf() || !self.is_new_assignment() {
             return false;
         }
         let Reduction::Reduced(reduced) = reduce(self.program(), &self.domain) else {
@@ -37,6 +40,15 @@ impl Worker<'_> {
             Verdict::Relaxed { x, .. } => self.offer_leaf(&reduced, &x),
             _ => false,
         }
+    }
+
+    /// Whether the integers of the domain, all fixed, were not seen here before.
+    fn is_new_assignment(&mut self) -> bool {
+        let mut hasher = DefaultHasher::new();
+        for &j in &self.program().integers {
+            self.domain.lower(j).to_bits().hash(&mut hasher);
+        }
+        self.accounts.assignments.insert(hasher.finish())
     }
 
     /// Polishes a leaf's point and offers it; `false` when the check refuses it.

@@ -16,6 +16,8 @@
 //! * `probing` - how much probing nodes get
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //! * `branching` - which column to split, and which child to visit first
+//! * `pseudocosts` - what branching on a column has done to the bound so far
+//! * `exclusion` - values that the relaxed point can do without, on trial
 //! * `disjunction` - splitting "one of these" into its sides
 //! * `guide` - priorities, splits and points that the user knows
 //! * `trial` - children on trial, and what they leave behind
@@ -25,6 +27,7 @@
 //! * `purify` - whole values where the relaxed point leaves a choice
 //! * `heuristics` - when which heuristic runs, `allowance` - how much one may spend
 //! * `rounding` - the round-and-propagate heuristic
+//! * `roll_out` - the inputs of the relaxed point, and what follows from them
 //! * `diving` - fixing, propagating and relaxing in turn down to a point
 //! * `neighbourhood` - small searches near the best point
 //! * `pump` - rounding and projection in turn
@@ -43,6 +46,7 @@ mod descend;
 mod desk;
 mod disjunction;
 mod diving;
+mod exclusion;
 mod guess;
 mod guide;
 mod heuristics;
@@ -53,10 +57,12 @@ mod node;
 mod node_relaxation;
 mod order;
 mod probing;
+mod pseudocosts;
 mod pump;
 mod purify;
 mod reduced_cost;
 mod reporter;
+mod roll_out;
 mod root;
 mod rounding;
 mod rounds;

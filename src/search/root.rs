@@ -1,7 +1,7 @@
 //! The root: propagated and probed once, the start of every worker.
 
 use super::disjunction::covers;
-use super::purify::groups;
+use super::purify::{Group, groups, lone_binaries};
 use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
 use crate::program::Program;
 use crate::solver::Deadline;
@@ -13,7 +13,9 @@ const ROOT_TRIALS: usize = 4000;
 /// The root after propagation and probing; every worker starts from it.
 pub(super) struct Root {
     pub(super) covers: Vec<Vec<usize>>,
-    pub(super) groups: Vec<Vec<usize>>,
+    pub(super) groups: Vec<Group>,
+    /// Binaries without a cost that are in no group.
+    pub(super) lone: Vec<usize>,
     pub(super) domain: Domain,
     /// With what is known about implications.
     pub(super) propagator: Propagator,
@@ -39,8 +41,9 @@ impl Root {
             .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covers(program), groups(program));
+        let lone = lone_binaries(program, &groups);
         let deadline = deadline.clone();
-        Root { covers, groups, domain, propagator, conflict, deadline }
+        Root { covers, groups, lone, domain, propagator, conflict, deadline }
     }
 
     /// Carries the root over to a program with further columns.

@@ -6,9 +6,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use web_time::Duration;
 
 use super::best_points::{Accepted, BestPoints};
-use super::branching::Pseudocosts;
 use super::guess::GuessEnd;
 use super::node::{Node, NodeQueue, Path, StepCount};
+use super::pseudocosts::Pseudocosts;
 use super::seed::{Seed, Seeded};
 use super::trace::event;
 use super::{Closed, Found, Task};

@@ -1,7 +1,7 @@
 //! Processing nodes: propagate, reduce, relax, bound, branch.
 
 use super::Task;
-use super::branching::{Child, Pseudocosts, Split};
+use super::branching::{Child, Split};
 use super::clock::Clock;
 use super::descend::Stop;
 use super::desk::Desk;
@@ -9,7 +9,8 @@ use super::heuristics::Accounts;
 use super::node::{Decision, Node, Path};
 use super::node_relaxation::Verdict;
 use super::probing::Probing;
-use super::purify::purify;
+use super::pseudocosts::Pseudocosts;
+use super::purify::{Group, purify, settle};
 use super::root::{Root, late_first};
 use super::seed::{Seeded, divide};
 use super::trace::span;
@@ -28,7 +29,9 @@ pub(super) struct Worker<'a> {
     pub(super) domain: Domain,
     pub(super) propagator: Propagator,
     pub(super) covers: &'a [Vec<usize>],
-    pub(super) groups: &'a [Vec<usize>],
+    pub(super) groups: &'a [Group],
+    /// Binaries without a cost that are in no group.
+    pub(super) lone: &'a [usize],
     pub(super) late_first: Vec<usize>,
     pub(super) relaxation: ClarabelRelaxation,
     pub(super) interior: InteriorPoint,
@@ -69,6 +72,7 @@ impl<'a> Worker<'a> {
             propagator,
             covers: &root.covers,
             groups: &root.groups,
+            lone: &root.lone,
             // Windows are not probed: their binaries are.
             late_first: late_first(task.windows.map_or(task.program, Windows::base)),
             relaxation: ClarabelRelaxation::new(),
@@ -139,7 +143,13 @@ impl<'a> Worker<'a> {
         if bound >= self.tree.cutoff() {
             return self.cut_off(&node.path, bound);
         }
-        self.branch(node, bound, &point)
+        let raw = point.clone();
+        settle(self.task.program, &self.domain, self.lone, integrality, &mut point);
+        self.look_for_settled_point(&raw, &point);
+        if bound >= self.tree.cutoff() {
+            return self.cut_off(&node.path, bound);
+        }
+        self.branch(node, bound, &point, &raw)
     }
 
     /// Solves the relaxation of a node: its bound and its point, or nothing when the node is done.
@@ -223,7 +233,7 @@ impl<'a> Worker<'a> {
         self.tree.strengthen(self.tree.cutoff().min(self.cutoff))
     }
 
-    fn branch(&mut self, node: Node, bound: f64, point: &[f64]) -> Option<Node> {
+    fn branch(&mut self, node: Node, bound: f64, point: &[f64], raw: &[f64]) -> Option<Node> {
         if node.path.is_empty() && bound > f64::NEG_INFINITY {
             let parts = self.parts_of_seed();
             let node_of = |decisions: Vec<Decision>| {
@@ -237,7 +247,7 @@ impl<'a> Worker<'a> {
                 return Some(first);
             }
         }
-        let Split { children, closed } = self.choose_split(point, bound);
+        let Split { children, closed } = self.choose_split(point, raw, bound);
         let facts = self.path.get(node.path.len()..).unwrap_or_default();
         let path = self.path_with(&node.path, facts);
         if closed && self.closed_bound() < f64::INFINITY {

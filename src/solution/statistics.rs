@@ -109,6 +109,8 @@ pub enum Heuristic {
     Guess,
     /// Values proposed by a [`Proposal`](crate::solver::Proposal), completed.
     Proposal,
+    /// Rolling out: the inputs of a relaxed point, and what follows from them.
+    RollOut,
     /// Diving: fix, propagate and relax in turn.
     Diving,
     /// Relaxation-induced neighbourhood search.
@@ -146,6 +148,7 @@ pub struct Heuristics {
     leaf: HeuristicCount,
     relaxation: HeuristicCount,
     rounding: HeuristicCount,
+    roll_out: HeuristicCount,
     guess: HeuristicCount,
     proposal: HeuristicCount,
     diving: HeuristicCount,
@@ -156,10 +159,11 @@ pub struct Heuristics {
 
 impl Heuristic {
     /// All sources of points.
-    pub const ALL: [Heuristic; 9] = [
+    pub const ALL: [Heuristic; 10] = [
         Heuristic::Leaf,
         Heuristic::Relaxation,
         Heuristic::Rounding,
+        Heuristic::RollOut,
         Heuristic::Guess,
         Heuristic::Proposal,
         Heuristic::Diving,
@@ -174,6 +178,7 @@ impl Heuristic {
             Heuristic::Leaf => 'L',
             Heuristic::Relaxation => '*',
             Heuristic::Rounding => 'R',
+            Heuristic::RollOut => 'O',
             Heuristic::Guess => 'G',
             Heuristic::Proposal => 'P',
             Heuristic::Diving => 'D',
@@ -190,6 +195,7 @@ impl fmt::Display for Heuristic {
             Heuristic::Leaf => "leaf",
             Heuristic::Relaxation => "relaxation",
             Heuristic::Rounding => "rounding",
+            Heuristic::RollOut => "roll-out",
             Heuristic::Guess => "guess",
             Heuristic::Proposal => "proposal",
             Heuristic::Diving => "diving",
@@ -207,6 +213,7 @@ impl Heuristics {
             Heuristic::Leaf => self.leaf,
             Heuristic::Relaxation => self.relaxation,
             Heuristic::Rounding => self.rounding,
+            Heuristic::RollOut => self.roll_out,
             Heuristic::Guess => self.guess,
             Heuristic::Proposal => self.proposal,
             Heuristic::Diving => self.diving,
@@ -227,6 +234,7 @@ impl Heuristics {
             Heuristic::Leaf => &mut self.leaf,
             Heuristic::Relaxation => &mut self.relaxation,
             Heuristic::Rounding => &mut self.rounding,
+            Heuristic::RollOut => &mut self.roll_out,
             Heuristic::Guess => &mut self.guess,
             Heuristic::Proposal => &mut self.proposal,
             Heuristic::Diving => &mut self.diving,

@@ -24,6 +24,10 @@ pub struct Heuristics {
     /// Round and propagate: integers are fixed one after the other near their relaxed values, and
     /// propagation fixes others on the way. At the root and now and then below it; default on.
     pub rounding: bool,
+    /// Rolling out: the inputs of a relaxed point are fixed one after the other, and states and modes
+    /// follow by propagation. At the root and now and then below it, where there is an objective;
+    /// default on.
+    pub roll_out: bool,
     /// Diving: some integers are fixed, the relaxation is solved again, and so on down to a point.
     /// A budget of iterations grows with its success; default on.
     pub diving: bool,
@@ -43,6 +47,7 @@ impl Default for Heuristics {
     fn default() -> Self {
         Heuristics {
             rounding: true,
+            roll_out: true,
             diving: true,
             neighbourhood: true,
             local_branching: false,
@@ -56,6 +61,7 @@ impl Heuristics {
     pub const fn none() -> Self {
         Heuristics {
             rounding: false,
+            roll_out: false,
             diving: false,
             neighbourhood: false,
             local_branching: false,
@@ -67,6 +73,7 @@ impl Heuristics {
     pub const fn all() -> Self {
         Heuristics {
             rounding: true,
+            roll_out: true,
             diving: true,
             neighbourhood: true,
             local_branching: true,
@@ -76,6 +83,7 @@ impl Heuristics {
 
     /// Those that a search inside a search may use.
     pub(crate) const fn nested(self) -> Self {
-        Heuristics { rounding: self.rounding, diving: self.diving, ..Heuristics::none() }
+        let Heuristics { rounding, roll_out, diving, .. } = self;
+        Heuristics { rounding, roll_out, diving, ..Heuristics::none() }
     }
 }

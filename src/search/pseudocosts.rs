@@ -1,0 +1,126 @@
+//! What branching on a column has done to the bound so far.
+//!
+//! A pseudocost is the average growth of the bound per unit of fraction, downwards and upwards, by
+//! column.
+
+/// Gains below this count as this much (objective's unit), so that products stay comparable.
+pub(super) const LEAST_GAIN: f64 = 1e-9;
+
+/// Average growth of the bound per unit of fraction, downwards and upwards, by column.
+#[derive(Debug, Clone)]
+pub(super) struct Pseudocosts {
+    sum: Vec<[f64; 2]>,
+    count: Vec<[u32; 2]>,
+    /// Over all columns, by direction.
+    total: [(f64, u32); 2],
+    /// What was learned and not yet told to others, where there are any.
+    fresh: Option<Vec<Lesson>>,
+}
+
+/// What one child taught about a column.
+#[derive(Debug, Clone, Copy)]
+struct Lesson {
+    column: usize,
+    side: usize,
+    gain: f64,
+}
+
+impl Pseudocosts {
+    pub(super) fn new(columns: usize) -> Self {
+        Pseudocosts {
+            sum: vec![[0.0; 2]; columns],
+            count: vec![[0; 2]; columns],
+            total: [(0.0, 0); 2],
+            fresh: None,
+        }
+    }
+
+    /// Learns from a child: `gain` of the bound after moving a column by `fraction`.
+    pub(super) fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
+        if gain.is_finite() && fraction > 1e-6 {
+            let lesson = Lesson { column, side: usize::from(up), gain: gain.max(0.0) / fraction };
+            self.take_in(lesson);
+            self.fresh.iter_mut().for_each(|fresh| fresh.push(lesson));
+        }
+    }
+
+    fn take_in(&mut self, Lesson { column, side, gain }: Lesson) {
+        self.sum[column][side] += gain;
+        self.count[column][side] += 1;
+        self.total[side].0 += gain;
+        self.total[side].1 += 1;
+    }
+
+    /// Keeps what is learned from here on, to tell it.
+    pub(super) fn record(&mut self) {
+        self.fresh = Some(Vec::new());
+    }
+
+    /// Tells what was learned since the last time.
+    pub(super) fn tell(&mut self, shared: &mut Pseudocosts) {
+        self.fresh.iter_mut().for_each(|fresh| fresh.drain(..).for_each(|l| shared.take_in(l)));
+    }
+
+    /// Knows from here on what all together learned.
+    pub(super) fn learn_all(&mut self, shared: &Pseudocosts) {
+        self.sum.copy_from_slice(&shared.sum);
+        self.count.copy_from_slice(&shared.count);
+        self.total = shared.total;
+    }
+
+    /// Whether both sides of a column have taught something.
+    pub(super) fn known(&self, column: usize) -> bool {
+        self.count[column].iter().all(|&c| c > 0)
+    }
+
+    pub(super) fn known_up(&self, column: usize) -> bool {
+        self.count[column][1] > 0
+    }
+
+    /// Expected gain of raising a column by `fraction`, if anything is known.
+    pub(super) fn gain_up(&self, column: usize, fraction: f64) -> Option<f64> {
+        let count = self.count[column][1];
+        (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
+    }
+
+    /// Expected gains of lowering and of raising a column to the next whole value; those of
+    /// columns that nothing is known about are the average ones.
+    pub(super) fn gains(&self, column: usize, value: f64) -> [f64; 2] {
+        let expected = |side: usize, fraction: f64| {
+            let (sum, count) = match self.count[column][side] {
+                0 => self.total[side],
+                count => (self.sum[column][side], count),
+            };
+            (sum / f64::from(count.max(1)) * fraction).max(LEAST_GAIN)
+        };
+        let fraction = value - value.floor();
+        [expected(0, fraction), expected(1, 1.0 - fraction)]
+    }
+
+    /// Product of the expected gains of both children.
+    pub(super) fn score(&self, column: usize, value: f64) -> f64 {
+        let [down, up] = self.gains(column, value);
+        down * up
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_columns_are_average() {
+        let mut costs = Pseudocosts::new(2);
+        assert_eq!(costs.gains(0, 0.5), [LEAST_GAIN; 2]);
+        for gain in [1.0, 2.0, 3.0] {
+            costs.learn(0, true, gain, 0.5);
+        }
+        assert!(!costs.known(0) && costs.known_up(0));
+        assert_eq!(costs.gain_up(0, 0.5), Some(2.0));
+        assert_eq!((costs.gain_up(1, 0.5), costs.gains(1, 0.5)[1]), (None, 2.0));
+        // An infinite gain, or that of a column that has hardly moved, teaches nothing.
+        costs.learn(0, false, f64::INFINITY, 0.5);
+        costs.learn(0, false, 1.0, 0.0);
+        assert!(!costs.known(0));
+    }
+}

@@ -1,0 +1,208 @@
+//! Rolling out: the inputs of a relaxed point, and what follows from them step by step.
+//!
+//! A relaxed point is no motion: under big-M rows its states are in no mode or in two. Its inputs,
+//! however, are a plan, and a plan can be carried out: the first input is fixed, propagation follows
+//! with the next state and with the mode that this state is in, the second input is fixed, and so
+//! on. What comes out are modes that belong together; the rest is solved as a leaf.
+//!
+//! Which columns are inputs, and in which order, is read off rows and domain. A column is known when
+//! propagation has left it next to no width. Among the rows with several unknown columns, the one
+//! with the smallest share of them is next: it reaches from what is known to what is not. Of its
+//! unknown columns an integer is fixed first, then the column that reaches least far: an input is in
+//! the rows of its step, a state in those of the next one as well, of which nothing is known yet.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::windows::Windows;
+use super::worker::Worker;
+use crate::presolve::Domain;
+use crate::program::Program;
+
+/// Width up to which a continuous column counts as known, relative to what it had at first; in the
+/// column's unit where it had no bounds.
+const NARROW: f64 = 1e-4;
+
+/// Shares of unknown columns in a row are compared in so many steps.
+const SHARES: usize = 1 << 20;
+
+impl Worker<'_> {
+    /// Tries the modes that follow from the inputs of a relaxed point. The domain is left as it was.
+    pub(super) fn roll_out(&mut self, point: &[f64]) {
+        let program = self.task.windows.map_or(self.task.program, Windows::base);
+        // Without columns that can follow there is nothing to roll out.
+        if program.integers.len() == program.column_count() {
+            return;
+        }
+        let start = self.domain.mark();
+        if let Some(modes) = self.modes_of(program, point) {
+            self.domain.undo_to(start);
+            self.try_assignment(&modes);
+        }
+        self.domain.undo_to(start);
+    }
+
+    /// A point whose integers are what the inputs of another one lead to; nothing where they lead to
+    /// a contradiction. The domain is left where that ends.
+    fn modes_of(&mut self, program: &Program, point: &[f64]) -> Option<Vec<f64>> {
+        let mut frontier = Frontier::new(program, &self.domain);
+        while let Some(j) = frontier.next() {
+            let mark = self.domain.mark();
+            if program.integral[j] {
+                if !self.fix_rounded(j, point[j]) {
+                    return None;
+                }
+            } else {
+                let [lower, upper] = self.domain.bounds(j);
+                let value = point[j].clamp(lower, upper);
+                self.domain.apply(j, false, value);
+                self.domain.apply(j, true, value);
+                if self.propagate_since(mark).is_err() {
+                    self.domain.undo_to(mark);
+                }
+            }
+            frontier.learn(j);
+            for (k, _) in self.domain.changed_since(mark) {
+                frontier.look_at(k, &self.domain);
+            }
+            if self.is_late() {
+                return None;
+            }
+        }
+        let mut modes = point.to_vec();
+        for &j in self.own_integers() {
+            if !self.fix_rounded(j, point[j]) || self.is_late() {
+                return None;
+            }
+            modes[j] = self.domain.lower(j);
+        }
+        Some(modes)
+    }
+}
+
+/// What is known, and where to go on.
+struct Frontier<'a> {
+    program: &'a Program,
+    /// Width of every column at which it is known.
+    narrow: Vec<f64>,
+    known: Vec<bool>,
+    /// Unknown columns of every row.
+    unknown: Vec<usize>,
+    /// Which rows have continuous columns.
+    moves: Vec<bool>,
+    /// Rows by the share of their columns that is unknown, the smallest first; old entries stay.
+    rows: BinaryHeap<Reverse<(usize, usize)>>,
+}
+
+impl<'a> Frontier<'a> {
+    fn new(program: &'a Program, domain: &Domain) -> Self {
+        let (m, n) = (program.row_count(), program.column_count());
+        let narrow = |j: usize| match domain.upper(j) - domain.lower(j) {
+            _ if program.integral[j] => 0.0,
+            width if width.is_finite() => NARROW * width,
+            _ => NARROW,
+        };
+        let moves = |row: usize| program.row(row).0.iter().any(|&j| !program.integral[j]);
+        let mut frontier = Frontier {
+            program,
+            narrow: (0..n).map(narrow).collect(),
+            known: (0..n).map(|j| domain.is_fixed(j)).collect(),
+            unknown: vec![0; m],
+            moves: (0..m).map(moves).collect(),
+            rows: BinaryHeap::new(),
+        };
+        for row in 0..m {
+            let unknown = program.row(row).0.iter().filter(|&&j| !frontier.known[j]).count();
+            frontier.unknown[row] = unknown;
+            frontier.file(row);
+        }
+        frontier
+    }
+
+    fn share(&self, row: usize) -> usize {
+        self.unknown[row] * SHARES / self.program.row(row).0.len()
+    }
+
+    fn file(&mut self, row: usize) {
+        if self.unknown[row] > 1 && self.moves[row] {
+            self.rows.push(Reverse((self.share(row), row)));
+        }
+    }
+
+    /// Takes in that the domain of a column has changed.
+    fn look_at(&mut self, j: usize, domain: &Domain) {
+        if j < self.known.len() && domain.upper(j) - domain.lower(j) <= self.narrow[j] {
+            self.learn(j);
+        }
+    }
+
+    fn learn(&mut self, j: usize) {
+        if std::mem::replace(&mut self.known[j], true) {
+            return;
+        }
+        for &row in self.program.column(j).0 {
+            self.unknown[row] -= 1;
+            self.file(row);
+        }
+    }
+
+    /// The column to choose next; nothing where no row has two unknown ones.
+    fn next(&mut self) -> Option<usize> {
+        while let Some(&Reverse((share, row))) = self.rows.peek() {
+            if self.unknown[row] < 2 || share != self.share(row) {
+                self.rows.pop();
+                continue;
+            }
+            let columns = self.program.row(row).0.iter().copied();
+            let rank = |&j: &usize| {
+                let rows = self.program.column(j).0;
+                let farthest = rows.iter().map(|&row| self.share(row)).max();
+                (!self.program.integral[j], farthest, Reverse(rows.len()), j)
+            };
+            return columns.filter(|&j| !self.known[j]).min_by_key(rank);
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+
+    /// Three steps of a double integrator that starts at rest: the inputs come one after the other, in the
+    /// order of time, although they stand last.
+    #[test]
+    fn inputs_come_in_the_order_of_time() {
+        const STEPS: usize = 3;
+        let mut model = Model::new("cart");
+        let place = model.continuous_family("place", STEPS + 1, -10.0, 10.0).unwrap();
+        let speed = model.continuous_family("speed", STEPS + 1, -10.0, 10.0).unwrap();
+        let push = model.continuous_family("push", STEPS, -1.0, 1.0).unwrap();
+        for (first, name) in [(place[0], "here"), (speed[0], "rest")] {
+            model.add(name, first.equals(0.0)).unwrap();
+        }
+        for t in 0..STEPS {
+            let moved = place[t + 1] - place[t] - speed[t] - 0.5 * push[t];
+            model.add(format!("place{t}"), moved.equals(0.0)).unwrap();
+            let pushed = speed[t + 1] - speed[t] - push[t];
+            model.add(format!("speed{t}"), pushed.equals(0.0)).unwrap();
+        }
+        let program = Program::assemble(&model).unwrap();
+        let mut domain = Domain::new(&program);
+        for j in [place[0].index(), speed[0].index()] {
+            domain.apply(j, false, 0.0);
+            domain.apply(j, true, 0.0);
+        }
+        let mut frontier = Frontier::new(&program, &domain);
+        for t in 0..STEPS {
+            // In the last step the states reach no further than the input.
+            assert!(t == STEPS - 1 || frontier.next() == Some(push[t].index()));
+            // What propagation would conclude.
+            for known in [push[t], place[t + 1], speed[t + 1]] {
+                frontier.learn(known.index());
+            }
+        }
+        assert_eq!(frontier.next(), None);
+    }
+}
