@@ -39,8 +39,13 @@ const GAIN: f64 = 1e-3;
 /// Gains up to this, in the row's unit, would be rounding.
 const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
 
-/// Coefficients up to this, in the row's unit, are left out.
-const NOTHING: f64 = 1e-9;
+/// Gains beyond this many times the coefficient and the limit are those of impossible values.
+const LARGEST: f64 = 1e6;
+
+/// Least part of a coefficient that is kept, and the size, relative to coefficient and limit, up to which
+/// it is left out (no unit).
+const KEPT: f64 = 1e-4;
+const NOTHING: f64 = 1e-8;
 
 /// A program whose big-Ms are no larger than the rows beside them allow; nothing where none shrinks.
 ///
@@ -128,7 +133,7 @@ impl Reach {
 
     /// The bound with its margin; infinite where it is none.
     fn value(self) -> f64 {
-        let value = self.sum + MARGIN * self.size.max(1.0);
+        let value = self.sum + MARGIN * self.size;
         if value.is_nan() { f64::INFINITY } else { value }
     }
 }
@@ -255,16 +260,25 @@ impl<'a> Rows<'a> {
         let place = self.program.rows.symbolic().row_range(row).start + place;
         let old = sign * self.values[place];
         let room = [limit, limit - old];
-        let [off, on] = [room[0].min(reach[0]), room[1].min(reach[1])];
+        let [mut off, mut on] = [room[0].min(reach[0]), room[1].min(reach[1])];
+        let size = old.abs() + limit.abs();
+        let drops = (off - on).abs() <= NOTHING * size;
+        if !drops {
+            // The coefficient keeps a part of its size, so that rounding does not decide about the
+            // binary, and never grows, as it would where a value is impossible: the side that is in
+            // the way stays looser than it could be.
+            let (least, most) = (KEPT * old.abs(), old.abs());
+            (off, on) = (off.max(on - most), on.max(off - most));
+            if (off - on).abs() < least {
+                (off, on) =
+                    if old > 0.0 { (off.max(on + least), on) } else { (off, on.max(off + least)) };
+            }
+        }
         let gain = (room[0] - off) + (room[1] - on);
-        let worth = gain > IMPERCEPTIBLE.max(GAIN * old.abs());
-        if !(worth && off.is_finite() && on.is_finite()) {
+        if !(gain > IMPERCEPTIBLE.max(GAIN * old.abs()) && gain <= LARGEST * size) {
             return;
         }
-        let (coefficient, limit) = match off - on {
-            small if small.abs() <= NOTHING => (0.0, off.max(on)),
-            coefficient => (coefficient, off),
-        };
+        let (coefficient, limit) = if drops { (0.0, off.max(on)) } else { (off - on, off) };
         self.values[place] = sign * coefficient;
         self.limits[row][usize::from(sign > 0.0)] = sign * limit;
         self.changed = true;

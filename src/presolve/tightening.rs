@@ -162,9 +162,17 @@ fn tighten_binding(
     }
     // Accumulated rounding of the activity, in the row's unit.
     let rounding = 1e-15 * scale * (entries.len() as f64);
+    // What the row itself is known to: a small coefficient makes much of it.
+    let known = tolerance::PROPAGATION_SLACK * scale;
     let mut offer = |entry: &Entry, term: f64, is_upper: bool| {
+        let column = entry.column();
         let value = term / entry.coefficient;
-        found.extend(worthwhile(integral, bounds, entry.column(), is_upper, value, least_gain));
+        found.extend(if integral[column] {
+            let slack = tolerance::INTEGRALITY + known / entry.coefficient.abs();
+            whole(bounds[column], column, is_upper, value, slack)
+        } else {
+            worthwhile(bounds[column], column, is_upper, value, least_gain)
+        });
     };
     if least.infinite + most.infinite == 0 {
         let rest_below = row_upper + rounding - least.finite;
@@ -213,10 +221,25 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// A candidate bound, when it is worth it.
+/// A candidate bound of an integral column: the next whole value, when that is news.
+fn whole(
+    [lower, upper]: [f64; 2],
+    column: usize,
+    is_upper: bool,
+    value: f64,
+    slack: f64,
+) -> Option<Tightening> {
+    if !value.is_finite() || value.abs() >= tolerance::INFINITE {
+        return None;
+    }
+    let value = if is_upper { (value + slack).floor() } else { (value - slack).ceil() };
+    let news = if is_upper { value < upper } else { value > lower };
+    news.then_some(Tightening { column, is_upper, value })
+}
+
+/// A candidate bound of a continuous column, when it is worth it.
 fn worthwhile(
-    integral: &[bool],
-    bounds: &[[f64; 2]],
+    [lower, upper]: [f64; 2],
     column: usize,
     is_upper: bool,
     value: f64,
@@ -225,31 +248,17 @@ fn worthwhile(
     if !value.is_finite() || value.abs() >= tolerance::INFINITE {
         return None;
     }
-    let [lower, upper] = bounds[column];
-    let value = if integral[column] {
-        let value = if is_upper {
-            (value + tolerance::INTEGRALITY).floor()
-        } else {
-            (value - tolerance::INTEGRALITY).ceil()
-        };
-        if if is_upper { value >= upper } else { value <= lower } {
-            return None;
-        }
-        value
+    let slack = tolerance::PROPAGATION_SLACK * value.abs().max(1.0);
+    let value = if is_upper { value + slack } else { value - slack };
+    let gain = if is_upper { upper - value } else { value - lower };
+    let width = upper - lower;
+    let worth = if width.is_finite() {
+        (least_gain * width).max(10.0 * slack)
     } else {
-        let slack = tolerance::PROPAGATION_SLACK * value.abs().max(1.0);
-        let value = if is_upper { value + slack } else { value - slack };
-        let gain = if is_upper { upper - value } else { value - lower };
-        let width = upper - lower;
-        let worth = if width.is_finite() {
-            (least_gain * width).max(10.0 * slack)
-        } else {
-            1e-3 * value.abs().max(1.0)
-        };
-        if gain.is_nan() || gain <= worth {
-            return None;
-        }
-        value
+        1e-3 * value.abs().max(1.0)
     };
+    if gain.is_nan() || gain <= worth {
+        return None;
+    }
     Some(Tightening { column, is_upper, value })
 }
