@@ -69,8 +69,10 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
             *d = 0.0;
         }
     }
-    // Costs of columns that stay where they are say nothing of the fall.
-    let costs = || program.linear.iter().zip(&d).map(|(q, d)| q * d);
+    // Costs of columns that stay where they are, or next to there, say nothing of the fall: curvature
+    // would end it before it is noticed.
+    let moves = |d: f64| if d.abs() > 10.0 * NOISE { d } else { 0.0 };
+    let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
     let cost: f64 = costs().sum();
     let cost_scale = costs().fold(0.0_f64, |m, cost| m.max(cost.abs()));
     if cost.is_nan() || cost >= -1e-6 * cost_scale {
