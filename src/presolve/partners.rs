@@ -31,20 +31,22 @@ const MULTIPLES: usize = 4;
 
 /// Limits stay this much looser than they could be, relative to what was added up (no unit): rounding
 /// must not cut a whole point off.
-const MARGIN: f64 = 1e-9;
+const MARGIN: f64 = 1e-12;
 
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
 const GAIN: f64 = 1e-3;
 
-/// Gains up to this, in the row's unit, would be rounding.
-const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
+/// Gains up to this, in the row's unit, are not noticed.
+const IMPERCEPTIBLE: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// Gains beyond this many times the coefficient and the limit are those of impossible values.
 const LARGEST: f64 = 1e6;
 
-/// Least part of a coefficient that is kept, and the size, relative to coefficient and limit, up to which
-/// it is left out (no unit).
+/// Least part of a coefficient that is kept (no unit).
 const KEPT: f64 = 1e-4;
+
+/// Part of coefficient and limit up to which a coefficient is left out, which loosens the row by as much
+/// (no unit). Bounds from propagation are loose by a tenth of that.
 const NOTHING: f64 = 1e-8;
 
 /// A program whose big-Ms are no larger than the rows beside them allow; nothing where none shrinks.
@@ -262,7 +264,7 @@ impl<'a> Rows<'a> {
         let room = [limit, limit - old];
         let [mut off, mut on] = [room[0].min(reach[0]), room[1].min(reach[1])];
         let size = old.abs() + limit.abs();
-        let drops = (off - on).abs() <= NOTHING * size;
+        let drops = (off - on).abs() <= (NOTHING * size).min(IMPERCEPTIBLE);
         if !drops {
             // The coefficient keeps a part of its size, so that rounding does not decide about the
             // binary, and never grows, as it would where a value is impossible: the side that is in
