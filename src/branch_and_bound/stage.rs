@@ -83,6 +83,7 @@ impl Stage<'_> {
         let deadline = Deadline::new(self.start, options.time_limit, control.interrupt());
         let mut at_root = Statistics::default();
         let tightens = options.presolve && !self.as_is;
+        let exact = program;
         let boxed = if tightens { tighten_by_cases(program, &deadline) } else { None };
         let program = boxed.as_ref().unwrap_or(program);
         let tight = if tightens { tighten_by_partners(program, &deadline) } else { None };
@@ -94,6 +95,7 @@ impl Stage<'_> {
         };
         let task = Task {
             program: cut.as_ref().unwrap_or(program),
+            exact: Some(exact),
             accept,
             key: &key,
             describe,

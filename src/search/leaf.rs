@@ -33,7 +33,8 @@ impl Worker<'_> {
         if !self.is_leaf() || !self.is_new_assignment() {
             return false;
         }
-        let Reduction::Reduced(reduced) = reduce(self.program(), &self.domain) else {
+        let program = self.task.exact.unwrap_or(self.program());
+        let Reduction::Reduced(reduced) = reduce(program, &self.domain) else {
             return false;
         };
         match self.relax(&reduced, false) {

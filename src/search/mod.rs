@@ -99,6 +99,8 @@ pub type Accept<'a> = dyn Fn(&[f64]) -> bool + Sync + 'a;
 pub struct Task<'a> {
     /// The program.
     pub program: &'a Program,
+    /// The same columns and rows before big-Ms were tightened, for what becomes an answer.
+    pub exact: Option<&'a Program>,
     /// The check of incumbents.
     pub accept: &'a Accept<'a>,
     /// The integers that tell two points apart.

@@ -62,6 +62,7 @@ impl Worker<'_> {
     pub(super) fn project_node(&mut self) -> Option<Projection> {
         let activity = self.clock.switch(Activity::Reduction);
         let program = self.task.windows.map_or(self.task.program, Windows::base);
+        let program = self.task.exact.filter(|_| self.is_leaf()).unwrap_or(program);
         let projection = match reduce(program, &self.domain) {
             Reduction::Reduced(mut reduced) => {
                 let integral = &self.task.program.integral;
@@ -221,7 +222,8 @@ impl Worker<'_> {
         let mut options = self.task.options.nested();
         options.branching = BranchingRule::LatestFirst;
         let (program, cutoff) = (&flat, f64::INFINITY);
-        let task = Task { program, windows: None, options: &options, cutoff, ..self.task };
+        let (exact, options) = (None, &options);
+        let task = Task { program, exact, windows: None, options, cutoff, ..self.task };
         let mut control = Control::default().with_interrupt(self.tree.interrupt());
         let Found { termination, points, statistics, .. } = search(task, &mut control, None);
         let incumbent = points.into_iter().next();
