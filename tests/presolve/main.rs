@@ -22,6 +22,7 @@ fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
     let task = Task {
         cutoff: f64::INFINITY,
         program,
+        exact: None,
         accept,
         guide: &guide,
         windows: None,
