@@ -107,3 +107,16 @@ fn pucks() {
 fn random_quadratic_programs() {
     check_all("miqp_");
 }
+
+/// Ms that presolve has tightened are for the search: what becomes an answer is solved on the rows as they
+/// were. On the tightened ones this plan came out 3e-7 below its optimum.
+#[test]
+fn answers_do_not_lean_on_tightened_rows() {
+    let model = generators::pendulum(40, [-0.05, 1.0], false);
+    let objective = |presolve: bool| {
+        let options = Options::default().with_presolve(presolve);
+        BranchAndBound::new(options).solve(&model).unwrap().objective().unwrap()
+    };
+    let (tightened, plain) = (objective(true), objective(false));
+    assert!((tightened - plain).abs() <= 1e-8 * plain, "{tightened} {plain}");
+}
