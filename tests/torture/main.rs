@@ -39,7 +39,8 @@ proptest! {
 /// be missed by 4e-14 was tightened, and then forced its columns (130006971). A direction of descent was
 /// measured by the costs of columns that it does not move (300001862), or next to not (940001462). Ms
 /// from the rows beside them ran away at impossible values (910005529), and became so small that what a
-/// row is known to decided about a binary (910009422, 920002141).
+/// row is known to decided about a binary (910009422, 920002141). A row of 1e-12 forced
+/// a column without an upper bound to its lower one (950008166).
 #[test]
 fn what_was_wrong_is_right() {
     for seed in [
@@ -54,6 +55,7 @@ fn what_was_wrong_is_right() {
         910_009_422,
         920_002_141,
         940_001_462,
+        950_008_166,
     ] {
         let verdict = verdict(seed);
         assert!(matches!(verdict, Verdict::Right), "seed {seed}: {verdict:?}");

@@ -45,7 +45,8 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
         };
         let tells = |&(j, a): &(usize, f64)| {
             let width = work.upper[j] - work.lower[j];
-            width == 0.0 || a.abs() * width >= TELLING * margin
+            // However wide a column is, it is moved by no more than a part of its unit.
+            width == 0.0 || a.abs() * width.min(1.0) >= TELLING * margin
         };
         if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
             force(work, row, by_lower);
