@@ -167,6 +167,9 @@ fn tighten_binding(
     let mut offer = |entry: &Entry, term: f64, is_upper: bool| {
         let column = entry.column();
         let value = term / entry.coefficient;
+        if !value.is_finite() || value.abs() >= tolerance::INFINITE {
+            return;
+        }
         found.extend(if integral[column] {
             let slack = tolerance::INTEGRALITY + known / entry.coefficient.abs();
             whole(bounds[column], column, is_upper, value, slack)
@@ -229,9 +232,6 @@ fn whole(
     value: f64,
     slack: f64,
 ) -> Option<Tightening> {
-    if !value.is_finite() || value.abs() >= tolerance::INFINITE {
-        return None;
-    }
     let value = if is_upper { (value + slack).floor() } else { (value - slack).ceil() };
     let news = if is_upper { value < upper } else { value > lower };
     news.then_some(Tightening { column, is_upper, value })
@@ -245,9 +245,6 @@ fn worthwhile(
     value: f64,
     least_gain: f64,
 ) -> Option<Tightening> {
-    if !value.is_finite() || value.abs() >= tolerance::INFINITE {
-        return None;
-    }
     let slack = tolerance::PROPAGATION_SLACK * value.abs().max(1.0);
     let value = if is_upper { value + slack } else { value - slack };
     let gain = if is_upper { upper - value } else { value - lower };
