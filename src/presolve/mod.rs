@@ -20,6 +20,8 @@ mod propagation;
 mod reduce;
 pub mod root;
 mod tightening;
+mod twins;
+mod worklist;
 
 pub use cases::{covering_rows, tighten_by_cases};
 pub use coefficients::tighten_coefficients;
@@ -27,7 +29,7 @@ pub use domain::{Domain, Reason};
 pub use implications::Implications;
 pub use no_goods::{ConflictCounts, Literal, NoGood};
 pub use partners::tighten_by_partners;
-pub use probing::{ProbingRecord, probe, probe_again};
+pub use probing::{ProbingRecord, Trials, probe, probe_again};
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};
-pub use reduce::{Compressed, Reduced, Reduction, reduce};
+pub use reduce::{Compressed, Reduced, Reducer, Reduction, reduce};

@@ -76,6 +76,15 @@ impl ProbingRecord {
     }
 }
 
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Trials {
+    /// The most trials.
+    pub most: usize,
+    /// The most of them in a row that find nothing.
+    pub patience: usize,
+}
+
 /// Probes columns in the given order and back until a full round changes nothing, or the trials run out.
 ///
 /// Only columns with two whole values left are probed; others are passed over. `go_on` is asked
@@ -93,6 +102,7 @@ pub fn probe(
     go_on: &dyn Fn() -> bool,
 ) -> Result<(), Conflict> {
     let mut record = ProbingRecord::new(program.column_count());
+    let trials = Trials { most: trials, patience: usize::MAX };
     probe_again(program, domain, propagator, (columns, trials), &mut record, go_on)
 }
 
@@ -107,7 +117,7 @@ pub fn probe_again(
     program: &Program,
     domain: &mut Domain,
     propagator: &mut Propagator,
-    (columns, mut trials): (&[usize], usize),
+    (columns, trials): (&[usize], Trials),
     record: &mut ProbingRecord,
     go_on: &dyn Fn() -> bool,
 ) -> Result<(), Conflict> {
@@ -115,6 +125,7 @@ pub fn probe_again(
         |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
     record.visits = record.visits.wrapping_add(1);
     record.found.clear();
+    let (mut left, mut idle) = (trials.most, 0);
     let mut backwards = false;
     loop {
         let before = domain.mark();
@@ -130,10 +141,11 @@ pub fn probe_again(
                 if known || !record.is_worth(is_upper) {
                     continue;
                 }
-                if trials == 0 || !go_on() {
+                if left == 0 || idle == trials.patience || !go_on() {
                     return Ok(());
                 }
-                trials -= 1;
+                left -= 1;
+                idle += 1;
                 let [lower, upper] = domain.bounds(j);
                 let mark = domain.mark();
                 // First the upper value, then the lower one.
@@ -142,6 +154,7 @@ pub fn probe_again(
                     propagator.try_bound(program, domain, j, is_upper, value);
                 record.note(j, is_upper, Trial { time, visited }, trial.is_err());
                 if trial.is_err() {
+                    idle = 0;
                     let reason = propagator.reason_against(j, is_upper);
                     let value = if is_upper { upper } else { lower };
                     domain.apply_because(j, !is_upper, value, reason);

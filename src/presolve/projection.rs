@@ -27,14 +27,27 @@ pub struct Projection {
     /// What is left.
     pub reduced: Reduced,
     members: Vec<Member>,
-    covers: Vec<Cover>,
+    /// The covering rows before the projection, over the columns that stay.
+    covers: Vec<Inequality>,
+    terms: Terms,
 }
 
 /// A row in the form `terms <= limit`.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Inequality {
-    terms: Vec<(usize, f64)>,
+    /// Where its terms begin and end.
+    range: [usize; 2],
     limit: f64,
+}
+
+/// The terms of rows, one row after the other: column and coefficient.
+#[derive(Debug, Clone, Default)]
+struct Terms(Vec<(usize, f64)>);
+
+impl Terms {
+    fn of(&self, row: &Inequality) -> &[(usize, f64)] {
+        &self.0[row.range[0]..row.range[1]]
+    }
 }
 
 /// A binary that was taken out.
@@ -52,12 +65,6 @@ struct Member {
     cover: usize,
 }
 
-/// A covering row before the projection, over the columns that stay.
-#[derive(Debug, Clone)]
-struct Cover {
-    rest: Inequality,
-}
-
 impl Member {
     /// The value that helps the covering row, and the other one.
     fn values(&self) -> (f64, f64) {
@@ -69,11 +76,14 @@ impl Projection {
     /// The program's point that belongs to a point of what is left.
     pub fn lift(&self, x: &[f64]) -> Vec<f64> {
         let mut point = self.reduced.lift(x);
-        let sum = |terms: &[(usize, f64)]| -> f64 { terms.iter().map(|&(k, a)| a * x[k]).sum() };
-        let mut covered: Vec<f64> = self.covers.iter().map(|c| sum(&c.rest.terms)).collect();
+        let sum = |row: &Inequality| -> f64 {
+            let terms = self.terms.of(row).iter().filter(|t| t.0 != NONE);
+            terms.map(|&(k, a)| a * x[k]).sum()
+        };
+        let mut covered: Vec<f64> = self.covers.iter().map(sum).collect();
         let mut values = Vec::with_capacity(self.members.len());
         for member in &self.members {
-            let best = (member.hurt.limit - sum(&member.hurt.terms)) / member.coefficient;
+            let best = (member.hurt.limit - sum(&member.hurt)) / member.coefficient;
             let (on, idle) = member.values();
             let best = if best.is_finite() { best.clamp(0.0, 1.0) } else { idle };
             let value = if (best - on).abs() <= WHOLE { on } else { best };
@@ -81,7 +91,7 @@ impl Projection {
             values.push(value);
         }
         for (member, value) in self.members.iter().zip(values) {
-            let limit = self.covers[member.cover].rest.limit;
+            let limit = self.covers[member.cover].limit;
             let satisfied = covered[member.cover] <= limit + WHOLE * limit.abs().max(1.0);
             let (on, idle) = member.values();
             point[member.column] = if satisfied && value != on { idle } else { value };
@@ -96,10 +106,11 @@ pub fn project(reduced: Reduced, integral: &[bool]) -> Projection {
     let candidates: Vec<usize> = (0..reduced.columns.len()).filter(|&k| work.open[k]).collect();
     candidates.into_iter().for_each(|k| work.take_out(k));
     if work.members.is_empty() {
-        return Projection { reduced, members: Vec::new(), covers: Vec::new() };
+        let terms = Terms::default();
+        return Projection { reduced, members: Vec::new(), covers: Vec::new(), terms };
     }
-    let Work { members, covers, replaced, dropped, .. } = work;
-    finish(reduced, members, covers, (replaced, dropped))
+    let Work { members, covers, terms, replaced, dropped, .. } = work;
+    finish(reduced, members, (covers, terms), (replaced, dropped))
 }
 
 struct Work<'a> {
@@ -109,7 +120,8 @@ struct Work<'a> {
     /// The first two rows of each open column, and how many there are.
     uses: Vec<([(usize, f64); 2], u32)>,
     members: Vec<Member>,
-    covers: Vec<Cover>,
+    covers: Vec<Inequality>,
+    terms: Terms,
     /// By row: the cover it is, after members were taken out of it.
     cover_of: Vec<usize>,
     replaced: Vec<Option<Inequality>>,
@@ -146,33 +158,45 @@ impl<'a> Work<'a> {
             uses,
             members: Vec::new(),
             covers: Vec::new(),
+            terms: Terms::default(),
             cover_of: vec![NONE; m],
             replaced: vec![None; m],
             dropped: vec![false; m],
         }
     }
 
-    /// A one-sided row in the form `terms <= limit`.
-    fn inequality(&self, row: usize) -> Option<Inequality> {
-        if let Some(replaced) = &self.replaced[row] {
-            return Some(replaced.clone());
-        }
-        let (lower, upper) = (self.reduced.row_lower[row], self.reduced.row_upper[row]);
-        let (sign, limit) = match (lower.is_finite(), upper.is_finite()) {
-            (true, false) => (-1.0, -lower),
-            (false, true) => (1.0, upper),
-            _ => return None,
+    /// A one-sided row in the form `terms <= limit`, its terms put at the end of all.
+    fn inequality(&mut self, row: usize) -> Option<Inequality> {
+        let begin = self.terms.0.len();
+        let limit = if let Some(replaced) = self.replaced[row] {
+            self.terms.0.extend_from_within(replaced.range[0]..replaced.range[1]);
+            replaced.limit
+        } else {
+            let (lower, upper) = (self.reduced.row_lower[row], self.reduced.row_upper[row]);
+            let (sign, limit) = match (lower.is_finite(), upper.is_finite()) {
+                (true, false) => (-1.0, -lower),
+                (false, true) => (1.0, upper),
+                _ => return None,
+            };
+            let (columns, values) = self.reduced.rows.vector(row);
+            self.terms.0.extend(columns.iter().zip(values).map(|(&k, &a)| (k, sign * a)));
+            limit
         };
-        let (columns, values) = self.reduced.rows.vector(row);
-        let terms = columns.iter().zip(values).map(|(&k, &a)| (k, sign * a)).collect();
-        Some(Inequality { terms, limit })
+        Some(Inequality { range: [begin, self.terms.0.len()], limit })
     }
 
     /// Takes one column out where its two rows allow it.
     fn take_out(&mut self, k: usize) {
+        let before = self.terms.0.len();
+        if self.try_to_take_out(k).is_none() {
+            self.terms.0.truncate(before);
+        }
+    }
+
+    fn try_to_take_out(&mut self, k: usize) -> Option<()> {
         let rows = self.uses[k].0.map(|(row, _)| row);
         if !self.open[k] || rows[0] == rows[1] || rows.iter().any(|&r| self.dropped[r]) {
-            return;
+            return None;
         }
         // The row that the binary makes bind is the one with fewer candidates in it.
         let length = |row: usize| {
@@ -182,56 +206,52 @@ impl<'a> Work<'a> {
         let [hurt, cover] =
             if length(rows[0]) <= length(rows[1]) { rows } else { [rows[1], rows[0]] };
         if self.cover_of[hurt] != NONE {
-            return;
+            return None;
         }
-        let (Some(mut h), Some(mut c)) = (self.inequality(hurt), self.inequality(cover)) else {
-            return;
-        };
-        let take = |row: &mut Inequality| {
-            let at = row.terms.iter().position(|t| t.0 == k)?;
-            Some(row.terms.remove(at).1)
-        };
-        let (Some(m), Some(help)) = (take(&mut h), take(&mut c)) else { return };
+        let (mut h, mut sum) = (self.inequality(hurt)?, self.inequality(cover)?);
+        let c = sum;
+        if self.cover_of[cover] == NONE {
+            // The covering row as it was is kept, and taken apart behind itself.
+            sum.range = [c.range[1], self.terms.0.len() + c.range[1] - c.range[0]];
+            self.terms.0.extend_from_within(c.range[0]..c.range[1]);
+        }
+        let m = self.take(&mut h, k)?;
+        let help = self.take(&mut sum, k)?;
         if m * help >= 0.0 {
-            return;
+            return None;
         }
         // Alone, neither row may say anything at the binary's better value for it.
         let implied = |row: &Inequality, coefficient: f64| {
-            let most: f64 = row.terms.iter().map(|&(k, a)| self.most(k, a)).sum();
+            let most: f64 = self.terms.of(row).iter().map(|&(k, a)| self.most(k, a)).sum();
             let limit = row.limit - coefficient.min(0.0);
             most <= limit + NEGLIGIBLE * limit.abs().max(1.0)
         };
-        if !implied(&h, m) || !implied(&c, help) {
-            return;
+        if !implied(&h, m) || !implied(&sum, help) {
+            return None;
         }
         let factor = -help / m;
-        let mut sum = c.terms.clone();
-        sum.extend(h.terms.iter().map(|&(k, a)| (k, factor * a)));
-        sum.sort_by_key(|t| t.0);
-        sum.dedup_by(|later, first| {
-            let same = later.0 == first.0;
-            if same {
-                first.1 += later.1;
-            }
-            same
-        });
-        let size: f64 =
-            sum.iter().map(|&(k, a)| self.most(k, a.abs()).max(self.most(k, -a.abs()))).sum();
+        self.terms.0.truncate(sum.range[1]);
+        for position in h.range[0]..h.range[1] {
+            let (k, a) = self.terms.0[position];
+            self.terms.0.push((k, factor * a));
+        }
+        sum.range[1] = sum.range[0] + merge(&mut self.terms.0[sum.range[0]..]);
+        self.terms.0.truncate(sum.range[1]);
+        let size: f64 = self.terms.of(&sum).iter().map(|t| self.size(t.0, t.1)).sum();
         let limit = c.limit + factor * h.limit;
         let limit = limit + 16.0 * f64::EPSILON * (size + c.limit.abs() + (factor * h.limit).abs());
         if !limit.is_finite() {
-            return;
+            return None;
         }
         // What the members' rows are about must stay, and a row is used up once.
-        h.terms.iter().for_each(|t| self.open[t.0] = false);
+        self.terms.of(&h).iter().for_each(|t| self.open[t.0] = false);
         self.open[k] = false;
         self.dropped[hurt] = true;
         if self.cover_of[cover] == NONE {
             self.cover_of[cover] = self.covers.len();
-            let rest = self.inequality(cover).unwrap_or_default();
-            self.covers.push(Cover { rest });
+            self.covers.push(c);
         }
-        self.replaced[cover] = Some(Inequality { terms: sum, limit });
+        self.replaced[cover] = Some(Inequality { limit, ..sum });
         self.members.push(Member {
             column: self.reduced.columns[k],
             position: k,
@@ -240,19 +260,50 @@ impl<'a> Work<'a> {
             help,
             cover: self.cover_of[cover],
         });
+        Some(())
+    }
+
+    /// Takes the term of a column out of a row: its coefficient.
+    fn take(&mut self, row: &mut Inequality, k: usize) -> Option<f64> {
+        let terms = &mut self.terms.0[row.range[0]..row.range[1]];
+        let at = terms.iter().position(|t| t.0 == k)?;
+        let coefficient = terms[at].1;
+        terms.copy_within(at + 1.., at);
+        row.range[1] -= 1;
+        Some(coefficient)
     }
 
     /// The largest value of a term.
     fn most(&self, k: usize, a: f64) -> f64 {
         (a * self.reduced.lower[k]).max(a * self.reduced.upper[k])
     }
+
+    /// The largest magnitude of a term.
+    fn size(&self, k: usize, a: f64) -> f64 {
+        self.most(k, a.abs()).max(self.most(k, -a.abs()))
+    }
+}
+
+/// Sorts terms by column and adds up those of the same one; how many are left.
+fn merge(terms: &mut [(usize, f64)]) -> usize {
+    terms.sort_by_key(|t| t.0);
+    let mut left = 0;
+    for k in 0..terms.len() {
+        if left > 0 && terms[left - 1].0 == terms[k].0 {
+            terms[left - 1].1 += terms[k].1;
+        } else {
+            terms[left] = terms[k];
+            left += 1;
+        }
+    }
+    left
 }
 
 /// Rebuilds the program over what is left.
 fn finish(
     reduced: Reduced,
-    mut members: Vec<Member>,
-    mut covers: Vec<Cover>,
+    members: Vec<Member>,
+    (covers, mut terms): (Vec<Inequality>, Terms),
     (replaced, dropped): (Vec<Option<Inequality>>, Vec<bool>),
 ) -> Projection {
     let n = reduced.columns.len();
@@ -264,12 +315,16 @@ fn finish(
     let of = |values: &[f64]| kept.iter().map(|&k| values[k]).collect();
 
     let mut rows = Compressed { start: vec![0], ..Compressed::default() };
-    let (mut row_lower, mut row_upper) = (Vec::new(), Vec::new());
+    rows.start.reserve(reduced.rows.len());
+    rows.index.reserve(reduced.rows.index.len());
+    rows.value.reserve(reduced.rows.index.len());
+    let (mut row_lower, mut row_upper) =
+        (Vec::with_capacity(reduced.rows.len()), Vec::with_capacity(reduced.rows.len()));
     for (row, replaced) in replaced.iter().enumerate().filter(|(row, _)| !dropped[*row]) {
         match replaced {
-            Some(inequality) if inequality.terms.iter().all(|t| t.1 == 0.0) => continue,
+            Some(inequality) if terms.of(inequality).iter().all(|t| t.1 == 0.0) => continue,
             Some(inequality) => {
-                for &(k, a) in inequality.terms.iter().filter(|t| t.1 != 0.0) {
+                for &(k, a) in terms.of(inequality).iter().filter(|t| t.1 != 0.0) {
                     rows.index.push(position[k]);
                     rows.value.push(a);
                 }
@@ -293,12 +348,8 @@ fn finish(
         quadratic.value.extend(values);
         quadratic.start.push(quadratic.index.len());
     }
-    let renumber = |terms: &mut Vec<(usize, f64)>| {
-        terms.retain(|t| position[t.0] != NONE);
-        terms.iter_mut().for_each(|t| t.0 = position[t.0]);
-    };
-    members.iter_mut().for_each(|member| renumber(&mut member.hurt.terms));
-    covers.iter_mut().for_each(|cover| renumber(&mut cover.rest.terms));
+    // Columns that are gone have no position.
+    terms.0.iter_mut().for_each(|t| t.0 = position[t.0]);
     let reduced = Reduced {
         linear: of(&reduced.linear),
         lower: of(&reduced.lower),
@@ -311,5 +362,5 @@ fn finish(
         row_upper,
         quadratic,
     };
-    Projection { reduced, members, covers }
+    Projection { reduced, members, covers, terms }
 }

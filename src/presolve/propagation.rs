@@ -2,9 +2,7 @@
 //!
 //! For a row `l <= a'x <= u` the smallest and the largest activity over the current bounds limit
 //! every column in it. Tightened columns put their rows back on a worklist until nothing moves
-//! enough; the arithmetic of one row is in `tightening`.
-
-use std::collections::VecDeque;
+//! enough; its order is in `worklist`, the arithmetic of one row in `tightening`.
 
 use super::analysis::{Clash, Cut};
 use super::domain::{Domain, Reason};
@@ -12,6 +10,7 @@ use super::footprint::{Blocks, Footprint};
 use super::implications::Implications;
 use super::learning::Learner;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
+use super::worklist::Worklist;
 use crate::program::Program;
 use crate::solver::Deadline;
 use crate::tolerance;
@@ -31,7 +30,7 @@ pub enum Conflict {
 /// of a row end after one pass over its entries.
 #[derive(Debug, Clone)]
 pub struct Propagator {
-    queue: VecDeque<usize>,
+    queue: Worklist,
     status: Vec<Status>,
     /// Rows that cannot bind, and the trail position from which on that is so.
     asleep: Vec<(usize, usize)>,
@@ -110,7 +109,7 @@ impl Propagator {
     /// For a program.
     pub fn new(program: &Program) -> Self {
         let mut propagator = Propagator {
-            queue: VecDeque::new(),
+            queue: Worklist::new(program.row_count() + 1),
             status: vec![Status::Idle; program.row_count() + 1],
             asleep: Vec::new(),
             rows: Vec::with_capacity(program.row_count() + 1),
@@ -274,7 +273,7 @@ impl Propagator {
     fn enqueue(&mut self, row: usize) {
         if self.status[row] == Status::Idle {
             self.status[row] = Status::Queued;
-            self.queue.push_back(row);
+            self.queue.insert(row);
         }
     }
 
@@ -286,15 +285,14 @@ impl Propagator {
             let row = row as usize;
             if row != changed_by && self.status[row] == Status::Idle {
                 self.status[row] = Status::Queued;
-                self.queue.push_back(row);
+                self.queue.insert(row);
             }
         }
     }
 
     fn clear(&mut self) {
-        for row in self.queue.drain(..) {
-            self.status[row] = Status::Idle;
-        }
+        let status = &mut self.status;
+        self.queue.drain(|row| status[row] = Status::Idle);
     }
 
     /// Wakes the rows whose sleep began in what has been undone since the last propagation.
@@ -368,7 +366,7 @@ impl Propagator {
             if self.learner.is_some() {
                 self.follow_no_goods(program, domain, &mut mark)?;
             }
-            let Some(row) = self.queue.pop_front() else { break };
+            let Some(row) = self.queue.pop() else { break };
             self.status[row] = Status::Idle;
             let Line { range: [start, end], limits } = self.rows[row];
             if budget == 0 || self.deadline.spend(1 + end - start) {

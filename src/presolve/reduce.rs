@@ -8,6 +8,7 @@
 //! program is a dual bound of the node.
 
 use super::domain::Domain;
+use super::twins::{Twins, find_twin};
 use crate::program::Program;
 use crate::sum::Sum;
 
@@ -113,41 +114,12 @@ pub enum Reduction {
 
 /// Reduces a program to a node's domain, leaving integrality aside.
 pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
-    let n = program.column_count();
-    let mut work = Work {
-        program,
-        lower: (0..n).map(|j| domain.lower(j)).collect(),
-        upper: (0..n).map(|j| domain.upper(j)).collect(),
-        fixed: vec![false; n],
-        slack: vec![0.0; n],
-        alive: (0..program.row_count()).collect(),
-        row_lower: program.row_lower.clone(),
-        row_upper: program.row_upper.clone(),
-    };
-    for j in 0..n {
-        // Fixes what is narrow and refuses what is crossed.
-        if work.intersect(j, f64::NEG_INFINITY, f64::INFINITY).is_err() {
-            return Reduction::Infeasible;
-        }
-    }
-    // Singleton rows fix columns, which makes more singleton rows; three rounds catch nearly all.
-    for _ in 0..3 {
-        match work.sweep() {
-            Ok(true) => {}
-            Ok(false) => break,
-            Err(Contradiction) => return Reduction::Infeasible,
-        }
-    }
-    match work.build() {
-        Ok(reduced) => Reduction::Reduced(Box::new(reduced)),
-        Err(Contradiction) => Reduction::Infeasible,
-    }
+    Reducer::default().reduce(program, domain)
 }
 
-struct Contradiction;
-
-struct Work<'a> {
-    program: &'a Program,
+/// Reduces one node after the other, in the same memory.
+#[derive(Debug, Clone, Default)]
+pub struct Reducer {
     lower: Vec<f64>,
     upper: Vec<f64>,
     fixed: Vec<bool>,
@@ -157,13 +129,53 @@ struct Work<'a> {
     alive: Vec<usize>,
     row_lower: Vec<f64>,
     row_upper: Vec<f64>,
+    /// By column of the program: its column in the reduced program.
+    position: Vec<usize>,
+    twins: Twins,
 }
 
-impl Work<'_> {
-    fn fix_if_narrow(&mut self, j: usize) {
+struct Contradiction;
+
+impl Reducer {
+    /// As [`reduce`](reduce()).
+    pub fn reduce(&mut self, program: &Program, domain: &Domain) -> Reduction {
+        match self.start(program, domain).and_then(|()| self.build(program)) {
+            Ok(reduced) => Reduction::Reduced(Box::new(reduced)),
+            Err(Contradiction) => Reduction::Infeasible,
+        }
+    }
+
+    /// Finds out what is left of bounds and rows.
+    fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradiction> {
+        fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
+            vector.clear();
+            vector.extend(values);
+        }
+        let n = program.column_count();
+        fill(&mut self.lower, (0..n).map(|j| domain.lower(j)));
+        fill(&mut self.upper, (0..n).map(|j| domain.upper(j)));
+        fill(&mut self.fixed, (0..n).map(|_| false));
+        fill(&mut self.slack, (0..n).map(|_| 0.0));
+        fill(&mut self.alive, 0..program.row_count());
+        fill(&mut self.row_lower, program.row_lower.iter().copied());
+        fill(&mut self.row_upper, program.row_upper.iter().copied());
+        for j in 0..n {
+            // Fixes what is narrow and refuses what is crossed.
+            self.intersect(program, j, f64::NEG_INFINITY, f64::INFINITY)?;
+        }
+        // Singleton rows fix columns, which makes more singleton rows; three rounds catch nearly all.
+        for _ in 0..3 {
+            if !self.sweep(program)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn fix_if_narrow(&mut self, program: &Program, j: usize) {
         let (lower, upper) = (self.lower[j], self.upper[j]);
         let scale = lower.abs().max(upper.abs()).max(1.0);
-        let bounded = scale.is_finite() && !self.program.integral[j];
+        let bounded = scale.is_finite() && !program.integral[j];
         let narrow = bounded && upper - lower <= NEGLIGIBLE.max(4.0 * f64::EPSILON * scale);
         if lower == upper {
             self.fixed[j] = true;
@@ -180,11 +192,12 @@ impl Work<'_> {
     }
 
     /// Drops implied rows and turns singletons into bounds; `true` when a column became fixed.
-    fn sweep(&mut self) -> Result<bool, Contradiction> {
+    fn sweep(&mut self, program: &Program) -> Result<bool, Contradiction> {
         let mut changed = false;
-        let alive = std::mem::take(&mut self.alive);
-        for row in alive {
-            let (columns, coefficients) = self.program.row(row);
+        let mut left = 0;
+        for k in 0..self.alive.len() {
+            let row = self.alive[k];
+            let (columns, coefficients) = program.row(row);
             let (mut least, mut most, mut scale) = (0.0, 0.0, 1.0_f64);
             let (mut free, mut single, mut constant, mut slack) = (0, 0, 0.0, 0.0);
             for (k, (&j, &a)) in columns.iter().zip(coefficients).enumerate() {
@@ -224,16 +237,26 @@ impl Work<'_> {
                     let (j, a) = (columns[single], coefficients[single]);
                     let slack = slack + 4.0 * f64::EPSILON * scale;
                     let (p, q) = ((l - constant - slack) / a, (u - constant + slack) / a);
-                    self.intersect(j, p.min(q), p.max(q))?;
+                    self.intersect(program, j, p.min(q), p.max(q))?;
                     changed |= self.fixed[j];
                 }
-                _ => self.alive.push(row),
+                _ => {
+                    self.alive[left] = row;
+                    left += 1;
+                }
             }
         }
+        self.alive.truncate(left);
         Ok(changed)
     }
 
-    fn intersect(&mut self, j: usize, lower: f64, upper: f64) -> Result<(), Contradiction> {
+    fn intersect(
+        &mut self,
+        program: &Program,
+        j: usize,
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), Contradiction> {
         let (l, u) = (self.lower[j].max(lower), self.upper[j].min(upper));
         let scale = l.abs().max(u.abs()).max(1.0);
         if l > u && l - u > CROSSED * scale {
@@ -243,18 +266,19 @@ impl Work<'_> {
             self.fix_at_middle(j, l, u);
         } else {
             (self.lower[j], self.upper[j]) = (l, u);
-            self.fix_if_narrow(j);
+            self.fix_if_narrow(program, j);
         }
         Ok(())
     }
 
-    fn build(self) -> Result<Reduced, Contradiction> {
-        let program = self.program;
+    fn build(&mut self, program: &Program) -> Result<Reduced, Contradiction> {
         let n = program.column_count();
-        let columns: Vec<usize> = (0..n).filter(|&j| !self.fixed[j]).collect();
-        let mut position = vec![usize::MAX; n];
-        for (k, &j) in columns.iter().enumerate() {
-            position[j] = k;
+        let mut columns = Vec::with_capacity(n);
+        self.position.clear();
+        self.position.resize(n, usize::MAX);
+        for j in (0..n).filter(|&j| !self.fixed[j]) {
+            self.position[j] = columns.len();
+            columns.push(j);
         }
         let mut reduced = Reduced {
             linear: columns.iter().map(|&j| program.linear[j]).collect(),
@@ -265,15 +289,15 @@ impl Work<'_> {
             quadratic: Compressed { start: vec![0], ..Compressed::default() },
             ..Reduced::default()
         };
-        self.substitute_objective(&position, &mut reduced);
-        self.collect_rows(&position, &mut reduced)?;
+        self.substitute_objective(program, &mut reduced);
+        self.collect_rows(program, &mut reduced)?;
         reduced.columns = columns;
-        reduced.values = self.lower;
+        reduced.values = self.lower.clone();
         Ok(reduced)
     }
 
-    fn substitute_objective(&self, position: &[usize], reduced: &mut Reduced) {
-        let program = self.program;
+    fn substitute_objective(&self, program: &Program, reduced: &mut Reduced) {
+        let position = &self.position;
         let mut constant = Sum::new(program.offset);
         for j in 0..program.column_count() {
             let (rows, entries) = program.quadratic_column(j);
@@ -281,7 +305,7 @@ impl Work<'_> {
                 constant.add_product(program.linear[j], self.lower[j]);
             }
             if self.slack[j] > 0.0 {
-                constant.add(-self.worth_of_slack(j));
+                constant.add(-self.worth_of_slack(program, j));
             }
             for (&i, &p) in rows.iter().zip(entries) {
                 match (self.fixed[i], self.fixed[j]) {
@@ -306,25 +330,26 @@ impl Work<'_> {
 
     /// How much a column that was fixed inside narrow bounds may lower the objective at the other
     /// values there; products with columns without bounds left out.
-    fn worth_of_slack(&self, j: usize) -> f64 {
-        let (rows, entries) = self.program.quadratic_column(j);
+    fn worth_of_slack(&self, program: &Program, j: usize) -> f64 {
+        let (rows, entries) = program.quadratic_column(j);
         let reach = |i: usize| self.lower[i].abs().max(self.upper[i].abs());
         let products = rows.iter().zip(entries).map(|(&i, p)| p.abs() * reach(i));
         let curved: f64 = products.filter(|v| v.is_finite()).sum();
-        self.slack[j] * (self.program.linear[j].abs() + curved)
+        self.slack[j] * (program.linear[j].abs() + curved)
     }
 
     /// Copies the live rows over the free columns, merging parallel ones.
-    fn collect_rows(&self, position: &[usize], out: &mut Reduced) -> Result<(), Contradiction> {
-        let mut seen = Twins::new(self.alive.len());
-        let entries = self.alive.iter().map(|&row| self.program.row(row).0.len()).sum();
+    fn collect_rows(&mut self, program: &Program, out: &mut Reduced) -> Result<(), Contradiction> {
+        let (position, seen) = (&self.position, &mut self.twins);
+        seen.clear(self.alive.len());
+        let entries = self.alive.iter().map(|&row| program.row(row).0.len()).sum();
         out.rows.index.reserve(entries);
         out.rows.value.reserve(entries);
         out.rows.start.reserve(self.alive.len());
         out.row_lower.reserve(self.alive.len());
         out.row_upper.reserve(self.alive.len());
         for &row in &self.alive {
-            let (columns, coefficients) = self.program.row(row);
+            let (columns, coefficients) = program.row(row);
             let begin = out.rows.index.len();
             let (mut constant, mut slack, mut scale) = (0.0, 0.0, 1.0_f64);
             for (&j, &a) in columns.iter().zip(coefficients) {
@@ -379,58 +404,4 @@ impl Work<'_> {
         }
         Ok(())
     }
-}
-
-/// The finished rows by the columns that they are about.
-struct Twins {
-    /// By bucket: the last row in it.
-    last: Vec<usize>,
-    /// By row: the row before it in its bucket.
-    before: Vec<usize>,
-}
-
-impl Twins {
-    fn new(rows: usize) -> Self {
-        let last = vec![usize::MAX; (2 * rows).next_power_of_two()];
-        Twins { last, before: Vec::with_capacity(rows) }
-    }
-
-    fn bucket(&self, columns: &[usize]) -> usize {
-        let mix = |hash: u64, &k: &usize| {
-            (hash ^ k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23)
-        };
-        let hash = columns.iter().fold(columns.len() as u64, mix);
-        hash as usize & (self.last.len() - 1)
-    }
-
-    /// The rows of a bucket, the latest first.
-    fn rows_of(&self, bucket: usize) -> impl Iterator<Item = usize> + '_ {
-        let row = |k: usize| (k != usize::MAX).then_some(k);
-        std::iter::successors(row(self.last[bucket]), move |&k| row(self.before[k]))
-    }
-
-    /// The next finished row is in this bucket.
-    fn push(&mut self, bucket: usize) {
-        let before = std::mem::replace(&mut self.last[bucket], self.before.len());
-        self.before.push(before);
-    }
-}
-
-/// A finished row parallel to the unfinished one from `begin` on, and the factor between them.
-fn find_twin(
-    rows: &Compressed,
-    mut bucket: impl Iterator<Item = usize>,
-    begin: usize,
-) -> Option<(usize, f64)> {
-    let (index, value) = (&rows.index[begin..], &rows.value[begin..]);
-    bucket.find_map(|other| {
-        let (other_index, other_value) = rows.vector(other);
-        if other_index != index {
-            return None;
-        }
-        let ratio = value[0] / other_value[0];
-        let parallel =
-            value.iter().zip(other_value).all(|(&a, &b)| (a - ratio * b).abs() <= 1e-13 * a.abs());
-        parallel.then_some((other, ratio))
-    })
 }

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use super::clock::Activity;
 use super::node_relaxation::Verdict;
 use super::worker::Worker;
-use crate::presolve::{Reduced, Reduction, reduce};
+use crate::presolve::{Reduced, Reduction};
 use crate::relaxation::polish_until;
 use crate::tolerance;
 
@@ -34,7 +34,7 @@ impl Worker<'_> {
             return false;
         }
         let program = self.task.exact.unwrap_or(self.program());
-        let Reduction::Reduced(reduced) = reduce(program, &self.domain) else {
+        let Reduction::Reduced(reduced) = self.reducer.reduce(program, &self.domain) else {
             return false;
         };
         match self.relax(&reduced, false) {

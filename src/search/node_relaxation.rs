@@ -8,7 +8,7 @@ use super::{Found, Task, search};
 
 use super::clock::Activity;
 use super::node::Node;
-use crate::presolve::{Projection, Reduced, Reduction, project, reduce, tighten_coefficients};
+use crate::presolve::{Projection, Reduced, Reduction, project, tighten_coefficients};
 use crate::relaxation::{Claim, Effort, Relaxation, lower_bound, polish, proves_infeasible};
 use crate::solution::Termination;
 use crate::solver::{BranchingRule, Control};
@@ -63,7 +63,7 @@ impl Worker<'_> {
         let activity = self.clock.switch(Activity::Reduction);
         let program = self.task.windows.map_or(self.task.program, Windows::base);
         let program = self.task.exact.filter(|_| self.is_leaf()).unwrap_or(program);
-        let projection = match reduce(program, &self.domain) {
+        let projection = match self.reducer.reduce(program, &self.domain) {
             Reduction::Reduced(mut reduced) => {
                 let integral = &self.task.program.integral;
                 if let Some(windows) = self.task.windows {

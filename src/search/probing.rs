@@ -4,11 +4,15 @@
 //! have to; on others hundreds of trials a node find nothing and cost more than the relaxations.
 //! Trials are paid from a credit that every success raises.
 
-use crate::presolve::ProbingRecord;
+use crate::presolve::{ProbingRecord, Trials};
 
 /// Most trials at a node, and those that are always allowed, to notice when probing begins to pay.
 const MOST: usize = 200;
 const ALWAYS: usize = 4;
+
+/// Trials in a row that may find nothing before a node's probing ends. What is excluded at one step
+/// lets the next one be excluded, so successes come in runs.
+const PATIENCE: usize = 10;
 
 /// The credit at first and at most, in trials; about that of ten full nodes.
 const CREDIT: i64 = 2000;
@@ -31,8 +35,9 @@ impl Probing {
     }
 
     /// Trials for the next node.
-    pub(super) fn trials(&self) -> usize {
-        usize::try_from(self.credit).unwrap_or(0).clamp(ALWAYS, MOST)
+    pub(super) fn trials(&self) -> Trials {
+        let most = usize::try_from(self.credit).unwrap_or(0).clamp(ALWAYS, MOST);
+        Trials { most, patience: PATIENCE }
     }
 
     /// Books what a node's probing took and brought.
@@ -53,12 +58,12 @@ mod tests {
     fn probing_that_brings_nothing_ends_and_comes_back() {
         let mut probing = Probing::new(0);
         for _ in 0..100 {
-            probing.book(probing.trials(), 0, false);
+            probing.book(probing.trials().most, 0, false);
         }
-        assert_eq!(probing.trials(), ALWAYS);
+        assert_eq!(probing.trials().most, ALWAYS);
         for _ in 0..50 {
-            probing.book(probing.trials(), 20, false);
+            probing.book(probing.trials().most, 20, false);
         }
-        assert_eq!(probing.trials(), MOST);
+        assert_eq!(probing.trials().most, MOST);
     }
 }

@@ -3,6 +3,7 @@
 //! A relaxation's multipliers prove by how much the objective grows at least for each unit that a
 //! column leaves its bound. What would take it beyond the cutoff is cut off.
 
+use super::clock::Activity;
 use super::node::Decision;
 use super::worker::Worker;
 use crate::presolve::Reduced;
@@ -18,7 +19,9 @@ impl Worker<'_> {
         if cutoff == f64::INFINITY || y.len() != reduced.rows.len() {
             return true;
         }
+        let activity = self.clock.switch(Activity::Proof);
         let (bound, slopes) = reduced_costs(reduced, x, y);
+        self.clock.switch(activity);
         if bound == f64::NEG_INFINITY {
             return true;
         }

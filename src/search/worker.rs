@@ -15,7 +15,7 @@ use super::root::{Root, late_first};
 use super::seed::{Seeded, divide};
 use super::trace::span;
 use super::windows::Windows;
-use crate::presolve::{Conflict, Domain, Propagator};
+use crate::presolve::{Conflict, Domain, Propagator, Reducer};
 use crate::program::Program;
 use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
 use crate::solution::{Heuristic, Termination};
@@ -33,6 +33,7 @@ pub(super) struct Worker<'a> {
     /// Binaries without a cost that are in no group.
     pub(super) lone: &'a [usize],
     pub(super) late_first: Vec<usize>,
+    pub(super) reducer: Reducer,
     pub(super) relaxation: ClarabelRelaxation,
     pub(super) interior: InteriorPoint,
     pub(super) pseudocosts: Pseudocosts,
@@ -75,6 +76,7 @@ impl<'a> Worker<'a> {
             lone: &root.lone,
             // Windows are not probed: their binaries are.
             late_first: late_first(task.windows.map_or(task.program, Windows::base)),
+            reducer: Reducer::default(),
             relaxation: ClarabelRelaxation::new(),
             interior: InteriorPoint::new(),
             pseudocosts: Pseudocosts::new(task.program.column_count()),

@@ -84,7 +84,7 @@ pub struct Times {
     pub reduction: Duration,
     /// Solving relaxations.
     pub relaxation: Duration,
-    /// Recomputing bounds and refutations from multipliers.
+    /// Recomputing bounds, refutations and reduced costs from multipliers.
     pub proof: Duration,
     /// Heuristics, without the propagations and relaxations in them.
     pub heuristics: Duration,
@@ -260,6 +260,11 @@ impl Times {
         ]
     }
 
+    /// What relaxations took: building, solving and proving them.
+    pub fn of_relaxations(&self) -> Duration {
+        self.reduction + self.relaxation + self.proof
+    }
+
     /// The sum of the parts, over all threads.
     pub fn total(&self) -> Duration {
         self.parts().into_iter().map(|(_, time)| time).sum()
@@ -285,11 +290,11 @@ impl Statistics {
         if seconds > 0.0 { self.nodes as f64 / seconds } else { 0.0 }
     }
 
-    /// The share of the threads' time that was not spent on solving relaxations, within `[0, 1]`;
-    /// 0 where nothing was measured.
+    /// The share of the threads' time that was not spent on relaxations, which are built, solved and
+    /// proved: beyond [`Times::of_relaxations`], within `[0, 1]`; 0 where nothing was measured.
     pub fn share_beyond_relaxations(&self) -> f64 {
         let total = self.times.total().as_secs_f64();
-        if total > 0.0 { 1.0 - self.times.relaxation.as_secs_f64() / total } else { 0.0 }
+        if total > 0.0 { 1.0 - self.times.of_relaxations().as_secs_f64() / total } else { 0.0 }
     }
 
     /// The same counts without what varies from run to run: times, and the number of threads.
