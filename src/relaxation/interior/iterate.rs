@@ -15,10 +15,14 @@ const CLOSED: f64 = 1e-9;
 /// Margin of a certificate of infeasibility, relative to its terms.
 const MARGIN: f64 = 1e-8;
 
-/// Most steps of iterative refinement of a direction, and the residual, in scaled units, at which
-/// there is nothing to refine.
+/// Most steps of iterative refinement of a direction. The predictor only says how far to centre.
 const REFINEMENTS: usize = 2;
+const PREDICTOR_REFINEMENTS: usize = 0;
+
+/// The residual of a direction, in scaled units and as a part of the mean complementarity, at which
+/// there is nothing to refine: what is left is taken out by the next step.
 const ACCURATE: f64 = 1e-11;
+const ACCURATE_PART: f64 = 1e-3;
 
 /// A primal-dual point with its residuals.
 pub(super) struct Iterate {
@@ -236,7 +240,8 @@ impl Iterate {
         for k in 0..sides {
             self.centre[k] = self.slack[k] * self.dual[k];
         }
-        self.solve(program, kkt);
+        let accurate = ACCURATE.max(ACCURATE_PART * mean);
+        self.solve(program, kkt, (PREDICTOR_REFINEMENTS, accurate));
         let mut length = self.longest();
         if sides > 0 {
             let ahead: f64 = (0..sides)
@@ -252,7 +257,7 @@ impl Iterate {
             if late() {
                 return None;
             }
-            self.solve(program, kkt);
+            self.solve(program, kkt, (REFINEMENTS, accurate));
             length = (FRACTION * self.longest()).min(1.0);
         }
         let n = self.x.len();
@@ -269,8 +274,8 @@ impl Iterate {
         Some(length)
     }
 
-    /// The direction for the right sides in `centre`.
-    fn solve(&mut self, program: &Scaled, kkt: &mut Kkt) {
+    /// The direction for the right sides in `centre`, refined so often or to such a residual.
+    fn solve(&mut self, program: &Scaled, kkt: &mut Kkt, (refinements, accurate): (usize, f64)) {
         let n = self.x.len();
         self.right.clear();
         self.right.extend(self.dual_residual.iter().map(|r| -r));
@@ -291,10 +296,10 @@ impl Iterate {
         self.target.extend_from_slice(&self.right);
         kkt.solve(&mut self.right);
         program.activities(&self.right[..n], &mut self.row_move);
-        for _ in 0..REFINEMENTS {
+        for _ in 0..refinements {
             self.miss(program, kkt);
             let miss = self.residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-            if miss <= ACCURATE || !miss.is_finite() {
+            if miss <= accurate || !miss.is_finite() {
                 break;
             }
             kkt.solve(&mut self.residual);
@@ -341,7 +346,7 @@ impl Iterate {
         self.slack.fill(1.0);
         self.dual.fill(1.0);
         self.centre.fill(0.0);
-        self.solve(program, kkt);
+        self.solve(program, kkt, (REFINEMENTS, ACCURATE));
         self.x.copy_from_slice(&self.right[..n]);
         for (e, &(i, _)) in program.equalities.iter().enumerate() {
             self.multipliers[i] = self.right[n + e];
