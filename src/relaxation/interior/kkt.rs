@@ -10,12 +10,12 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::linalg::{SupernodalThreshold, amd};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 
 use super::scaled::Scaled;
@@ -40,9 +40,13 @@ struct Term {
 }
 
 pub(super) struct Kkt {
-    start: Vec<usize>,
-    index: Vec<usize>,
+    /// Its upper triangle, by columns, in the order of elimination.
+    pattern: SymbolicSparseColMat<usize>,
     value: Vec<f64>,
+    /// By unknown, when it is eliminated.
+    order: Vec<usize>,
+    /// A right side in that order.
+    ordered: Vec<f64>,
     /// The matrix without weights.
     constant: Vec<f64>,
     diagonal: Vec<usize>,
@@ -139,15 +143,22 @@ impl Kkt {
             diagonal.push(index.len() - 1);
             start.push(index.len());
         }
-        let signs = (0..size).map(|k| if k < n { 1 } else { -1 }).collect();
         if late() {
             return None;
         }
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &start, None, &index);
+        let Ordered { start, index, moved, order } = Ordered::new(size, &start, &index)?;
+        let mut signs = vec![1; size];
+        order[n..].iter().for_each(|&k| signs[k] = -1);
+        let mut ordered = vec![0.0; index.len()];
+        moved.iter().zip(&constant).for_each(|(&k, v)| ordered[k] = *v);
+        let constant = ordered;
+        terms.iter_mut().for_each(|term| term.position = moved[term.position]);
+        diagonal.iter_mut().for_each(|k| *k = moved[*k]);
+        let pattern = SymbolicSparseColMat::new_unsorted_checked(size, size, start, None, index);
         let symbolic = factorize_symbolic_cholesky(
-            pattern,
+            pattern.as_ref(),
             faer::Side::Upper,
-            SymmetricOrdering::Amd,
+            SymmetricOrdering::Identity,
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
                 ..CholeskySymbolicParams::default()
@@ -164,8 +175,9 @@ impl Kkt {
         Some(Kkt {
             value: constant.clone(),
             factor: vec![0.0; symbolic.len_val()],
-            start,
-            index,
+            pattern,
+            order,
+            ordered: vec![0.0; size],
             constant,
             diagonal,
             terms,
@@ -189,10 +201,7 @@ impl Kkt {
         for (k, &row) in self.long.iter().enumerate() {
             self.value[self.diagonal[owned + k]] -= 1.0 / of_rows[row].max(1e-12);
         }
-        let size = self.diagonal.len();
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.start, None, &self.index);
-        let matrix = SparseColMatRef::new(pattern, &self.value);
+        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &self.value);
         let regularization = LdltRegularization {
             dynamic_regularization_signs: Some(&self.signs),
             dynamic_regularization_delta: 1e-8,
@@ -215,10 +224,55 @@ impl Kkt {
     /// Solves with the factors; `right` holds columns, equalities, long rows.
     pub(super) fn solve(&mut self, right: &mut [f64]) {
         let size = right.len();
+        self.order.iter().zip(&*right).for_each(|(&k, v)| self.ordered[k] = *v);
         let factor = LdltRef::new(&self.symbolic, &self.factor);
         let stack = MemStack::new(&mut self.memory);
-        let right = MatMut::from_column_major_slice_mut(right, size, 1);
-        factor.solve_in_place_with_conj(Conj::No, right, Par::Seq, stack);
+        let ordered = MatMut::from_column_major_slice_mut(&mut self.ordered, size, 1);
+        factor.solve_in_place_with_conj(Conj::No, ordered, Par::Seq, stack);
+        self.order.iter().zip(right).for_each(|(&k, v)| *v = self.ordered[k]);
+    }
+}
+
+/// The upper triangle of a symmetric pattern in an order of elimination with little fill. Ordered
+/// once, it need not be permuted with every factorisation.
+struct Ordered {
+    start: Vec<usize>,
+    /// By entry, its row; columns are not sorted.
+    index: Vec<usize>,
+    /// By entry as it was given, where it is.
+    moved: Vec<usize>,
+    /// By unknown, when it is eliminated.
+    order: Vec<usize>,
+}
+
+impl Ordered {
+    /// Nothing where it cannot be ordered.
+    fn new(size: usize, start: &[usize], index: &[usize]) -> Option<Self> {
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, index);
+        let need = amd::order_maybe_unsorted_scratch::<usize>(size, index.len());
+        let mut memory = MemBuffer::try_new(need).ok()?;
+        let (mut eliminated, mut order) = (vec![0; size], vec![0; size]);
+        let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
+        amd::order_maybe_unsorted(&mut eliminated, &mut order, pattern, control, stack).ok()?;
+        let entries = || {
+            let columns =
+                (0..size).flat_map(|c| index[start[c]..start[c + 1]].iter().map(move |i| (*i, c)));
+            columns.map(|(i, c)| {
+                let (i, c) = (order[i], order[c]);
+                (i.min(c), i.max(c))
+            })
+        };
+        let mut first = vec![0; size + 1];
+        entries().for_each(|(_, c)| first[c + 1] += 1);
+        (0..size).for_each(|c| first[c + 1] += first[c]);
+        let mut next = first.clone();
+        let (mut rows, mut moved) = (vec![0; index.len()], Vec::with_capacity(index.len()));
+        for (i, c) in entries() {
+            rows[next[c]] = i;
+            moved.push(next[c]);
+            next[c] += 1;
+        }
+        Some(Ordered { start: first, index: rows, moved, order })
     }
 }
 
