@@ -1,13 +1,10 @@
 //! The iterates of the interior-point method: what they prove, and the next one.
 
 use super::kkt::Kkt;
-use super::scaled::{Scaled, Target};
+use super::scaled::{Scaled, Side};
 
 /// Fraction of the way to the nearest side that a step may go.
 const FRACTION: f64 = 0.995;
-
-/// Smallest initial slack of a row's side, in scaled units.
-const FIRST_SLACK: f64 = 1.0;
 
 /// Complementarity, in scaled units, that nothing is gained by reducing.
 const CLOSED: f64 = 1e-9;
@@ -16,12 +13,12 @@ const CLOSED: f64 = 1e-9;
 const MARGIN: f64 = 1e-8;
 
 /// Most steps of iterative refinement of a direction. The predictor only says how far to centre.
-const REFINEMENTS: usize = 2;
+pub(super) const REFINEMENTS: usize = 2;
 const PREDICTOR_REFINEMENTS: usize = 0;
 
 /// The residual of a direction, in scaled units and as a part of the mean complementarity, at which
 /// there is nothing to refine: what is left is taken out by the next step.
-const ACCURATE: f64 = 1e-11;
+pub(super) const ACCURATE: f64 = 1e-11;
 const ACCURATE_PART: f64 = 1e-3;
 
 /// A primal-dual point with its residuals.
@@ -29,107 +26,62 @@ pub(super) struct Iterate {
     pub(super) x: Vec<f64>,
     /// By row: of equalities the unknown itself, of inequalities the difference of their sides'.
     pub(super) multipliers: Vec<f64>,
-    slack: Vec<f64>,
-    dual: Vec<f64>,
+    pub(super) slack: Vec<f64>,
+    pub(super) dual: Vec<f64>,
     // What `measure` computes.
-    activity: Vec<f64>,
-    curvature: Vec<f64>,
+    pub(super) activity: Vec<f64>,
+    pub(super) curvature: Vec<f64>,
     /// `A'y`.
-    pressed: Vec<f64>,
-    dual_residual: Vec<f64>,
-    equality_residual: Vec<f64>,
-    side_residual: Vec<f64>,
-    barrier: f64,
+    pub(super) pressed: Vec<f64>,
+    pub(super) dual_residual: Vec<f64>,
+    pub(super) equality_residual: Vec<f64>,
+    pub(super) side_residual: Vec<f64>,
+    pub(super) barrier: f64,
     // Work space of `advance`.
-    right: Vec<f64>,
-    target: Vec<f64>,
-    scratch: Vec<f64>,
-    residual: Vec<f64>,
-    column_weight: Vec<f64>,
-    row_weight: Vec<f64>,
-    row_term: Vec<f64>,
-    row_move: Vec<f64>,
-    slack_move: Vec<f64>,
-    dual_move: Vec<f64>,
-    centre: Vec<f64>,
+    pub(super) slack_inverse: Vec<f64>,
+    pub(super) dual_inverse: Vec<f64>,
+    pub(super) right: Vec<f64>,
+    pub(super) target: Vec<f64>,
+    pub(super) scratch: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    pub(super) column_weight: Vec<f64>,
+    pub(super) row_weight: Vec<f64>,
+    pub(super) row_term: Vec<f64>,
+    pub(super) row_move: Vec<f64>,
+    pub(super) slack_move: Vec<f64>,
+    pub(super) dual_move: Vec<f64>,
+    pub(super) centre: Vec<f64>,
 }
 
 impl Iterate {
-    /// A start inside the box.
-    pub(super) fn start(program: &Scaled) -> Self {
-        let (n, m, k) = (program.column.len(), program.rows.len(), program.sides.len());
-        let inside = |(&lower, &upper): (&f64, &f64)| {
-            let room = (0.5 * (upper - lower)).min(1.0);
-            0.0_f64.max(lower + room).min(upper - room)
-        };
-        let x: Vec<f64> = program.lower.iter().zip(&program.upper).map(inside).collect();
-        let mut activity = vec![0.0; m];
-        program.activities(&x, &mut activity);
-        let mut slack = Vec::with_capacity(k);
-        for side in &program.sides {
-            slack.push(match side.target {
-                Target::Column(j) => (side.sign * (x[j] - side.limit)).max(1e-10),
-                Target::Row(i) => (side.sign * (activity[i] - side.limit)).max(FIRST_SLACK),
-            });
-        }
-        let dual: Vec<f64> = slack.iter().map(|s| 1.0 / s).collect();
-        Iterate {
-            x,
-            multipliers: vec![0.0; m],
-            slack,
-            dual,
-            activity,
-            curvature: vec![0.0; n],
-            pressed: vec![0.0; n],
-            dual_residual: vec![0.0; n],
-            equality_residual: vec![0.0; program.equalities.len()],
-            side_residual: vec![0.0; k],
-            barrier: 0.0,
-            right: Vec::new(),
-            target: Vec::new(),
-            scratch: vec![0.0; n],
-            residual: Vec::new(),
-            column_weight: vec![0.0; n],
-            row_weight: vec![0.0; m],
-            row_term: vec![0.0; m],
-            row_move: vec![0.0; m],
-            slack_move: vec![0.0; k],
-            dual_move: vec![0.0; k],
-            centre: vec![0.0; k],
-        }
-    }
-
     /// Computes residuals and what the checks below need.
     pub(super) fn measure(&mut self, program: &Scaled) {
         program.activities(&self.x, &mut self.activity);
         program.curvature(&self.x, &mut self.curvature);
-        for side in &program.sides {
-            if let Target::Row(i) = side.target {
-                self.multipliers[i] = 0.0;
-            }
-        }
-        for (side, z) in program.sides.iter().zip(&self.dual) {
-            if let Target::Row(i) = side.target {
-                self.multipliers[i] -= side.sign * z;
-            }
+        let (rows, columns) = program.split_sides();
+        rows.iter().for_each(|side| self.multipliers[side.of] = 0.0);
+        for (side, z) in rows.iter().zip(&self.dual) {
+            self.multipliers[side.of] -= side.sign * z;
         }
         self.pressed.fill(0.0);
         program.add_transposed(&self.multipliers, &mut self.pressed);
         for j in 0..self.x.len() {
             self.dual_residual[j] = self.curvature[j] + program.linear[j] + self.pressed[j];
         }
-        self.barrier = 0.0;
-        for (k, side) in program.sides.iter().enumerate() {
-            let target = match side.target {
-                Target::Column(j) => {
-                    self.dual_residual[j] -= side.sign * self.dual[k];
-                    self.x[j]
-                }
-                Target::Row(i) => self.activity[i],
-            };
-            self.side_residual[k] = side.sign * (target - side.limit) - self.slack[k];
-            self.barrier += self.slack[k] * self.dual[k];
+        for (side, z) in columns.iter().zip(&self.dual[rows.len()..]) {
+            self.dual_residual[side.of] -= side.sign * z;
         }
+        let (of_rows, of_columns) = self.side_residual.split_at_mut(rows.len());
+        let room =
+            |(side, value, slack): (&Side, f64, &f64)| side.sign * (value - side.limit) - slack;
+        for ((residual, side), slack) in of_rows.iter_mut().zip(rows).zip(&self.slack) {
+            *residual = room((side, self.activity[side.of], slack));
+        }
+        let slacks = &self.slack[rows.len()..];
+        for ((residual, side), slack) in of_columns.iter_mut().zip(columns).zip(slacks) {
+            *residual = room((side, self.x[side.of], slack));
+        }
+        self.barrier = self.slack.iter().zip(&self.dual).map(|(s, z)| s * z).sum();
         for (residual, &(i, limit)) in self.equality_residual.iter_mut().zip(&program.equalities) {
             *residual = self.activity[i] - limit;
         }
@@ -192,11 +144,9 @@ impl Iterate {
             sum += self.multipliers[i] * limit;
             size += self.multipliers[i].abs() * limit.abs().max(1.0);
         }
-        for (side, z) in program.sides.iter().zip(&self.dual) {
-            if let Target::Row(_) = side.target {
-                sum -= side.sign * z * side.limit;
-                size += z * side.limit.abs().max(1.0);
-            }
+        for (side, z) in program.split_sides().0.iter().zip(&self.dual) {
+            sum -= side.sign * z * side.limit;
+            size += z * side.limit.abs().max(1.0);
         }
         (sum, size)
     }
@@ -224,15 +174,8 @@ impl Iterate {
         late: &dyn Fn() -> bool,
     ) -> Option<f64> {
         let sides = program.sides.len();
-        self.column_weight.fill(0.0);
-        self.row_weight.fill(0.0);
-        for (k, side) in program.sides.iter().enumerate() {
-            let weight = self.dual[k] / self.slack[k];
-            match side.target {
-                Target::Column(j) => self.column_weight[j] += weight,
-                Target::Row(i) => self.row_weight[i] += weight,
-            }
-        }
+        self.invert();
+        self.weigh(program);
         if !kkt.factorise(&self.column_weight, &self.row_weight) || late() {
             return None;
         }
@@ -275,7 +218,12 @@ impl Iterate {
     }
 
     /// The direction for the right sides in `centre`, refined so often or to such a residual.
-    fn solve(&mut self, program: &Scaled, kkt: &mut Kkt, (refinements, accurate): (usize, f64)) {
+    pub(super) fn solve(
+        &mut self,
+        program: &Scaled,
+        kkt: &mut Kkt,
+        (refinements, accurate): (usize, f64),
+    ) {
         let n = self.x.len();
         self.right.clear();
         self.right.extend(self.dual_residual.iter().map(|r| -r));
@@ -283,13 +231,16 @@ impl Iterate {
         self.right.resize(self.right.len() + kkt.long.len(), 0.0);
         // What a side contributes along the gradient of its target.
         self.row_term.fill(0.0);
-        for (k, side) in program.sides.iter().enumerate() {
+        for k in 0..program.sides.len() {
             let pull = self.centre[k] + self.dual[k] * self.side_residual[k];
-            let term = -side.sign * pull / self.slack[k];
-            match side.target {
-                Target::Column(j) => self.right[j] += term,
-                Target::Row(i) => self.row_term[i] += term,
-            }
+            self.dual_move[k] = pull * self.slack_inverse[k];
+        }
+        let (rows, columns) = program.split_sides();
+        for (side, pull) in rows.iter().zip(&self.dual_move) {
+            self.row_term[side.of] -= side.sign * pull;
+        }
+        for (side, pull) in columns.iter().zip(&self.dual_move[rows.len()..]) {
+            self.right[side.of] -= side.sign * pull;
         }
         program.add_transposed(&self.row_term, &mut self.right[..n]);
         self.target.clear();
@@ -306,61 +257,18 @@ impl Iterate {
             self.right.iter_mut().zip(&self.residual).for_each(|(v, r)| *v += r);
             program.activities(&self.right[..n], &mut self.row_move);
         }
-        for (k, side) in program.sides.iter().enumerate() {
-            let along = match side.target {
-                Target::Column(j) => self.right[j],
-                Target::Row(i) => self.row_move[i],
-            };
-            let step = side.sign * along + self.side_residual[k];
-            self.slack_move[k] = step;
-            self.dual_move[k] = -(self.centre[k] + self.dual[k] * step) / self.slack[k];
+        let (of_rows, of_columns) = self.slack_move.split_at_mut(rows.len());
+        for (step, side) in of_rows.iter_mut().zip(rows) {
+            *step = side.sign * self.row_move[side.of];
         }
-    }
-
-    /// A better start: the point that misses the sides least in the squares, traded against the
-    /// objective, with what it misses as multipliers; both moved inside.
-    pub(super) fn improve_start(
-        &mut self,
-        program: &Scaled,
-        kkt: &mut Kkt,
-        late: &dyn Fn() -> bool,
-    ) -> bool {
-        let n = self.x.len();
-        self.x.fill(0.0);
-        self.multipliers.fill(0.0);
-        self.slack.fill(0.0);
-        self.dual.fill(0.0);
-        self.measure(program);
-        self.column_weight.fill(0.0);
-        self.row_weight.fill(0.0);
-        for side in &program.sides {
-            match side.target {
-                Target::Column(j) => self.column_weight[j] += 1.0,
-                Target::Row(i) => self.row_weight[i] += 1.0,
-            }
+        for (step, side) in of_columns.iter_mut().zip(columns) {
+            *step = side.sign * self.right[side.of];
         }
-        if !kkt.factorise(&self.column_weight, &self.row_weight) || late() {
-            return false;
-        }
-        // With unit slacks and duals of zero, a side pulls by its residual.
-        self.slack.fill(1.0);
-        self.dual.fill(1.0);
-        self.centre.fill(0.0);
-        self.solve(program, kkt, (REFINEMENTS, ACCURATE));
-        self.x.copy_from_slice(&self.right[..n]);
-        for (e, &(i, _)) in program.equalities.iter().enumerate() {
-            self.multipliers[i] = self.right[n + e];
-        }
-        // The move of a slack is its value; the multiplier is its negative.
-        let least = self.slack_move.iter().fold(f64::INFINITY, |m, s| m.min(*s));
-        let most = self.slack_move.iter().fold(f64::NEG_INFINITY, |m, s| m.max(*s));
-        let shift = if least < 1e-3 { 1.0 - least } else { 0.0 };
-        let lift = if most > -1e-3 { 1.0 + most } else { 0.0 };
         for k in 0..program.sides.len() {
-            self.slack[k] = self.slack_move[k] + shift;
-            self.dual[k] = lift - self.slack_move[k];
+            let step = self.slack_move[k] + self.side_residual[k];
+            self.slack_move[k] = step;
+            self.dual_move[k] = -(self.centre[k] + self.dual[k] * step) * self.slack_inverse[k];
         }
-        true
     }
 
     /// By how much `right` misses the system with the right side `target`, into `residual`.
@@ -389,10 +297,37 @@ impl Iterate {
         program.add_transposed(&self.row_term, columns);
     }
 
+    /// Inverts slacks and duals: a division takes as long as ten products, and each is divided by
+    /// several times.
+    pub(super) fn invert(&mut self) {
+        for k in 0..self.slack.len() {
+            self.slack_inverse[k] = 1.0 / self.slack[k];
+            self.dual_inverse[k] = 1.0 / self.dual[k];
+        }
+    }
+
+    /// The weights of columns and rows: those of their sides, added up.
+    pub(super) fn weigh(&mut self, program: &Scaled) {
+        self.column_weight.fill(0.0);
+        self.row_weight.fill(0.0);
+        let (rows, columns) = program.split_sides();
+        for (k, side) in rows.iter().enumerate() {
+            self.row_weight[side.of] += self.dual[k] * self.slack_inverse[k];
+        }
+        for (k, side) in columns.iter().enumerate() {
+            let k = rows.len() + k;
+            self.column_weight[side.of] += self.dual[k] * self.slack_inverse[k];
+        }
+    }
+
     /// How far slacks and duals stay positive, at most 1.
     fn longest(&self) -> f64 {
-        let reach = |(v, step): (&f64, &f64)| if *step < 0.0 { -v / step } else { f64::INFINITY };
-        let slack = self.slack.iter().zip(&self.slack_move).map(reach).fold(1.0, f64::min);
-        self.dual.iter().zip(&self.dual_move).map(reach).fold(slack, f64::min)
+        let fastest = |moves: &[f64], inverse: &[f64]| {
+            let falls = moves.iter().zip(inverse).map(|(step, inverse)| -step * inverse);
+            falls.fold(0.0_f64, |most, fall| if fall > most { fall } else { most })
+        };
+        let fastest = fastest(&self.slack_move, &self.slack_inverse)
+            .max(fastest(&self.dual_move, &self.dual_inverse));
+        1.0 / fastest.max(1.0)
     }
 }

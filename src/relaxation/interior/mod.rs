@@ -12,6 +12,7 @@
 mod iterate;
 mod kkt;
 mod scaled;
+mod start;
 
 use super::{Answer, Claim, Effort, Relaxation};
 use crate::presolve::Reduced;

@@ -8,18 +8,11 @@ const ROUNDS: usize = 3;
 /// Largest factor by which a column, a row or the objective is scaled.
 const MOST: f64 = 1e6;
 
-/// What a side limits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Target {
-    Column(usize),
-    /// An inequality row.
-    Row(usize),
-}
-
-/// One finite limit: `sign * (target - limit) >= 0`.
+/// One finite limit of a column or of an inequality row: `sign * (value - limit) >= 0`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
-    pub(super) target: Target,
+    /// The column or the row.
+    pub(super) of: usize,
     /// 1 for a lower limit, -1 for an upper one.
     pub(super) sign: f64,
     pub(super) limit: f64,
@@ -37,7 +30,10 @@ pub(super) struct Scaled {
     pub(super) rows: Compressed,
     /// Equality rows and their right sides.
     pub(super) equalities: Vec<(usize, f64)>,
+    /// Those of rows, then those of columns.
     pub(super) sides: Vec<Side>,
+    /// How many are of rows.
+    pub(super) row_sides: usize,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
 }
@@ -64,10 +60,10 @@ impl Scaled {
             }
         }
         let (mut equalities, mut sides) = (Vec::new(), Vec::new());
-        let mut add = |target, lower: f64, upper: f64| {
+        let add = |sides: &mut Vec<Side>, of, lower: f64, upper: f64| {
             for (sign, limit) in [(1.0, lower), (-1.0, upper)] {
                 if limit.is_finite() {
-                    sides.push(Side { target, sign, limit });
+                    sides.push(Side { of, sign, limit });
                 }
             }
         };
@@ -76,15 +72,33 @@ impl Scaled {
             if lower == upper {
                 equalities.push((i, lower * factor));
             } else {
-                add(Target::Row(i), lower * factor, upper * factor);
+                add(&mut sides, i, lower * factor, upper * factor);
             }
         }
         let per = |bounds: &[f64]| -> Vec<f64> {
             bounds.iter().zip(&column).map(|(bound, d)| bound / d).collect()
         };
         let (lower, upper) = (per(&program.lower), per(&program.upper));
-        (0..column.len()).for_each(|j| add(Target::Column(j), lower[j], upper[j]));
-        Scaled { column, row, objective, quadratic, linear, rows, equalities, sides, lower, upper }
+        let row_sides = sides.len();
+        (0..column.len()).for_each(|j| add(&mut sides, j, lower[j], upper[j]));
+        Scaled {
+            column,
+            row,
+            objective,
+            quadratic,
+            linear,
+            rows,
+            equalities,
+            sides,
+            row_sides,
+            lower,
+            upper,
+        }
+    }
+
+    /// The sides of rows, and those of columns.
+    pub(super) fn split_sides(&self) -> (&[Side], &[Side]) {
+        self.sides.split_at(self.row_sides)
     }
 
     /// `P x`.
