@@ -12,14 +12,15 @@ const CLOSED: f64 = 1e-9;
 /// Margin of a certificate of infeasibility, relative to its terms.
 const MARGIN: f64 = 1e-8;
 
-/// Most steps of iterative refinement of a direction. The predictor only says how far to centre.
+/// Most steps of iterative refinement of a direction, and of the predictor, which says how far to
+/// centre and how the sides bend.
 pub(super) const REFINEMENTS: usize = 2;
-const PREDICTOR_REFINEMENTS: usize = 0;
+const PREDICTOR_REFINEMENTS: usize = 1;
 
 /// The residual of a direction, in scaled units and as a part of the mean complementarity, at which
 /// there is nothing to refine: what is left is taken out by the next step.
 pub(super) const ACCURATE: f64 = 1e-11;
-const ACCURATE_PART: f64 = 1e-3;
+const ACCURATE_PART: f64 = 1e-5;
 
 /// A primal-dual point with its residuals.
 pub(super) struct Iterate {
