@@ -13,7 +13,7 @@
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
 //! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`,
+//! * `--without PART`: leave out `presolve`, `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`,
 //!   `diving`, `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
 //! * `--with PART`: take in a heuristic, or all `heuristics`
 //! * `--symmetry`: order interchangeable columns
@@ -199,6 +199,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             "--node-limit" => arguments.options.node_limit = Some(number(&word, &value()?)?),
             "--without" => match value()?.as_str() {
                 "presolve" => arguments.options.presolve = false,
+                "probing" => arguments.options.probing = false,
                 "cuts" => arguments.options.cuts = false,
                 "blocks" => arguments.options.blocks = false,
                 part => switch(&mut arguments.options.heuristics, part, false)?,

@@ -28,9 +28,9 @@ impl Worker<'_> {
         let program = self.task.program;
         let activity = self.clock.switch(Activity::Propagation);
         let mut result = self.propagator.propagate_since(program, &mut self.domain, mark);
-        self.clock.switch(Activity::Probing);
-        let probes = result.is_ok() && self.root_done;
+        let probes = result.is_ok() && self.root_done && self.task.options.probing;
         if probes {
+            self.clock.switch(Activity::Probing);
             result = self.probe_node();
         }
         self.root_done = true;

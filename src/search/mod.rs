@@ -208,7 +208,7 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     let deadline = Deadline::new(task.start, task.options.time_limit, &interrupt);
     let ordered = ordered(task, seed);
     let task = Task { program: ordered.as_ref().unwrap_or(task.program), ..task };
-    let mut root = Root::new(task.program, &deadline);
+    let mut root = Root::new(task.program, &deadline, task.options.probing);
     if root.conflict.is_none() && deadline.is_over() {
         return Found::stopped(&deadline);
     }

@@ -24,19 +24,20 @@ pub(super) struct Root {
 }
 
 impl Root {
-    /// What propagation and probing find until the deadline, which propagation keeps.
-    pub(super) fn new(program: &Program, deadline: &Deadline) -> Self {
+    /// What propagation, and probing where it is wanted, find until the deadline, which propagation
+    /// keeps.
+    pub(super) fn new(program: &Program, deadline: &Deadline, probing: bool) -> Self {
         let go_on = &|| !deadline.is_over();
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);
         propagator.set_deadline(deadline);
         let order = late_first(program);
+        let trials = if probing { ROOT_TRIALS } else { 0 };
         let conflict = propagator
             .propagate_all(program, &mut domain)
-            .and_then(|()| probe(program, &mut domain, &mut propagator, &order, ROOT_TRIALS, go_on))
+            .and_then(|()| probe(program, &mut domain, &mut propagator, &order, trials, go_on))
             .and_then(|()| {
-                let (domain, trials) = (&mut domain, ROOT_TRIALS);
-                Implications::probe(program, domain, &mut propagator, &order, trials, go_on)
+                Implications::probe(program, &mut domain, &mut propagator, &order, trials, go_on)
             })
             .map(|implications| propagator.set_implications(implications))
             .err();

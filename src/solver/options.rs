@@ -31,6 +31,7 @@ use crate::tolerance;
 /// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns fall* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
+/// | `probing` | on or off | on | on | on | decisions, *Probing at every node* |
 /// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
 /// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
 /// | `heuristics` | [`Heuristics`] | all but local branching | all | as default | decisions, *Heuristics are paid from allowances* |
@@ -94,6 +95,9 @@ pub struct Options {
     /// leaves are kept, the leaves of a seed are given, or splits come from guidance: these speak of
     /// the columns as they are. Guesses, proposed points and priorities go through it.
     pub presolve: bool,
+    /// Whether binaries are tried at both values by propagation alone, at the root and at the nodes, so
+    /// that values that cannot be are left out before a relaxation is solved; default on.
+    pub probing: bool,
     /// Whether parts of the program without a common row are searched one after the other; default
     /// on. Left out where presolve is, and where there is a seed or guidance.
     pub blocks: bool,
@@ -137,6 +141,7 @@ impl Default for Options {
             symmetry: false,
             conflicts: false,
             presolve: true,
+            probing: true,
             blocks: true,
             cuts: true,
             heuristics: Heuristics::default(),
@@ -274,6 +279,13 @@ impl Options {
     #[must_use]
     pub fn with_presolve(mut self, presolve: bool) -> Self {
         self.presolve = presolve;
+        self
+    }
+
+    /// Sets whether binaries are tried at both values by propagation.
+    #[must_use]
+    pub fn with_probing(mut self, probing: bool) -> Self {
+        self.probing = probing;
         self
     }
 

@@ -1,5 +1,5 @@
 //! The tree search from outside: threads, deterministic rounds, limits, pools of points, seeds,
-//! events, statistics, blocks.
+//! events, statistics, blocks, switches.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -18,6 +18,7 @@ mod limits;
 mod pool;
 mod seeds;
 mod statistics;
+mod switches;
 
 use carom::prelude::*;
 
