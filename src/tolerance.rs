@@ -46,7 +46,8 @@ pub const PROPAGATION_INFEASIBLE: f64 = 1e-8;
 /// Radius inside which variables without any finite bound are searched, in the variable's unit.
 ///
 /// A dual bound needs every column's contribution over its domain. Where neither bounds,
-/// propagation nor curvature limit a variable, bounds hold for points with `|x| <= FREE_RADIUS`.
+/// propagation nor curvature limit a variable, bounds hold for points with `|x| <= FREE_RADIUS`, and
+/// four times as far as the relaxation's own point where that is further out.
 pub const FREE_RADIUS: f64 = 1e9;
 
 /// The same where a relaxation is proved to have no point at all: a point beyond [`FREE_RADIUS`] is a

@@ -11,7 +11,8 @@
 //! A column without a finite bound (or with a far one) on the side that `g` pulls to needs
 //! `g_j = 0`. There the pair is corrected first, `x̂` where the objective curves and `y` where rows
 //! press, again with twice the digits, and what is left of `g_j` (about 1e-30) is charged over
-//! [`tolerance::FREE_RADIUS`], or [`tolerance::INFEASIBILITY_RADIUS`] where there is no objective.
+//! [`tolerance::FREE_RADIUS`] (over more where `x̂` is that far out), or
+//! [`tolerance::INFEASIBILITY_RADIUS`] where there is no objective.
 
 use super::correction::Correction;
 use super::extended::Extended;
@@ -28,6 +29,9 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
 /// bound (no unit).
 const FAR: f64 = 1e6;
+
+/// How much further than its claimed value a column without bounds is taken to reach at least (no unit).
+const FURTHER: f64 = 4.0;
 
 /// Most rounds of correction; a round gains about ten digits.
 const CORRECTIONS: usize = 8;
@@ -52,7 +56,7 @@ pub fn reduced_costs(program: &Reduced, x: &[f64], y: &[f64]) -> (f64, Vec<f64>)
         let proved = g.abs() * (1.0 - 1e-9) - gradient.error(j);
         if proved > 0.0 { proved.copysign(g) } else { 0.0 }
     };
-    (pair.bound(&gradient), (0..program.columns.len()).map(slope).collect())
+    (pair.bound(&gradient, pair.radius()), (0..program.columns.len()).map(slope).collect())
 }
 
 /// The pair of a claimed solution; nothing where it holds what is no number.
@@ -132,7 +136,7 @@ impl Sum {
 impl Pair<'_> {
     fn best_bound(self) -> f64 {
         let gradient = self.gradient();
-        let uncorrected = self.bound(&gradient);
+        let uncorrected = self.bound(&gradient, self.radius());
         if self.loose_columns(&gradient).is_empty() {
             return uncorrected;
         }
@@ -147,11 +151,16 @@ impl Pair<'_> {
             }
         }
         let same = plain.y == self.y;
-        let bound = plain.corrected_bound().max(uncorrected);
-        if same { bound } else { bound.max(self.corrected_bound()) }
+        let (corrected, reach) = plain.correct();
+        // Within the radius of a point that is far from the best ones nothing is proved about these.
+        let uncorrected =
+            if reach > self.radius() { self.bound(&gradient, reach) } else { uncorrected };
+        let bound = corrected.max(uncorrected);
+        if same { bound } else { bound.max(self.correct().0) }
     }
 
-    fn corrected_bound(mut self) -> f64 {
+    /// The bound of the corrected pair, and the radius for which it is proved.
+    fn correct(mut self) -> (f64, f64) {
         let mut gradient = self.gradient();
         let mut corrected: Vec<usize> = Vec::new();
         let mut correction: Option<Correction> = None;
@@ -178,7 +187,8 @@ impl Pair<'_> {
             }
             gradient = self.gradient();
         }
-        self.bound(&gradient)
+        let radius = self.radius();
+        (self.bound(&gradient, radius), radius)
     }
 
     fn gradient(&self) -> Gradient {
@@ -221,12 +231,19 @@ impl Pair<'_> {
         (0..self.x.len()).filter(pulls).collect()
     }
 
-    /// How far columns without bounds are taken to reach.
+    /// How far columns without bounds are taken to reach: with an objective, further than they do at
+    /// the claimed point.
     fn radius(&self) -> f64 {
-        if self.objective { tolerance::FREE_RADIUS } else { tolerance::INFEASIBILITY_RADIUS }
+        if !self.objective {
+            return tolerance::INFEASIBILITY_RADIUS;
+        }
+        let sides = self.program.lower.iter().zip(&self.program.upper);
+        let unbounded = sides.zip(&self.x).filter(|((l, u), _)| l.is_infinite() || u.is_infinite());
+        unbounded.fold(tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
     }
 
-    fn bound(&self, gradient: &Gradient) -> f64 {
+    /// What the pair proves of points within the radius.
+    fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
         let mut sum = Sum::default();
         if self.objective {
@@ -247,7 +264,7 @@ impl Pair<'_> {
         for j in 0..self.x.len() {
             let (g, error) = (gradient.value[j], gradient.error(j));
             let reach = |bound: f64| {
-                if bound.is_finite() { bound } else { bound.signum() * self.radius() }
+                if bound.is_finite() { bound } else { bound.signum() * radius }
             };
             let (lower, upper) = (reach(program.lower[j]), reach(program.upper[j]));
             if g.high.abs() <= error {

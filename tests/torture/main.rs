@@ -62,9 +62,15 @@ fn what_was_wrong_is_right() {
     }
 }
 
-/// Its only points are at 5e11, and it was called infeasible.
+/// Their only points are far away: at 5e11, and the program was called infeasible (70195); at 2e10, and a
+/// bound was proved of nearer points (1210000154).
 #[test]
 fn points_far_away_are_points() {
-    let verdict = verdict(70_195);
-    assert!(matches!(verdict, Verdict::Right | Verdict::Stalled(_)), "{verdict:?}");
+    for seed in [70_195, 1_210_000_154] {
+        let verdict = verdict(seed);
+        assert!(
+            matches!(verdict, Verdict::Right | Verdict::Stalled(_)),
+            "seed {seed}: {verdict:?}"
+        );
+    }
 }
