@@ -298,8 +298,7 @@ impl Iterate {
         program.add_transposed(&self.row_term, columns);
     }
 
-    /// Inverts slacks and duals: a division takes as long as ten products, and each is divided by
-    /// several times.
+    /// Inverts slacks and duals, which a step divides by several times.
     pub(super) fn invert(&mut self) {
         for k in 0..self.slack.len() {
             self.slack_inverse[k] = 1.0 / self.slack[k];

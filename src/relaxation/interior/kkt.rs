@@ -147,6 +147,9 @@ impl Kkt {
             return None;
         }
         let Ordered { start, index, moved, order } = Ordered::new(size, &start, &index)?;
+        if late() {
+            return None;
+        }
         let mut signs = vec![1; size];
         order[n..].iter().for_each(|&k| signs[k] = -1);
         let mut ordered = vec![0.0; index.len()];
