@@ -8,6 +8,7 @@
 pub(crate) mod case;
 pub(crate) mod enumeration;
 pub(crate) mod generate;
+pub(crate) mod judge;
 pub(crate) mod quadratic_program;
 pub(crate) mod rows;
 

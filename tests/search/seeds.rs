@@ -6,9 +6,9 @@ use carom::solver::TreeSeed;
 use proptest::prelude::*;
 
 use super::common::config;
-use super::common::enumeration::{all_optima, optimum};
+use super::common::enumeration::all_optima;
 use super::common::generate::{Shape, case};
-use super::common::quadratic_program::Minimum;
+use super::common::judge::is_right;
 use super::knapsack;
 
 type Numbers = Vec<(usize, f64)>;
@@ -66,15 +66,7 @@ proptest! {
         let seed = seed(&variables, &guess, &boxes);
         let options = Options::default().with_threads(threads).with_deterministic(deterministic);
         let solution = solve(&model, &seed, options);
-        match optimum(&case) {
-            Minimum::Attained { value, .. } => {
-                prop_assert!(solution.is_optimal(), "{:?}", solution);
-                let found = case.sign() * solution.objective().unwrap();
-                prop_assert!((found - value).abs() < 1e-5 * value.abs().max(1.0));
-            }
-            Minimum::Infeasible => prop_assert!(solution.is_infeasible(), "{:?}", solution),
-            Minimum::Unbounded => prop_assert_eq!(solution.termination(), Termination::Unbounded),
-        }
+        is_right(&case, &solution)?;
         let report = solution.seed_report().unwrap();
         if let Some(leaves) = &report.leaves {
             prop_assert_eq!(leaves.used.len(), boxes.len());

@@ -4,9 +4,8 @@ use carom::prelude::*;
 use proptest::prelude::*;
 
 use super::common::config;
-use super::common::enumeration::optimum;
 use super::common::generate::{Shape, case};
-use super::common::quadratic_program::Minimum;
+use super::common::judge::is_right;
 use super::generators::{pendulum, wall};
 
 /// The parts whose bits are set.
@@ -38,17 +37,7 @@ proptest! {
         let (model, _) = case.build();
         let options = options(bits).with_threads(threads).with_deterministic(deterministic);
         let solution = solve(options, &model);
-        match optimum(&case) {
-            Minimum::Attained { value, .. } => {
-                prop_assert!(solution.is_optimal(), "{:?}", solution);
-                let found = case.sign() * solution.objective().unwrap();
-                prop_assert!((found - value).abs() < 1e-5 * value.abs().max(1.0));
-            }
-            Minimum::Infeasible => prop_assert!(solution.is_infeasible(), "{:?}", solution),
-            Minimum::Unbounded => {
-                prop_assert_eq!(solution.termination(), Termination::Unbounded);
-            }
-        }
+        is_right(&case, &solution)?;
     }
 }
 
