@@ -1,4 +1,4 @@
-//! The one error type: misuse or breakdown, always with the name of the thing and the mend.
+//! The one error type: misuse or breakdown, always with the name of the thing and what to do.
 //!
 //! *Infeasible*, *unbounded* and *stopped by a limit* are not errors; they are statuses of a
 //! [`Solution`](crate::solution::Solution).
@@ -183,7 +183,7 @@ pub enum Error {
     /// An objective that is not convex in the direction of optimisation.
     #[error(
         "the objective is not convex: in the {sense} direction its quadratic part has curvature \
-         {curvature:.3e} along a direction that involves `{name}`; {mend}"
+         {curvature:.3e} along a direction that involves `{name}`; {help}"
     )]
     NotConvex {
         /// `minimize` or `maximize`.
@@ -194,7 +194,7 @@ pub enum Error {
         /// A variable with a large share in the offending direction.
         name: String,
         /// What to do.
-        mend: &'static str,
+        help: &'static str,
     },
     /// An indicator's row has no bounded big-M because of this variable.
     #[error(
@@ -252,12 +252,12 @@ pub enum Error {
         expected: String,
     },
     /// A scenario that contradicts itself before any planning.
-    #[error("the scenario cannot be planned: {reason}; {mend}")]
+    #[error("the scenario cannot be planned: {reason}; {help}")]
     Scenario {
         /// What contradicts what.
         reason: String,
         /// What to change.
-        mend: String,
+        help: String,
     },
     /// A plan that does not survive its own replay.
     #[error(
@@ -291,14 +291,14 @@ pub enum Error {
         termination: String,
     },
     /// A model that a solver is not made for.
-    #[error("{solver} does not take {what}; {mend}")]
+    #[error("{solver} does not take {what}; {help}")]
     Unsupported {
         /// The solver.
         solver: String,
         /// What it does not take.
         what: String,
         /// What to do instead.
-        mend: String,
+        help: String,
     },
     /// A solver answered something that its contract excludes.
     #[error("the solver broke its contract: {message}")]

@@ -104,7 +104,7 @@ impl Solver for HighsSolver {
             return Err(Error::Unsupported {
                 solver: "HiGHS".into(),
                 what: "a quadratic objective".into(),
-                mend: "solve it with `BranchAndBound`, or give it a linear one".into(),
+                help: "solve it with `BranchAndBound`, or give it a linear one".into(),
             });
         }
         let sign = program.sign;

@@ -157,7 +157,7 @@
 //!
 //! Why a solver stopped ([`Termination`](solution::Termination)) and what it holds
 //! ([`PrimalStatus`](solution::PrimalStatus)) are separate. Infeasible, unbounded and limits are
-//! statuses; an [`Error`] means misuse and says the mend. A stopped search returns its best
+//! statuses; an [`Error`] means misuse and says what to do. A stopped search returns its best
 //! verified point and a valid bound:
 //!
 //! ```

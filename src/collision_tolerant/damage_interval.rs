@@ -169,8 +169,8 @@ pub fn damage_interval(
 
 fn check(scenario: &Scenario, options: &IntervalOptions) -> Result<(), Error> {
     scenario.check()?;
-    let refuse = |reason: &str, mend: &str| {
-        Err(Error::Scenario { reason: reason.into(), mend: mend.into() })
+    let refuse = |reason: &str, help: &str| {
+        Err(Error::Scenario { reason: reason.into(), help: help.into() })
     };
     if scenario.collisions == Collisions::Forbidden {
         return refuse("a damage limit means nothing without collisions", "tolerate them");

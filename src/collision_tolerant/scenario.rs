@@ -255,8 +255,8 @@ impl Scenario {
     }
 
     fn check_end(&self, name: &str, end: &Endpoint) -> Result<(), Error> {
-        let refuse = |reason: String, mend: &str| {
-            Err(Error::Scenario { reason: format!("the {name} {reason}"), mend: mend.into() })
+        let refuse = |reason: String, help: &str| {
+            Err(Error::Scenario { reason: format!("the {name} {reason}"), help: help.into() })
         };
         let wall = self.contact.wall;
         if wall.gap(end.position) < 0.0 {

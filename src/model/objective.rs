@@ -82,7 +82,7 @@ impl Model {
                 sense: sense.word(),
                 curvature: bad.curvature,
                 name: self.variable_ref(bad.variable)?.name().to_string(),
-                mend: "only convex costs to minimise (concave ones to maximise) have a proof of \
+                help: "only convex costs to minimise (concave ones to maximise) have a proof of \
                        optimality here; write squares, or linearise products with a binary",
             });
         }

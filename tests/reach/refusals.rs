@@ -1,4 +1,4 @@
-//! Bad input to reach sets gets a typed error that names the thing and the mend.
+//! Bad input to reach sets gets a typed error that names the thing and says what to do.
 
 use carom::collision_tolerant::Scenario;
 use carom::hybrid::reach::{

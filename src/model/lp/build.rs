@@ -118,11 +118,11 @@ fn bounds(column: &Column<'_>) -> Result<(f64, f64), Error> {
     let (lower, upper) = (column.ends.lower.unwrap_or(0.0), column.ends.upper.unwrap_or(default));
     let (place, name) = (column.ends.last.unwrap_or(column.name), column.name.text);
     if lower > upper {
-        let mend = match column.ends.lower {
+        let help = match column.ends.lower {
             None => " (where none is given, the lower bound is 0; write `-inf <=` for none)",
             Some(_) => "",
         };
-        let message = format!("bounds of `{name}` are crossed: {lower} > {upper}{mend}");
+        let message = format!("bounds of `{name}` are crossed: {lower} > {upper}{help}");
         return Err(place.error(message));
     }
     if column.binary && (lower < 0.0 || upper > 1.0) {

@@ -73,10 +73,10 @@ impl<'a> File<'a> {
                 Section::Minimize | Section::Maximize => {
                     return Err(place.error("a second objective; a model has one, keep one"));
                 }
-                Section::Refused(mend) => {
+                Section::Refused(help) => {
                     if file.section().is_none() && file.kind() != Kind::End {
                         let name = place.text;
-                        return Err(place.error(format!("section `{name}` cannot be read: {mend}")));
+                        return Err(place.error(format!("section `{name}` cannot be read: {help}")));
                     }
                 }
             }
@@ -85,8 +85,8 @@ impl<'a> File<'a> {
 
     fn read_objective(&mut self) -> Result<(), Error> {
         self.label();
-        if let Some((Section::Refused(mend), _)) = self.section() {
-            return Err(self.token().error(mend));
+        if let Some((Section::Refused(help), _)) = self.section() {
+            return Err(self.token().error(help));
         }
         self.objective = self.expression(true)?;
         if let Some(constant) = self.objective.infinite() {

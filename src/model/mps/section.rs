@@ -39,7 +39,7 @@ impl Section {
             "INDICATORS" => Section::Indicators,
             other => {
                 return Err(head.error(match refused(other) {
-                    Some(mend) => format!("section `{}` cannot be read: {mend}", head.text),
+                    Some(help) => format!("section `{}` cannot be read: {help}", head.text),
                     None => format!(
                         "section `{}` is not known; expected NAME, OBJSENSE, ROWS, COLUMNS, RHS, \
                          RANGES, BOUNDS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines begin \
