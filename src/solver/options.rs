@@ -21,14 +21,14 @@ use crate::tolerance;
 /// | `time_limit` | wall-clock time | none | none | none | |
 /// | `node_limit` | nodes | none | none | none | |
 /// | `memory_limit` | bytes of the tree | none | none | none | decisions, *Nodes share their ancestors* |
-/// | `threads` | threads, `1..=256` | 1 | all | 1 | decisions, *A deque a worker* |
-/// | `deterministic` | on or off | off | off | on | decisions, *Rounds* |
+/// | `threads` | threads, `1..=256` | 1 | all | 1 | decisions, *Work-stealing deques and one queue* |
+/// | `deterministic` | on or off | off | off | on | decisions, *Deterministic rounds* |
 /// | `pool` | points, `1..=100_000` | 1 | 1 | 1 | |
 /// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `symmetry` | on or off | off | off | off | decisions, *Interchangeable columns fall* |
+/// | `symmetry` | on or off | off | off | off | decisions, *Symmetry* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `probing` | on or off | on | on | on | decisions, *Probing at every node* |
