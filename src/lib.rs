@@ -1,25 +1,25 @@
-//! Hybrid-dynamics mixed-integer programs: write a vehicle whose dynamics switch, get back a plan
-//! that is proved optimal.
+//! Planning with dynamics that switch: describe the system, get back a trajectory and a proof that
+//! none is better.
 //!
-//! `carom` (a billiards stroke that uses the cushion) is for planners of motion with modes and
-//! contacts: a wall may be hit, a mode entered, a budget of damage spent. It holds
+//! `carom` (a billiards shot that uses the cushion) is for planners of motion with modes and contacts:
+//! a wall is hit, a mode is entered, a budget of damage is spent. It has
 //!
-//! * a [modelling language](model): variables, affine rows, convex quadratic costs, *indicators*
-//!   ("if this holds, that row does") with automatic, explained big-Ms, logic over binaries, and
-//!   disjunctions, products, absolute values, extrema and piecewise-affine functions
-//!   ([say it like this](guide));
-//! * a trait [`Solver`](solver::Solver) and our own [`BranchAndBound`] over interior-point
-//!   relaxations, which claims nothing that it has not verified;
-//! * [hybrid parts](hybrid): linear steps, walls, contact laws, damage states, simulators,
+//! * a [modelling language](model): variables, affine rows, convex quadratic objectives, *indicators*
+//!   ("if this holds, so does that row") with automatic big-Ms, logic over binaries, disjunctions,
+//!   products, absolute values, extrema and piecewise-affine functions (see the [guide]);
+//! * a trait [`Solver`](solver::Solver) and an implementation, [`BranchAndBound`]. The crate's own
+//!   interior-point method solves most relaxations and Clarabel those that it gives up on; what
+//!   either claims is checked before it counts;
+//! * [hybrid systems](hybrid): linear dynamics, walls, contact laws, damage states, simulators,
 //!   [reach sets](hybrid::reach), and the search for the shortest horizon;
-//! * [explanations](explain) of models without a solution, in their own statements;
-//! * one paper's planner, [`collision_tolerant`], built only from these public parts: a vehicle
-//!   that may *choose* to hit a wall, under a damage limit, because that is faster.
+//! * [explanations](explain) of infeasible models in terms of their own statements;
+//! * the planner of one paper, [`collision_tolerant`], built from these public parts: a vehicle that
+//!   may *choose* to hit a wall, under a damage limit, because that is faster.
 //!
 //! # A plan in ten lines
 //!
-//! The shortest way from 10 m to 0.3 m beside a wall at 0 m. Braking in time takes 52 steps of
-//! 0.05 s; braking against the wall takes 47, and 46 are proved to be too few.
+//! A vehicle drives from 10 m to 0.3 m, in front of a wall at 0 m, as fast as it can. Braking in time
+//! takes 52 steps of 0.05 s. Braking against the wall takes 47, and 46 are proved to be too few.
 //!
 //! ```
 //! use carom::collision_tolerant::{PlanningOptions, Scenario, compare};
@@ -39,8 +39,7 @@
 //! # A model of your own
 //!
 //! Expressions are plain values with operators; comparisons are the methods `le`, `ge`, `equals`
-//! and `within`. A vehicle that must stay out of an interval says so with two indicators on one
-//! binary per step:
+//! and `within`. To keep a vehicle out of a region, use two indicators on one binary per step:
 //!
 //! ```
 //! use carom::prelude::*;
@@ -64,16 +63,16 @@
 //!
 //! let solution = BranchAndBound::default().solve(&model)?;
 //! assert!(solution.is_optimal());
-//! // Four samples at 2 m, and one at 1 m on the way up and on the way down.
+//! // Four samples at 2 m, one at 1 m on the way up, and one at 1 m on the way down.
 //! assert!(solution.objective().is_some_and(|cost| (cost - 18.0).abs() < 1e-4));
 //! assert!(solution.verification().is_some_and(|v| v.holds()));
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Say what is meant
+//! # Logic and functions
 //!
-//! Logic is written with operators on binaries, conditions are logic, and functions are variables
-//! that equal what they say, whichever way the rest of the model pushes them.
+//! Write logic with operators on binaries, and use any formula as the condition of a row. A function
+//! is a variable that equals the function's value, whichever way the rest of the model pushes it.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -98,11 +97,11 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Big-M that can be trusted
+//! # Big-M you can trust
 //!
-//! Nobody writes an M. Each one comes from the current bounds of the row's variables, per row and
-//! side, rounded outward; a missing bound is an error that names the variable; the report says
-//! where each M comes from. After solving, indicators are checked as the implications they are.
+//! You never write an M. Each one is computed from the current bounds of the row's variables, for each
+//! row and side, and rounded outward. A missing bound is an error that names the variable. A report
+//! says where each M comes from. After solving, indicators are checked as implications.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -128,10 +127,10 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Either, or
+//! # Disjunctions
 //!
-//! A disjunction says which sets of rows are acceptable; big-M, multi-M or convex hull is a choice,
-//! and a table shows what each would cost:
+//! A disjunction lists sets of rows, one of which must hold. Choose between the big-M, multi-M and
+//! convex-hull formulations, and compare what each costs:
 //!
 //! ```
 //! use carom::model::{Method, Reformulation};
@@ -153,12 +152,12 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Answers, statuses, limits
+//! # Statuses and limits
 //!
-//! Why a solver stopped ([`Termination`](solution::Termination)) and what it holds
-//! ([`PrimalStatus`](solution::PrimalStatus)) are separate. Infeasible, unbounded and limits are
-//! statuses; an [`Error`] means misuse and says what to do. A stopped search returns its best
-//! verified point and a valid bound:
+//! Why the solver stopped ([`Termination`](solution::Termination)) and what it found
+//! ([`PrimalStatus`](solution::PrimalStatus)) are separate. Infeasible, unbounded and stopped by a limit
+//! are statuses. An [`Error`] means misuse or breakdown, and says what to do. A search that hits a
+//! limit returns its best verified point and a valid bound:
 //!
 //! ```
 //! use carom::prelude::*;
@@ -177,12 +176,12 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Before anything is solved
+//! # Reach sets
 //!
-//! The states that can be reached and those from which the goal still can be reached say a great
-//! deal about a horizon program: most of its binaries, its bounds, and often that it has no
-//! solution. [`hybrid::reach`] computes them for any low-dimensional hybrid system;
-//! [`collision_tolerant`] uses them by default and says in words why there is no plan:
+//! The states that can be reached from the start, and those from which the goal can still be reached,
+//! tell a lot about a planning program before it is solved: they fix most binaries, tighten
+//! bounds, and often prove infeasibility. [`hybrid::reach`] computes them for hybrid systems with few
+//! coupled states. [`collision_tolerant`] uses them by default, and says why there is no plan:
 //!
 //! ```
 //! use carom::collision_tolerant::{Scenario, explain};
@@ -197,12 +196,12 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Asking back
+//! # Why is it infeasible?
 //!
-//! A model without a solution is explained in its own statements: [`explain::infeasibility`] names
-//! families that contradict each other, none of which can be left out, and the steps of them that
-//! matter. [`explain::relaxation`] says what would have to give, [`explain::violations`] what is
-//! wrong with any point.
+//! [`explain::infeasibility`] names families of statements that contradict each other, such that
+//! leaving out any one of them resolves the contradiction, and the steps that matter.
+//! [`explain::relaxation`] says which statements would have to give and by how much, and
+//! [`explain::violations`] lists what a given point violates.
 //!
 //! ```
 //! use carom::explain::{ExplainOptions, infeasibility};
@@ -225,26 +224,28 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Modules in the order of the data
+//! # Modules
 //!
-//! | ground | modelling tower | solving tower |
+//! | ground | modelling | solving |
 //! | --- | --- | --- |
 //! | [`error`], [`tolerance`], [`interval`] | [`hybrid`] | [`reformulate`] |
-//! | [`model`] | [`collision_tolerant`] | [`program`], [`presolve`] |
-//! | [`solution`] | | [`relaxation`], [`search`] |
-//! | [`solver`], [`conformance`] | | [`branch_and_bound`], [`explain`], [`external`] |
+//! | [`model`] | [`collision_tolerant`] | [`branch_and_bound`] |
+//! | [`solution`] | | [`explain`] |
+//! | [`solver`], [`conformance`] | | `external`, `highs` |
 //!
-//! The towers never import each other: planners see a solver only through its trait.
+//! Modelling and solving never import each other: planners see a solver only through its trait.
 //!
 //! # Features
 //!
-//! * `serde`: models, options, solutions, plans can be serialised. Off by default.
+//! All features are off by default.
 //!
-//! * `highs`: HiGHS as a second backend for mixed-integer linear programs,
-//!   `carom::highs::HighsSolver`. It compiles C++ for some minutes and needs cmake, a C++ compiler
-//!   and libclang. Off by default; without effect on WebAssembly.
+//! * `serde`: serialises models, options, solutions and plans.
+//! * `tracing`: emits spans and events of each solve for subscribers of the `tracing` crate.
+//! * `highs`: adds `carom::highs::HighsSolver`, a second backend for mixed-integer linear programs. It
+//!   compiles C++ for some minutes and needs cmake, a C++ compiler and libclang. It has no effect on
+//!   WebAssembly.
 //!
-//! No other feature needs a C or C++ toolchain or a system library; the crate builds for
+//! Without `highs`, the crate needs no C or C++ toolchain and no system library, and builds for
 //! `wasm32-unknown-unknown`.
 
 pub mod branch_and_bound;
