@@ -3,7 +3,7 @@
 use web_time::Instant;
 
 use crate::model::Model;
-use crate::presolve::{tighten_by_cases, tighten_by_partners};
+use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
 use crate::search::cuts::strengthen;
 use crate::search::{Accept, Found, Guide, Seed, Task, search};
@@ -84,9 +84,9 @@ impl Stage<'_> {
         let mut at_root = Statistics::default();
         let tightens = options.presolve && !self.as_is;
         let exact = program;
-        let boxed = if tightens { tighten_by_cases(program, &deadline) } else { None };
+        let boxed = if tightens { tighten_by_disjunctions(program, &deadline) } else { None };
         let program = boxed.as_ref().unwrap_or(program);
-        let tight = if tightens { tighten_by_partners(program, &deadline) } else { None };
+        let tight = if tightens { tighten_big_ms(program, &deadline) } else { None };
         let program = tight.as_ref().unwrap_or(program);
         let cut = if options.cuts && !self.as_is {
             strengthen(program, &deadline, &mut at_root)

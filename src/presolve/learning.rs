@@ -1,7 +1,7 @@
 //! A propagator that learns from its conflicts: each is explained, kept as a no-good, and the
 //! no-goods take part in every later propagation.
 
-use super::analysis::{Analysis, Clash, Cut, Explanation, Sources};
+use super::conflict_analysis::{Analysis, Clash, Explanation, Resolution, Sources};
 use super::domain::{Domain, Reason};
 use super::no_goods::{ConflictCounts, NoGood, NoGoods};
 use super::propagation::{Conflict, Propagator};
@@ -123,7 +123,7 @@ impl Propagator {
         domain: &Domain,
         mark: usize,
         clash: Option<Clash>,
-        cut: Cut,
+        cut: Resolution,
     ) {
         let Some(mut learner) = self.learner.take() else { return };
         let wanted = clash.filter(|_| learner.pays());

@@ -5,30 +5,30 @@
 //! contradiction appears, and [`reduce`](reduce()) turns what is left into a smaller continuous
 //! program. What is done once, before the search, and undone after it, is in [`root`].
 
-mod analysis;
-mod cases;
+mod big_m_tightening;
+mod change_log;
 mod coefficients;
+mod conflict_analysis;
+mod disjunctive_tightening;
 mod domain;
-mod footprint;
 mod implications;
 mod learning;
 mod no_goods;
-mod partners;
+mod parallel;
 mod probing;
 mod projection;
 mod propagation;
 mod reduce;
 pub mod root;
 mod tightening;
-mod twins;
 mod worklist;
 
-pub use cases::{covering_rows, tighten_by_cases};
+pub use big_m_tightening::tighten_big_ms;
 pub use coefficients::tighten_coefficients;
+pub use disjunctive_tightening::{covering_rows, tighten_by_disjunctions};
 pub use domain::{Domain, Reason};
 pub use implications::Implications;
 pub use no_goods::{ConflictCounts, Literal, NoGood};
-pub use partners::tighten_by_partners;
 pub use probing::{ProbingRecord, Trials, probe, probe_again};
 pub use projection::{Projection, project};
 pub use propagation::{Conflict, Propagator};

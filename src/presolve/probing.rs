@@ -10,9 +10,9 @@
 //! A trial that found nothing is not repeated while nothing has changed that it looked at, at one
 //! node or from node to node.
 
-use super::analysis::Cut;
+use super::change_log::Blocks;
+use super::conflict_analysis::Resolution;
 use super::domain::Domain;
-use super::footprint::Blocks;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::tolerance;
@@ -138,7 +138,7 @@ pub fn probe_again(
                 }
                 let last = record.trials[j][usize::from(is_upper)];
                 let known =
-                    last.time > 0 && !propagator.footprint.has_changed(last.visited, last.time);
+                    last.time > 0 && !propagator.change_log.has_changed(last.visited, last.time);
                 if known || !record.is_worth(is_upper) {
                     continue;
                 }
@@ -182,15 +182,15 @@ impl Propagator {
         value: f64,
     ) -> (Result<(), Conflict>, Blocks, u32) {
         let mark = domain.mark();
-        self.footprint.set_on_trial(true);
-        self.footprint.start();
+        self.change_log.set_on_trial(true);
+        self.change_log.start();
         self.least_gain = tolerance::PROBING_GAIN;
         domain.apply(column, is_upper, value);
-        let trial = self.propagate_until(program, domain, mark, Cut::Decision);
+        let trial = self.propagate_until(program, domain, mark, Resolution::Decision);
         domain.undo_to(mark);
         self.least_gain = tolerance::PROPAGATION_GAIN;
-        self.footprint.set_on_trial(false);
-        let (visited, time) = self.footprint.finish();
+        self.change_log.set_on_trial(false);
+        let (visited, time) = self.change_log.finish();
         (trial, visited, time)
     }
 }

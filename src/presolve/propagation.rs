@@ -4,9 +4,9 @@
 //! every column in it. Tightened columns put their rows back on a worklist until nothing moves
 //! enough; its order is in `worklist`, the arithmetic of one row in `tightening`.
 
-use super::analysis::{Clash, Cut};
+use super::change_log::{Blocks, ChangeLog};
+use super::conflict_analysis::{Clash, Resolution};
 use super::domain::{Domain, Reason};
-use super::footprint::{Blocks, Footprint};
 use super::implications::Implications;
 use super::learning::Learner;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
@@ -41,7 +41,7 @@ pub struct Propagator {
     found: Vec<Tightening>,
     pub(super) implications: Implications,
     deadline: Deadline,
-    pub(super) footprint: Footprint,
+    pub(super) change_log: ChangeLog,
     /// What a bound of a continuous column must gain, of its width, to be followed.
     pub(super) least_gain: f64,
     /// The cutoff in force; infinite where the objective's line does not use one.
@@ -73,7 +73,7 @@ struct Uses {
 
 impl Uses {
     /// Of lines of which the last one is the objective, whose upper limit comes later.
-    fn new(columns: usize, lines: &[Line], entries: &[Entry], footprint: &Footprint) -> Self {
+    fn new(columns: usize, lines: &[Line], entries: &[Entry], change_log: &ChangeLog) -> Self {
         let mut lists = vec![Vec::new(); 2 * columns];
         let mut blocks = vec![0; columns];
         for (row, line) in lines.iter().enumerate() {
@@ -87,7 +87,7 @@ impl Uses {
                 for side in [0, 1].into_iter().filter(|&side| matters[side]) {
                     lists[2 * entry.column() + side].push(row as u32);
                 }
-                blocks[entry.column()] |= footprint.blocks_of(row);
+                blocks[entry.column()] |= change_log.blocks_of(row);
             }
         }
         let mut uses = Uses { start: vec![0], rows: Vec::new(), blocks };
@@ -121,7 +121,7 @@ impl Propagator {
             clash: None,
             learner: None,
             deadline: Deadline::default(),
-            footprint: Footprint::new(program.row_count()),
+            change_log: ChangeLog::new(program.row_count()),
             least_gain: tolerance::PROPAGATION_GAIN,
         };
         for row in 0..program.row_count() {
@@ -133,8 +133,8 @@ impl Propagator {
         let linear = program.quadratic.compute_nnz() == 0;
         let costs = program.linear.iter().copied().enumerate().filter(|_| linear);
         propagator.add(costs, [f64::NEG_INFINITY, f64::INFINITY]);
-        let Propagator { rows, entries, footprint, .. } = &propagator;
-        propagator.uses = Uses::new(program.column_count(), rows, entries, footprint);
+        let Propagator { rows, entries, change_log, .. } = &propagator;
+        propagator.uses = Uses::new(program.column_count(), rows, entries, change_log);
         propagator
     }
 
@@ -207,7 +207,7 @@ impl Propagator {
         domain: &mut Domain,
         mark: usize,
     ) -> Result<(), Conflict> {
-        self.propagate_until(program, domain, mark, Cut::FirstImplicationPoint)
+        self.propagate_until(program, domain, mark, Resolution::FirstImplicationPoint)
     }
 
     /// As [`propagate_since`](Self::propagate_since); a conflict is resolved up to `cut`.
@@ -216,7 +216,7 @@ impl Propagator {
         program: &Program,
         domain: &mut Domain,
         mark: usize,
-        cut: Cut,
+        cut: Resolution,
     ) -> Result<(), Conflict> {
         let result = self.propagate_changes(program, domain, mark);
         if self.learner.is_some() {
@@ -257,12 +257,12 @@ impl Propagator {
 
     /// Whether changes from here on are on trial, to be taken back.
     pub fn set_on_trial(&mut self, on_trial: bool) {
-        self.footprint.set_on_trial(on_trial);
+        self.change_log.set_on_trial(on_trial);
     }
 
     /// The bounds of these columns are no longer what they were.
     pub fn touch(&mut self, columns: impl Iterator<Item = (usize, bool)>) {
-        columns.for_each(|(column, _)| self.footprint.touch(self.uses.blocks[column]));
+        columns.for_each(|(column, _)| self.change_log.touch(self.uses.blocks[column]));
     }
 
     /// The number of the objective's line: the last one.
@@ -280,7 +280,7 @@ impl Propagator {
     /// Puts the rows on the list to which a changed bound can matter, but for the one that changed
     /// it.
     pub(super) fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
-        self.footprint.touch(self.uses.blocks[column]);
+        self.change_log.touch(self.uses.blocks[column]);
         for &row in self.uses.of(column, is_upper) {
             let row = row as usize;
             if row != changed_by && self.status[row] == Status::Idle {
@@ -374,7 +374,7 @@ impl Propagator {
                 break;
             }
             budget -= 1;
-            self.footprint.visit(row);
+            self.change_log.visit(row);
             let entries = &self.entries[start..end];
             match tighten(&program.integral, domain.all(), entries, limits, self.least_gain, found)
             {

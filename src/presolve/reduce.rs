@@ -8,7 +8,7 @@
 //! program is a dual bound of the node.
 
 use super::domain::Domain;
-use super::twins::{Twins, find_twin};
+use super::parallel::{Patterns, ratio};
 use crate::program::Program;
 use crate::sum::Sum;
 
@@ -131,7 +131,7 @@ pub struct Reducer {
     row_upper: Vec<f64>,
     /// By column of the program: its column in the reduced program.
     position: Vec<usize>,
-    twins: Twins,
+    patterns: Patterns,
 }
 
 struct Contradiction;
@@ -340,7 +340,7 @@ impl Reducer {
 
     /// Copies the live rows over the free columns, merging parallel ones.
     fn collect_rows(&mut self, program: &Program, out: &mut Reduced) -> Result<(), Contradiction> {
-        let (position, seen) = (&self.position, &mut self.twins);
+        let (position, seen) = (&self.position, &mut self.patterns);
         seen.clear(self.alive.len());
         let entries = self.alive.iter().map(|&row| program.row(row).0.len()).sum();
         out.rows.index.reserve(entries);
@@ -371,20 +371,20 @@ impl Reducer {
                 }
                 continue;
             }
-            let bucket = seen.bucket(&out.rows.index[begin..]);
-            if let Some((twin, ratio)) = find_twin(&out.rows, seen.rows_of(bucket), begin) {
-                // This row is `ratio` times the twin.
+            let bucket = seen.bucket(out.rows.index[begin..].iter().copied());
+            if let Some((kept, ratio)) = find_parallel(&out.rows, seen.candidates(bucket), begin) {
+                // This row is `ratio` times the kept one.
                 if ratio < 0.0 {
                     limits.swap(0, 1);
                 }
                 let (lower, upper) = (limits[0] / ratio, limits[1] / ratio);
-                out.row_lower[twin] = out.row_lower[twin].max(lower);
-                out.row_upper[twin] = out.row_upper[twin].min(upper);
+                out.row_lower[kept] = out.row_lower[kept].max(lower);
+                out.row_upper[kept] = out.row_upper[kept].min(upper);
                 out.rows.index.truncate(begin);
                 out.rows.value.truncate(begin);
                 continue;
             }
-            seen.push(bucket);
+            seen.insert(out.row_lower.len(), bucket);
             out.row_lower.push(limits[0]);
             out.row_upper.push(limits[1]);
             out.rows.start.push(out.rows.index.len());
@@ -404,4 +404,20 @@ impl Reducer {
         }
         Ok(())
     }
+}
+
+/// A finished row that is parallel to the unfinished one from `begin` on, and the factor between them.
+fn find_parallel(
+    rows: &Compressed,
+    mut candidates: impl Iterator<Item = usize>,
+    begin: usize,
+) -> Option<(usize, f64)> {
+    let (index, value) = (&rows.index[begin..], &rows.value[begin..]);
+    candidates.find_map(|other| {
+        let (other_index, other_value) = rows.vector(other);
+        if other_index != index {
+            return None;
+        }
+        Some((other, ratio(value.iter().copied().zip(other_value.iter().copied()))?))
+    })
 }

@@ -2,7 +2,6 @@
 //!
 //! * `work` - the program while it is being reduced
 //! * `postsolve` - the stack of undos: values, multipliers and reduced costs of the original
-//! * `patterns` - which rows or columns have their entries at the same positions
 //! * `substitute` - a column expressed by an equality; shared by the rules that do so
 //!
 //! One rule a file; the loop applies them in turn until none finds anything:
@@ -28,7 +27,6 @@ mod fixed_columns;
 mod implied_free;
 mod parallel_columns;
 mod parallel_rows;
-mod patterns;
 mod postsolve;
 mod redundant_rows;
 mod singleton_rows;

@@ -17,8 +17,6 @@ pub use cut::Cut;
 pub use implied_bounds::implied_bound_cuts;
 pub use mixed_integer_rounding::mixed_integer_rounding_cuts;
 
-use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
-
 use crate::presolve::{Domain, Propagator, Reduced, Reduction, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
@@ -148,20 +146,9 @@ fn relax(
 
 /// A program with further rows.
 fn with_cuts(program: &Program, cuts: &[Cut]) -> Option<Program> {
-    let (m, n) = (program.row_count(), program.column_count());
-    let mut entries = Vec::with_capacity(program.rows.compute_nnz());
-    for row in 0..m {
-        let (columns, values) = program.row(row);
-        entries.extend(columns.iter().zip(values).map(|(&j, &a)| Triplet::new(row, j, a)));
-    }
-    for (k, cut) in cuts.iter().enumerate() {
-        entries.extend(cut.terms.iter().map(|&(j, a)| Triplet::new(m + k, j, a)));
-    }
-    let rows = m + cuts.len();
+    let row = |cut: &Cut| (cut.terms.clone(), [f64::NEG_INFINITY, cut.limit]);
+    let rows: Vec<_> = cuts.iter().map(row).collect();
     let mut more = program.clone();
-    more.rows = SparseRowMat::try_new_from_triplets(rows, n, &entries).ok()?;
-    more.columns = SparseColMat::try_new_from_triplets(rows, n, &entries).ok()?;
-    more.row_lower.resize(rows, f64::NEG_INFINITY);
-    more.row_upper.extend(cuts.iter().map(|cut| cut.limit));
+    more.append(&[], &rows)?;
     Some(more)
 }

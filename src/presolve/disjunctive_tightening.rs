@@ -1,9 +1,10 @@
-//! What holds in every case of a disjunction.
+//! Disjunctive bound tightening (constructive disjunction) over covering rows.
 //!
-//! A row `z_1 + ... + z_k >= 1` over binaries says that one of `k` cases applies. Each is propagated on
-//! trial: cases that contradict the bounds are excluded, and bounds that all the others share hold in
-//! any case. In a piecewise-affine system, step after step, they are boxes around what can be reached,
-//! where propagation alone sees rows that may be switched off; the big-Ms shrink with them.
+//! A row `z_1 + ... + z_k >= 1` over binaries says that at least one of `k` cases applies. Each case is
+//! propagated on trial. A case that contradicts the bounds is excluded, and the hull of the bounds in
+//! the others holds in any case. In a piecewise-affine system these hulls are boxes around the states
+//! that each step can reach, where plain propagation sees only rows that may be switched off. The
+//! big-Ms shrink with the boxes.
 
 use std::ops::RangeInclusive;
 
@@ -14,20 +15,20 @@ use super::root::{Presolve, Rule, presolve_until};
 use crate::program::Program;
 use crate::solver::Deadline;
 
-/// Most trials. Each is a propagation of the rows that it reaches.
+/// Most trials. A trial propagates the rows that it reaches.
 const TRIALS: usize = 4000;
 
-/// Most rounds over all disjunctions, and the numbers of cases that are tried.
+/// Most rounds over all disjunctions, and how many cases a disjunction may have.
 const ROUNDS: usize = 4;
 const CASES: RangeInclusive<usize> = 2..=12;
 
 /// A bound must move by this fraction of the width between the bounds (no unit).
 const GAIN: f64 = 0.01;
 
-/// A program with the bounds that hold in every case, and big-Ms to match; nothing where there are none.
+/// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves.
 ///
-/// Columns and rows stay, and so do all points whose integral columns are whole.
-pub fn tighten_by_cases(program: &Program, deadline: &Deadline) -> Option<Program> {
+/// Columns and rows keep their numbers, and no point with whole integral columns is lost.
+pub fn tighten_by_disjunctions(program: &Program, deadline: &Deadline) -> Option<Program> {
     let disjunctions = covering_rows(program, &CASES);
     if disjunctions.is_empty() {
         return None;
@@ -35,7 +36,7 @@ pub fn tighten_by_cases(program: &Program, deadline: &Deadline) -> Option<Progra
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
     propagator.set_deadline(deadline);
-    // Where the bounds contradict each other the search says so.
+    // If the bounds contradict each other, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
     let go_on = || !deadline.is_over();
     let gained = gain(program, &mut domain, &mut propagator, &disjunctions, &go_on).ok()?;
@@ -52,7 +53,8 @@ pub fn tighten_by_cases(program: &Program, deadline: &Deadline) -> Option<Progra
     }
 }
 
-/// The covering rows of a program, those that want one of so many binaries: the columns of each.
+/// The columns of each covering row, which asks for at least one of its binaries; `sizes` says how many
+/// columns a row may have.
 pub fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<Vec<usize>> {
     let is_binary =
         |j: usize| program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
@@ -66,7 +68,7 @@ pub fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<Ve
     (0..program.row_count()).filter_map(cover).collect()
 }
 
-/// Tries the cases of all disjunctions until nothing is gained; how many bounds moved.
+/// Tries the cases of all disjunctions until no bound moves; returns how many moved.
 fn gain(
     program: &Program,
     domain: &mut Domain,
@@ -98,7 +100,7 @@ fn gain(
                 match changed {
                     Some(changed) => {
                         shared = Some(match shared {
-                            Some(shared) => union(shared, changed),
+                            Some(shared) => hull(shared, changed),
                             None => changed,
                         });
                     }
@@ -122,8 +124,8 @@ fn gain(
     Ok(gained)
 }
 
-/// What holds in both of two cases, for the columns that changed in both.
-fn union(one: Vec<Bounds>, other: Vec<Bounds>) -> Vec<Bounds> {
+/// The hull of the bounds in two cases, for the columns that changed in both.
+fn hull(one: Vec<Bounds>, other: Vec<Bounds>) -> Vec<Bounds> {
     let mut other = other.into_iter().peekable();
     let shared = one.into_iter().filter_map(|a| {
         while other.next_if(|b| b.column < a.column).is_some() {}
@@ -134,7 +136,7 @@ fn union(one: Vec<Bounds>, other: Vec<Bounds>) -> Vec<Bounds> {
     shared.collect()
 }
 
-/// Moves the bounds of a column where that is worth it; how many.
+/// Moves the bounds of a column that gain enough; returns how many.
 fn apply(domain: &mut Domain, column: usize, [lower, upper]: [f64; 2]) -> usize {
     let [old_lower, old_upper] = domain.bounds(column);
     let width = old_upper - old_lower;

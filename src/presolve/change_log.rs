@@ -1,8 +1,7 @@
-//! Which part of a program a propagation looked at, and which part has changed since.
+//! Which rows a propagation visited, and when rows changed last.
 //!
-//! A trial of probing that found nothing finds nothing again as long as the bounds of the rows that
-//! it looked at are the same. Rows are put together in blocks of neighbours, so that a part of the
-//! program is one word.
+//! A trial of probing that found nothing finds nothing again as long as the bounds in the rows that it
+//! visited are the same. Neighbouring rows form a block, so that a set of blocks is one word.
 
 /// Blocks of rows; as many as a word has bits.
 const BLOCKS: usize = 128;
@@ -10,9 +9,9 @@ const BLOCKS: usize = 128;
 /// A set of blocks.
 pub(super) type Blocks = u128;
 
-/// The clock of changes and the blocks that propagation visits.
+/// When each block of rows changed, and which blocks propagation visits.
 #[derive(Debug, Clone)]
-pub(super) struct Footprint {
+pub(super) struct ChangeLog {
     /// The logarithm of the number of rows of a block.
     shift: u32,
     visited: Blocks,
@@ -23,11 +22,11 @@ pub(super) struct Footprint {
     on_trial: bool,
 }
 
-impl Footprint {
-    /// For so many rows.
+impl ChangeLog {
+    /// A log for this many rows.
     pub(super) fn new(rows: usize) -> Self {
         let shift = rows.div_ceil(BLOCKS).next_power_of_two().trailing_zeros();
-        Footprint { shift, visited: 0, changed: vec![0; BLOCKS], now: 1, on_trial: false }
+        ChangeLog { shift, visited: 0, changed: vec![0; BLOCKS], now: 1, on_trial: false }
     }
 
     #[inline]
@@ -35,7 +34,7 @@ impl Footprint {
         (row >> self.shift).min(BLOCKS - 1)
     }
 
-    /// Propagation looks at a row.
+    /// Notes that propagation visits a row.
     #[inline]
     pub(super) fn visit(&mut self, row: usize) {
         self.visited |= 1 << self.block(row);
@@ -46,7 +45,7 @@ impl Footprint {
         1 << self.block(row)
     }
 
-    /// A bound of a column in these blocks changes.
+    /// Notes that a bound of a column in these blocks changes.
     #[inline]
     pub(super) fn touch(&mut self, mut blocks: Blocks) {
         if self.on_trial {
@@ -58,7 +57,7 @@ impl Footprint {
         }
     }
 
-    /// Changes from here on are on trial, or are not.
+    /// Says whether changes from here on are on trial.
     pub(super) fn set_on_trial(&mut self, on_trial: bool) {
         self.on_trial = on_trial;
     }
@@ -68,7 +67,7 @@ impl Footprint {
         self.visited = 0;
     }
 
-    /// The blocks that were visited since the start, and the time; what changes later is later.
+    /// The blocks visited since [`start`](ChangeLog::start), and the time; later changes have later times.
     pub(super) fn finish(&mut self) -> (Blocks, u32) {
         let now = self.now;
         self.now = now.saturating_add(1);

@@ -33,7 +33,7 @@ pub(super) enum Clash {
 
 /// How far a conflict is resolved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Cut {
+pub(super) enum Resolution {
     /// To the last bound through which all that was decided last leads to the conflict.
     FirstImplicationPoint,
     /// To what was decided last.
@@ -130,7 +130,7 @@ impl Analysis {
         domain: &Domain,
         mark: usize,
         clash: Clash,
-        cut: Cut,
+        resolution: Resolution,
     ) -> Option<Explanation> {
         if mark < self.root_mark {
             return None;
@@ -174,7 +174,9 @@ impl Analysis {
             let kept = if position < mark {
                 integral
             } else {
-                first_point |= cut == Cut::FirstImplicationPoint && integral && self.current == 1;
+                first_point |= resolution == Resolution::FirstImplicationPoint
+                    && integral
+                    && self.current == 1;
                 first_point || (change.reason == Reason::Given && integral)
             };
             if kept {

@@ -1,12 +1,12 @@
-//! Big-Ms from the rows beside them.
+//! Big-M tightening by pairs of rows.
 //!
-//! Where a binary switches a row off, the bounds of the row's columns say too little about how far the
-//! row can go. In a piecewise-affine system `x+ - A x - B u` is one thing in one mode and another thing
-//! in the other, over the same columns: where the first mode is off the second one is on, and its rows
-//! bound the difference from the first. So each value of a binary is propagated, and the rest of each
-//! of its rows is bounded there by a multiple of a partner, a row that shares columns with it, plus the
-//! bounds of what the two do not share. The binary's coefficient and the row's limit move to match.
-//! With two modes that often is the convex hull of a step, without the columns of one.
+//! Where a binary switches a row off, the bounds of the row's columns alone say too little about how
+//! far the row can go. In a piecewise-affine system `x+ - A x - B u` has one value in one mode and
+//! another value in the other, over the same columns: while the first mode is off, the second is on, and
+//! its rows bound the difference from the first. So each value of a binary is propagated, and the rest
+//! of each of its rows is bounded by a multiple of a linked row, one that shares columns with it, plus
+//! the bounds of what the two do not share. The binary's coefficient and the row's limit move to match.
+//! With two modes the result is often the convex hull of a step, without the hull's extra columns.
 
 use super::domain::Domain;
 use super::propagation::Propagator;
@@ -20,43 +20,43 @@ const TRIALS: usize = 4000;
 /// Longest rows that are looked at (columns).
 const LONGEST: usize = 24;
 
-/// Columns in more rows than this have no partners to offer.
+/// Columns in more rows than this link no rows.
 const MOST_ROWS: usize = 40;
 
-/// Fewest continuous columns that partners share.
+/// Fewest continuous columns that linked rows share.
 const SHARED: usize = 2;
 
-/// Most multiples of a partner that are tried.
+/// Most multiples of a linked row that are tried.
 const MULTIPLES: usize = 4;
 
-/// Limits stay this much looser than they could be, relative to what was added up (no unit): rounding
-/// must not cut a whole point off.
+/// Limits stay this much looser than they could be, relative to what was added up (no unit), so that
+/// rounding cuts no whole point off.
 const MARGIN: f64 = 1e-12;
 
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
 const GAIN: f64 = 1e-3;
 
-/// Gains up to this, in the row's unit, are not noticed.
+/// Gains up to this, in the row's unit, are ignored.
 const IMPERCEPTIBLE: f64 = 0.1 * tolerance::FEASIBILITY;
 
-/// Gains beyond this many times the coefficient and the limit are those of impossible values.
+/// Gains beyond this many times the coefficient and the limit come from impossible values.
 const LARGEST: f64 = 1e6;
 
 /// Least part of a coefficient that is kept (no unit).
 const KEPT: f64 = 1e-4;
 
-/// Part of coefficient and limit up to which a coefficient is left out, which loosens the row by as much
+/// A coefficient below this part of coefficient and limit is left out, which loosens the row by as much
 /// (no unit). Bounds from propagation are loose by a tenth of that.
 const NOTHING: f64 = 1e-8;
 
-/// A program whose big-Ms are no larger than the rows beside them allow; nothing where none shrinks.
+/// Shrinks big-Ms to what linked rows allow; returns `None` if none shrinks.
 ///
-/// Columns and rows stay, and so do all points whose integral columns are whole.
-pub fn tighten_by_partners(program: &Program, deadline: &Deadline) -> Option<Program> {
+/// Columns and rows keep their numbers, and no point with whole integral columns is lost.
+pub fn tighten_big_ms(program: &Program, deadline: &Deadline) -> Option<Program> {
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
     propagator.set_deadline(deadline);
-    // Where the bounds contradict each other the search says so.
+    // If the bounds contradict each other, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
     let open: Vec<usize> = program.integers.iter().copied().filter(is_open).take(TRIALS).collect();
@@ -68,7 +68,7 @@ pub fn tighten_by_partners(program: &Program, deadline: &Deadline) -> Option<Pro
         let mut lines: Vec<(usize, Vec<usize>)> = Vec::new();
         for &row in program.column(z).0 {
             if rows.is_big_m(row) {
-                lines.push((row, rows.partners(row)));
+                lines.push((row, rows.linked_to(row)));
             }
         }
         if lines.is_empty() {
@@ -80,12 +80,12 @@ pub fn tighten_by_partners(program: &Program, deadline: &Deadline) -> Option<Pro
             domain.apply(z, value == 0.0, value);
             if propagator.propagate_since(program, &mut domain, mark).is_ok() {
                 let far =
-                    |(row, partners): &(usize, Vec<usize>)| rows.reach(&domain, *row, z, partners);
+                    |(row, linked): &(usize, Vec<usize>)| rows.reach(&domain, *row, z, linked);
                 *reach = lines.iter().map(far).collect();
             }
             domain.undo_to(mark);
         }
-        // A value that cannot be taken is left to probing: nothing to pair the other one with.
+        // A value that cannot be taken is left to probing.
         let [off, on] = reach;
         for ((row, _), reach) in lines.into_iter().zip(off.into_iter().zip(on)) {
             rows.tighten(row, z, reach.into());
@@ -106,10 +106,10 @@ struct Rows<'a> {
     values: Vec<f64>,
     limits: Vec<[f64; 2]>,
     changed: bool,
-    /// Coefficients of the row that is looked at, and of its partner, by column.
+    /// By column, the coefficients of the current row and of the row linked to it.
     line: Vec<f64>,
-    partner: Vec<f64>,
-    /// Rows that are partners already.
+    linked: Vec<f64>,
+    /// Rows that are known to be linked already.
     seen: Vec<bool>,
 }
 
@@ -133,7 +133,7 @@ impl Reach {
         }
     }
 
-    /// The bound with its margin; infinite where it is none.
+    /// The bound with its margin; infinite if there is none.
     fn value(self) -> f64 {
         let value = self.sum + MARGIN * self.size;
         if value.is_nan() { f64::INFINITY } else { value }
@@ -150,7 +150,7 @@ impl<'a> Rows<'a> {
             limits: limits.map(|(&lower, &upper)| [lower, upper]).collect(),
             changed: false,
             line: vec![0.0; n],
-            partner: vec![0.0; n],
+            linked: vec![0.0; n],
             seen: vec![false; m],
         }
     }
@@ -179,32 +179,32 @@ impl<'a> Rows<'a> {
     }
 
     /// The short rows that share enough continuous columns with a row.
-    fn partners(&mut self, row: usize) -> Vec<usize> {
+    fn linked_to(&mut self, row: usize) -> Vec<usize> {
         let program = self.program;
         let continuous =
             |row: usize| program.row(row).0.iter().copied().filter(|&j| !program.integral[j]);
         continuous(row).for_each(|j| self.line[j] = 1.0);
         self.seen[row] = true;
-        let mut partners = Vec::new();
+        let mut linked = Vec::new();
         for j in continuous(row) {
             let others = program.column(j).0;
             for &other in others.iter().filter(|_| others.len() <= MOST_ROWS) {
                 if !std::mem::replace(&mut self.seen[other], true) {
-                    partners.push(other);
+                    linked.push(other);
                 }
             }
         }
-        partners.iter().chain([&row]).for_each(|&row| self.seen[row] = false);
-        partners.retain(|&other| {
+        linked.iter().chain([&row]).for_each(|&row| self.seen[row] = false);
+        linked.retain(|&other| {
             let shared = continuous(other).filter(|&j| self.line[j] != 0.0).count();
             shared >= SHARED && self.len(other) <= LONGEST
         });
         continuous(row).for_each(|j| self.line[j] = 0.0);
-        partners
+        linked
     }
 
     /// The largest value in a domain of a row without one of its columns, as `<=`.
-    fn reach(&mut self, domain: &Domain, row: usize, except: usize, partners: &[usize]) -> f64 {
+    fn reach(&mut self, domain: &Domain, row: usize, except: usize, linked: &[usize]) -> f64 {
         let (sign, _) = self.one_side(row);
         let terms: Vec<(usize, f64)> =
             (self.terms(row)).filter(|(j, _)| *j != except).map(|(j, a)| (j, sign * a)).collect();
@@ -214,21 +214,21 @@ impl<'a> Rows<'a> {
             self.line[j] = a;
         }
         let mut best = alone.value();
-        for &other in partners {
-            best = best.min(self.reach_beside(domain, &terms, other));
+        for &other in linked {
+            best = best.min(self.reach_with(domain, &terms, other));
         }
         terms.iter().for_each(|&(j, _)| self.line[j] = 0.0);
         best
     }
 
-    /// The same, by multiples of a partner that take one of the shared columns out.
-    fn reach_beside(&mut self, domain: &Domain, terms: &[(usize, f64)], other: usize) -> f64 {
+    /// The same, by multiples of a linked row that cancel one of the shared columns.
+    fn reach_with(&mut self, domain: &Domain, terms: &[(usize, f64)], other: usize) -> f64 {
         let beside: Vec<(usize, f64)> = self.terms(other).collect();
-        beside.iter().for_each(|&(j, c)| self.partner[j] = c);
+        beside.iter().for_each(|&(j, c)| self.linked[j] = c);
         let [lower, upper] = self.limits[other];
         let (mut best, mut tried): (f64, Vec<f64>) = (f64::INFINITY, Vec::new());
         for &(j, c) in beside.iter().filter(|(j, _)| !self.program.integral[*j]) {
-            // `factor * partner <= factor * limit`.
+            // `factor * linked <= factor * limit`.
             let factor = self.line[j] / c;
             let limit = if factor > 0.0 { upper } else { lower };
             if factor == 0.0 || !limit.is_finite() || tried.contains(&factor) {
@@ -240,7 +240,7 @@ impl<'a> Rows<'a> {
             tried.push(factor);
             let mut reach = Reach::default();
             reach.add(factor * limit);
-            for &(k, a) in terms.iter().filter(|(k, _)| self.partner[*k] == 0.0) {
+            for &(k, a) in terms.iter().filter(|(k, _)| self.linked[*k] == 0.0) {
                 reach.add_term(a, domain.bounds(k));
             }
             for &(k, c) in &beside {
@@ -250,7 +250,7 @@ impl<'a> Rows<'a> {
             }
             best = best.min(reach.value());
         }
-        beside.iter().for_each(|&(j, _)| self.partner[j] = 0.0);
+        beside.iter().for_each(|&(j, _)| self.linked[j] = 0.0);
         best
     }
 
@@ -298,8 +298,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The largest magnitude between two bounds; 0 for infinite ones, which make any sum infinite that they
-/// do not drop out of.
+/// The largest magnitude between two bounds; 0 for infinite ones, because these make every sum infinite
+/// unless they cancel.
 fn magnitude([lower, upper]: [f64; 2]) -> f64 {
     let most = lower.abs().max(upper.abs());
     if most.is_finite() { most } else { 0.0 }
