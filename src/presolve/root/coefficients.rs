@@ -7,17 +7,7 @@
 use super::Infeasible;
 use super::postsolve::{Restored, Undo};
 use super::work::{Sparse, Work, is_whole};
-use crate::tolerance;
-
-/// Rows are left this much looser than they could be, relative to their activity (no unit).
-const MARGIN: f64 = 1e-9;
-
-/// Gains below this fraction of a coefficient are not worth a change (no unit).
-const GAIN: f64 = 1e-3;
-
-/// Rows that can be missed by no more than this stay as they are, in their unit: tight coefficients as
-/// small as that would be rounding.
-const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
+use crate::presolve::coefficients::{MARGIN, OneSided};
 
 /// Largest coefficient of an integer row that is divided.
 const LARGEST: f64 = 1e9;
@@ -91,53 +81,32 @@ fn divide(work: &mut Work, row: usize) -> Result<bool, Infeasible> {
 
 /// Tightens the binaries of a one-sided row.
 fn tighten(work: &mut Work, row: usize) -> bool {
-    let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
-    let (sign, old_limit) = match (lower.is_finite(), upper.is_finite()) {
-        (true, false) => (-1.0, -lower),
-        (false, true) => (1.0, upper),
-        _ => return false,
+    let Some(mut side) = OneSided::new(work.row_lower[row], work.row_upper[row]) else {
+        return false;
     };
+    let OneSided { sign, limit, .. } = side;
     let range = work.range(work.rows[row].iter());
-    let mut most = if sign > 0.0 { range.most } else { -range.least };
-    let scale: f64 = range.scale * work.rows[row].len() as f64;
-    if !(most.is_finite() && most - old_limit > IMPERCEPTIBLE) {
+    side.most = if sign > 0.0 { range.most } else { -range.least };
+    if !side.can_be_violated() {
         return false;
     }
     let old = work.rows[row].clone();
-    let whole = old.iter().all(|&(j, a)| work.integral[j] && is_whole(a)) && is_whole(old_limit);
-    let margin = if whole { 0.0 } else { MARGIN * scale };
-    let mut limit = old_limit;
+    let whole = old.iter().all(|&(j, a)| work.integral[j] && is_whole(a)) && is_whole(limit);
+    let margin = if whole { 0.0 } else { MARGIN * (range.scale * old.len() as f64) };
     let mut entries = old.clone();
+    let mut changed = false;
     for (j, value) in &mut entries {
         let is_binary = work.integral[*j] && work.lower[*j] == 0.0 && work.upper[*j] == 1.0;
-        if !is_binary {
-            continue;
-        }
-        let size = value.abs();
-        let room = limit - (most - size) - margin;
-        if room <= GAIN * size {
-            continue;
-        }
-        let cut = room.min(size);
-        let raises = sign * *value > 0.0;
-        *value -= cut.copysign(*value);
-        if raises {
-            limit -= cut;
-            most -= cut;
-        }
+        changed |= is_binary && side.shrink(value, margin, 0.0);
     }
-    if entries == old {
+    if !changed {
         return false;
     }
     entries.retain(|(_, a)| *a != 0.0);
     work.set_row(row, entries.clone());
-    if sign > 0.0 {
-        work.row_upper[row] = limit;
-    } else {
-        work.row_lower[row] = -limit;
-    }
+    side.write_limit(&mut work.row_lower[row], &mut work.row_upper[row]);
     if old.iter().any(|&(j, _)| !work.integral[j]) {
-        work.push(Tightened { row, entries: old, sign, limit: old_limit, tight: entries });
+        work.push(Tightened { row, entries: old, sign, limit, tight: entries });
     }
     true
 }
