@@ -1,9 +1,9 @@
-//! Every numerical tolerance of the crate, with its unit, default and range.
+//! The tolerances and limits that users and several modules rely on, with units, defaults and ranges.
 //!
-//! Nothing else in the crate compares floating-point numbers against a literal of its own: a
-//! reader who wonders how exact "feasible" is finds the answer here. Tolerances that a user may
-//! change are fields of [`Options`](crate::solver::Options); their defaults are the constants
-//! below.
+//! These decide what counts as feasible, integral and optimal, and how closely plans and replays must
+//! agree. Constants that belong to a single algorithm, such as the margin of a presolve rule, are
+//! declared beside its code. Tolerances that you can change are fields of
+//! [`Options`](crate::solver::Options); their defaults are the constants below.
 
 /// Bounds and right-hand sides of at least this magnitude count as infinite (no unit).
 ///
