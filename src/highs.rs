@@ -5,8 +5,8 @@
 //! HiGHS that is installed as a program, [`external`](crate::external) needs none of this.
 //!
 //! Models are [lowered](crate::reformulate::lower) first, so it solves everything that the language
-//! can say with a linear objective. A quadratic one is refused with [`Error::Unsupported`]. Points
-//! are never taken on trust: the integers are rounded, the rest is solved again by
+//! can say with a linear objective. A quadratic one is refused with [`ErrorKind::Unsupported`].
+//! Points are never taken on trust: the integers are rounded, the rest is solved again by
 //! [`BranchAndBound`](crate::BranchAndBound), and every statement is checked as what it means
 //! ([`certify`](crate::solver::certify)). Bounds and claims of infeasibility are those of HiGHS, up
 //! to its tolerances.
@@ -46,7 +46,7 @@ use ::highs as library;
 use library::{ColProblem, HighsModelStatus, HighsSolutionStatus, HighsStatus};
 use web_time::Duration;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::external::{settled, with_half_the_gap};
 use crate::model::Model;
 use crate::program::Program;
@@ -94,18 +94,19 @@ impl Solver for HighsSolver {
 
     /// # Errors
     ///
-    /// Besides those of every solver, [`Error::Unsupported`] for a quadratic objective.
+    /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
         let budget = Budget::new(self.options.time_limit, control.interrupt());
         let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
         let program = Program::assemble(lowered.model())?;
         if program.quadratic.compute_nnz() > 0 {
-            return Err(Error::Unsupported {
+            return Err(ErrorKind::Unsupported {
                 solver: "HiGHS".into(),
                 what: "a quadratic objective".into(),
                 help: "solve it with `BranchAndBound`, or give it a linear one".into(),
-            });
+            }
+            .into());
         }
         let sign = program.sign;
         let nothing = (-sign * f64::INFINITY, None, Statistics::default());
@@ -202,13 +203,18 @@ impl HighsSolver {
         cost: &[f64],
         time_left: Option<Duration>,
     ) -> Result<Found, Error> {
-        let failed = |what: &str| Error::Backend { message: format!("HiGHS {what}") };
+        let failed =
+            |message: String| Error::from(ErrorKind::Backend { solver: "HiGHS".into(), message });
         thread::scope(|scope| {
             let run = || self.call_here(program, cost, time_left);
             let worker = thread::Builder::new().spawn_scoped(scope, run);
-            let worker = worker.map_err(|_| failed("needs a thread, and there is none"))?;
-            let ended = worker.join().map_err(|_| failed("panicked"))?;
-            ended.map_err(|status| failed(&format!("refused the program ({status:?})")))
+            let worker = worker.map_err(|error| {
+                let what = "cannot start a thread for HiGHS".into();
+                let help = "stop some of the threads of this process";
+                Error::with_source(ErrorKind::Io { what, help }, error)
+            })?;
+            let ended = worker.join().map_err(|_| failed("it panicked".into()))?;
+            ended.map_err(|status| failed(format!("it refused the program ({status:?})")))
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg};
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// A closed interval `[lower, upper]`, either end possibly infinite.
 ///
@@ -62,11 +62,11 @@ impl Interval {
         let Interval { lower, upper } = *self;
         for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
             if !value.is_finite() {
-                return Err(Error::NotFinite { name: name.into(), what, value });
+                return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
             }
         }
         if lower > upper {
-            return Err(Error::CrossedBounds { name: name.into(), lower, upper });
+            return Err(ErrorKind::CrossedBounds { name: name.into(), lower, upper }.into());
         }
         Ok(())
     }

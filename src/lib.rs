@@ -275,4 +275,4 @@ pub mod tolerance;
 mod wire;
 
 pub use branch_and_bound::BranchAndBound;
-pub use error::Error;
+pub use error::{Error, ErrorKind};

@@ -71,9 +71,11 @@ pub trait Solver {
     ///
     /// # Errors
     ///
-    /// Errors of lowering ([`Error::UnboundedIndicator`], [`Error::UnboundedFunction`],
-    /// [`Error::UnsafeBigM`]), of options ([`Error::OutOfRange`]) and of the backend
-    /// ([`Error::Backend`]).
+    /// Errors of lowering ([`ErrorKind::UnboundedIndicator`](crate::ErrorKind::UnboundedIndicator),
+    /// [`ErrorKind::UnboundedFunction`](crate::ErrorKind::UnboundedFunction),
+    /// [`ErrorKind::UnsafeBigM`](crate::ErrorKind::UnsafeBigM)), of options
+    /// ([`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange)) and of the backend
+    /// ([`ErrorKind::Backend`](crate::ErrorKind::Backend)).
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error>;
 
     /// Solves a model without progress events and without an interrupt.

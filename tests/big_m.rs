@@ -8,6 +8,7 @@
 
 mod common;
 
+use carom::ErrorKind;
 use carom::prelude::*;
 use carom::reformulate::{self, BigMSource, Side};
 use common::config;
@@ -203,9 +204,12 @@ proptest! {
                     prop_assert_eq!(entry.source, source);
                 }
             }
-            (Err(Error::UnsafeBigM { side, given, needed, .. }), Some(&(wanted, need))) => {
-                prop_assert_eq!(side, if wanted == Side::Lower { "lower" } else { "upper" });
-                prop_assert_eq!((given, needed), (m, need));
+            (Err(error), Some(&(wanted, need))) => {
+                let ErrorKind::UnsafeBigM { side, given, needed, .. } = error.kind() else {
+                    return Err(TestCaseError::fail(error.to_string()));
+                };
+                prop_assert_eq!(*side, if wanted == Side::Lower { "lower" } else { "upper" });
+                prop_assert_eq!((*given, *needed), (m, need));
             }
             (result, _) => prop_assert!(false, "M = {}, {:?}: {:?}", m, needs, result.err()),
         }

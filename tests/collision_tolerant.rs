@@ -334,12 +334,12 @@ fn scenarios_that_contradict_themselves_are_refused() {
         (
             paper.with_start(rest(-0.5)),
             "the scenario cannot be planned: the start at -0.5 m is inside the wall, whose free \
-             side is above 0 m; move it to the free side, or turn the wall round",
+             side is above 0 m; move it to the free side, or turn the wall around",
         ),
         (
             paper.with_goal(rest(0.5)).with_wall(Wall::below(0.2).unwrap()),
             "the scenario cannot be planned: the start at 10 m is inside the wall, whose free \
-             side is below 0.2 m; move it to the free side, or turn the wall round",
+             side is below 0.2 m; move it to the free side, or turn the wall around",
         ),
         (
             paper.with_start(rest(10.0).with_velocity(-16.0)),

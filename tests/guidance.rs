@@ -8,6 +8,7 @@ mod common;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use carom::ErrorKind;
 use carom::prelude::*;
 use carom::solution::Heuristic;
 use carom::solver::{Guidance, NodeView, SplitAt};
@@ -167,7 +168,10 @@ fn a_priority_of_another_model_is_an_error() {
     let guidance = Guidance::default().with_priority(foreign(), 1);
     let mut control = Control::default().with_guidance(guidance);
     let error = BranchAndBound::default().solve_with(&model, &mut control).unwrap_err();
-    assert!(matches!(error, Error::ForeignHandle { kind: "variable", index: 0, .. }), "{error}");
+    assert!(
+        matches!(error.kind(), ErrorKind::ForeignHandle { kind: "variable", index: 0, .. }),
+        "{error}"
+    );
 }
 
 /// A rule that watches sees which columns the search has split: those of high priority first.

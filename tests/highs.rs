@@ -5,6 +5,7 @@ mod common;
 
 use std::time::Duration;
 
+use carom::ErrorKind;
 use carom::conformance::{Capability, Suite};
 use carom::highs::HighsSolver;
 use carom::prelude::*;
@@ -33,7 +34,7 @@ fn a_quadratic_objective_is_refused_in_words() {
     let k = model.integer("k", 0.0, 3.0).unwrap();
     model.minimize((k - 1.5).square()).unwrap();
     let error = HighsSolver::default().solve(&model).unwrap_err();
-    assert!(matches!(error, Error::Unsupported { .. }));
+    assert!(matches!(error.kind(), ErrorKind::Unsupported { .. }));
     assert_eq!(
         error.to_string(),
         "HiGHS does not take a quadratic objective; solve it with `BranchAndBound`, or give it a \

@@ -119,7 +119,7 @@ fn linear_systems_refuse_bad_shapes_and_numbers() {
     );
     assert_eq!(
         text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0])),
-        "the constant part c has shape 1x1; expected 2x1"
+        "the length of the constant part c is 1; it must be 2"
     );
     assert_eq!(
         text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0, f64::NAN])),
@@ -138,7 +138,7 @@ fn linear_systems_refuse_bad_shapes_and_numbers() {
     let vehicle = LinearSystem::double_integrator(1.0).unwrap();
     assert_eq!(
         vehicle.step(&[1.0], &[0.0]).unwrap_err().to_string(),
-        "the state has shape 1x1; expected 2x1"
+        "the length of the state is 1; it must be 2"
     );
 }
 

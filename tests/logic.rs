@@ -3,6 +3,7 @@
 
 mod common;
 
+use carom::ErrorKind;
 use carom::prelude::*;
 use carom::reformulate;
 use carom::solution::{Point, Verification, ViolationKind};
@@ -405,7 +406,7 @@ proptest! {
         let bits = |values: &[f64]| values.iter().map(|v| *v == 1.0).collect::<Vec<_>>();
         match model.add("f", logic.clone()) {
             Err(error) => {
-                let never = matches!(error, Error::NeverTrue { .. });
+                let never = matches!(error.kind(), ErrorKind::NeverTrue { .. });
                 prop_assert!(never, "{}", error);
                 for values in assignments(BINARIES) {
                     prop_assert!(!tree.truth(&bits(&values)));

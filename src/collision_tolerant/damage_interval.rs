@@ -13,12 +13,13 @@
 
 use web_time::Duration;
 
+use super::error::ScenarioError;
 use super::plan::{PlanOutcome, outcome};
 use super::program::{Objective, Program};
 use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
 use crate::solver::{Budget, Interrupt, Solver};
 
@@ -141,8 +142,8 @@ impl DamageInterval {
 ///
 /// # Errors
 ///
-/// [`Error::Scenario`] when collisions are forbidden or waiting is not free;
-/// [`Error::OutOfRange`] for a resolution out of its range; otherwise as for
+/// [`ScenarioError`] when collisions are forbidden or waiting is not free;
+/// [`ErrorKind::OutOfRange`] for a resolution out of its range; otherwise as for
 /// [`plan`](super::plan()).
 pub fn damage_interval(
     scenario: &Scenario,
@@ -169,22 +170,15 @@ pub fn damage_interval(
 
 fn check(scenario: &Scenario, options: &IntervalOptions) -> Result<(), Error> {
     scenario.check()?;
-    let refuse = |reason: &str, help: &str| {
-        Err(Error::Scenario { reason: reason.into(), help: help.into() })
-    };
     if scenario.collisions == Collisions::Forbidden {
-        return refuse("a damage limit means nothing without collisions", "tolerate them");
+        return Err(ScenarioError::NoCollisions.into());
     }
     if !scenario.waiting().is_free() {
-        return refuse(
-            "its shortest horizon need not shrink as the damage limit grows, because the vehicle \
-             can wait neither at its start nor at its goal",
-            "let it start or end at rest",
-        );
+        return Err(ScenarioError::CannotWait.into());
     }
     if !(1e-5..=1e3).contains(&options.resolution) {
         let (what, range) = ("the resolution (m/s)".into(), "within [1e-5, 1e3]".into());
-        return Err(Error::OutOfRange { what, value: options.resolution, range });
+        return Err(ErrorKind::OutOfRange { what, value: options.resolution, range }.into());
     }
     Ok(())
 }

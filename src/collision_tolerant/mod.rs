@@ -31,6 +31,7 @@
 //! ```
 
 pub mod damage_interval;
+mod error;
 pub mod plan;
 pub mod program;
 mod reach;
@@ -41,6 +42,7 @@ pub mod tables;
 pub mod trajectory;
 
 pub use damage_interval::{DamageInterval, End, IntervalOptions, damage_interval};
+pub use error::ScenarioError;
 pub use plan::{Certificate, Plan, PlanOutcome, plan, plan_with};
 pub use program::{Objective, Program};
 pub use reach::explain;

@@ -4,7 +4,7 @@ use super::program::{Objective, Program};
 use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::hybrid::{ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
 use crate::solution::{Solution, Statistics, Termination, Verification};
 use crate::solver::{Budget, Control, Solver};
@@ -110,8 +110,8 @@ impl PlanOutcome {
 /// # Errors
 ///
 /// Those of [`Scenario::check`], of [`Horizon::new`](crate::hybrid::Horizon::new) and of the
-/// solver; [`Error::Replay`] when the solver's plan disagrees with its discrete replay, so that it
-/// cannot be certified.
+/// solver; [`ReplayError`](crate::hybrid::ReplayError) when the solver's plan disagrees with its discrete replay, so that
+/// it cannot be certified.
 pub fn plan(
     scenario: &Scenario,
     steps: usize,
@@ -172,7 +172,8 @@ impl Plan {
         let discrete = replay_discrete(&scenario.contact, &samples)?;
         discrete.check(&samples, tolerance::REPLAY)?;
         let continuous = replay_continuous(&scenario.contact, &samples)?;
-        let no_point = || Error::NoPoint { termination: solution.termination().to_string() };
+        let no_point =
+            || Error::from(ErrorKind::NoPoint { termination: solution.termination().to_string() });
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
         Ok(Plan {

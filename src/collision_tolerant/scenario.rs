@@ -1,9 +1,8 @@
 //! What is to be planned: start, goal, limits, wall, contact and damage.
 
-use crate::error::Error;
-use crate::hybrid::{
-    Contact, ContactLaw, DamageLimits, FreeSide, Horizon, Restitution, Waiting, Wall,
-};
+use super::error::ScenarioError;
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::{Contact, ContactLaw, DamageLimits, Horizon, Restitution, Waiting, Wall};
 use crate::interval::Interval;
 
 /// Whether a plan may hit the wall.
@@ -162,7 +161,7 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] outside `[0, 1]`.
+    /// [`ErrorKind::OutOfRange`] outside `[0, 1]`.
     pub fn with_restitution(mut self, restitution: f64) -> Result<Self, Error> {
         self.contact.restitution = Restitution::new(restitution)?;
         Ok(self)
@@ -221,8 +220,8 @@ impl Scenario {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`], [`Error::CrossedBounds`], [`Error::OutOfRange`] and
-    /// [`Error::Scenario`], each with what to change.
+    /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`], [`ErrorKind::OutOfRange`] and
+    /// [`ScenarioError`], each with what to change.
     pub fn check(&self) -> Result<(), Error> {
         Horizon::new(1, self.time_step)?;
         self.damage.check()?;
@@ -234,58 +233,44 @@ impl Scenario {
             ];
             for (what, value) in numbers {
                 if let Some(value) = value.filter(|value| !value.is_finite()) {
-                    return Err(Error::NotFinite { name: name.into(), what, value });
+                    return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
                 }
             }
         }
         let (what, value) = ("the position", self.contact.wall.position());
         if !value.is_finite() {
-            return Err(Error::NotFinite { name: "wall".into(), what, value });
+            return Err(ErrorKind::NotFinite { name: "wall".into(), what, value }.into());
         }
         self.acceleration.check("acceleration")?;
         if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
             let (what, range) = ("the largest speed (m/s)".into(), "finite and positive".into());
-            return Err(Error::OutOfRange { what, value: self.max_speed, range });
+            return Err(ErrorKind::OutOfRange { what, value: self.max_speed, range }.into());
         }
         if let Some(domain) = self.domain {
             domain.check("domain")?;
         }
         self.check_end("start", &self.start)?;
-        self.check_end("goal", &self.goal)
+        Ok(self.check_end("goal", &self.goal)?)
     }
 
-    fn check_end(&self, name: &str, end: &Endpoint) -> Result<(), Error> {
-        let refuse = |reason: String, help: &str| {
-            Err(Error::Scenario { reason: format!("the {name} {reason}"), help: help.into() })
-        };
-        let wall = self.contact.wall;
-        if wall.gap(end.position) < 0.0 {
-            let (side, at) = (side_name(wall.free()), wall.position());
-            let reason = format!(
-                "at {} m is inside the wall, whose free side is {side} {at} m",
-                end.position
-            );
-            return refuse(reason, "move it to the free side, or turn the wall round");
+    fn check_end(&self, end: &'static str, at: &Endpoint) -> Result<(), ScenarioError> {
+        let (position, speed, wall) = (at.position, at.velocity.abs(), self.contact.wall);
+        if wall.gap(position) < 0.0 {
+            return Err(ScenarioError::InsideWall { end, position, wall });
         }
-        if end.velocity.abs() > self.max_speed {
-            let (speed, limit) = (end.velocity.abs(), self.max_speed);
-            let reason = format!("speed of {speed} m/s is above the largest speed of {limit} m/s");
-            return refuse(reason, "lower it, or raise the largest speed");
+        if speed > self.max_speed {
+            return Err(ScenarioError::TooFast { end, speed, limit: self.max_speed });
         }
-        if let Some(a) = end.acceleration
-            && !self.acceleration.contains(a)
+        if let Some(acceleration) = at.acceleration
+            && !self.acceleration.contains(acceleration)
         {
-            let Interval { lower, upper } = self.acceleration;
-            let reason = format!("acceleration of {a} m/s² is outside [{lower}, {upper}] m/s²");
-            return refuse(reason, "bring it within the limits, or leave it free");
+            let limits = self.acceleration;
+            return Err(ScenarioError::Acceleration { end, acceleration, limits });
         }
         if let Some(domain) = self.domain
-            && !domain.contains(end.position)
+            && !domain.contains(position)
         {
-            let Interval { lower, upper } = domain;
-            let reason =
-                format!("at {} m is outside the domain [{lower}, {upper}] m", end.position);
-            return refuse(reason, "move it, or widen the domain");
+            return Err(ScenarioError::OutsideDomain { end, position, domain });
         }
         Ok(())
     }
@@ -363,12 +348,5 @@ impl Scenario {
         };
         let time = sprint.max(distance / self.max_speed);
         ((time / self.time_step) as usize).max(1)
-    }
-}
-
-fn side_name(free: FreeSide) -> &'static str {
-    match free {
-        FreeSide::Above => "above",
-        FreeSide::Below => "below",
     }
 }

@@ -122,7 +122,8 @@ impl ShortestPlan {
 ///
 /// # Errors
 ///
-/// As for [`plan`](super::plan()); [`Error::OutOfRange`] for bad options.
+/// As for [`plan`](super::plan()); [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for bad
+/// options.
 pub fn shortest_plan(
     scenario: &Scenario,
     options: &PlanningOptions,

@@ -2,7 +2,7 @@
 
 use web_time::Duration;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Model, mps};
 use crate::solution::{Solution, Termination};
 use crate::solver::{Control, Event, Interrupt, Options, Solver};
@@ -65,8 +65,8 @@ pub(super) fn refused_options(solver: &mut dyn Solver, complaints: &mut Complain
         complaints.about(what);
         change(solver.options_mut());
         match solver.solve(&case.model) {
-            Err(Error::OutOfRange { .. }) => {}
-            Err(error) => complaints.add(format!("not `Error::OutOfRange`, but: {error}")),
+            Err(error) if matches!(error.kind(), ErrorKind::OutOfRange { .. }) => {}
+            Err(error) => complaints.add(format!("not `ErrorKind::OutOfRange`, but: {error}")),
             Ok(_) => complaints.add("it is not refused; call `Options::check` first"),
         }
         *solver.options_mut() = original.clone();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Model, Name};
 
 /// The statements of a model that are in question, by families; statements are counted as in
@@ -75,7 +75,7 @@ pub(super) fn selected(names: &[Name], of: &Name) -> Result<Vec<usize>, Error> {
         found = all(&|name| name.family().starts_with(&start));
     }
     match found.is_empty() {
-        true => Err(Error::UnknownName { name: of.to_string(), kind: "statement" }),
+        true => Err(ErrorKind::UnknownName { name: of.to_string(), kind: "statement" }.into()),
         false => Ok(found),
     }
 }

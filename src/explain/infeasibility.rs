@@ -51,8 +51,8 @@ const MANY: usize = 12;
 ///
 /// # Errors
 ///
-/// [`Error::UnknownName`] for a background that the model does not have, and the errors of
-/// [`Solver::solve_with`].
+/// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a background that the model does
+/// not have, and the errors of [`Solver::solve_with`].
 pub fn infeasibility(
     model: &Model,
     solver: &mut dyn Solver,

@@ -6,7 +6,7 @@ use web_time::Duration;
 
 use super::elastic::Elastic;
 use super::groups::selected;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Model, Name};
 use crate::reformulate::Side;
 use crate::solution::{Point, Termination, Verification, for_reading};
@@ -66,11 +66,12 @@ impl ElasticOptions {
         let mut weights = vec![1.0; names.len()];
         for (name, weight) in &self.weights {
             if weight.is_nan() || *weight <= 0.0 {
-                return Err(Error::OutOfRange {
+                return Err(ErrorKind::OutOfRange {
                     what: format!("the weight of `{name}`"),
                     value: *weight,
                     range: "greater than 0; infinite for a statement that never gives".into(),
-                });
+                }
+                .into());
             }
             let weight = if *weight < tolerance::INFINITE { *weight } else { f64::INFINITY };
             selected(&names, name)?.into_iter().for_each(|position| weights[position] = weight);
@@ -178,9 +179,9 @@ impl Relaxed {
 ///
 /// # Errors
 ///
-/// [`Error::UnknownName`] for a name that the model does not have, [`Error::OutOfRange`] for a
-/// weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
-/// [`Error::UnboundedIndicator`] where an indicator cannot be switched at all.
+/// [`ErrorKind::UnknownName`] for a name that the model does not have, [`ErrorKind::OutOfRange`]
+/// for a weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
+/// [`ErrorKind::UnboundedIndicator`] where an indicator cannot be switched at all.
 pub fn relaxation(
     model: &Model,
     solver: &mut dyn Solver,

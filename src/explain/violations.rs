@@ -1,6 +1,6 @@
 //! What a point violates.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::model::Model;
 use crate::solution::{Point, Verification, Violation};
 
@@ -30,28 +30,24 @@ use crate::solution::{Point, Verification, Violation};
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] when the number of values is not the number of variables,
-/// [`Error::NotFinite`] for a value that is NaN or infinite, [`Error::OutOfRange`] for a tolerance
-/// that is negative or not finite.
+/// [`ErrorKind::Length`] when the number of values is not the number of variables,
+/// [`ErrorKind::NotFinite`] for a value that is NaN or infinite, [`ErrorKind::OutOfRange`] for a
+/// tolerance that is negative or not finite.
 pub fn violations(
     model: &Model,
     values: &[f64],
     feasibility: f64,
 ) -> Result<Vec<Violation>, Error> {
-    let (rows, wanted) = (values.len(), model.variable_count());
-    if rows != wanted {
-        let expected = format!("{wanted}x1, a value for each variable");
-        return Err(Error::Shape { what: "the point", rows, columns: 1, expected });
-    }
+    check_length("the point", values.len(), model.variable_count())?;
     for (variable, &value) in model.variables().zip(values) {
         if !value.is_finite() {
             let name = variable.name().to_string();
-            return Err(Error::NotFinite { name, what: "the value", value });
+            return Err(ErrorKind::NotFinite { name, what: "the value", value }.into());
         }
     }
     if !(feasibility.is_finite() && feasibility >= 0.0) {
         let (what, range) = ("the feasibility tolerance".into(), "finite and not negative".into());
-        return Err(Error::OutOfRange { what, value: feasibility, range });
+        return Err(ErrorKind::OutOfRange { what, value: feasibility, range }.into());
     }
     let point = Point::new(model, values.to_vec())?;
     let mut found = Verification::of(model, &point, feasibility).violations().to_vec();

@@ -34,7 +34,7 @@ pub use dialect::{Answer, Claim, Dialect, Files};
 pub use programs::{Cbc, Glpk, Highs, Scip};
 
 use crate::branch_and_bound::BranchAndBound;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::reformulate;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
@@ -105,16 +105,21 @@ impl Solver for ExternalSolver {
 
     /// # Errors
     ///
-    /// Besides those of every solver, [`Error::Backend`] when the program cannot be started, fails,
-    /// or answers something that its dialect cannot read.
+    /// Besides those of every solver, [`ErrorKind::Io`] when the program cannot be started or its
+    /// files cannot be written or read, [`ErrorKind::Unsupported`] for a quadratic objective that
+    /// it does not take, and [`ErrorKind::Backend`] when it fails or its dialect cannot read the
+    /// answer.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
         let budget = Budget::new(self.options.time_limit, control.interrupt());
         let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
         if !self.dialect.takes_quadratic() && !lowered.model().objective().products().is_empty() {
-            let program = &self.program;
-            let message = format!("{program} takes no quadratic objective with integers");
-            return Err(Error::Backend { message });
+            return Err(ErrorKind::Unsupported {
+                solver: self.program.clone(),
+                what: "a quadratic objective".into(),
+                help: "solve it with `BranchAndBound`, or give it a linear one".into(),
+            }
+            .into());
         }
         let Some(translated) = translate::translate(lowered.model())? else {
             let (termination, values) = (Termination::Infeasible, None);
@@ -149,7 +154,10 @@ impl Solver for ExternalSolver {
             }
         }
         let (termination, bound) = judged(&options, &answer, stopped, &translated);
-        let values = answer.values.as_ref().map(|found| translated.values(found)).transpose()?;
+        let values = answer.values.as_ref().map(|found| translated.values(found)).transpose();
+        let values = values.map_err(|message| {
+            Error::from(ErrorKind::Backend { solver: self.program.clone(), message })
+        })?;
         let values = values.map(|values| lowered.restore(&values));
         let nodes = answer.nodes.unwrap_or(0);
         let statistics = Statistics { nodes, ..Statistics::default() };

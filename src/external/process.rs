@@ -10,7 +10,7 @@ use std::thread;
 use web_time::{Duration, Instant};
 
 use super::dialect::{Answer, Claim, Dialect, Files};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
 use crate::solver::{Interrupt, Options};
 
@@ -19,6 +19,9 @@ const PAUSE: Duration = Duration::from_millis(5);
 
 /// How long a program may go on after its own time limit, to finish its answer.
 const GRACE: Duration = Duration::from_secs(2);
+
+/// What helps when the folder or its files cannot be made.
+const FOLDER: &str = "check that the folder for temporary files exists, is writable and has room";
 
 /// One call of a program.
 pub(super) struct Run<'a> {
@@ -38,10 +41,12 @@ impl Run<'_> {
         if self.time_left == Some(Duration::ZERO) {
             return Ok((Answer::new(Claim::Unknown), Some(Termination::TimeLimit)));
         }
-        let folder = Folder::fresh().map_err(|e| self.failed("its folder cannot be made", &e))?;
+        let folder = Folder::fresh()
+            .map_err(|e| self.refused("no temporary folder can be made for", FOLDER, e))?;
         let files = folder.files();
         let written = |path: &Path, text: &str| {
-            fs::write(path, text).map_err(|e| self.failed("its files cannot be written", &e))
+            fs::write(path, text)
+                .map_err(|e| self.refused("files cannot be written for", FOLDER, e))
         };
         written(&files.model, model)?;
         if let Some(settings) = self.dialect.settings(self.options, self.time_left) {
@@ -50,7 +55,7 @@ impl Run<'_> {
         let log = folder.path.join("printed");
         let output = File::create(&log).and_then(|file| Ok((file.try_clone()?, file)));
         let (output, errors) =
-            output.map_err(|e| self.failed("its files cannot be written", &e))?;
+            output.map_err(|e| self.refused("files cannot be written for", FOLDER, e))?;
         let child = Command::new(self.program)
             .args(self.dialect.arguments(&files, self.options, self.time_left))
             .current_dir(&folder.path)
@@ -58,21 +63,24 @@ impl Run<'_> {
             .stdout(output)
             .stderr(errors)
             .spawn()
-            .map_err(|e| self.failed("it cannot be started; is it on the PATH?", &e))?;
+            .map_err(|e| {
+                self.refused("cannot start", "check that it is installed and on the `PATH`", e)
+            })?;
         let stopped = self.wait(child)?;
-        let printed = fs::read(&log).unwrap_or_default();
-        let printed = String::from_utf8_lossy(&printed);
-        let solution = fs::read(&files.solution).ok();
-        let solution = solution.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        let read = |path: &Path| match fs::read(path) {
+            Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(self.refused("cannot read the answer of", "solve again", error)),
+        };
+        let (printed, solution) = (read(&log)?.unwrap_or_default(), read(&files.solution)?);
         match self.dialect.read(solution.as_deref(), &printed) {
             Ok(answer) => Ok((answer, stopped)),
             Err(_) if stopped.is_some() => Ok((Answer::new(Claim::Unknown), stopped)),
             Err(what) => {
                 let last: Vec<&str> = printed.lines().rev().take(3).collect();
                 let last: Vec<&str> = last.into_iter().rev().collect();
-                let (program, last) = (self.program, last.join(" / "));
-                let message = format!("{program}: {what}; it printed last: {last}");
-                Err(Error::Backend { message })
+                let message = format!("{what}; it printed last: {}", last.join(" / "));
+                Err(ErrorKind::Backend { solver: self.program.into(), message }.into())
             }
         }
     }
@@ -84,7 +92,7 @@ impl Run<'_> {
             match child.try_wait() {
                 Ok(Some(_)) => return Ok(None),
                 Ok(None) => {}
-                Err(error) => return Err(self.failed("it cannot be waited for", &error)),
+                Err(error) => return Err(self.refused("cannot wait for", "solve again", error)),
             }
             let reason = if self.interrupt.is_triggered() {
                 Some(Termination::Interrupted)
@@ -102,8 +110,9 @@ impl Run<'_> {
         }
     }
 
-    fn failed(&self, what: &str, error: &io::Error) -> Error {
-        Error::Backend { message: format!("{}: {what} ({error})", self.program) }
+    fn refused(&self, what: &str, help: &'static str, error: io::Error) -> Error {
+        let what = format!("{what} `{}`", self.program);
+        Error::with_source(ErrorKind::Io { what, help }, error)
     }
 }
 

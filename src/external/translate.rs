@@ -64,18 +64,15 @@ pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
 }
 
 impl Translated {
-    /// One value per column of the model, in order.
-    pub(super) fn values(&self, found: &[(String, f64)]) -> Result<Vec<f64>, Error> {
+    /// One value per column of the model, in order; an error says what is wrong, in words.
+    pub(super) fn values(&self, found: &[(String, f64)]) -> Result<Vec<f64>, String> {
         let mut values = vec![0.0; self.columns.len()];
         for (name, value) in found {
             match self.columns.get(name) {
                 Some(&j) if value.is_finite() => values[j] = *value,
                 // Columns of rows without variables.
                 None if name.starts_with("never") => {}
-                _ => {
-                    let message = format!("it says that `{name}` is {value}");
-                    return Err(Error::Backend { message });
-                }
+                _ => return Err(format!("it says that `{name}` is {value}")),
             }
         }
         Ok(values)

@@ -1,7 +1,7 @@
 //! Damage states: what each contact costs, and limits on it; the paper's equations (14)-(20).
 
 use super::contact::ImpactSpeed;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Affine, Family, Model, Variable};
 
 /// What counts as the damage of one contact: the paper's `F_d`.
@@ -70,7 +70,7 @@ impl DamageLimits {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`], naming the limit.
+    /// [`ErrorKind::OutOfRange`], naming the limit.
     pub fn check(&self) -> Result<(), Error> {
         let numbers = [
             ("the damage limit per impact", self.per_impact),
@@ -82,7 +82,7 @@ impl DamageLimits {
                 && !(value.is_finite() && value >= 0.0)
             {
                 let range = "finite and not negative".into();
-                return Err(Error::OutOfRange { what: what.into(), value, range });
+                return Err(ErrorKind::OutOfRange { what: what.into(), value, range }.into());
             }
         }
         Ok(())
@@ -129,8 +129,8 @@ impl Damage {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for bad limits, [`Error::NotFinite`] when an impact speed has no
-    /// finite range over the model's bounds, and the errors of [`Model::add`].
+    /// [`ErrorKind::OutOfRange`] for bad limits, [`ErrorKind::NotFinite`] when an impact speed has
+    /// no finite range over the model's bounds, and the errors of [`Model::add`].
     pub fn add(
         model: &mut Model,
         contacts: &[(Variable, ImpactSpeed)],
@@ -147,7 +147,7 @@ impl Damage {
             for value in [lowest, highest] {
                 if !value.is_finite() {
                     let name = format!("D[{t}]");
-                    return Err(Error::NotFinite { name, what: "a bound", value });
+                    return Err(ErrorKind::NotFinite { name, what: "a bound", value }.into());
                 }
             }
             model.set_bounds(values[t], lowest, highest)?;

@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::exponential::exponential;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::model::{Affine, Constraint, Model};
 
 /// A discrete linear time-invariant system `x⁺ = A x + B u + c`.
@@ -37,8 +37,8 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] when the shapes do not fit, [`Error::NotFinite`] for a NaN or infinite
-    /// entry.
+    /// [`ErrorKind::Shape`] and [`ErrorKind::Length`] when the shapes do not fit,
+    /// [`ErrorKind::NotFinite`] for a NaN or infinite entry.
     pub fn new(a: Mat<f64>, b: Mat<f64>, c: Vec<f64>) -> Result<Self, Error> {
         let system = LinearSystem { a, b, c };
         system.check()?;
@@ -54,7 +54,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for another time step.
+    /// [`ErrorKind::OutOfRange`] for another time step.
     pub fn double_integrator(time_step: f64) -> Result<Self, Error> {
         check_time_step(time_step)?;
         let a = faer::mat![[1.0, time_step], [0.0, 1.0]];
@@ -87,7 +87,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// As for [`LinearSystem::new`]; [`Error::OutOfRange`] for another time step, or for one so
+    /// As for [`LinearSystem::new`]; [`ErrorKind::OutOfRange`] for another time step, or for one so
     /// long that the discrete system overflows.
     pub fn zero_order_hold(
         a: &Mat<f64>,
@@ -113,10 +113,12 @@ impl LinearSystem {
             b: Mat::from_fn(n, m, |i, j| discrete[(i, n + j)]),
             c: (0..n).map(|i| discrete[(i, n + m)]).collect(),
         };
-        system.check().map_err(|_| Error::OutOfRange {
-            what: "the time step of the zero-order hold".into(),
-            value: time_step,
-            range: "short enough for the discrete system to stay finite".into(),
+        system.check().map_err(|_| {
+            Error::from(ErrorKind::OutOfRange {
+                what: "the time step of the zero-order hold".into(),
+                value: time_step,
+                range: "short enough for the discrete system to stay finite".into(),
+            })
         })?;
         Ok(system)
     }
@@ -154,7 +156,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`].
+    /// [`ErrorKind::Length`].
     pub fn step(&self, state: &[f64], input: &[f64]) -> Result<Vec<f64>, Error> {
         self.check_lengths(state.len(), input.len())?;
         Ok((0..self.states())
@@ -179,7 +181,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`].
+    /// [`ErrorKind::Length`].
     pub fn predict<X, U>(&self, state: &[X], input: &[U]) -> Result<Vec<Affine>, Error>
     where
         for<'a> Affine: From<&'a X> + From<&'a U>,
@@ -225,7 +227,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`]; the errors of [`Model::add`].
+    /// [`ErrorKind::Length`]; the errors of [`Model::add`].
     pub fn add_dynamics<X, U>(
         &self,
         model: &mut Model,
@@ -238,8 +240,8 @@ impl LinearSystem {
     where
         for<'a> Affine: From<&'a X> + From<&'a U>,
     {
-        self.check_vector("the list of state names", names.len(), self.states())?;
-        self.check_vector("the next state", next.len(), self.states())?;
+        check_length("the list of state names", names.len(), self.states())?;
+        check_length("the next state", next.len(), self.states())?;
         let predicted = self.predict(state, input)?;
         let rows = names.iter().zip(next).zip(predicted);
         rows.map(|((name, next), predicted)| {
@@ -255,7 +257,7 @@ impl LinearSystem {
         let n = self.a.nrows();
         let shape = |what, matrix: &Mat<f64>, expected: String| {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
-            Err(Error::Shape { what, rows, columns, expected })
+            Err(ErrorKind::Shape { what, rows, columns, expected }.into())
         };
         if n == 0 || self.a.ncols() != n {
             return shape("the state matrix A", &self.a, "square, at least 1x1".into());
@@ -263,7 +265,7 @@ impl LinearSystem {
         if self.b.nrows() != n {
             return shape("the input matrix B", &self.b, format!("{n} rows"));
         }
-        self.check_vector("the constant part c", self.c.len(), n)?;
+        check_length("the constant part c", self.c.len(), n)?;
         let entries = |matrix: &Mat<f64>| {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             let index = (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
@@ -276,20 +278,13 @@ impl LinearSystem {
     }
 
     fn check_lengths(&self, state: usize, input: usize) -> Result<(), Error> {
-        self.check_vector("the state", state, self.states())?;
-        self.check_vector("the input", input, self.inputs())
-    }
-
-    fn check_vector(&self, what: &'static str, found: usize, wanted: usize) -> Result<(), Error> {
-        if found == wanted {
-            return Ok(());
-        }
-        Err(Error::Shape { what, rows: found, columns: 1, expected: format!("{wanted}x1") })
+        check_length("the state", state, self.states())?;
+        check_length("the input", input, self.inputs())
     }
 }
 
 fn not_finite(value: f64) -> Error {
-    Error::NotFinite { name: "the linear system".into(), what: "an entry", value }
+    Error::from(ErrorKind::NotFinite { name: "the linear system".into(), what: "an entry", value })
 }
 
 pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {
@@ -297,7 +292,7 @@ pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {
         return Ok(());
     }
     let range = "finite and positive".into();
-    Err(Error::OutOfRange { what: "the time step (s)".into(), value: time_step, range })
+    Err(ErrorKind::OutOfRange { what: "the time step (s)".into(), value: time_step, range }.into())
 }
 
 /// The form of a system in files: rows of numbers.
@@ -329,7 +324,7 @@ impl TryFrom<Stored> for LinearSystem {
             match rows.iter().find(|row| row.len() != columns) {
                 Some(row) => {
                     let expected = format!("{columns} columns in every row");
-                    Err(Error::Shape { what, rows: 1, columns: row.len(), expected })
+                    Err(ErrorKind::Shape { what, rows: 1, columns: row.len(), expected }.into())
                 }
                 None => Ok(Mat::from_fn(rows.len(), columns, |i, j| rows[i][j])),
             }

@@ -61,5 +61,7 @@ pub use shortest_horizon::{
     Attempt, HorizonEvent, HorizonModel, Refutation, ShortestHorizon, ShortestOptions,
     ShortestStatus, Verdict, Waiting, shortest_horizon, shortest_horizon_with,
 };
-pub use simulate::{ContinuousReplay, DiscreteReplay, Samples, replay_continuous, replay_discrete};
+pub use simulate::{
+    ContinuousReplay, DiscreteReplay, ReplayError, Samples, replay_continuous, replay_discrete,
+};
 pub use wall::{FreeSide, Wall};

@@ -1,6 +1,6 @@
 //! A wall: a half-line that the vehicle cannot enter.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::Affine;
 
 /// On which side of its wall the vehicle lives.
@@ -46,12 +46,13 @@ impl Wall {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`].
+    /// [`ErrorKind::NotFinite`].
     pub fn new(position: f64, free: FreeSide) -> Result<Self, Error> {
         if position.is_finite() {
             Ok(Wall { position, free })
         } else {
-            Err(Error::NotFinite { name: "wall".into(), what: "the position", value: position })
+            Err(ErrorKind::NotFinite { name: "wall".into(), what: "the position", value: position }
+                .into())
         }
     }
 

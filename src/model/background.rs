@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::name::Name;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 impl Model {
     /// Declares a family of statements to be background: what describes the system, such as its
@@ -23,13 +23,17 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownName`] when the model has no statement of this family.
+    /// [`ErrorKind::UnknownName`] when the model has no statement of this family.
     pub fn set_background(&mut self, family: &str) -> Result<(), Error> {
         if self.stored.background.contains(family) {
             return Ok(());
         }
         if !self.statement_names.has_family(family) {
-            return Err(Error::UnknownName { name: family.into(), kind: "family of statements" });
+            return Err(ErrorKind::UnknownName {
+                name: family.into(),
+                kind: "family of statements",
+            }
+            .into());
         }
         self.stored.background.insert(family.into());
         Ok(())

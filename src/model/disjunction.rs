@@ -14,7 +14,7 @@ use super::refs::DisjunctionRef;
 use super::row::Row;
 use super::statement::{Statement, StoredRow, stored};
 use super::variable::VariableKind;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// The most levels of disjunctions inside terms.
 const DEEPEST: u32 = 16;
@@ -186,13 +186,14 @@ impl Statement for Either {
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<Selected, Error> {
         if self.depth > DEEPEST {
-            return Err(Error::OutOfRange {
+            return Err(ErrorKind::OutOfRange {
                 what: format!("the number of levels of `{name}`"),
                 value: f64::from(self.depth),
                 range: format!(
                     "at most {DEEPEST}; give inner disjunctions statements of their own"
                 ),
-            });
+            }
+            .into());
         }
         let method = self.method;
         model.all_or_nothing(|model| {
@@ -214,7 +215,7 @@ fn store(
     let count = of.terms.len();
     let wrong = |what: &str, value: usize, range: String| {
         let what = format!("the number of {what} of `{name}`");
-        Err(Error::OutOfRange { what, value: value as f64, range })
+        Err(ErrorKind::OutOfRange { what, value: value as f64, range }.into())
     };
     if count == 0 {
         return wrong("terms", 0, "at least 1".into());
@@ -264,7 +265,7 @@ fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), E
     let variable = model.variable_ref(selector.variable)?;
     if variable.kind() != VariableKind::Binary {
         let (name, place) = (variable.name().to_string(), name.to_string());
-        return Err(Error::NotBinary { name, place });
+        return Err(ErrorKind::NotBinary { name, place }.into());
     }
     Ok(())
 }
@@ -280,7 +281,7 @@ pub(super) fn checked(
     name.check()?;
     let wrong = |what: &str, value: u32, range: String| {
         let what = format!("the number of {what} of `{name}`");
-        Err(Error::OutOfRange { what, value: f64::from(value), range })
+        Err(ErrorKind::OutOfRange { what, value: f64::from(value), range }.into())
     };
     if terms.is_empty() {
         return wrong("terms", 0, "at least 1".into());

@@ -16,7 +16,7 @@ use super::refs::FunctionRef;
 use super::statement::finite;
 use super::store::FunctionData;
 use super::variable::VariableKind;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 impl Model {
     /// Adds a variable that equals `factor * of` for a binary or integer `factor`.
@@ -40,9 +40,9 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::NotIntegral`] for a continuous factor; [`Error::DuplicateName`],
-    /// [`Error::InvalidName`], [`Error::ForeignHandle`], [`Error::NotFinite`]. Missing bounds are
-    /// found when the model is lowered.
+    /// [`ErrorKind::NotIntegral`] for a continuous factor; [`ErrorKind::DuplicateName`],
+    /// [`ErrorKind::InvalidName`], [`ErrorKind::ForeignHandle`], [`ErrorKind::NotFinite`]. Missing
+    /// bounds are found when the model is lowered.
     pub fn product(
         &mut self,
         name: impl Into<Name>,
@@ -111,9 +111,9 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::ForeignHandle`],
-    /// [`Error::NotFinite`]; [`Error::OutOfRange`] without any expression. Missing bounds are
-    /// found when the model is lowered.
+    /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::ForeignHandle`],
+    /// [`ErrorKind::NotFinite`]; [`ErrorKind::OutOfRange`] without any expression. Missing bounds
+    /// are found when the model is lowered.
     pub fn maximum<T: Into<Affine>>(
         &mut self,
         name: impl Into<Name>,
@@ -154,8 +154,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::ForeignHandle`],
-    /// [`Error::NotFinite`].
+    /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::ForeignHandle`],
+    /// [`ErrorKind::NotFinite`].
     pub fn piecewise(
         &mut self,
         name: impl Into<Name>,
@@ -217,18 +217,20 @@ impl Model {
             self.check_variable(factor, name)?;
             let factor = self.variable_ref(factor)?;
             if !factor.kind().is_integral() {
-                return Err(Error::NotIntegral {
+                return Err(ErrorKind::NotIntegral {
                     name: factor.name().to_string(),
                     place: name.to_string(),
-                });
+                }
+                .into());
             }
         }
         if function.expressions().is_empty() {
-            return Err(Error::OutOfRange {
+            return Err(ErrorKind::OutOfRange {
                 what: format!("the number of expressions in `{name}`"),
                 value: 0.0,
                 range: "at least 1".into(),
-            });
+            }
+            .into());
         }
         for expression in function.expressions() {
             for (variable, coefficient) in expression.terms() {

@@ -10,7 +10,7 @@ use super::logic::Logic;
 use super::name::Name;
 use super::row::Row;
 use super::statement::{StoredRow, limits, stored};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
 /// A condition on a binary variable: it is on (1) or off (0).
@@ -149,7 +149,7 @@ pub struct Reified {
 impl Implications {
     pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
         if self.rows.is_empty() {
-            return Err(Error::EmptyRow { name: name.to_string() });
+            return Err(ErrorKind::EmptyRow { name: name.to_string() }.into());
         }
         model.all_or_nothing(|model| {
             let rows = self.rows.into_iter().enumerate();
@@ -168,11 +168,12 @@ impl Reification {
     pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
         let Reification { condition, row, margin } = self;
         if !(margin > 0.0 && margin < tolerance::INFINITE) {
-            return Err(Error::OutOfRange {
+            return Err(ErrorKind::OutOfRange {
                 what: format!("the margin of `{name}`"),
                 value: margin,
                 range: "finite and greater than 0".into(),
-            });
+            }
+            .into());
         }
         let row = stored(row, model, &name)?;
         let side = |lower: f64, upper: f64| {
@@ -191,11 +192,12 @@ impl Reification {
         let lost = row.upper.is_finite() && above.lower <= row.upper
             || row.lower.is_finite() && below.upper >= row.lower;
         if lost {
-            return Err(Error::OutOfRange {
+            return Err(ErrorKind::OutOfRange {
                 what: format!("the margin of `{name}`"),
                 value: margin,
                 range: "large enough to tell apart from the row's limit in double precision".into(),
-            });
+            }
+            .into());
         }
         let fails = !condition.clone();
         let add = |model: &mut Model, name: Name, condition: Logic, row: StoredRow| {

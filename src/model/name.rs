@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// The name of a variable or statement: `goal`, or `x[17]` for step 17 of the family `x`.
 ///
@@ -62,7 +62,7 @@ impl Name {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let bad = self.family.is_empty()
             || self.family.chars().any(|c| c.is_whitespace() || c.is_control());
-        if bad { Err(Error::InvalidName { name: self.to_string() }) } else { Ok(()) }
+        if bad { Err(ErrorKind::InvalidName { name: self.to_string() }.into()) } else { Ok(()) }
     }
 }
 

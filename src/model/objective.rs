@@ -5,7 +5,7 @@ use super::convexity;
 use super::name::Name;
 use super::quadratic::Quadratic;
 use super::statement::finite;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// Direction of optimisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -39,8 +39,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::NotConvex`] when the quadratic part has negative curvature, with a variable that
-    /// takes part in it; [`Error::ForeignHandle`] and [`Error::NotFinite`].
+    /// [`ErrorKind::NotConvex`] when the quadratic part has negative curvature, with a variable
+    /// that takes part in it; [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
     pub fn minimize(&mut self, expression: impl Into<Quadratic>) -> Result<(), Error> {
         self.set_objective(Sense::Minimize, expression)
     }
@@ -78,13 +78,14 @@ impl Model {
             finite(coefficient, "a quadratic coefficient", &place)?;
         }
         if let Some(bad) = convexity::find_negative_curvature(&products, sense.sign()) {
-            return Err(Error::NotConvex {
+            return Err(ErrorKind::NotConvex {
                 sense: sense.word(),
                 curvature: bad.curvature,
                 name: self.variable_ref(bad.variable)?.name().to_string(),
                 help: "only convex costs to minimise (concave ones to maximise) have a proof of \
                        optimality here; write squares, or linearise products with a binary",
-            });
+            }
+            .into());
         }
         self.replace_objective(sense, expression);
         Ok(())

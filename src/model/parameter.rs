@@ -10,7 +10,7 @@ use super::ids::Variable;
 use super::name::Name;
 use super::statement::{bounds, finite};
 use super::variable::VariableKind;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 
 impl Model {
@@ -49,8 +49,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::CrossedBounds`],
-    /// [`Error::NotFinite`], and [`Error::OutOfRange`] for a value outside its range.
+    /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::CrossedBounds`],
+    /// [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a value outside its range.
     pub fn parameter(
         &mut self,
         name: impl Into<Name>,
@@ -70,8 +70,9 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`]; [`Error::NotParameter`] for any other variable;
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`] for a value that the declaration excludes.
+    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::NotParameter`] for any other variable;
+    /// [`ErrorKind::NotFinite`] and [`ErrorKind::OutOfRange`] for a value that the declaration
+    /// excludes.
     pub fn set_parameter(&mut self, parameter: Variable, value: f64) -> Result<(), Error> {
         let range = self.declared_range(parameter)?;
         let data = &mut self.stored.variables[parameter.index()];
@@ -84,7 +85,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// As for [`Model::parameter`]; [`Error::NotParameter`] for any other variable. The present
+    /// As for [`Model::parameter`]; [`ErrorKind::NotParameter`] for any other variable. The present
     /// value must lie in the new range.
     pub fn set_parameter_range(
         &mut self,
@@ -111,7 +112,9 @@ impl Model {
     fn declared_range(&self, parameter: Variable) -> Result<Interval, Error> {
         let variable = self.variable_ref(parameter)?;
         let name = || variable.name().to_string();
-        variable.parameter_range().ok_or_else(|| Error::NotParameter { name: name() })
+        variable
+            .parameter_range()
+            .ok_or_else(|| Error::from(ErrorKind::NotParameter { name: name() }))
     }
 
     /// The parameters as ordinary variables that may take any value of their ranges.
@@ -144,7 +147,7 @@ impl Model {
         range: (f64, f64),
     ) -> Result<Variable, Error> {
         if kind != VariableKind::Continuous || value.0 != value.1 {
-            return Err(Error::NotParameter { name: name.to_string() });
+            return Err(ErrorKind::NotParameter { name: name.to_string() }.into());
         }
         self.parameter(name, value.0, range.0, range.1)
     }
@@ -162,12 +165,13 @@ fn check_value(name: &Name, value: f64, range: Interval) -> Result<(), Error> {
     if range.contains(value) {
         return Ok(());
     }
-    Err(Error::OutOfRange {
+    Err(ErrorKind::OutOfRange {
         what: format!("the value of the parameter `{name}`"),
         value,
         range: format!(
             "within its declared range [{}, {}]; widen that with `set_parameter_range`",
             range.lower, range.upper
         ),
-    })
+    }
+    .into())
 }

@@ -1,6 +1,6 @@
 //! Piecewise-affine functions of one variable, given by their breakpoints.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::tolerance;
 
@@ -28,12 +28,13 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for fewer than two points, for an `x` that is not greater than the
+    /// [`ErrorKind::OutOfRange`] for fewer than two points, for an `x` that is not greater than the
     /// one before, and for numbers that are not finite.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
-        let out =
-            |what: String, value: f64, range: String| Err(Error::OutOfRange { what, value, range });
+        let out = |what: String, value: f64, range: String| {
+            Err(ErrorKind::OutOfRange { what, value, range }.into())
+        };
         if points.len() < 2 {
             let what = "the number of breakpoints of a piecewise-affine function".into();
             return out(what, points.len() as f64, "at least 2".into());
@@ -72,7 +73,7 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for ends that are not finite.
+    /// [`ErrorKind::OutOfRange`] for ends that are not finite.
     pub fn extended(&self, lower: f64, upper: f64) -> Result<Self, Error> {
         let mut points = self.points.clone();
         let line = |(x0, y0): (f64, f64), (x1, y1): (f64, f64), x: f64| {

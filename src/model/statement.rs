@@ -9,7 +9,7 @@ use super::indicator::{Implication, Implications, Literal, Reification, Reified}
 use super::logic::Logic;
 use super::name::Name;
 use super::row::Row;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// Something [`Model::add`] accepts: a [`Row`], an [`Implication`] or several, a [`Reification`],
 /// a disjunction ([`Either`]), a [`Logic`] formula or a [`Literal`]. Sealed.
@@ -119,7 +119,7 @@ pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, 
     }
     finite(constant, "the constant", name)?;
     if terms.is_empty() {
-        return Err(Error::EmptyRow { name: name.to_string() });
+        return Err(ErrorKind::EmptyRow { name: name.to_string() }.into());
     }
     let (lower, upper) = limits(row.lower, row.upper, name)?;
     let moved = |limit: f64| if limit.is_finite() { limit - constant } else { limit };
@@ -131,14 +131,15 @@ pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, 
 pub(crate) fn limits(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), Error> {
     let (lower, upper) = bounds(lower, upper, name)?;
     if lower.is_infinite() && upper.is_infinite() {
-        return Err(Error::UnlimitedRow { name: name.to_string() });
+        return Err(ErrorKind::UnlimitedRow { name: name.to_string() }.into());
     }
     Ok((lower, upper))
 }
 
 /// Checks a pair of bounds; one or both may be infinite.
 pub(crate) fn bounds(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), Error> {
-    let not_finite = |what, value| Err(Error::NotFinite { name: name.to_string(), what, value });
+    let not_finite =
+        |what, value| Err(ErrorKind::NotFinite { name: name.to_string(), what, value }.into());
     if lower.is_nan() || lower >= crate::tolerance::INFINITE {
         return not_finite("the lower limit", lower);
     }
@@ -146,7 +147,7 @@ pub(crate) fn bounds(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), 
         return not_finite("the upper limit", upper);
     }
     if lower > upper {
-        return Err(Error::CrossedBounds { name: name.to_string(), lower, upper });
+        return Err(ErrorKind::CrossedBounds { name: name.to_string(), lower, upper }.into());
     }
     let lower = if lower <= -crate::tolerance::INFINITE { f64::NEG_INFINITY } else { lower };
     let upper = if upper >= crate::tolerance::INFINITE { f64::INFINITY } else { upper };
@@ -158,6 +159,6 @@ pub(crate) fn finite(value: f64, what: &'static str, name: &Name) -> Result<(), 
     if value.abs() < crate::tolerance::INFINITE {
         Ok(())
     } else {
-        Err(Error::NotFinite { name: name.to_string(), what, value })
+        Err(ErrorKind::NotFinite { name: name.to_string(), what, value }.into())
     }
 }

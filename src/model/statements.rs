@@ -6,7 +6,7 @@ use super::name::Name;
 use super::refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef};
 use super::statement::{Statement, limits};
 use super::store::{StatementIndex, foreign};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 impl Model {
     /// Adds a statement and returns its handle:
@@ -24,12 +24,12 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::ForeignHandle`],
-    /// [`Error::NotFinite`], [`Error::CrossedBounds`], [`Error::EmptyRow`],
-    /// [`Error::UnlimitedRow`], [`Error::NotBinary`]; [`Error::EmptyLogic`] for a formula without
-    /// variables, [`Error::NeverTrue`] for one that its own shape makes false, such as
-    /// `at_least(3, [a, b])`, [`Error::TooDeep`]; [`Error::OutOfRange`] for the margin of a
-    /// reification.
+    /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::ForeignHandle`],
+    /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`], [`ErrorKind::EmptyRow`],
+    /// [`ErrorKind::UnlimitedRow`], [`ErrorKind::NotBinary`]; [`ErrorKind::EmptyLogic`] for a
+    /// formula without variables, [`ErrorKind::NeverTrue`] for one that its own shape makes false,
+    /// such as `at_least(3, [a, b])`, [`ErrorKind::TooDeep`]; [`ErrorKind::OutOfRange`] for the
+    /// margin of a reification.
     pub fn add<S: Statement>(
         &mut self,
         name: impl Into<Name>,
@@ -82,14 +82,14 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownName`].
+    /// [`ErrorKind::UnknownName`].
     pub fn disjunction_by_name(&self, name: impl Into<Name>) -> Result<Disjunction, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
             Some(StatementIndex::Disjunction(index)) => {
                 Ok(Disjunction { index, tag: self.stored.tag })
             }
-            _ => Err(Error::UnknownName { name: name.to_string(), kind: "disjunction" }),
+            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "disjunction" }.into()),
         }
     }
 
@@ -97,14 +97,14 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownName`].
+    /// [`ErrorKind::UnknownName`].
     pub fn constraint_by_name(&self, name: impl Into<Name>) -> Result<Constraint, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
             Some(StatementIndex::Constraint(index)) => {
                 Ok(Constraint { index, tag: self.stored.tag })
             }
-            _ => Err(Error::UnknownName { name: name.to_string(), kind: "linear row" }),
+            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "linear row" }.into()),
         }
     }
 
@@ -112,12 +112,12 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownName`].
+    /// [`ErrorKind::UnknownName`].
     pub fn indicator_by_name(&self, name: impl Into<Name>) -> Result<Indicator, Error> {
         let name = name.into();
         match self.statement_names.get(&name) {
             Some(StatementIndex::Indicator(index)) => Ok(Indicator { index, tag: self.stored.tag }),
-            _ => Err(Error::UnknownName { name: name.to_string(), kind: "indicator" }),
+            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "indicator" }.into()),
         }
     }
 
@@ -125,7 +125,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownName`].
+    /// [`ErrorKind::UnknownName`].
     pub fn logical_constraint_by_name(
         &self,
         name: impl Into<Name>,
@@ -135,7 +135,10 @@ impl Model {
             Some(StatementIndex::Logical(index)) => {
                 Ok(LogicalConstraint { index, tag: self.stored.tag })
             }
-            _ => Err(Error::UnknownName { name: name.to_string(), kind: "logic statement" }),
+            _ => {
+                Err(ErrorKind::UnknownName { name: name.to_string(), kind: "logic statement" }
+                    .into())
+            }
         }
     }
 
@@ -144,8 +147,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
-    /// [`Error::UnlimitedRow`].
+    /// [`ErrorKind::ForeignHandle`], [`ErrorKind::CrossedBounds`], [`ErrorKind::NotFinite`],
+    /// [`ErrorKind::UnlimitedRow`].
     pub fn set_limits(&mut self, row: Constraint, lower: f64, upper: f64) -> Result<(), Error> {
         if row.tag != self.stored.tag || row.index() >= self.stored.constraints.len() {
             return Err(foreign("constraint", row.index(), "set_limits"));

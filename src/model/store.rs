@@ -16,7 +16,7 @@ use super::quadratic::Quadratic;
 use super::reformulation::{Method, Reformulation};
 use super::statement::StoredRow;
 use super::variable::VariableKind;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::tolerance;
 
@@ -211,7 +211,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`].
+    /// [`ErrorKind::ForeignHandle`].
     pub fn range(&self, expression: &Affine) -> Result<Interval, Error> {
         let mut range = Interval::point(expression.offset());
         for (variable, coefficient) in expression.terms() {
@@ -278,11 +278,12 @@ impl Model {
         if let BigM::Given(value) | BigM::Assumed(value) = big_m
             && !(0.0..tolerance::INFINITE).contains(&value)
         {
-            return Err(Error::OutOfRange {
+            return Err(ErrorKind::OutOfRange {
                 what: format!("the big-M of `{name}`"),
                 value,
                 range: "finite and not negative".into(),
-            });
+            }
+            .into());
         }
         let id = Indicator::new(self.stored.indicators.len(), self.stored.tag);
         self.claim_statement(&name, StatementIndex::Indicator(id.index))?;
@@ -373,7 +374,9 @@ impl Model {
 
     fn claim_statement(&mut self, name: &Name, index: StatementIndex) -> Result<(), Error> {
         if !self.statement_names.claim(name, index) {
-            return Err(Error::DuplicateName { name: name.to_string(), kind: "statement" });
+            return Err(
+                ErrorKind::DuplicateName { name: name.to_string(), kind: "statement" }.into()
+            );
         }
         self.touch();
         Ok(())
@@ -386,5 +389,5 @@ fn fresh_revision() -> u64 {
 }
 
 pub(super) fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {
-    Error::ForeignHandle { kind, index, place: place.to_string() }
+    Error::from(ErrorKind::ForeignHandle { kind, index, place: place.to_string() })
 }

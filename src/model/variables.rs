@@ -7,15 +7,15 @@ use super::refs::VariableRef;
 use super::statement::bounds;
 use super::store::VariableData;
 use super::variable::{Family, VariableKind};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 impl Model {
     /// Adds a continuous variable with bounds, either of which may be infinite.
     ///
     /// # Errors
     ///
-    /// [`Error::DuplicateName`], [`Error::InvalidName`], [`Error::CrossedBounds`], and
-    /// [`Error::NotFinite`] for NaN.
+    /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::CrossedBounds`], and
+    /// [`ErrorKind::NotFinite`] for NaN.
     pub fn continuous(
         &mut self,
         name: impl Into<Name>,
@@ -29,7 +29,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::DuplicateName`] and [`Error::InvalidName`].
+    /// [`ErrorKind::DuplicateName`] and [`ErrorKind::InvalidName`].
     pub fn binary(&mut self, name: impl Into<Name>) -> Result<Variable, Error> {
         self.variable(name, VariableKind::Binary, 0.0, 1.0)
     }
@@ -52,7 +52,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// As for [`Model::continuous`]; [`Error::OutOfRange`] for a binary outside `[0, 1]`.
+    /// As for [`Model::continuous`]; [`ErrorKind::OutOfRange`] for a binary outside `[0, 1]`.
     pub fn variable(
         &mut self,
         name: impl Into<Name>,
@@ -66,7 +66,9 @@ impl Model {
         let index = self.stored.variables.len();
         let variable = Variable::new(index, self.stored.tag);
         if !self.variable_names.claim(&name, variable.index) {
-            return Err(Error::DuplicateName { name: name.to_string(), kind: "variable" });
+            return Err(
+                ErrorKind::DuplicateName { name: name.to_string(), kind: "variable" }.into()
+            );
         }
         self.stored.variables.push(VariableData { name, kind, lower, upper, range: None });
         self.touch();
@@ -139,7 +141,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`].
+    /// [`ErrorKind::ForeignHandle`].
     pub fn variable_ref(&self, variable: Variable) -> Result<VariableRef<'_>, Error> {
         self.check_variable(variable, "a look-up")?;
         Ok(VariableRef { id: variable, data: &self.stored.variables[variable.index()] })
@@ -149,12 +151,12 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownName`].
+    /// [`ErrorKind::UnknownName`].
     pub fn variable_by_name(&self, name: impl Into<Name>) -> Result<Variable, Error> {
         let name = name.into();
         match self.variable_names.get(&name) {
             Some(index) => Ok(Variable { index, tag: self.stored.tag }),
-            None => Err(Error::UnknownName { name: name.to_string(), kind: "variable" }),
+            None => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "variable" }.into()),
         }
     }
 
@@ -162,13 +164,13 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`], [`Error::CrossedBounds`], [`Error::NotFinite`],
-    /// [`Error::OutOfRange`] for a binary outside `[0, 1]`, [`Error::IsParameter`].
+    /// [`ErrorKind::ForeignHandle`], [`ErrorKind::CrossedBounds`], [`ErrorKind::NotFinite`],
+    /// [`ErrorKind::OutOfRange`] for a binary outside `[0, 1]`, [`ErrorKind::IsParameter`].
     pub fn set_bounds(&mut self, variable: Variable, lower: f64, upper: f64) -> Result<(), Error> {
         self.check_variable(variable, "set_bounds")?;
         let data = &mut self.stored.variables[variable.index()];
         if data.range.is_some() {
-            return Err(Error::IsParameter { name: data.name.to_string() });
+            return Err(ErrorKind::IsParameter { name: data.name.to_string() }.into());
         }
         (data.lower, data.upper) = variable_bounds(&data.name, data.kind, lower, upper)?;
         self.touch();
@@ -193,11 +195,12 @@ fn variable_bounds(
 ) -> Result<(f64, f64), Error> {
     let (lower, upper) = bounds(lower, upper, name)?;
     if kind == VariableKind::Binary && (lower < 0.0 || upper > 1.0) {
-        return Err(Error::OutOfRange {
+        return Err(ErrorKind::OutOfRange {
             what: format!("a bound of the binary `{name}`"),
             value: if lower < 0.0 { lower } else { upper },
             range: "within [0, 1]".into(),
-        });
+        }
+        .into());
     }
     Ok((lower, upper))
 }

@@ -1,9 +1,9 @@
 //! Assembly of a [`Program`] from a model without indicators.
 
-use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
+use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
 use super::Program;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::tolerance;
 
@@ -12,14 +12,17 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// [`Error::Backend`] when the model still has anything but rows, or when the matrices cannot be
-    /// allocated.
+    /// [`ErrorKind::Unsupported`] when the model has anything but rows, [`ErrorKind::Allocation`]
+    /// when the matrices cannot be allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
         let switched = model.indicator_count() + model.disjunction_count();
         if switched + model.logical_constraint_count() + model.function_count() > 0 {
-            return Err(Error::Backend {
-                message: "a model with more than rows must be lowered before assembly".into(),
-            });
+            return Err(ErrorKind::Unsupported {
+                solver: "the assembly of matrices".into(),
+                what: "statements other than rows".into(),
+                help: "lower the model first".into(),
+            }
+            .into());
         }
         let (m, n) = (model.constraint_count(), model.variable_count());
         let sign = model.sense().sign();
@@ -57,8 +60,7 @@ impl Program {
             step.push(variable.name().step());
         }
 
-        let matrix =
-            |e| Error::Backend { message: format!("assembly of the matrices failed: {e:?}") };
+        let matrix = |error: CreationError| Error::with_source(ErrorKind::Allocation, error);
         Ok(Program {
             quadratic: SparseColMat::try_new_from_triplets(n, n, &products).map_err(matrix)?,
             linear,

@@ -12,7 +12,7 @@
 use super::linear_program::tidy;
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::{Interval, add_down, add_up};
 use crate::model::{BigM, IndicatorRef, Literal, Model, Name, Variable};
 use crate::tolerance;
@@ -179,24 +179,26 @@ fn choose(
         return Ok((value, BigMSource::Assumed));
     }
     if let Some((variable, bound)) = need.unbounded {
-        return Err(Error::UnboundedIndicator {
+        return Err(ErrorKind::UnboundedIndicator {
             indicator: row.name.to_string(),
             side: side.word(),
             variable: model.name_of(variable),
             bound,
-        });
+        }
+        .into());
     }
     match row.big_m {
         BigM::Given(value) => {
             // The outward rounding of `need` must not refuse an M that is exactly right.
             if value < need.value * (1.0 - 1e-12) {
-                return Err(Error::UnsafeBigM {
+                return Err(ErrorKind::UnsafeBigM {
                     indicator: row.name.to_string(),
                     side: side.word(),
                     given: value,
                     needed: need.value,
                     variable: need.largest.map_or_else(String::new, |v| model.name_of(v)),
-                });
+                }
+                .into());
             }
             Ok((value.max(need.value), BigMSource::Given))
         }

@@ -3,7 +3,7 @@
 use super::direction::{self, Tie};
 use super::lowering::Lowering;
 use super::{extremum, piecewise, product};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Variable};
 use crate::tolerance;
@@ -65,12 +65,16 @@ impl Lowering<'_> {
             }
         }
         let name = self.statement().to_string();
-        Ok(Error::NotFinite { name, what: "the range", value: sign * f64::INFINITY })
+        Ok(Error::from(ErrorKind::NotFinite {
+            name,
+            what: "the range",
+            value: sign * f64::INFINITY,
+        }))
     }
 
     pub(super) fn unbounded_function(&self, variable: Variable, bound: &'static str) -> Error {
         let (function, variable) = (self.statement().to_string(), self.model.name_of(variable));
-        Error::UnboundedFunction { function, variable, bound }
+        Error::from(ErrorKind::UnboundedFunction { function, variable, bound })
     }
 
     /// Adds the row `lower <= expression <= upper`.

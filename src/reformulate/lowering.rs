@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::linear_program::Maximizer;
 use super::logic::Part;
 use super::report::BigMReport;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
 
 /// What the reformulations share.
@@ -76,7 +76,7 @@ impl<'a> Lowering<'a> {
             let row = StoredRow { terms: terms.clone(), lower, upper };
             match self.model.push_constraint(name, row) {
                 Ok(_) => return Ok(()),
-                Err(Error::DuplicateName { .. }) => {}
+                Err(error) if matches!(error.kind(), ErrorKind::DuplicateName { .. }) => {}
                 Err(other) => return Err(other),
             }
         }
@@ -95,7 +95,9 @@ impl<'a> Lowering<'a> {
             let row = StoredRow { terms: terms.clone(), lower, upper };
             match self.model.push_constraint(name.clone(), row) {
                 Ok(_) => return Ok(()),
-                Err(Error::DuplicateName { .. }) => name = name.suffixed("_"),
+                Err(error) if matches!(error.kind(), ErrorKind::DuplicateName { .. }) => {
+                    name = name.suffixed("_");
+                }
                 Err(other) => return Err(other),
             }
         }

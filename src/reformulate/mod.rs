@@ -40,7 +40,7 @@ pub use audit::{Audit, Trickle};
 pub use compare::{Comparison, MethodSize, compare};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{Outcome, Solution};
 use crate::solver::{Deadline, Solver};
@@ -79,15 +79,15 @@ impl Lowered {
     ///
     /// # Errors
     ///
-    /// [`Error::Stale`] when anything but values of parameters was changed since, so that no big-M
-    /// outlives the bounds that it came from; those of the solver.
+    /// [`ErrorKind::Stale`] when anything but values of parameters was changed since, so that no
+    /// big-M outlives the bounds that it came from; those of the solver.
     pub fn solve<S: Solver + ?Sized>(
         &self,
         model: &Model,
         solver: &mut S,
     ) -> Result<Solution, Error> {
         if model.tag() != self.model.tag() || model.revision() != self.revision {
-            return Err(Error::Stale { model: model.name().to_owned() });
+            return Err(ErrorKind::Stale { model: model.name().to_owned() }.into());
         }
         let mut plain = self.model.clone();
         plain.take_parameters(model);
@@ -154,9 +154,9 @@ fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64
 ///
 /// # Errors
 ///
-/// [`Error::UnboundedIndicator`] and [`Error::UnboundedFunction`] naming the variable whose bound
-/// is missing, [`Error::UnsafeBigM`] for a user's M that the bounds do not prove,
-/// [`Error::OutOfRange`] for an integer factor with a wide range.
+/// [`ErrorKind::UnboundedIndicator`] and [`ErrorKind::UnboundedFunction`] naming the variable whose
+/// bound is missing, [`ErrorKind::UnsafeBigM`] for a user's M that the bounds do not prove,
+/// [`ErrorKind::OutOfRange`] for an integer factor with a wide range.
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
     lower_until(model, &|| false)
 }
@@ -187,7 +187,7 @@ fn lower_by(
     stop: &dyn Fn() -> bool,
 ) -> Result<Lowered, Error> {
     let lowered = lower_or_stop(model, method, stop, &Deadline::default())?;
-    lowered.ok_or_else(|| Error::Backend { message: "lowering was stopped".into() })
+    lowered.ok_or_else(|| Error::from(ErrorKind::Stopped))
 }
 
 /// From the moment on at which `stop` says so, without linear programs; nothing where the deadline

@@ -35,7 +35,8 @@ impl<'a> Guide<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for the priority of a variable of another model.
+    /// [`ErrorKind::ForeignHandle`](crate::ErrorKind::ForeignHandle) for the priority of a variable
+    /// of another model.
     pub fn new(model: &'a Model, guidance: &Guidance<'a>) -> Result<Self, Error> {
         let priorities = guidance.priorities(model)?;
         Ok(Guide { model, priorities, guidance: guidance.clone(), origin: None })

@@ -20,7 +20,7 @@ pub use status::{PrimalStatus, Termination};
 pub(crate) use verification::for_reading;
 pub use verification::{Checked, Verification, Violation, ViolationKind};
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::{Model, Sense};
 use crate::tolerance;
 
@@ -75,7 +75,7 @@ impl Solution {
     ///
     /// # Errors
     ///
-    /// [`Error::Backend`] when the number of values is not the number of variables.
+    /// [`ErrorKind::Length`] when the number of values is not the number of variables.
     pub fn new(model: &Model, outcome: Outcome, feasibility: f64) -> Result<Self, Error> {
         let Outcome { mut termination, values, bound, statistics } = outcome;
         let mut rounding = 0.0_f64;
@@ -125,7 +125,7 @@ impl Solution {
     ///
     /// # Errors
     ///
-    /// [`Error::Backend`] when a number of values is not the number of variables.
+    /// [`ErrorKind::Length`] when a number of values is not the number of variables.
     pub fn with_pool(
         mut self,
         model: &Model,
@@ -200,11 +200,12 @@ impl Solution {
     ///
     /// # Errors
     ///
-    /// [`Error::NoPoint`] without a point, [`Error::ForeignHandle`] for a handle of another model.
+    /// [`ErrorKind::NoPoint`] without a point, [`ErrorKind::ForeignHandle`] for a handle of another
+    /// model.
     pub fn value(&self, of: impl Evaluate) -> Result<f64, Error> {
         match &self.point {
             Some(point) => point.value(of),
-            None => Err(Error::NoPoint { termination: self.termination.to_string() }),
+            None => Err(ErrorKind::NoPoint { termination: self.termination.to_string() }.into()),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::model::{Affine, Literal, Model, ModelTag, Quadratic, Selected, Variable};
 
 /// One value per variable of a model, read by handle.
@@ -18,13 +18,9 @@ impl Point {
     ///
     /// # Errors
     ///
-    /// [`Error::Backend`] when the number of values is not the number of variables.
+    /// [`ErrorKind::Length`] when the number of values is not the number of variables.
     pub fn new(model: &Model, values: Vec<f64>) -> Result<Self, Error> {
-        if values.len() != model.variable_count() {
-            let (found, wanted) = (values.len(), model.variable_count());
-            let message = format!("a point has {found} values for {wanted} variables");
-            return Err(Error::Backend { message });
-        }
+        check_length("the point", values.len(), model.variable_count())?;
         Ok(Point { tag: model.tag(), values })
     }
 
@@ -32,7 +28,7 @@ impl Point {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for a handle of another model.
+    /// [`ErrorKind::ForeignHandle`] for a handle of another model.
     pub fn value(&self, of: impl Evaluate) -> Result<f64, Error> {
         of.evaluate_at(self)
     }
@@ -41,7 +37,7 @@ impl Point {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for a disjunction of another model.
+    /// [`ErrorKind::ForeignHandle`] for a disjunction of another model.
     pub fn selected(&self, of: &Selected) -> Result<Option<usize>, Error> {
         let mut selected = Vec::new();
         for (k, selector) in of.selectors.iter().enumerate() {
@@ -60,7 +56,7 @@ impl Point {
     fn read(&self, variable: Variable) -> Result<f64, Error> {
         if variable.tag != self.tag || variable.index() >= self.values.len() {
             let (kind, place) = ("variable", "a solution".to_owned());
-            return Err(Error::ForeignHandle { kind, index: variable.index(), place });
+            return Err(ErrorKind::ForeignHandle { kind, index: variable.index(), place }.into());
         }
         Ok(self.values[variable.index()])
     }
@@ -72,7 +68,7 @@ pub trait Evaluate {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for a handle of another model.
+    /// [`ErrorKind::ForeignHandle`] for a handle of another model.
     fn evaluate_at(&self, point: &Point) -> Result<f64, Error>;
 }
 

@@ -5,7 +5,7 @@
 //! backend that takes 0.999999 for 1, a plan from a file.
 
 use super::Solver;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::solution::{Point, Solution, Verification};
 use crate::tolerance;
@@ -80,8 +80,8 @@ impl Certificate {
 ///
 /// # Errors
 ///
-/// [`Error::Backend`] for a wrong number of values, [`Error::NotFinite`] naming the variable
-/// without a finite value; those of the solver.
+/// [`ErrorKind::Length`] for a wrong number of values, [`ErrorKind::NotFinite`] naming the
+/// variable without a finite value; those of the solver.
 pub fn certify<S: Solver + ?Sized>(
     model: &Model,
     values: &[f64],
@@ -92,7 +92,7 @@ pub fn certify<S: Solver + ?Sized>(
     for (variable, &value) in model.variables().zip(values) {
         if value.is_nan() || value.abs() >= tolerance::INFINITE {
             let name = variable.name().to_string();
-            return Err(Error::NotFinite { name, what: "the value", value });
+            return Err(ErrorKind::NotFinite { name, what: "the value", value }.into());
         }
         if variable.kind().is_integral() {
             let bounds = variable.bounds();

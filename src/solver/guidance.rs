@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Model, ModelTag, Variable};
 
@@ -67,7 +67,7 @@ impl<'a> Guidance<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for a variable of another model.
+    /// [`ErrorKind::ForeignHandle`] for a variable of another model.
     pub fn priorities(&self, model: &Model) -> Result<Vec<i32>, Error> {
         if self.priorities.is_empty() {
             return Ok(Vec::new());
@@ -184,7 +184,7 @@ impl<'a> NodeView<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for a variable of another model.
+    /// [`ErrorKind::ForeignHandle`] for a variable of another model.
     pub fn bounds(&self, variable: Variable) -> Result<Interval, Error> {
         let entry = self.bounds.get(variable.index()).filter(|_| variable.tag == self.tag);
         let [lower, upper] = *entry.ok_or_else(|| foreign(variable, "a node"))?;
@@ -196,7 +196,7 @@ impl<'a> NodeView<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::ForeignHandle`] for a variable of another model.
+    /// [`ErrorKind::ForeignHandle`] for a variable of another model.
     pub fn value(&self, variable: Variable) -> Result<f64, Error> {
         let bounds = self.bounds(variable)?;
         let middle = 0.5 * (bounds.lower + bounds.upper);
@@ -224,5 +224,5 @@ impl<'a> NodeView<'a> {
 
 fn foreign(variable: Variable, place: &str) -> Error {
     let (kind, index) = ("variable", variable.index());
-    Error::ForeignHandle { kind, index, place: place.to_owned() }
+    Error::from(ErrorKind::ForeignHandle { kind, index, place: place.to_owned() })
 }

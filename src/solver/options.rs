@@ -4,7 +4,7 @@ use web_time::Duration;
 
 use super::heuristics::Heuristics;
 use super::rules::BranchingRule;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
 /// Options that every backend understands.
@@ -314,10 +314,16 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`], naming the option.
+    /// [`ErrorKind::OutOfRange`], naming the option.
     pub fn check(&self) -> Result<(), Error> {
         let check = |what: &str, value: f64, holds: bool, range: String| {
-            let error = || Error::OutOfRange { what: format!("option `{what}`"), value, range };
+            let error = || {
+                Error::from(ErrorKind::OutOfRange {
+                    what: format!("option `{what}`"),
+                    value,
+                    range,
+                })
+            };
             if holds { Ok(()) } else { Err(error()) }
         };
         let gap = |what: &str, value: f64| {

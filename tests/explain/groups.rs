@@ -1,5 +1,6 @@
 //! What is named, what is background, and what is asked wrongly.
 
+use carom::ErrorKind;
 use carom::explain::{ExplainOptions, ExplanationStatus, infeasibility};
 use carom::prelude::*;
 
@@ -181,7 +182,10 @@ fn families_of_parts_are_selected_by_their_common_beginning() {
         infeasibility(&model, &mut solver(), &unknown).unwrap_err().to_string(),
         "the model has no statement named `fl`"
     );
-    assert!(matches!(model.set_background("flow"), Err(Error::UnknownName { .. })));
+    assert!(matches!(
+        model.set_background("flow").unwrap_err().kind(),
+        ErrorKind::UnknownName { .. }
+    ));
 }
 
 /// Where propagation sees the contradiction, the bounds it needs are named.

@@ -1,5 +1,6 @@
 //! Random models there and back, and random damage.
 
+use carom::ErrorKind;
 use carom::model::{lp, mps};
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -49,7 +50,7 @@ proptest! {
         let text = &whole_files()[which];
         let whole = text.len() - "End\n".len();
         let end = (share * whole as f64) as usize;
-        let refused = matches!(lp::read(&text[..end]), Err(Error::Parse { .. }));
+        let refused = lp::read(&text[..end]).is_err_and(|error| matches!(error.kind(), ErrorKind::Parse { .. }));
         prop_assert!(refused, "{}", &text[..end]);
     }
 

@@ -1,5 +1,6 @@
 //! What each section means, in its spellings.
 
+use carom::ErrorKind;
 use carom::model::{lp, mps};
 use carom::prelude::*;
 
@@ -95,7 +96,7 @@ fn quadratic_objectives() {
     );
     assert_eq!(objective("x + [ ] / 2"), "x");
     let not_convex = lp::read("min [ - x^2 ]\nst\nend");
-    assert!(matches!(not_convex, Err(Error::NotConvex { .. })));
+    assert!(matches!(not_convex.unwrap_err().kind(), ErrorKind::NotConvex { .. }));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Random models there and back, and random damage.
 
+use carom::ErrorKind;
 use carom::model::mps;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -51,7 +52,7 @@ proptest! {
         while !text.is_char_boundary(end) {
             end -= 1;
         }
-        let refused = matches!(mps::read(&text[..end]), Err(Error::Parse { .. }));
+        let refused = mps::read(&text[..end]).is_err_and(|error| matches!(error.kind(), ErrorKind::Parse { .. }));
         prop_assert!(refused, "{}", &text[..end]);
     }
 

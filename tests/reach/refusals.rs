@@ -1,5 +1,6 @@
 //! Bad input to reach sets gets a typed error that names the thing and says what to do.
 
+use carom::ErrorKind;
 use carom::collision_tolerant::Scenario;
 use carom::hybrid::reach::{
     Halfspace, HorizonVariables, HybridSystem, ReachSets, SetOptions, Transition,
@@ -55,7 +56,7 @@ fn systems_whose_parts_do_not_fit() {
     let short = Halfspace::new("short", [1.0], 0.0);
     assert_eq!(
         refused(push().with_limit(short)),
-        "the normal of a half-space has shape 1x1; expected 2x1"
+        "the length of the normal of a half-space is 1; it must be 2"
     );
     let odd = Halfspace::new("odd", [1.0, f64::NAN], 0.0);
     assert_eq!(refused(push().with_limit(odd)), "a number of `odd` is NaN; give a finite number");
@@ -70,7 +71,7 @@ fn systems_whose_parts_do_not_fit() {
     );
     assert_eq!(
         refused(reset(2, vec![0.0; 3])),
-        "the offset of a reset has shape 3x1; expected 2x1"
+        "the length of the offset of a reset is 3; it must be 2"
     );
     assert_eq!(
         refused(reset(2, vec![0.0, f64::INFINITY])),
@@ -83,7 +84,7 @@ fn ends_and_options_out_of_range() {
     let new = |start: &[Interval], options| ReachSets::new(&push(), start, &REST, options);
     let text = |result: Result<ReachSets, Error>| result.unwrap_err().to_string();
     let fine = SetOptions::default;
-    assert_eq!(text(new(&REST[..1], fine())), "the start has shape 1x1; expected 2x1");
+    assert_eq!(text(new(&REST[..1], fine())), "the length of the start is 1; it must be 2");
     let nan = [Interval::point(f64::NAN), Interval::point(0.0)];
     assert_eq!(text(new(&nan, fine())), "the lower limit of `x` is NaN; give a finite number");
     assert_eq!(
@@ -100,20 +101,26 @@ fn ends_and_options_out_of_range() {
     );
     assert_eq!(
         text(new(&REST, fine().with_direction([1.0]))),
-        "a template direction has shape 1x1; expected 2x1"
+        "the length of a template direction is 1; it must be 2"
     );
     let mut sets = new(&REST, fine()).unwrap();
     for absurd in [100_001, usize::MAX] {
-        assert!(matches!(sets.forward(absurd), Err(Error::OutOfRange { .. })));
-        assert!(matches!(sets.tube(absurd), Err(Error::OutOfRange { .. })));
+        assert!(matches!(sets.forward(absurd).unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
+        assert!(matches!(sets.tube(absurd).unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
     }
-    assert!(matches!(sets.tube(0), Err(Error::OutOfRange { .. })));
+    assert!(matches!(sets.tube(0).unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
     let set = sets.forward(3).unwrap().swap_remove(0).unwrap();
-    assert!(matches!(set.support(&[1.0]), Err(Error::Shape { .. })));
-    assert!(matches!(set.contains(&[f64::NAN, 0.0]), Err(Error::NotFinite { .. })));
-    assert!(matches!(set.outline(0, 0), Err(Error::OutOfRange { .. })));
-    assert!(matches!(set.outline(0, 2), Err(Error::OutOfRange { .. })));
-    assert!(matches!(new(&REST, fine()).unwrap().with_first_inputs(&[]), Err(Error::Shape { .. })));
+    assert!(matches!(set.support(&[1.0]).unwrap_err().kind(), ErrorKind::Length { .. }));
+    assert!(matches!(
+        set.contains(&[f64::NAN, 0.0]).unwrap_err().kind(),
+        ErrorKind::NotFinite { .. }
+    ));
+    assert!(matches!(set.outline(0, 0).unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
+    assert!(matches!(set.outline(0, 2).unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
+    assert!(matches!(
+        new(&REST, fine()).unwrap().with_first_inputs(&[]).unwrap_err().kind(),
+        ErrorKind::Length { .. }
+    ));
 }
 
 #[test]
@@ -146,11 +153,11 @@ fn programs_that_do_not_fit_the_tube() {
         |variables: HorizonVariables| tube.tighten(&mut model, &variables).unwrap_err().to_string();
     assert_eq!(
         refuse(HorizonVariables::new([x.clone()])),
-        "the list of state families has shape 1x1; expected 2x1"
+        "the length of the list of state families is 1; it must be 2"
     );
     assert_eq!(
         refuse(HorizonVariables::new([x.clone(), short.clone()])),
-        "a state family of the horizon has shape 12x1; expected 13x1"
+        "the length of a state family of the horizon is 12; it must be 13"
     );
     let states = || HorizonVariables::new([x.clone(), v.clone()]);
     assert_eq!(
@@ -159,17 +166,19 @@ fn programs_that_do_not_fit_the_tube() {
     );
     assert_eq!(
         refuse(states().with_transition(1, x.clone())),
-        "a transition family of the horizon has shape 13x1; expected 12x1"
+        "the length of a transition family of the horizon is 13; it must be 12"
     );
     assert_eq!(
         refuse(states().with_quantity(short.clone(), [(vec![1.0, 0.0], 0.0)])),
-        "the values of a quantity has shape 1x1; expected 2x1"
+        "the length of the values of a quantity is 1; it must be 2"
     );
     let mut other = Model::new("other");
     let strangers = other.continuous_family("x", 13, 0.0, 1.0).unwrap();
     assert!(matches!(
-        tube.tighten(&mut model, &HorizonVariables::new([strangers, v.clone()])),
-        Err(Error::ForeignHandle { .. })
+        tube.tighten(&mut model, &HorizonVariables::new([strangers, v.clone()]))
+            .unwrap_err()
+            .kind(),
+        ErrorKind::ForeignHandle { .. }
     ));
 }
 

@@ -19,7 +19,7 @@ pub use roll_out::RollOut;
 use super::linear::LinearSystem;
 use super::reach::Transition;
 use super::wall::Wall;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Affine, Model, Variable};
 
@@ -49,13 +49,13 @@ impl Restitution {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`].
+    /// [`ErrorKind::OutOfRange`].
     pub fn new(value: f64) -> Result<Self, Error> {
         if (0.0..=1.0).contains(&value) {
             return Ok(Restitution(value));
         }
         let (what, range) = ("the restitution".into(), "within [0, 1]".into());
-        Err(Error::OutOfRange { what, value, range })
+        Err(ErrorKind::OutOfRange { what, value, range }.into())
     }
 
     /// The coefficient, within `[0, 1]`.
@@ -205,7 +205,7 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for another time step.
+    /// [`ErrorKind::OutOfRange`] for another time step.
     pub fn transitions(
         &self,
         time_step: f64,

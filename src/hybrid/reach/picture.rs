@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::set::ReachSet;
 use super::tube::Tube;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::interval::Interval;
 
 /// Size of the picture and of the margins around the plane, in pixels.
@@ -71,8 +71,9 @@ impl Tube {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for states that do not exist or are the same, [`Error::Shape`] for
-    /// plans with other numbers of states, [`Error::NotFinite`] for values that are not finite.
+    /// [`ErrorKind::OutOfRange`] for states that do not exist or are the same, [`ErrorKind::Length`]
+    /// for plans with other numbers of states, [`ErrorKind::NotFinite`] for values that are not
+    /// finite.
     pub fn to_svg(&self, first: usize, second: usize, plan: &[Vec<f64>]) -> Result<String, Error> {
         let path = self.path(first, second, plan)?;
         let samples: Vec<usize> = (0..=self.steps()).step_by(1 + self.steps() / SAMPLES).collect();
@@ -128,24 +129,16 @@ impl Tube {
         if first >= states || second >= states || first == second {
             let (what, range) = ("the number of a state to draw".into(), format!("below {states}"));
             let range = format!("two different ones {range}");
-            return Err(Error::OutOfRange { what, value: second as f64, range });
+            return Err(ErrorKind::OutOfRange { what, value: second as f64, range }.into());
         }
         let point = |state: &Vec<f64>| {
-            if state.len() != states {
-                let (what, rows) = ("a state of the plan", state.len());
-                return Err(Error::Shape {
-                    what,
-                    rows,
-                    columns: 1,
-                    expected: format!("{states}x1"),
-                });
-            }
+            check_length("a state of the plan", state.len(), states)?;
             let point = [state[first], state[second]];
             match point.into_iter().find(|value| !value.is_finite()) {
                 None => Ok(point),
                 Some(value) => {
                     let (name, what) = ("the plan".into(), "a state");
-                    Err(Error::NotFinite { name, what, value })
+                    Err(ErrorKind::NotFinite { name, what, value }.into())
                 }
             }
         };

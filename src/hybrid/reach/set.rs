@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::compiled::{Compiled, Cut};
 use super::shape::{Geometry, Shape};
 use super::system::check_ends;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::interval::Interval;
 
 /// A set of states: the product of its blocks' sets.
@@ -88,7 +88,7 @@ impl ReachSet {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`].
+    /// [`ErrorKind::Length`].
     pub fn support(&self, direction: &[f64]) -> Result<f64, Error> {
         self.check_length("the direction", direction.len())?;
         let blocks = self.system.blocks.iter().zip(&self.shapes);
@@ -105,7 +105,7 @@ impl ReachSet {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`]; [`Error::NotFinite`] for a state that is not finite.
+    /// [`ErrorKind::Length`]; [`ErrorKind::NotFinite`] for a state that is not finite.
     pub fn contains(&self, state: &[f64]) -> Result<bool, Error> {
         self.check_length("the state", state.len())?;
         for ((name, _), &value) in self.system.states.iter().zip(state) {
@@ -122,7 +122,7 @@ impl ReachSet {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for sets of systems with different blocks.
+    /// [`ErrorKind::Shape`] for sets of systems with different blocks.
     pub fn intersects(&self, other: &ReachSet) -> Result<bool, Error> {
         let blocks = |set: &ReachSet| -> Vec<Vec<usize>> {
             set.system.blocks.iter().map(|block| block.states.clone()).collect()
@@ -130,7 +130,7 @@ impl ReachSet {
         if blocks(self) != blocks(other) {
             let (rows, columns) = (other.system.states.len(), other.system.blocks.len());
             let expected = "the states and blocks of the first set".into();
-            return Err(Error::Shape { what: "the second set", rows, columns, expected });
+            return Err(ErrorKind::Shape { what: "the second set", rows, columns, expected }.into());
         }
         Ok(self.meets(other))
     }
@@ -180,14 +180,14 @@ impl ReachSet {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for states that do not exist or are the same.
+    /// [`ErrorKind::OutOfRange`] for states that do not exist or are the same.
     pub fn outline(&self, first: usize, second: usize) -> Result<Vec<[f64; 2]>, Error> {
         let n = self.system.states.len();
         for state in [first, second] {
             if state >= n || first == second {
                 let what = "the number of a state to draw".into();
                 let range = format!("two different ones below {n}");
-                return Err(Error::OutOfRange { what, value: state as f64, range });
+                return Err(ErrorKind::OutOfRange { what, value: state as f64, range }.into());
             }
         }
         for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {
@@ -216,12 +216,8 @@ impl ReachSet {
         self.shapes.iter_mut().for_each(|shape| shape.simplify(most));
     }
 
-    fn check_length(&self, what: &'static str, rows: usize) -> Result<(), Error> {
-        let wanted = self.system.states.len();
-        if rows == wanted {
-            return Ok(());
-        }
-        Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") })
+    fn check_length(&self, what: &'static str, found: usize) -> Result<(), Error> {
+        check_length(what, found, self.system.states.len())
     }
 }
 

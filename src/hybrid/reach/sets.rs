@@ -6,7 +6,7 @@ use super::compiled::Compiled;
 use super::set::{Emptied, ReachSet};
 use super::step::{predecessors, successors};
 use super::system::{HybridSystem, check_ends};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
 use crate::tolerance;
@@ -69,7 +69,7 @@ impl SetOptions {
 
     fn check(&self, states: usize) -> Result<(), Error> {
         let refuse = |what: &str, value: f64, range: &str| {
-            Err(Error::OutOfRange { what: what.into(), value, range: range.into() })
+            Err(ErrorKind::OutOfRange { what: what.into(), value, range: range.into() }.into())
         };
         if self.events > 64 {
             return refuse(
@@ -89,18 +89,10 @@ impl SetOptions {
             return refuse("the margin of reach sets", self.margin, "within [0, 1]");
         }
         for direction in &self.directions {
-            if direction.len() != states {
-                let (what, rows) = ("a template direction", direction.len());
-                return Err(Error::Shape {
-                    what,
-                    rows,
-                    columns: 1,
-                    expected: format!("{states}x1"),
-                });
-            }
+            check_length("a template direction", direction.len(), states)?;
             if let Some(&value) = direction.iter().find(|x| !x.is_finite()) {
                 let (name, what) = ("a template direction".into(), "an entry");
-                return Err(Error::NotFinite { name, what, value });
+                return Err(ErrorKind::NotFinite { name, what, value }.into());
             }
         }
         Ok(())
@@ -168,9 +160,9 @@ impl ReachSets {
     ///
     /// # Errors
     ///
-    /// [`HybridSystem::check`]; [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]
-    /// for a bad start or goal; [`Error::OutOfRange`] for bad options and for numbers that count as
-    /// infinite.
+    /// [`HybridSystem::check`]; [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
+    /// [`ErrorKind::CrossedBounds`] for a bad start or goal; [`ErrorKind::OutOfRange`] for bad
+    /// options and for numbers that count as infinite.
     pub fn new(
         system: &HybridSystem,
         start: &[Interval],
@@ -181,10 +173,7 @@ impl ReachSets {
         let states = system.states.len();
         options.check(states)?;
         for (what, ends) in [("the start", start), ("the goal", goal)] {
-            if ends.len() != states {
-                let (rows, expected) = (ends.len(), format!("{states}x1"));
-                return Err(Error::Shape { what, rows, columns: 1, expected });
-            }
+            check_length(what, ends.len(), states)?;
         }
         let inputs: Vec<Interval> = system.inputs.iter().map(|(_, range)| *range).collect();
         let sizes = start.iter().zip(goal).map(|(a, b)| a.magnitude().max(b.magnitude()));
@@ -217,14 +206,10 @@ impl ReachSets {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]; [`Error::OutOfRange`] for
-    /// ranges whose ends count as infinite.
+    /// [`ErrorKind::Length`], [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`];
+    /// [`ErrorKind::OutOfRange`] for ranges whose ends count as infinite.
     pub fn with_first_inputs(mut self, inputs: &[Interval]) -> Result<Self, Error> {
-        let wanted = self.source.inputs.len();
-        if inputs.len() != wanted {
-            let (what, rows) = ("the first step's inputs", inputs.len());
-            return Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") });
-        }
+        check_length("the first step's inputs", inputs.len(), self.source.inputs.len())?;
         for ((name, _), range) in self.source.inputs.iter().zip(inputs) {
             check_ends(name, *range)?;
         }
@@ -252,7 +237,7 @@ impl ReachSets {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for more than [`tolerance::MAX_STEPS`] steps.
+    /// [`ErrorKind::OutOfRange`] for more than [`tolerance::MAX_STEPS`] steps.
     pub fn forward(&mut self, steps: usize) -> Result<Vec<Option<ReachSet>>, Error> {
         Ok(self.forward_layers(steps)?.clone())
     }

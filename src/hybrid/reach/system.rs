@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
 use crate::tolerance::INFINITE;
@@ -194,14 +194,17 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`], [`Error::NotFinite`], [`Error::CrossedBounds`]; [`Error::OutOfRange`] for a
-    /// system without states or transitions and for numbers of 1e20 and more in magnitude.
+    /// [`ErrorKind::Shape`], [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
+    /// [`ErrorKind::CrossedBounds`]; [`ErrorKind::OutOfRange`] for a system without states or
+    /// transitions and for numbers of 1e20 and more in magnitude.
     pub fn check(&self) -> Result<(), Error> {
         let counts = [("states", self.states.len()), ("transitions", self.transitions.len())];
         for (what, count) in counts {
             if count == 0 {
                 let what = format!("the number of {what} of the hybrid system");
-                return Err(Error::OutOfRange { what, value: 0.0, range: "at least 1".into() });
+                return Err(
+                    ErrorKind::OutOfRange { what, value: 0.0, range: "at least 1".into() }.into()
+                );
             }
         }
         for (name, range) in self.states.iter().chain(&self.inputs) {
@@ -220,8 +223,9 @@ impl HybridSystem {
 
 impl Transition {
     fn check(&self, states: usize, inputs: usize) -> Result<(), Error> {
-        let shape =
-            |what, rows, columns, expected| Err(Error::Shape { what, rows, columns, expected });
+        let shape = |what, rows, columns, expected| {
+            Err(ErrorKind::Shape { what, rows, columns, expected }.into())
+        };
         let (n, m) = (self.flow.states(), self.flow.inputs());
         if n != states || m != inputs {
             let expected = format!("{states} states and {inputs} inputs");
@@ -241,25 +245,14 @@ impl Transition {
         if rows != states || columns != states {
             return shape("the matrix of a reset", rows, columns, format!("{states}x{states}"));
         }
-        if offset.len() != states {
-            return shape("the offset of a reset", offset.len(), 1, format!("{states}x1"));
-        }
+        check_length("the offset of a reset", offset.len(), states)?;
         let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
         check_numbers(&self.name, "an entry of the reset", entries.chain(offset.iter().copied()))
     }
 }
 
 fn check_halfspace(halfspace: &Halfspace, states: usize) -> Result<(), Error> {
-    let rows = halfspace.normal.len();
-    if rows != states {
-        let expected = format!("{states}x1");
-        return Err(Error::Shape {
-            what: "the normal of a half-space",
-            rows,
-            columns: 1,
-            expected,
-        });
-    }
+    check_length("the normal of a half-space", halfspace.normal.len(), states)?;
     let numbers = halfspace.normal.iter().chain([&halfspace.limit]);
     check_numbers(&halfspace.name, "a number", numbers.copied())
 }
@@ -279,11 +272,11 @@ fn check_numbers(
 ) -> Result<(), Error> {
     for value in numbers {
         if !value.is_finite() {
-            return Err(Error::NotFinite { name: name.into(), what, value });
+            return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
         }
         if value.abs() >= INFINITE {
             let (what, range) = (format!("{what} of `{name}`"), "below 1e20 in magnitude".into());
-            return Err(Error::OutOfRange { what, value, range });
+            return Err(ErrorKind::OutOfRange { what, value, range }.into());
         }
     }
     Ok(())

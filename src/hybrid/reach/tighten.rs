@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::tube::Tube;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Name, Variable};
 use crate::tolerance;
@@ -173,8 +173,8 @@ impl Tube {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] for families of other lengths, [`Error::OutOfRange`] for transitions that
-    /// do not exist, [`Error::ForeignHandle`] for variables of another model.
+    /// [`ErrorKind::Length`] for families of other lengths, [`ErrorKind::OutOfRange`] for
+    /// transitions that do not exist, [`ErrorKind::ForeignHandle`] for variables of another model.
     pub fn tighten(
         &self,
         model: &mut Model,
@@ -216,29 +216,25 @@ impl Tube {
 
     fn check_variables(&self, model: &Model, variables: &HorizonVariables) -> Result<(), Error> {
         let states = self.system.states.len();
-        let shape = |what, rows, wanted: usize| -> Result<(), Error> {
-            if rows == wanted {
-                return Ok(());
-            }
-            Err(Error::Shape { what, rows, columns: 1, expected: format!("{wanted}x1") })
-        };
-        shape("the list of state families", variables.states.len(), states)?;
+        check_length("the list of state families", variables.states.len(), states)?;
         for family in &variables.states {
-            shape("a state family of the horizon", family.len(), self.steps() + 1)?;
+            check_length("a state family of the horizon", family.len(), self.steps() + 1)?;
         }
         let count = self.system.transitions.len();
         for (number, family) in &variables.transitions {
             if *number >= count {
                 let (what, value) = ("the number of a transition".into(), *number as f64);
-                return Err(Error::OutOfRange { what, value, range: format!("below {count}") });
+                return Err(
+                    ErrorKind::OutOfRange { what, value, range: format!("below {count}") }.into()
+                );
             }
-            shape("a transition family of the horizon", family.len(), self.steps())?;
+            check_length("a transition family of the horizon", family.len(), self.steps())?;
         }
         for quantity in &variables.quantities {
-            shape("a quantity family of the horizon", quantity.family.len(), self.steps())?;
-            shape("the values of a quantity", quantity.values.len(), count)?;
+            check_length("a quantity family of the horizon", quantity.family.len(), self.steps())?;
+            check_length("the values of a quantity", quantity.values.len(), count)?;
             for (factors, _) in &quantity.values {
-                shape("the factors of a quantity", factors.len(), states)?;
+                check_length("the factors of a quantity", factors.len(), states)?;
             }
         }
         let quantities = variables.quantities.iter().map(|quantity| &quantity.family);
@@ -325,7 +321,7 @@ impl Tube {
         match model.add(name.clone(), total.within(fewest as f64, most)) {
             Ok(_) => Ok(Some(name)),
             // The user has a statement of this name; the row is only a help.
-            Err(Error::DuplicateName { .. }) => Ok(None),
+            Err(error) if matches!(error.kind(), ErrorKind::DuplicateName { .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }

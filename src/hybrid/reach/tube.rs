@@ -99,7 +99,7 @@ impl ReachSets {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] for no steps or more than
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for no steps or more than
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
         loop {

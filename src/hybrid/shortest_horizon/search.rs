@@ -120,7 +120,8 @@ pub enum HorizonEvent {
 ///
 /// # Errors
 ///
-/// [`Error::OutOfRange`] for a bad `max_steps`; errors of building and of the solver.
+/// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a bad `max_steps`; errors of
+/// building and of the solver.
 pub fn shortest_horizon<B: HorizonModel + ?Sized>(
     builder: &B,
     options: &ShortestOptions,

@@ -1,6 +1,7 @@
 //! The discrete replay: the same law, open loop, with contacts decided by the replay itself.
 
 use super::Samples;
+use super::error::ReplayError;
 use crate::error::Error;
 use crate::hybrid::contact::{Contact, ContactLaw};
 use crate::tolerance;
@@ -60,12 +61,10 @@ impl DiscreteReplay {
     ///
     /// # Errors
     ///
-    /// [`Error::Replay`].
-    pub fn check(&self, plan: &Samples<'_>, allowed: f64) -> Result<(), Error> {
-        let failure =
-            |what, step, residual| Err(Error::Replay { what, step, residual, tolerance: allowed });
+    /// The first disagreement.
+    pub fn check(&self, plan: &Samples<'_>, allowed: f64) -> Result<(), ReplayError> {
         if let Some(step) = self.blocked.or(self.contact_mismatch) {
-            return failure("contact", step, f64::INFINITY);
+            return Err(ReplayError::Contact { step });
         }
         let groups = [
             ("position", &self.position, plan.position),
@@ -74,10 +73,10 @@ impl DiscreteReplay {
         for (what, replayed, planned) in groups {
             let errors = replayed.iter().zip(planned).map(|(a, b)| (a - b).abs());
             // NaN fails.
-            if let Some((step, error)) =
+            if let Some((step, residual)) =
                 errors.enumerate().find(|(_, e)| e.is_nan() || *e > allowed)
             {
-                return failure(what, step, error);
+                return Err(ReplayError::Sample { what, step, residual, allowed });
             }
         }
         Ok(())

@@ -10,12 +10,14 @@
 
 pub mod continuous;
 pub mod discrete;
+mod error;
 
 pub use continuous::{ContinuousReplay, replay_continuous};
 pub use discrete::{DiscreteReplay, replay_discrete};
+pub use error::ReplayError;
 
 use super::horizon::Horizon;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 
 /// The samples of a plan over τ steps, for replaying.
 ///
@@ -60,7 +62,7 @@ impl Samples<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`], [`Error::OutOfRange`], [`Error::NotFinite`].
+    /// [`ErrorKind::Length`], [`ErrorKind::OutOfRange`], [`ErrorKind::NotFinite`].
     pub fn check(&self) -> Result<(), Error> {
         let steps = Horizon::new(self.steps(), self.time_step)?.steps();
         let lengths = [
@@ -68,11 +70,8 @@ impl Samples<'_> {
             ("the velocities", self.velocity.len(), steps + 1),
             ("the contacts", self.contact.len(), steps),
         ];
-        for (what, rows, wanted) in lengths {
-            if rows != wanted {
-                let expected = format!("{wanted}x1");
-                return Err(Error::Shape { what, rows, columns: 1, expected });
-            }
+        for (what, found, expected) in lengths {
+            check_length(what, found, expected)?;
         }
         let groups = [
             ("a position", self.position),
@@ -81,7 +80,7 @@ impl Samples<'_> {
         ];
         for (what, values) in groups {
             if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
-                return Err(Error::NotFinite { name: "the plan".into(), what, value });
+                return Err(ErrorKind::NotFinite { name: "the plan".into(), what, value }.into());
             }
         }
         Ok(())

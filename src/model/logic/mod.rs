@@ -26,7 +26,7 @@ use super::ids::{LogicalConstraint, Variable};
 use super::indicator::Literal;
 use super::name::Name;
 use super::variable::VariableKind;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// Formulas nested deeper than this are refused.
 const DEEPEST: u32 = 100;
@@ -193,18 +193,18 @@ impl Logic {
     /// Refuses a formula that the model cannot hold under this name.
     pub(super) fn check(&self, model: &Model, name: &Name) -> Result<(), Error> {
         if self.is_too_deep() {
-            return Err(Error::TooDeep { name: name.to_string(), limit: DEEPEST });
+            return Err(ErrorKind::TooDeep { name: name.to_string(), limit: DEEPEST }.into());
         }
         let variables = self.variables();
         if variables.is_empty() {
-            return Err(Error::EmptyLogic { name: name.to_string() });
+            return Err(ErrorKind::EmptyLogic { name: name.to_string() }.into());
         }
         for variable in variables {
             model.check_variable(variable, name)?;
             let variable = model.variable_ref(variable)?;
             if variable.kind() != VariableKind::Binary {
                 let (name, place) = (variable.name().to_string(), name.to_string());
-                return Err(Error::NotBinary { name, place });
+                return Err(ErrorKind::NotBinary { name, place }.into());
             }
         }
         Ok(())
@@ -213,7 +213,7 @@ impl Logic {
     pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
         self.check(model, &name)?;
         if Formula::of(&self, true) == Formula::Constant(false) {
-            return Err(Error::NeverTrue { name: name.to_string() });
+            return Err(ErrorKind::NeverTrue { name: name.to_string() }.into());
         }
         model.push_logical(name, self)
     }
@@ -258,6 +258,6 @@ mod tests {
             nested = (nested & b[0]) | b[1];
         }
         let error = model.add("deep", nested).unwrap_err();
-        assert_eq!(error, Error::TooDeep { name: "deep".into(), limit: DEEPEST });
+        assert_eq!(error, Error::from(ErrorKind::TooDeep { name: "deep".into(), limit: DEEPEST }));
     }
 }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::names;
 use super::read::{Column, File};
 use super::rows::Row;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::affine::{Affine, merge};
 use crate::model::ids::Variable;
 use crate::model::indicator::{BigM, Literal};
@@ -79,7 +79,7 @@ fn add(
             let literal = Literal { variable: variables[condition.column], on: condition.on };
             let added = model.push_indicator(name, literal, stored, BigM::Automatic);
             added.map_err(|error| {
-                let known = matches!(error, Error::DuplicateName { .. });
+                let known = matches!(error.kind(), ErrorKind::DuplicateName { .. });
                 at(if known { row.place } else { condition.place }, &error)
             })?;
         }

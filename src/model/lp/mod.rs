@@ -109,8 +109,9 @@ use crate::error::Error;
 ///
 /// # Errors
 ///
-/// [`Error::Parse`] with the line and column of whatever is damaged, unknown or contradictory;
-/// [`Error::NotConvex`] for a quadratic objective that is not convex in its direction.
+/// [`ErrorKind::Parse`](crate::ErrorKind::Parse) with the line and column of whatever is damaged,
+/// unknown or contradictory; [`ErrorKind::NotConvex`](crate::ErrorKind::NotConvex) for a quadratic
+/// objective that is not convex in its direction.
 ///
 /// # Complexity
 ///
@@ -124,9 +125,9 @@ pub fn read(text: &str) -> Result<Model, Error> {
 ///
 /// # Errors
 ///
-/// [`Error::InvalidName`] when the model's name contains a line break or another control
-/// character; [`Error::NotInFile`] for logic, compound conditions, disjunctions and functions, which
-/// the lowered model has no more.
+/// [`ErrorKind::InvalidName`](crate::ErrorKind::InvalidName) when the model's name contains a line
+/// break or another control character; [`ErrorKind::NotInFile`](crate::ErrorKind::NotInFile) for
+/// logic, compound conditions, disjunctions and functions, which the lowered model has no more.
 ///
 /// # Complexity
 ///

@@ -104,14 +104,14 @@ mod section;
 mod write;
 
 use super::store::Model;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// Reads a model from the text of an MPS file.
 ///
 /// # Errors
 ///
-/// [`Error::Parse`] with the line and column of whatever is damaged, unknown, given twice or
-/// contradictory; [`Error::NotConvex`] for a quadratic objective that is not convex in its
+/// [`ErrorKind::Parse`] with the line and column of whatever is damaged, unknown, given twice or
+/// contradictory; [`ErrorKind::NotConvex`] for a quadratic objective that is not convex in its
 /// direction.
 ///
 /// # Complexity
@@ -120,7 +120,7 @@ use crate::error::Error;
 pub fn read(text: &str) -> Result<Model, Error> {
     let model = |text: &str| build::model(&read::File::scan(text)?);
     model(text).or_else(|error| match fixed::without_blanks(text) {
-        Some(text) if matches!(error, Error::Parse { .. }) => model(&text),
+        Some(text) if matches!(error.kind(), ErrorKind::Parse { .. }) => model(&text),
         _ => Err(error),
     })
 }
@@ -129,9 +129,9 @@ pub fn read(text: &str) -> Result<Model, Error> {
 ///
 /// # Errors
 ///
-/// [`Error::InvalidName`] when the model's name contains a line break or another control
-/// character; [`Error::NotInFile`] for logic, compound conditions, disjunctions and functions, which
-/// the lowered model has no more.
+/// [`ErrorKind::InvalidName`] when the model's name contains a line break or another control
+/// character; [`ErrorKind::NotInFile`] for logic, compound conditions, disjunctions and functions,
+/// which the lowered model has no more.
 ///
 /// # Complexity
 ///

@@ -2,7 +2,7 @@
 
 use super::bounds::{self, Bounds};
 use super::section::Section;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::model::name::Name;
 use crate::model::objective::Sense;
 use crate::model::text::names::Names;
@@ -100,11 +100,12 @@ impl<'a> File<'a> {
                 section = file.header(line, &tokens)?;
             }
         }
-        Err(Error::Parse {
+        Err(ErrorKind::Parse {
             line: last.1,
             column: last.0.chars().count() + 1,
             message: "the file ends without ENDATA; it may have been cut off".into(),
-        })
+        }
+        .into())
     }
 
     fn header(&mut self, line: &'a str, tokens: &[Token<'a>]) -> Result<Section, Error> {

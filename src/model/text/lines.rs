@@ -1,6 +1,6 @@
 //! The rows of a model as files hold them, and the refusal of what no file can say.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::Model;
 use crate::model::ids::Variable;
@@ -20,9 +20,11 @@ pub(crate) struct Line<'a> {
 /// Names and limits are checked once more here: a model read from elsewhere may hold any.
 pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Line<'a>>, Error> {
     if model.name().chars().any(|c| c.is_control() && c != '\t') {
-        return Err(Error::InvalidName { name: model.name().to_owned() });
+        return Err(ErrorKind::InvalidName { name: model.name().to_owned() }.into());
     }
-    let not_in_file = |what, name: &Name| Error::NotInFile { format, what, name: name.to_string() };
+    let not_in_file = |what, name: &Name| {
+        Error::from(ErrorKind::NotInFile { format, what, name: name.to_string() })
+    };
     if let Some(disjunction) = model.disjunctions().next() {
         return Err(not_in_file("the disjunction", disjunction.name()));
     }
@@ -35,7 +37,7 @@ pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Li
     model.variables().try_for_each(|variable| variable.name().check())?;
     let rows = model.constraints().map(|row| {
         let (name, terms, limits) = (row.name(), row.terms(), row.limits());
-        Ok(Line { name, terms, limits, condition: None })
+        Ok::<_, Error>(Line { name, terms, limits, condition: None })
     });
     let switched = model.indicators().map(|row| {
         let (name, terms, limits) = (row.name(), row.terms(), row.limits());
@@ -48,7 +50,7 @@ pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Li
             let line: Line<'_> = line?;
             line.name.check()?;
             if line.limits.lower.is_infinite() && line.limits.upper.is_infinite() {
-                return Err(Error::UnlimitedRow { name: line.name.to_string() });
+                return Err(ErrorKind::UnlimitedRow { name: line.name.to_string() }.into());
             }
             Ok(line)
         })

@@ -1,6 +1,6 @@
 //! Pieces of a line with their place in the file, and the numbers in them.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
 /// A piece of a line between white space.
@@ -22,7 +22,7 @@ impl<'a> Token<'a> {
     /// An error at this place.
     pub(crate) fn error(&self, message: impl Into<String>) -> Error {
         let column = self.line_text[..self.start].chars().count() + 1;
-        Error::Parse { line: self.line, column, message: message.into() }
+        Error::from(ErrorKind::Parse { line: self.line, column, message: message.into() })
     }
 
     /// The line of the token, from 1.

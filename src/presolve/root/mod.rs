@@ -37,7 +37,7 @@ mod work;
 pub use blocks::{Block, blocks};
 pub use postsolve::{Postsolve, Restored};
 
-use crate::error::Error;
+use crate::error::{Error, check_length};
 use crate::program::Program;
 use crate::solver::Deadline;
 use work::Work;
@@ -146,15 +146,11 @@ impl Presolved {
     ///
     /// # Errors
     ///
-    /// [`Error::Backend`] when a length does not match.
+    /// [`ErrorKind::Length`](crate::ErrorKind::Length) when a length does not match.
     pub fn restore(&self, x: &[f64], y: &[f64]) -> Result<Restored, Error> {
         let program = &self.program;
-        if x.len() != program.column_count() || y.len() != program.row_count() {
-            return Err(Error::Backend {
-                message: "a point and its multipliers need the lengths of the presolved program"
-                    .into(),
-            });
-        }
+        check_length("the point", x.len(), program.column_count())?;
+        check_length("the multipliers", y.len(), program.row_count())?;
         let reduced_cost = |j: usize| {
             let dot = |(index, value): (&[usize], &[f64]), with: &[f64]| -> f64 {
                 index.iter().zip(value).map(|(&k, a)| a * with[k]).sum()
@@ -197,7 +193,7 @@ const ROUNDS: usize = 30;
 ///
 /// # Errors
 ///
-/// [`Error::Backend`] when the matrices cannot be allocated.
+/// [`ErrorKind::Allocation`](crate::ErrorKind::Allocation) when the matrices cannot be allocated.
 pub fn presolve(
     program: &Program,
     rules: &[Rule],

@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
+use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
 use super::postsolve::{Postsolve, Undo};
 use super::{Infeasible, Presolved};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::program::Program;
 use crate::solver::Deadline;
 use crate::tolerance;
@@ -267,8 +267,7 @@ impl Work {
 
     /// The presolved program, numbered anew.
     pub(super) fn finish(self) -> Result<Presolved, Error> {
-        let matrix =
-            |e| Error::Backend { message: format!("assembly of the matrices failed: {e:?}") };
+        let matrix = |error: CreationError| Error::with_source(ErrorKind::Allocation, error);
         let (columns, rows) = (self.live_columns(), self.live_rows());
         let mut position = vec![usize::MAX; self.uses.len()];
         columns.iter().enumerate().for_each(|(k, &j)| position[j] = k);

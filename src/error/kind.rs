@@ -1,14 +1,13 @@
-//! The one error type: misuse or breakdown, always with the name of the thing and what to do.
-//!
-//! *Infeasible*, *unbounded* and *stopped by a limit* are not errors; they are statuses of a
-//! [`Solution`](crate::solution::Solution).
+//! What can go wrong, a variant each, with the text that says so.
 
 use thiserror::Error;
 
-/// What can go wrong when a model is written, lowered, solved or read.
+/// What went wrong; the kind of an [`Error`](super::Error).
+///
+/// The text of a kind says what is wrong, and after a semicolon what to do.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-pub enum Error {
+pub enum ErrorKind {
     /// A number that must be finite is NaN or infinite.
     #[error("{what} of `{name}` is {value}; give a finite number")]
     NotFinite {
@@ -239,10 +238,10 @@ pub enum Error {
         /// What is allowed, in words.
         range: String,
     },
-    /// Matrices or vectors whose shapes do not fit.
+    /// A matrix whose shape does not fit.
     #[error("{what} has shape {rows}x{columns}; expected {expected}")]
     Shape {
-        /// The matrix or vector.
+        /// The matrix.
         what: &'static str,
         /// Its number of rows.
         rows: usize,
@@ -250,29 +249,6 @@ pub enum Error {
         columns: usize,
         /// The expected shape.
         expected: String,
-    },
-    /// A scenario that contradicts itself before any planning.
-    #[error("the scenario cannot be planned: {reason}; {help}")]
-    Scenario {
-        /// What contradicts what.
-        reason: String,
-        /// What to change.
-        help: String,
-    },
-    /// A plan that does not survive its own replay.
-    #[error(
-        "the plan is not certified: its {what} at step {step} is off by {residual:.3e} from the \
-         replay, more than {tolerance:.0e}; tighten the solver's feasibility tolerance"
-    )]
-    Replay {
-        /// `position`, `velocity` or `contact`.
-        what: &'static str,
-        /// The step.
-        step: usize,
-        /// The disagreement, in m or m/s.
-        residual: f64,
-        /// What is allowed, in the same unit.
-        tolerance: f64,
     },
     /// A model file that cannot be read.
     #[error("line {line}, column {column}: {message}")]
@@ -300,10 +276,46 @@ pub enum Error {
         /// What to do instead.
         help: String,
     },
-    /// A solver answered something that its contract excludes.
-    #[error("the solver broke its contract: {message}")]
+    /// A list of a wrong length.
+    #[error("the length of {what} is {found}; it must be {expected}")]
+    Length {
+        /// The list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that was expected.
+        expected: usize,
+    },
+    /// Lowering was stopped by a limit or an interrupt.
+    #[error("lowering was stopped before it was finished; allow more time, or do not interrupt it")]
+    Stopped,
+    /// The matrices of a program do not fit into memory.
+    ///
+    /// The source is the error of the matrix library.
+    #[error("the matrices of the program cannot be allocated; solve a smaller one")]
+    Allocation,
+    /// The operating system refused something.
+    ///
+    /// The source is a [`std::io::Error`].
+    #[error("{what}; {help}")]
+    Io {
+        /// What could not be done.
+        what: String,
+        /// What to do.
+        help: &'static str,
+    },
+    /// A solver broke down, or answered something that its contract excludes.
+    #[error("{solver} failed: {message}")]
     Backend {
-        /// What happened.
+        /// The solver.
+        solver: String,
+        /// What it did, in words.
         message: String,
     },
+    /// An error from outside the kinds of this crate's ground: of a planner, or of a solver
+    /// outside the crate.
+    ///
+    /// The source is that error, and its text is the text of the [`Error`](super::Error).
+    #[error("another error; see its source")]
+    Other,
 }
