@@ -165,7 +165,7 @@ fn in_parallel<T: Send>(
     work: impl Fn(usize) -> Result<T, Error> + Sync,
 ) -> Result<Vec<T>, Error> {
     let next = AtomicUsize::new(0);
-    let worker = || {
+    let worker = || -> Result<_, Error> {
         let mut done = Vec::new();
         loop {
             let k = next.fetch_add(1, Ordering::Relaxed);
@@ -183,7 +183,7 @@ fn in_parallel<T: Send>(
         for handle in handles {
             all.extend(handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?);
         }
-        Ok(all)
+        Ok::<_, Error>(all)
     })?;
     all.sort_by_key(|(k, _)| *k);
     Ok(all.into_iter().map(|(_, result)| result).collect())

@@ -324,7 +324,12 @@ impl TryFrom<Stored> for LinearSystem {
             match rows.iter().find(|row| row.len() != columns) {
                 Some(row) => {
                     let expected = format!("{columns} columns in every row");
-                    Err(ErrorKind::Shape { what, rows: 1, columns: row.len(), expected }.into())
+                    Err(Error::from(ErrorKind::Shape {
+                        what,
+                        rows: 1,
+                        columns: row.len(),
+                        expected,
+                    }))
                 }
                 None => Ok(Mat::from_fn(rows.len(), columns, |i, j| rows[i][j])),
             }
