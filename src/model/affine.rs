@@ -5,7 +5,7 @@ use std::fmt;
 use super::ids::Variable;
 use crate::sum::Sum;
 
-/// An affine expression `constant + sum a_j x_j`; the unit is the modeller's.
+/// An affine expression `constant + sum a_j x_j`, in any unit you choose.
 ///
 /// Built with `+`, `-`, unary `-`, multiplication by a number, and `sum` over iterators, on values
 /// and on references. Terms of the same variable are merged and sorted by variable when the
@@ -38,7 +38,7 @@ impl Affine {
         Affine { terms: Vec::new(), constant: value }
     }
 
-    /// Adds `coefficient * variable` in place: the fast way to build long rows.
+    /// Adds `coefficient * variable` in place. This is the fastest way to build long rows.
     pub fn add_term(&mut self, coefficient: f64, variable: Variable) {
         self.terms.push((variable, coefficient));
     }

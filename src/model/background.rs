@@ -1,14 +1,14 @@
-//! Background: families of statements that say how things are, not what is wanted.
+//! Background: families of statements that explanations never question.
 
 use super::Model;
 use super::name::Name;
 use crate::error::{Error, ErrorKind};
 
 impl Model {
-    /// Declares a family of statements to be background: what describes the system, such as its
-    /// dynamics, and is never in question when one asks why a model has no solution (see
-    /// [`explain`](crate::explain)). It changes nothing else. The builders of
-    /// [`hybrid`](crate::hybrid) declare the statements that they add.
+    /// Declares a family of statements to be background. Background statements describe the system,
+    /// such as its dynamics, and [`explain`](crate::explain) never blames them for infeasibility.
+    /// This has no other effect. The builders of [`hybrid`](crate::hybrid) declare the dynamics
+    /// that they add.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -23,7 +23,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::UnknownName`] when the model has no statement of this family.
+    /// [`ErrorKind::UnknownName`] if the model has no statement of this family.
     pub fn set_background(&mut self, family: &str) -> Result<(), Error> {
         if self.stored.background.contains(family) {
             return Ok(());

@@ -27,7 +27,7 @@ pub(super) fn find_negative_curvature(
     sign: f64,
 ) -> Option<NegativeCurvature> {
     if products.iter().all(|(a, b, _)| a == b) {
-        // Squares only, each variable once: nothing to take apart.
+        // Only squares: separable.
         let bad = products.iter().find(|(.., q)| sign * q < 0.0);
         return bad
             .map(|&(variable, _, q)| NegativeCurvature { curvature: 2.0 * sign * q, variable });

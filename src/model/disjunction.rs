@@ -1,9 +1,9 @@
 //! Disjunctions: "these rows, or those, or those", as first-class statements of a model.
 //!
-//! A disjunction says what is meant: *exactly one* of its terms is selected, by a binary each, and
-//! the rows of the selected term hold (those of others may hold as well). How it becomes rows is
-//! chosen by a [`Method`], for the whole model or for one disjunction; what a solution obeys is
-//! checked term by term, never through those rows.
+//! *Exactly one* term of a disjunction is selected, by a binary per term, and the rows of the
+//! selected term hold (those of other terms may hold as well). A [`Method`], for the whole model or
+//! for one disjunction, decides how it becomes rows. Solutions are checked term by term, not
+//! through these rows.
 
 use super::Model;
 use super::ids::Disjunction;
@@ -16,14 +16,14 @@ use super::statement::{Statement, StoredRow, stored};
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 
-/// The most levels of disjunctions inside terms.
+/// The largest depth of disjunctions inside terms.
 const DEEPEST: u32 = 16;
 
-/// Rows of which all hold, or none need to, and disjunctions among them: one way of an [`Either`].
+/// One alternative of an [`Either`]: rows and nested disjunctions that must hold together if it is
+/// selected.
 ///
-/// Made from a [`Row`], an array or a vector of rows, or a nested [`Either`]; more of both are
-/// added with [`and`](Term::and) and [`and_either`](Term::and_either). A term without any rows is
-/// always true.
+/// Made from a [`Row`], an array or a vector of rows, or a nested [`Either`]; add more of both with
+/// [`and`](Term::and) and [`and_either`](Term::and_either). A term without rows is always true.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[must_use = "a term does nothing until its disjunction is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -33,13 +33,13 @@ pub struct Term {
 }
 
 impl Term {
-    /// With one more row.
+    /// Adds a row.
     pub fn and(mut self, row: Row) -> Self {
         self.rows.push(row);
         self
     }
 
-    /// With a disjunction that must hold where this term is selected.
+    /// Adds a disjunction that must hold if this term is selected.
     pub fn and_either(mut self, inner: Either) -> Self {
         self.nested.push(inner);
         self
@@ -74,7 +74,7 @@ impl From<Either> for Term {
     }
 }
 
-/// "One of these terms", not added to a model yet; made by [`either`] and [`Either::of`].
+/// A disjunction of terms, not yet added to a model; made by [`either`] and [`Either::of`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a disjunction does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -85,7 +85,7 @@ pub struct Either {
     depth: u32,
 }
 
-/// The disjunction of a first term and those that follow with [`Either::or`].
+/// Starts a disjunction with its first term; add others with [`Either::or`].
 ///
 /// ```
 /// use carom::prelude::*;
@@ -128,12 +128,12 @@ impl Either {
         terms.into_iter().fold(none, Either::or)
     }
 
-    /// With one more term.
+    /// Adds a term.
     pub fn or(mut self, term: impl Into<Term>) -> Self {
         let mut term = term.into();
         if term.depth() > DEEPEST {
-            // What is nested too deep is dropped, so that nothing later has to walk it; the depth
-            // stays, and adding the disjunction is refused.
+            // Terms that are nested too deep are dropped, so that no later code walks them. The
+            // recorded depth stays, and adding the disjunction is refused.
             term.nested.clear();
             self.depth = DEEPEST + 2;
         }
@@ -142,17 +142,17 @@ impl Either {
         self
     }
 
-    /// Selects the terms by these conditions, in order, instead of binaries of its own: exactly
-    /// one of them is true. For two terms, one binary is enough: `[z.on(), z.off()]`.
-    /// In a nested disjunction exactly one is true where the term around it is selected, and none
-    /// elsewhere: there, `[z.on(), z.off()]` would force that term.
+    /// Selects the terms by these conditions, in order, instead of new binaries. Exactly one of
+    /// them is true. Two terms can share one binary: `[z.on(), z.off()]`. In a nested disjunction,
+    /// exactly one is true if the term around it is selected, and none otherwise, so
+    /// `[z.on(), z.off()]` would force that term.
     pub fn selected_by(mut self, selectors: impl IntoIterator<Item = Literal>) -> Self {
         self.selectors = Some(selectors.into_iter().collect());
         self
     }
 
-    /// Lowers this disjunction by a method of its own instead of the model's
-    /// [`Reformulation`](super::Reformulation). In a nested disjunction this says nothing: the
+    /// Lowers this disjunction by this method instead of the one in the model's
+    /// [`Reformulation`](super::Reformulation). This has no effect on a nested disjunction: the
     /// outermost one decides.
     pub fn by(mut self, method: Method) -> Self {
         self.method = Some(method);
@@ -160,7 +160,7 @@ impl Either {
     }
 }
 
-/// A disjunction as it stands in its model.
+/// A disjunction in a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -177,7 +177,7 @@ pub struct Selected {
 pub(crate) struct StoredTerm {
     pub(crate) selector: Literal,
     pub(crate) rows: Vec<StoredRow>,
-    /// The terms of each nested disjunction; one of them is selected exactly where this term is.
+    /// The terms of each nested disjunction. One of them is selected if and only if this term is.
     pub(crate) nested: Vec<Vec<StoredTerm>>,
 }
 
@@ -225,7 +225,7 @@ fn store(
             return wrong("selectors", given.len(), format!("{count}, one for each term"));
         }
         Some(given) => given,
-        // Which of two terms needs one binary only, unless both can be off.
+        // Two terms share one binary, unless both can be off.
         None if count == 2 && !inner => {
             let first = model.binary(free_name(model, name, "_first"))?;
             vec![first.on(), first.off()]
@@ -251,7 +251,7 @@ fn store(
     Ok(terms)
 }
 
-/// The name with a suffix, and underscores where that is taken.
+/// The name with a suffix, and underscores if that is taken.
 fn free_name(model: &Model, name: &Name, suffix: &str) -> Name {
     let mut name = name.suffixed(suffix);
     while model.variable_by_name(name.clone()).is_ok() {
@@ -300,7 +300,7 @@ pub(super) fn checked(
 }
 
 impl StoredTerm {
-    /// Calls `visit` with every row of the term and of those inside it.
+    /// Calls `visit` with every row of the term and of the terms inside it.
     pub(crate) fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
         self.rows.iter().for_each(&mut *visit);
         self.nested.iter().flatten().for_each(|term| term.for_each_row(visit));
@@ -308,7 +308,7 @@ impl StoredTerm {
 }
 
 impl Model {
-    /// Number of disjunctions, nested ones not counted.
+    /// Number of disjunctions, without nested ones.
     pub fn disjunction_count(&self) -> usize {
         self.stored.disjunctions.len()
     }

@@ -11,7 +11,8 @@ use super::variable::VariableKind;
 use crate::interval::Interval;
 
 impl fmt::Display for Model {
-    /// Objective, rows, indicators, disjunctions, logic, functions and bounds, with names; one statement a line.
+    /// Objective, rows, indicators, disjunctions, logic, functions and bounds, with names, one
+    /// statement per line.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -84,7 +85,7 @@ impl fmt::Display for Model {
 }
 
 impl Model {
-    /// The name of a variable of this model, or its position where it is not of this model.
+    /// The name of a variable, or its position if it belongs to another model.
     pub(crate) fn name_of(&self, variable: Variable) -> String {
         match self.variable_ref(variable) {
             Ok(v) => v.name().to_string(),
@@ -92,7 +93,7 @@ impl Model {
         }
     }
 
-    /// A row in words, `2 x[0] - y <= 4`.
+    /// A row as text, `2 x[0] - y <= 4`.
     pub(crate) fn row_text(&self, terms: &[(Variable, f64)], limits: Interval) -> String {
         let mut text = String::new();
         // Writing into a string cannot fail.
@@ -100,7 +101,7 @@ impl Model {
         limits_text(if terms.is_empty() { "0" } else { &text }, limits)
     }
 
-    /// A disjunction in words, `(z = 1: x <= 1, y >= 2) or (z = 0: x >= 3)`.
+    /// A disjunction as text, `(z = 1: x <= 1, y >= 2) or (z = 0: x >= 3)`.
     fn terms_text(&self, terms: &[StoredTerm]) -> String {
         let term = |term: &StoredTerm| {
             let rows = term.rows.iter();

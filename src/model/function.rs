@@ -4,8 +4,8 @@ use super::affine::Affine;
 use super::ids::Variable;
 use super::piecewise::PiecewiseAffine;
 
-/// What a variable made by [`Model::product`](super::Model::product),
-/// [`absolute`](super::Model::absolute) and their siblings equals.
+/// The function that a variable equals, made by [`Model::product`](super::Model::product),
+/// [`absolute`](super::Model::absolute) and similar methods.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -33,8 +33,8 @@ pub enum Function {
 }
 
 impl Function {
-    /// Value at a point given by a function from variables to values; the argument of a
-    /// piecewise-affine function is moved into its domain.
+    /// Value at a point, given as a function from variables to values. The argument of a
+    /// piecewise-affine function is clamped to its domain.
     pub fn evaluate(&self, value: impl Fn(Variable) -> f64) -> f64 {
         match self {
             Function::Product { factor, of } => value(*factor) * of.evaluate(&value),
@@ -49,7 +49,7 @@ impl Function {
         }
     }
 
-    /// The expressions that it depends on, the factor of a product not included.
+    /// The expressions that it depends on, without the factor of a product.
     pub fn expressions(&self) -> &[Affine] {
         match self {
             Function::Product { of, .. }

@@ -1,9 +1,8 @@
 //! Products, absolute values, extrema and piecewise-affine functions as variables of a model.
 //!
-//! Each method adds one continuous variable that equals the function, in either direction of
-//! optimisation. The function is kept as what it is; its rows are made when the model is solved,
-//! from the bounds of that moment, and no binary is spent where bounds decide the case or where
-//! the model only ever pushes the variable towards its convex side, see
+//! Each method adds a continuous variable that equals the function, whichever way the objective
+//! pushes it. Its rows are made at each solve, from the current bounds. No binary is needed if
+//! bounds decide the case or if the model pushes the variable only towards its convex side; see
 //! [`reformulate`](crate::reformulate).
 
 use super::Model;
@@ -21,8 +20,8 @@ use crate::error::{Error, ErrorKind};
 impl Model {
     /// Adds a variable that equals `factor * of` for a binary or integer `factor`.
     ///
-    /// A binary needs four rows and nothing else; an integer is split into bits, so its range
-    /// must be bounded and at most 1000. All variables of `of` need bounds.
+    /// A binary factor needs four rows. An integer factor is split into bits, so its range must be
+    /// bounded and at most 1000. All variables of `of` need bounds.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -63,7 +62,7 @@ impl Model {
     /// model.minimize(effort + 0.5 * x)?;
     /// let mut solver = BranchAndBound::default();
     /// assert!((solver.solve(&model)?.value(x)? - 1.0).abs() < 1e-6);
-    /// // The same variable, pushed to its other side: |x - 1| - x is largest at x = -3.
+    /// // The same variable, pushed to the other side: |x - 1| - x is largest at x = -3.
     /// model.maximize(effort - x)?;
     /// assert!((solver.solve(&model)?.value(effort)? - 4.0).abs() < 1e-6);
     /// # Ok::<(), carom::Error>(())
@@ -93,8 +92,8 @@ impl Model {
         self.define(name.into(), Function::Maximum(vec![of.into(), Affine::zero()]))
     }
 
-    /// Adds a variable that equals the largest of several expressions; constants are allowed
-    /// among them.
+    /// Adds a variable that equals the largest of several expressions, some of which may be
+    /// constant.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -112,8 +111,8 @@ impl Model {
     /// # Errors
     ///
     /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::ForeignHandle`],
-    /// [`ErrorKind::NotFinite`]; [`ErrorKind::OutOfRange`] without any expression. Missing bounds
-    /// are found when the model is lowered.
+    /// [`ErrorKind::NotFinite`]; [`ErrorKind::OutOfRange`] if there is no expression. Missing
+    /// bounds are found when the model is lowered.
     pub fn maximum<T: Into<Affine>>(
         &mut self,
         name: impl Into<Name>,

@@ -3,8 +3,8 @@
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Identifies the model a handle was made by. Two models never share a tag on purpose; a clone
-/// keeps its original's tag, so handles of the original work in the clone.
+/// Identifies the model that made a handle. A clone keeps its original's tag, so handles of the
+/// original work in the clone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
 pub(crate) struct ModelTag(u32);

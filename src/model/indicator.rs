@@ -1,8 +1,8 @@
 //! Indicators: "if this holds, then that row does", as first-class statements of a model.
 //!
-//! An indicator says what is meant. How it becomes rows (big-M) is decided later, in
-//! [`reformulate`](crate::reformulate); whether a solution obeys it is checked as an implication,
-//! never through its big-M rows, in [`solution`](crate::solution).
+//! [`reformulate`](crate::reformulate) turns indicators into big-M rows at each solve.
+//! [`Verification`](crate::solution::Verification) checks them as implications, not through these
+//! rows.
 
 use super::Model;
 use super::ids::{Indicator, Variable};
@@ -53,15 +53,15 @@ pub enum BigM {
     /// Derived per side from the current bounds of the row's variables.
     #[default]
     Automatic,
-    /// The user's value, refused when the current bounds do not prove it.
+    /// The user's value, refused unless the current bounds prove it.
     Given(f64),
-    /// The user's value, taken on trust; listed in the report and checked on every solution.
+    /// The user's value, used without proof; the report lists it.
     Assumed(f64),
 }
 
-/// What can follow from a condition: a [`Row`], or logic. Sealed.
+/// The consequence of a condition: a [`Row`] or logic. Sealed.
 pub trait Consequent: sealed::Sealed {
-    /// What the implication is: an [`Implication`] or a [`Logic`].
+    /// The type of the implication: [`Implication`] or [`Logic`].
     type Output;
 
     #[doc(hidden)]
@@ -100,8 +100,7 @@ macro_rules! consequents {
 
 consequents!(Logic, Literal, Variable);
 
-/// An implication that has not been added to a model yet; made by [`Literal::implies`] and
-/// [`Logic::implies`].
+/// An implication, not yet added to a model; made by [`Literal::implies`] and [`Logic::implies`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "an implication does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -111,7 +110,7 @@ pub struct Implication {
     pub(crate) big_m: BigM,
 }
 
-/// One condition and several rows, not added to a model yet; made by [`Literal::implies_all`] and
+/// One condition and several rows, not yet added to a model; made by [`Literal::implies_all`] and
 /// [`Logic::implies_all`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "implications do nothing until they are given to `Model::add`"]
@@ -121,8 +120,8 @@ pub struct Implications {
     pub(crate) rows: Vec<Row>,
 }
 
-/// "This holds exactly when the row does", not added to a model yet; made by [`Literal::reify`]
-/// and [`Logic::reify`].
+/// "This holds exactly when the row does", not yet added to a model; made by [`Literal::reify`] and
+/// [`Logic::reify`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a reification does nothing until it is given to `Model::add`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -139,10 +138,11 @@ pub struct Reification {
 pub struct Reified {
     /// The condition implies the row.
     pub when: Indicator,
-    /// The condition's opposite implies that the row fails by the margin: above its upper limit,
-    /// below its lower one, or, for a two-sided row, both indicators in this order.
+    /// The negated condition implies that the row fails by the margin: above its upper limit or
+    /// below its lower one. A two-sided row has both indicators, in this order.
     pub otherwise: Vec<Indicator>,
-    /// For a two-sided row: the binary that is 1 where the row fails above, 0 elsewhere.
+    /// For a two-sided row, the binary that is 1 if the row fails above its upper limit, and 0
+    /// otherwise.
     pub above: Option<Variable>,
 }
 
@@ -215,7 +215,7 @@ impl Reification {
                 add(model, name.suffixed("_else_above"), side.into(), above)?,
                 add(model, name.suffixed("_else_below"), fails & !side, below)?,
             ];
-            // "Above" means that the row fails, so it is no choice where the row holds.
+            // "Above" means that the row fails, so it is 0 if the row holds.
             model.push_logical(name.suffixed("_above"), side.implies(!condition))?;
             Ok(Reified { when, otherwise, above: Some(side) })
         })
@@ -224,17 +224,17 @@ impl Reification {
 
 impl Implication {
     /// Uses this big-M (in the row's unit, for each side that needs one) instead of the automatic
-    /// one. Lowering refuses it when the bounds do not prove it.
+    /// one. Lowering refuses it unless the bounds prove it.
     pub fn big_m(mut self, value: f64) -> Self {
         self.big_m = BigM::Given(value);
         self
     }
 
-    /// Takes the given big-M on trust: it is listed in the report, and a solution whose
-    /// implications fail is never accepted. Without a given value this changes nothing.
+    /// Uses the given big-M without proof. The report lists it. This has no effect without a given
+    /// value.
     ///
-    /// An assumed M that is too small cuts off plans that exist; no certificate can see plans
-    /// that were cut off.
+    /// An M that is too small cuts off feasible points, and no check of the solution can detect
+    /// that.
     pub fn assume_valid(mut self) -> Self {
         if let BigM::Given(value) = self.big_m {
             self.big_m = BigM::Assumed(value);

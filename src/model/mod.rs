@@ -1,11 +1,11 @@
-//! The modelling language: what a program says, before anyone decides how to solve it.
+//! The modelling language.
 //!
 //! A [`Model`] owns variables with bounds, linear rows, [indicators](Implication),
-//! [disjunctions](Either), [logic](Logic), [functions](Function) of other variables, and one objective. Expressions are
-//! plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`], [`Constraint`],
-//! [`Indicator`], [`LogicalConstraint`]) are `Copy` and are checked: a handle of another model is
-//! an error, never a wrong answer. Solving borrows a model, so bounds and limits may be changed
-//! afterwards and the model solved again.
+//! [disjunctions](Either), [logic](Logic), [functions](Function) of other variables, and one
+//! objective. Expressions are plain values ([`Affine`], [`Quadratic`]); handles ([`Variable`],
+//! [`Constraint`], [`Indicator`], [`LogicalConstraint`]) are `Copy`. Using a handle with another
+//! model is an error. Solving borrows the model, so bounds and limits may be changed afterwards and
+//! the model solved again.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -27,35 +27,36 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # Say it like this
+//! # Constructs
 //!
-//! In short; the [guide](crate::guide) has the mathematics. With binaries `a`, `b`, `z`, an integer `n`, affine expressions `e`, `e1`, ..., and rows as they
-//! come from [`reformulate::lower`](crate::reformulate::lower):
+//! The [guide](crate::guide) has the mathematics. Here `a`, `b` and `z` are binaries, `n` is an
+//! integer, `e`, `e1`, ... are affine expressions, and the rows are those of
+//! [`reformulate::lower`](crate::reformulate::lower):
 //!
-//! | meant | said | lowered to |
+//! | meaning | code | lowered to |
 //! | --- | --- | --- |
 //! | `e <= 3`, `1 <= e <= 3`, `e = 3` | `e.le(3.0)`, `e.within(1.0, 3.0)`, `e.equals(3.0)` | one row |
-//! | a and not b | `a & !b` | a row each |
+//! | a and not b | `a & !b` | two rows |
 //! | a or b, not both | `a.xor(b)` | one row |
 //! | if a, then b or z | `a.implies(b \| z)` | one row |
 //! | a exactly when b | `a.iff(b)` | one row |
 //! | at most 2 of many | `at_most(2, &hits)` | one row |
-//! | z when both of a, b | `z.iff(a & b)` | three rows |
-//! | if z, then `e <= 3` | `z.on().implies(e.le(3.0))` | one big-M row a side |
-//! | if a and not b, then `e <= 3` | `(a & !b).implies(e.le(3.0))` | one big-M row a side |
-//! | if z, then several rows | `z.on().implies_all([r1, r2])` | one big-M row a row and side |
+//! | z exactly when a and b | `z.iff(a & b)` | three rows |
+//! | if z, then `e <= 3` | `z.on().implies(e.le(3.0))` | one big-M row per side |
+//! | if a and not b, then `e <= 3` | `(a & !b).implies(e.le(3.0))` | one big-M row per side |
+//! | if z, then several rows | `z.on().implies_all([r1, r2])` | one big-M row per row and side |
 //! | z exactly when `e <= 3` | `z.on().reify(e.le(3.0), 0.01)` | two big-M rows |
 //! | z exactly when `e` is 3 | `z.on().reify(e.equals(3.0), 0.01)` | four big-M rows, a clause and one binary |
 //! | this or that | `either([r1, r2]).or(r3)` | a row of selectors; big-M, multi-M or hull rows |
 //! | `z e` | `model.product("w", z, e)?` | four rows, the convex hull |
-//! | `n e` | `model.product("w", n, e)?` | a binary and four rows a bit of `n` |
-//! | `\|e\|` | `model.absolute("w", e)?` | two rows; two more and one binary where needed |
+//! | `n e` | `model.product("w", n, e)?` | a binary and four rows per bit of `n` |
+//! | `\|e\|` | `model.absolute("w", e)?` | two rows; two more and one binary if needed |
 //! | `max(e, 0)` | `model.positive_part("w", e)?` | the same |
-//! | `max(e1, e2, e3)` | `model.maximum("w", [e1, e2, e3])?` | a row each; again as many, and binaries, where needed |
-//! | `f(e)`, `f` affine in pieces | `model.piecewise("w", e, &f)?` | a row a piece; or two rows a piece and binaries where needed |
+//! | `max(e1, e2, e3)` | `model.maximum("w", [e1, e2, e3])?` | one row per expression; twice as many, and binaries, if needed |
+//! | `f(e)`, `f` piecewise affine | `model.piecewise("w", e, &f)?` | one row per piece; two per piece, and binaries, if needed |
 //!
-//! Binaries are needed where neither bounds decide the case nor the rest of the model only pushes
-//! the variable to its convex side: minimising `|e|` needs none, maximising it does.
+//! Functions need binaries unless bounds decide the case or the rest of the model pushes the
+//! variable only to its convex side: minimising `|e|` needs none, maximising it does.
 //!
 //! ```
 //! use carom::prelude::*;

@@ -43,7 +43,7 @@ impl From<Parts> for Name {
 }
 
 impl Name {
-    /// The family, or the whole name where there is no step.
+    /// The family, or the whole name if there is no step.
     pub fn family(&self) -> &str {
         &self.family
     }
@@ -58,7 +58,7 @@ impl Name {
         Name { family: format!("{}{suffix}", self.family), step: self.step }
     }
 
-    /// Refuses names that no file format could carry.
+    /// Refuses names that no file format can hold.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let bad = self.family.is_empty()
             || self.family.chars().any(|c| c.is_whitespace() || c.is_control());

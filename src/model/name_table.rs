@@ -1,7 +1,7 @@
-//! Who has a name: a table from names to positions.
+//! A table from names to positions.
 //!
-//! Families are looked up once by their text and then by step, in a plain list while steps come in
-//! order, so that a hundred thousand members of one family cost no hundred thousand texts.
+//! Families are looked up by their text and then by step. Consecutive steps are in a plain list, so
+//! a large family stores its text once.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -44,7 +44,7 @@ impl<T: Copy> NameTable<T> {
         }
     }
 
-    /// Gives a name a value; `false`, and nothing is changed, when it has one already.
+    /// Gives a name a value. Returns `false` and changes nothing if it has one already.
     pub(super) fn claim(&mut self, name: &Name, value: T) -> bool {
         if !self.families.contains_key(name.family()) {
             let none = Members { plain: None, dense: Vec::new(), sparse: BTreeMap::new() };

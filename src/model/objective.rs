@@ -39,8 +39,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotConvex`] when the quadratic part has negative curvature, with a variable
-    /// that takes part in it; [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
+    /// [`ErrorKind::NotConvex`] if the quadratic part has negative curvature; the error names a
+    /// variable of that direction; [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
     pub fn minimize(&mut self, expression: impl Into<Quadratic>) -> Result<(), Error> {
         self.set_objective(Sense::Minimize, expression)
     }

@@ -1,9 +1,9 @@
 //! Parameters: numbers that change from solve to solve within a declared range.
 //!
-//! A parameter stands in expressions like a variable and has one value at a time. Big-Ms and the
-//! ranges of functions come from its declared *range*, so a model is
-//! [lowered](crate::reformulate::lower) once and
-//! [solved](crate::reformulate::Lowered::solve) for any value.
+//! A parameter is used in expressions like a variable and has one value at a time. Big-Ms and the
+//! ranges of functions are computed from its declared *range*, so a model is
+//! [lowered](crate::reformulate::lower) once and [solved](crate::reformulate::Lowered::solve) for
+//! any value.
 
 use super::Model;
 use super::ids::Variable;
@@ -14,11 +14,10 @@ use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 
 impl Model {
-    /// Adds a parameter: a variable with one value now, and others later within a range.
+    /// Adds a parameter: a number that can change between solves within a range.
     ///
-    /// Wherever a number may stand on the right of a comparison, or in the constant of an
-    /// expression, a parameter may stand. It is no coefficient: a parameter times a variable is
-    /// not affine.
+    /// A parameter can replace a constant in an affine expression, on either side of a comparison.
+    /// It cannot replace a coefficient, because a parameter times a variable is not affine.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -31,7 +30,7 @@ impl Model {
     /// model.add("behind", near.on().implies(x.le(wall)))?;
     /// model.maximize(x + 5.0 * near)?;
     /// let lowered = reformulate::lower(&model)?;
-    /// // From the range of `wall`, whatever its value is.
+    /// // From the range of `wall`, not from its value.
     /// assert_eq!(lowered.report().entries()[0].value, 9.0);
     /// let mut solver = BranchAndBound::default();
     /// for (value, best) in [(2.0, 10.0), (8.0, 13.0), (6.5, 11.5)] {
@@ -44,8 +43,8 @@ impl Model {
     ///
     /// # Arguments
     ///
-    /// * `value`: its value now, in its unit.
-    /// * `lower`, `upper`: the range of all values it may be given, both finite.
+    /// * `value`: the current value, in the parameter's unit.
+    /// * `lower`, `upper`: the range of all values that it may take, in the same unit, both finite.
     ///
     /// # Errors
     ///
@@ -66,13 +65,13 @@ impl Model {
         Ok(parameter)
     }
 
-    /// Gives a parameter another value within its range.
+    /// Changes the value of a parameter within its range.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::NotParameter`] for any other variable;
-    /// [`ErrorKind::NotFinite`] and [`ErrorKind::OutOfRange`] for a value that the declaration
-    /// excludes.
+    /// [`ErrorKind::NotFinite`] and [`ErrorKind::OutOfRange`] for a value outside the declared
+    /// range.
     pub fn set_parameter(&mut self, parameter: Variable, value: f64) -> Result<(), Error> {
         let range = self.declared_range(parameter)?;
         let data = &mut self.stored.variables[parameter.index()];
@@ -81,11 +80,11 @@ impl Model {
         Ok(())
     }
 
-    /// Declares another range. Forms lowered before are out of date from here on.
+    /// Changes the declared range of a parameter. Earlier lowered forms become out of date.
     ///
     /// # Errors
     ///
-    /// As for [`Model::parameter`]; [`ErrorKind::NotParameter`] for any other variable. The present
+    /// As for [`Model::parameter`]; [`ErrorKind::NotParameter`] for any other variable. The current
     /// value must lie in the new range.
     pub fn set_parameter_range(
         &mut self,

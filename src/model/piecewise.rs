@@ -23,13 +23,12 @@ pub struct PiecewiseAffine {
 }
 
 impl PiecewiseAffine {
-    /// The function through these points `(x, y)`; its domain reaches from the first `x` to the
-    /// last.
+    /// The function through the points `(x, y)`. Its domain is from the first `x` to the last.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for fewer than two points, for an `x` that is not greater than the
-    /// one before, and for numbers that are not finite.
+    /// [`ErrorKind::OutOfRange`] if there are fewer than two points, if the `x` do not increase
+    /// strictly, or if a number is not finite.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
         let out = |what: String, value: f64, range: String| {
@@ -58,7 +57,7 @@ impl PiecewiseAffine {
         &self.points
     }
 
-    /// Where the function is defined.
+    /// The domain of the function.
     pub fn domain(&self) -> Interval {
         Interval::new(self.points[0].0, self.points[self.points.len() - 1].0)
     }
@@ -68,12 +67,12 @@ impl PiecewiseAffine {
         self.domain().contains(x).then(|| self.value_near(x))
     }
 
-    /// The function with its first and last pieces continued so that the domain reaches at least
-    /// from `lower` to `upper`.
+    /// The function with its first and last pieces extended so that the domain includes
+    /// `[lower, upper]`.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for ends that are not finite.
+    /// [`ErrorKind::OutOfRange`] if `lower` or `upper` is not finite.
     pub fn extended(&self, lower: f64, upper: f64) -> Result<Self, Error> {
         let mut points = self.points.clone();
         let line = |(x0, y0): (f64, f64), (x1, y1): (f64, f64), x: f64| {
@@ -90,7 +89,7 @@ impl PiecewiseAffine {
         PiecewiseAffine::new(points)
     }
 
-    /// The value at `x` moved into the domain.
+    /// The value at `x`, clamped to the domain.
     pub(crate) fn value_near(&self, x: f64) -> f64 {
         let after = self.points.partition_point(|point| point.0 < x);
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
@@ -105,7 +104,7 @@ impl PiecewiseAffine {
         }
     }
 
-    /// The smallest and the largest value within `[lower, upper]`, moved into the domain.
+    /// The smallest and the largest value within `[lower, upper]`, clamped to the domain.
     pub(crate) fn values_within(&self, lower: f64, upper: f64) -> Interval {
         let ends = [self.value_near(lower), self.value_near(upper)];
         let inside = self.points.iter().filter(|point| lower < point.0 && point.0 < upper);
@@ -114,9 +113,9 @@ impl PiecewiseAffine {
         values.fold(start, |range, y| Interval::new(range.lower.min(y), range.upper.max(y)))
     }
 
-    /// The part over `range`, without breakpoints between pieces of equal slope; the function
-    /// itself where `range` and the domain have no more than one point in common. Pieces of which
-    /// only a sliver is left are kept whole, for its slope would be noise.
+    /// The part over `range`, without breakpoints between pieces of equal slope. Returns the whole
+    /// function if `range` and the domain share at most one point. Pieces that would become very
+    /// short are kept whole, because their slope would be rounding noise.
     pub(crate) fn restricted(&self, range: Interval) -> PiecewiseAffine {
         let part = self.domain().intersection(range);
         let mut points = Vec::with_capacity(self.points.len());
@@ -160,7 +159,7 @@ impl PiecewiseAffine {
         })
     }
 
-    /// Whether the slopes never fall (`sign` = 1) or never rise (`sign` = -1).
+    /// Whether the slopes never decrease (`sign` = 1) or never increase (`sign` = -1).
     pub(crate) fn bends(&self, sign: f64) -> bool {
         let slopes: Vec<f64> = self.pieces().map(|(slope, _)| sign * slope).collect();
         slopes.windows(2).all(|pair| pair[0] <= pair[1] || same_slope(pair[0], pair[1]))

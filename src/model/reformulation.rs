@@ -1,19 +1,19 @@
-//! How a model wants its switched rows written: a preference, never a part of its meaning.
+//! How a model prefers to be lowered to rows. Preferences never change which points are feasible.
 
 use super::Model;
 
-/// How a disjunction becomes rows. All methods have the same integer solutions; they differ in
-/// size and in how tight the relaxation is.
+/// How a disjunction becomes rows. All methods have the same solutions. They differ in size and in
+/// the tightness of the relaxation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
-    /// A row of a term is relaxed by one M where the term is not selected. Fewest rows and
-    /// columns, weakest relaxation.
+    /// If a term is not selected, its rows are relaxed by one M each. Fewest rows and columns,
+    /// weakest relaxation.
     #[default]
     BigM,
-    /// A row of a term is relaxed by an M for each of the *other* terms, each from a linear
-    /// program over that term. As many rows as big-M, never weaker.
+    /// Each row of a term is relaxed by a separate M for each of the *other* terms, from a linear
+    /// program over that term. As many rows as big-M, and never weaker.
     MultiM,
     /// The convex hull of the terms: a copy of the variables for each term. The tightest
     /// relaxation of a single disjunction, at the price of many columns.
@@ -24,7 +24,7 @@ impl Method {
     /// All methods, from the smallest to the tightest.
     pub const ALL: [Method; 3] = [Method::BigM, Method::MultiM, Method::Hull];
 
-    /// The method in the field's words.
+    /// The usual name of the method.
     pub fn word(self) -> &'static str {
         match self {
             Method::BigM => "big-M",
@@ -34,8 +34,8 @@ impl Method {
     }
 }
 
-/// How a model is to be lowered to rows. What is chosen here changes sizes, bounds and times,
-/// never the set of solutions.
+/// How a model is to be lowered to rows. This changes sizes, bounds and solution times, but not the
+/// set of solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[must_use = "a reformulation does nothing until it is given to `Model::set_reformulation`"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -45,21 +45,21 @@ pub struct Reformulation {
 }
 
 impl Reformulation {
-    /// The method of disjunctions that do not choose their own; [`Method::BigM`] by default.
+    /// Sets the method for disjunctions without one of their own; [`Method::BigM`] by default.
     pub fn with_method(mut self, method: Method) -> Self {
         self.method = method;
         self
     }
 
-    /// Whether every big-M is tightened by a linear program over the whole relaxation, beyond what
-    /// the bounds of its own row prove. Off by default: it costs a linear program for each M each
-    /// time the model is lowered, and pays where the search is long.
+    /// Chooses whether every big-M is tightened by a linear program over the whole relaxation. Off
+    /// by default, because each lowering then solves a linear program per M. It pays if the search
+    /// is long.
     pub fn with_linear_programs(mut self, on: bool) -> Self {
         self.linear_programs = on;
         self
     }
 
-    /// The method of disjunctions that do not choose their own.
+    /// The method for disjunctions without one of their own.
     pub fn method(&self) -> Method {
         self.method
     }

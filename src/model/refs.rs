@@ -36,7 +36,7 @@ impl<'a> VariableRef<'a> {
         self.data.kind
     }
 
-    /// Current bounds, in the variable's unit; for a parameter its value, twice.
+    /// Current bounds, in the variable's unit. For a parameter, both are its value.
     pub fn bounds(&self) -> Interval {
         Interval::new(self.data.lower, self.data.upper)
     }
@@ -94,7 +94,7 @@ impl<'a> IndicatorRef<'a> {
         &self.data.name
     }
 
-    /// The condition; [`Logic::as_literal`] tells the plain ones.
+    /// The condition; [`Logic::as_literal`] returns `Some` for a plain literal.
     pub fn condition(&self) -> &'a Logic {
         &self.data.condition
     }
@@ -133,7 +133,7 @@ impl<'a> DisjunctionRef<'a> {
         &self.data.name
     }
 
-    /// The method that was chosen for this disjunction, if any.
+    /// The method chosen for this disjunction, if any.
     pub fn method(&self) -> Option<Method> {
         self.data.method
     }
@@ -191,7 +191,7 @@ impl<'a> LogicalConstraintRef<'a> {
         &self.data.name
     }
 
-    /// What must hold.
+    /// The formula.
     pub fn logic(&self) -> &'a Logic {
         &self.data.logic
     }
@@ -215,7 +215,7 @@ impl<'a> FunctionRef<'a> {
         &self.variable.name
     }
 
-    /// What the variable equals.
+    /// The function.
     pub fn function(&self) -> &'a Function {
         &self.data.function
     }

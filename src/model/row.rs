@@ -3,7 +3,7 @@
 use super::affine::Affine;
 use super::ids::Variable;
 
-/// A comparison that has not been added to a model yet: `lower <= expression <= upper`.
+/// A comparison, not yet added to a model: `lower <= expression <= upper`.
 ///
 /// Made by [`le`](Affine::le), [`ge`](Affine::ge), [`equals`](Affine::equals) and
 /// [`within`](Affine::within).
@@ -24,12 +24,12 @@ impl Row {
         &self.expression
     }
 
-    /// The lower limit; `-inf` when there is none.
+    /// The lower limit, or `-inf`.
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// The upper limit; `+inf` when there is none.
+    /// The upper limit, or `+inf`.
     pub fn upper(&self) -> f64 {
         self.upper
     }
@@ -55,7 +55,7 @@ macro_rules! comparisons {
                 Row { expression: Affine::from(self) - right.into(), lower: 0.0, upper: 0.0 }
             }
 
-            /// The row `lower <= self <= upper`; one end may be infinite.
+            /// The row `lower <= self <= upper`; one limit may be infinite.
             pub fn within(&self, lower: f64, upper: f64) -> Row {
                 Row { expression: Affine::from(self), lower, upper }
             }

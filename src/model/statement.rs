@@ -154,7 +154,7 @@ pub(crate) fn bounds(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), 
     Ok((lower, upper))
 }
 
-/// Refuses NaN, infinities and magnitudes that count as infinite.
+/// Refuses NaN, infinities and magnitudes that are treated as infinite.
 pub(crate) fn finite(value: f64, what: &'static str, name: &Name) -> Result<(), Error> {
     if value.abs() < crate::tolerance::INFINITE {
         Ok(())

@@ -40,7 +40,7 @@ impl Model {
         statement.add_to(self, name)
     }
 
-    /// Number of linear rows, indicators not counted.
+    /// Number of linear rows, without indicators.
     pub fn constraint_count(&self) -> usize {
         self.stored.constraints.len()
     }
@@ -78,7 +78,7 @@ impl Model {
         })
     }
 
-    /// The disjunction of a name.
+    /// The disjunction with a name.
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl Model {
         }
     }
 
-    /// The linear row of a name.
+    /// The linear row with a name.
     ///
     /// # Errors
     ///
@@ -108,7 +108,7 @@ impl Model {
         }
     }
 
-    /// The indicator of a name.
+    /// The indicator with a name.
     ///
     /// # Errors
     ///
@@ -121,7 +121,7 @@ impl Model {
         }
     }
 
-    /// The logic statement of a name.
+    /// The logic statement with a name.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The model itself: storage, look-up by handle and name, changes after the fact.
+//! The model itself: storage, look-up by handle and name, changes.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -30,7 +30,7 @@ pub struct Model {
     pub(super) stored: Stored,
     pub(super) variable_names: NameTable<u32>,
     pub(super) statement_names: NameTable<StatementIndex>,
-    /// Changes with everything but values of parameters, and is never used twice.
+    /// Changes with every modification except values of parameters, and is never used twice.
     pub(super) revision: u64,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Stored {
     pub(super) reformulation: Reformulation,
     pub(super) sense: Sense,
     pub(super) objective: Quadratic,
-    /// Families of statements that are never in question.
+    /// Families of statements that explanations never question.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) background: BTreeSet<String>,
 }
@@ -65,7 +65,7 @@ pub(super) struct VariableData {
     pub(super) lower: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(super) upper: f64,
-    /// For a parameter: the range of the values it may be given; the bounds are its value.
+    /// For a parameter, its declared range; its bounds are its value.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) range: Option<(f64, f64)>,
 }
@@ -238,13 +238,13 @@ impl Model {
         }
     }
 
-    /// Tells lowered forms of this model that they are out of date.
+    /// Marks lowered forms of this model as out of date.
     pub(crate) fn touch(&mut self) {
         self.revision = fresh_revision();
     }
 
-    /// Changes with everything but values of parameters. A clone has its original's until either
-    /// is changed.
+    /// Changes with every modification except values of parameters. A clone shares its original's
+    /// until either is modified.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
@@ -314,8 +314,8 @@ impl Model {
         Ok(id)
     }
 
-    /// The model with nothing but its rows: what a reformulation adds to. Variables, objective
-    /// and rows stay, and so do their handles.
+    /// The model with only its variables, objective and rows, to which a reformulation adds. Their
+    /// handles stay valid.
     pub(crate) fn with_rows_only(&self) -> Model {
         let stored = Stored {
             variables: self.stored.variables.clone(),
@@ -333,7 +333,7 @@ impl Model {
         Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
 
-    /// The model with every variable continuous: its relaxation, where it has rows only.
+    /// The model with every variable continuous. If it has only rows, this is its relaxation.
     pub(crate) fn with_integrality_relaxed(&self) -> Model {
         let mut model = self.clone();
         model.stored.variables.iter_mut().for_each(|data| data.kind = VariableKind::Continuous);
@@ -341,7 +341,7 @@ impl Model {
         model
     }
 
-    /// Does several additions, or, if one of them fails, none.
+    /// Makes several additions, or none if one of them fails.
     pub(super) fn all_or_nothing<T>(
         &mut self,
         add: impl FnOnce(&mut Model) -> Result<T, Error>,

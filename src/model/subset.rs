@@ -1,7 +1,7 @@
 //! All statements of a model in one order, and the model with only some of them.
 //!
-//! The one place that lists the kinds of statements that can be dropped. Functions are no such
-//! kind: they define variables.
+//! This is the only list of the kinds of statements that can be dropped. Functions cannot, because
+//! they define variables.
 
 use super::Model;
 use super::name::Name;
@@ -50,9 +50,9 @@ impl Model {
         rows.chain(indicators).chain(disjunctions).chain(logic)
     }
 
-    /// The model without an objective and with those statements that `keep` says, by their
-    /// position in [`statements`](Model::statements). Variables, their bounds and functions stay,
-    /// and so do the variables' handles; those of statements do not.
+    /// The model without its objective and with only the statements that `keep` accepts, by
+    /// position in [`statements`](Model::statements). Variables, bounds and functions stay. Handles
+    /// of variables stay valid; handles of statements do not.
     pub(crate) fn subset(&self, keep: impl Fn(usize) -> bool) -> Model {
         let stored = &self.stored;
         let mut position = 0..;

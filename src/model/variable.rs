@@ -18,7 +18,7 @@ pub enum VariableKind {
 }
 
 impl VariableKind {
-    /// Whether only whole numbers are allowed.
+    /// Whether only integers are allowed.
     pub fn is_integral(self) -> bool {
         self != VariableKind::Continuous
     }
@@ -36,7 +36,7 @@ pub struct Family {
 }
 
 impl Family {
-    /// The member at a step, if there is one.
+    /// The member at a step, or `None` if the step is out of range.
     pub fn get(&self, step: usize) -> Option<Variable> {
         self.members.get(step).copied()
     }

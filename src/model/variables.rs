@@ -147,7 +147,7 @@ impl Model {
         Ok(VariableRef { id: variable, data: &self.stored.variables[variable.index()] })
     }
 
-    /// The variable of a name.
+    /// The variable with a name.
     ///
     /// # Errors
     ///

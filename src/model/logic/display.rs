@@ -46,7 +46,7 @@ impl Logic {
         }
     }
 
-    /// The text with brackets where something stands around it.
+    /// The text, in parentheses if it is part of a larger formula.
     pub(crate) fn operand(&self, name: &dyn Fn(Variable) -> String) -> String {
         let text = self.text(name);
         match &self.node {

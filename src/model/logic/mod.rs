@@ -1,8 +1,8 @@
 //! Logic over binary variables: one type, [`Logic`], for statements and for conditions.
 //!
-//! There is no Boolean kind of variable beside the binary one: a binary *is* the proposition "it
-//! is 1". Formulas nest freely; how they become rows is decided in
-//! [`reformulate`](crate::reformulate), and a solution is checked against the formula itself.
+//! There are no Boolean variables apart from binaries: a binary *is* the proposition "it is 1".
+//! Formulas nest freely. [`reformulate`](crate::reformulate) turns them into rows, and solutions
+//! are checked against the formula itself.
 //!
 //! | written | true when |
 //! | --- | --- |
@@ -11,9 +11,9 @@
 //! | `a & b`, [`Logic::all`] | all are true |
 //! | `a \| b`, [`Logic::any`] | at least one is true |
 //! | `a.xor(b)` | exactly one of the two is true; a chain of them: an odd number |
-//! | `a.iff(b)` | both or none are true |
+//! | `a.iff(b)` | both or neither are true |
 //! | `a.implies(b)` | `b` is true or `a` is not |
-//! | [`at_most`]`(k, of)`, [`at_least`], [`exactly`] | so many are true |
+//! | [`at_most`]`(k, of)`, [`at_least`], [`exactly`] | that many are true |
 
 mod display;
 mod normal;
@@ -31,10 +31,9 @@ use crate::error::{Error, ErrorKind};
 /// Formulas nested deeper than this are refused.
 const DEEPEST: u32 = 100;
 
-/// A formula over binary variables, as a statement of its own or as a condition.
+/// A formula over binary variables, used as a statement or as a condition.
 ///
-/// See the operators and functions in the example; a formula given to
-/// [`Model::add`](super::Model::add) must hold.
+/// A formula added to a model by [`Model::add`](super::Model::add) must hold.
 ///
 /// ```
 /// use carom::model::{Logic, at_most, exactly};
@@ -60,7 +59,7 @@ pub struct Logic {
     depth: u32,
 }
 
-/// How a formula is made of others.
+/// The structure of a formula.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Node {
@@ -80,7 +79,7 @@ enum Node {
         at_most: usize,
         of: Vec<Logic>,
     },
-    /// What is left of a formula that was nested too deep.
+    /// Replaces a formula that was nested too deep.
     TooDeep,
 }
 
@@ -135,7 +134,7 @@ impl Logic {
         Node::Implies(Box::new(condition), Box::new(then)).into()
     }
 
-    /// The literal, where the formula is nothing else.
+    /// The literal, if the formula is a single literal.
     pub fn as_literal(&self) -> Option<Literal> {
         match &self.node {
             Node::Literal(literal) => Some(*literal),
@@ -163,7 +162,7 @@ impl Logic {
         }
     }
 
-    /// Whether the formula is true where `value` says which binaries are 1.
+    /// Whether the formula is true, with `value` telling which binaries are 1.
     pub fn evaluate(&self, value: impl Fn(Variable) -> bool) -> bool {
         self.truth(&value)
     }
@@ -219,12 +218,12 @@ impl Logic {
     }
 }
 
-/// At most `count` of these are true. With `count` at least their number it says nothing.
+/// At most `count` of these are true. This is always true if `count` is at least their number.
 pub fn at_most<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
     Node::Count { at_least: 0, at_most: count, of: of.into_iter().map(T::into).collect() }.into()
 }
 
-/// At least `count` of these are true. With `count` = 0 it says nothing.
+/// At least `count` of these are true. This is always true if `count` is 0.
 pub fn at_least<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
     let of = of.into_iter().map(T::into).collect();
     Node::Count { at_least: count, at_most: usize::MAX, of }.into()

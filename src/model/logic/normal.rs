@@ -1,7 +1,7 @@
-//! The normal form of formulas: negations at the variables, constants and repetitions gone.
+//! The normal form of formulas: negations only at variables, no constants, no repetitions.
 //!
-//! Two things are read off it: whether a statement can hold at all, when it is added, and its
-//! rows, when it is lowered.
+//! It tells whether a statement is trivially false when it is added, and gives its rows when it is
+//! lowered.
 
 use super::{Logic, Node};
 use crate::model::indicator::Literal;
@@ -25,7 +25,7 @@ pub(crate) enum Formula {
         at_most: usize,
         of: Vec<Formula>,
     },
-    /// The negation of such a count, where it is not one itself: fewer, or more.
+    /// The negation of such a count: fewer or more.
     Except {
         at_least: usize,
         at_most: usize,
@@ -91,7 +91,7 @@ impl Formula {
         }
     }
 
-    /// The literal, where the formula is nothing else.
+    /// The literal, if the formula is a single literal.
     pub(crate) fn as_literal(&self) -> Option<Literal> {
         match self {
             Formula::Literal(literal) => Some(*literal),

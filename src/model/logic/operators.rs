@@ -164,7 +164,7 @@ macro_rules! methods {
                 parity(true, $self.into(), other.into())
             }
 
-            /// Both are true, or none.
+            /// Both or neither are true.
             pub fn iff($self: $receiver, other: impl Into<Logic>) -> Logic {
                 parity(false, $self.into(), other.into())
             }
@@ -189,8 +189,8 @@ macro_rules! methods {
                 consequent.after($self.into())
             }
 
-            /// "If this holds, then all these rows do". Each row becomes an indicator of its
-            /// own: `name`, `name_2`, `name_3`, ...
+            /// "If this holds, then all these rows do". Each row becomes a separate indicator:
+            /// `name`, `name_2`, `name_3`, ...
             ///
             /// ```
             /// use carom::prelude::*;
@@ -212,13 +212,12 @@ macro_rules! methods {
                 Implications { condition: $self.into(), rows: rows.into_iter().collect() }
             }
 
-            /// "This holds exactly when the row does", with a margin between yes and no.
+            /// "This holds exactly when the row does", with a margin between the two cases.
             ///
-            /// For `expr <= b`: if this holds, `expr <= b`; if not, `expr >= b + margin`. What
-            /// lies strictly between is excluded on both sides, for a solver cannot tell `> b`
-            /// from `>= b`. `expr >= b` mirrors this. A two-sided row fails by at least the
-            /// margin below *or* above; which of the two is a further binary of the model, named
-            /// `name_above`.
+            /// For `expr <= b`: if this holds, `expr <= b`; if not, `expr >= b + margin`. Values
+            /// strictly in between are excluded, because a solver cannot tell `> b` from `>= b`.
+            /// `expr >= b` is the mirror image. A two-sided row fails by at least the margin below
+            /// *or* above; another binary of the model, `name_above`, tells which.
             ///
             /// # Arguments
             ///

@@ -54,7 +54,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// Takes `x <= value`, `x >= value` or `x = value`.
+    /// Applies `x <= value`, `x >= value` or `x = value`.
     fn set(
         &mut self,
         column: usize,

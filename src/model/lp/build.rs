@@ -52,7 +52,7 @@ pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
             }
         };
         if stored.lower.is_infinite() && stored.upper.is_infinite() {
-            continue; // says nothing
+            continue; // has no finite limit
         }
         add(&mut model, row, name, stored, &variables)?;
     }
@@ -146,7 +146,7 @@ fn objective(file: &File<'_>, variables: &[Variable]) -> Quadratic {
     objective
 }
 
-/// The name of a row without label: `c` and its position, and underscores where that is taken.
+/// The name of a row without a label: `c` and its position, and underscores if that is taken.
 fn automatic_name(position: usize, taken: &HashSet<Name>) -> Name {
     let mut name = Name::from(format!("c{position}"));
     while taken.contains(&name) {
@@ -155,7 +155,7 @@ fn automatic_name(position: usize, taken: &HashSet<Name>) -> Name {
     name
 }
 
-/// The name of the row that two labels stand for, where they do.
+/// The name of the row that two labels form, if they are the halves of one.
 fn joined(first: Token<'_>, second: Token<'_>) -> Option<Name> {
     let text = first.text.strip_suffix(names::AT_LEAST)?;
     let other = second.text.strip_suffix(names::AT_MOST)?;

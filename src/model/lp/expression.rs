@@ -9,13 +9,13 @@ use crate::model::text::token::{Token, or_infinite};
 #[derive(Debug, Default)]
 pub(super) struct Expression<'a> {
     pub(super) terms: Vec<(usize, f64)>,
-    /// The sum of the constants, where there is one, and the last of them.
+    /// The sum of the constants, if any, and the last of them.
     pub(super) constant: Option<(f64, Token<'a>)>,
     pub(super) products: Vec<(usize, usize, f64)>,
 }
 
 impl<'a> Expression<'a> {
-    /// The constant, where it is not finite.
+    /// The constant, if it is not finite.
     pub(super) fn infinite(&self) -> Option<Token<'a>> {
         self.constant.filter(|(value, _)| !value.is_finite()).map(|(_, token)| token)
     }
@@ -40,7 +40,7 @@ impl<'a> Expression<'a> {
 }
 
 impl<'a> File<'a> {
-    /// An expression up to whatever cannot belong to it; maybe an empty one.
+    /// The longest expression that begins here, possibly empty.
     pub(super) fn expression(&mut self, quadratic: bool) -> Result<Expression<'a>, Error> {
         let mut expression = Expression::default();
         let mut first = true;
@@ -81,7 +81,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// `[ ... ]` with products and squares, and the `/ 2` behind it.
+    /// `[ ... ]` with products and squares, and the `/ 2` after it.
     fn products(&mut self, sign: f64, expression: &mut Expression<'a>) -> Result<(), Error> {
         self.step();
         let start = expression.products.len();

@@ -1,16 +1,16 @@
-//! From text to pieces: numbers, words and symbols, each with its place.
+//! The lexer: numbers, words and symbols, each with its position.
 
 use crate::error::Error;
 use crate::model::text::token::Token;
 
-/// A piece of the text.
+/// A token.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece<'a> {
     pub(super) token: Token<'a>,
     pub(super) kind: Kind,
 }
 
-/// What a piece is.
+/// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Number,
@@ -29,14 +29,14 @@ pub(super) enum Kind {
     Equal,
     /// `->`
     Arrow,
-    /// Behind the last piece.
+    /// After the last token.
     End,
 }
 
 /// Characters that end a word.
 pub(super) const OPERATORS: [char; 10] = ['+', '-', '*', '/', '^', ':', '<', '>', '=', '\\'];
 
-/// All pieces of a text, with one of kind [`Kind::End`] behind them.
+/// All tokens of a text, followed by one of kind [`Kind::End`].
 pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Error> {
     let mut pieces = Vec::new();
     let mut last = ("", 1);
@@ -63,7 +63,7 @@ pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Error> {
     Ok(pieces)
 }
 
-/// The kind and the length of the piece that a text begins with.
+/// The kind and the length of the token that a text begins with.
 fn piece(text: &str) -> Result<(Kind, usize), &'static str> {
     const SYMBOLS: [(&str, Kind); 16] = [
         ("<=", Kind::AtMost),
@@ -118,7 +118,7 @@ pub(super) fn number_length(text: &str) -> usize {
     end
 }
 
-/// The length of the word that a text begins with. Brackets belong to it as far as they pair up.
+/// The length of the word that a text begins with, including matching brackets.
 fn word_length(text: &str) -> usize {
     let mut depth = 0_usize;
     for (place, letter) in text.char_indices() {

@@ -1,8 +1,8 @@
-//! Models as LP files, the format of solvers that people can read.
+//! Models as LP files, a text format that people can read.
 //!
-//! [`read()`] takes the dialects of CPLEX, Gurobi, HiGHS and SCIP as far as a model can hold what
-//! they say. [`write()`] writes what these read, and leads back to the same model: names, order,
-//! kinds, limits and coefficients, every number to the last bit.
+//! [`read()`] accepts the dialects of CPLEX, Gurobi, HiGHS and SCIP, except for constructs that a
+//! model cannot hold. [`write()`] writes what these solvers read. Reading a written file gives the
+//! same model: names, order, kinds, limits and coefficients, every number to the last bit.
 //!
 //! ```
 //! use carom::model::lp;
@@ -36,7 +36,7 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # What is read
+//! # Reading
 //!
 //! | section | spellings | contents |
 //! | --- | --- | --- |
@@ -45,52 +45,51 @@
 //! | bounds | `Bounds`, `Bound` | `1 <= x <= 2`, `x <= 2`, `x >= 1`, `1 <= x`, `x = 3`, `x free`; `inf` and `infinity` with a sign |
 //! | integers | `General`, `Generals`, `Gen`, `Integer`, `Integers`, `Int` | names |
 //! | binaries | `Binary`, `Binaries`, `Bin` | names |
-//! | end | `End` | nothing; what follows is ignored, and a file without it is refused, because it may have been cut off |
+//! | end | `End` | none; text after it is ignored, and a file without it is refused, because it may be truncated |
 //!
-//! Keywords may be in any case of letters. Line breaks mean nothing, but that a row without label
-//! begins on a new line, and that a backslash makes the rest of its line a comment. A comment
-//! `\ Problem name: ...` before the objective names the model. Sections behind the objective may
-//! come in any order and repeatedly.
+//! Case does not matter in keywords. Line breaks have no meaning, except that a row without a label
+//! begins on a new line. A backslash makes the rest of its line a comment. A comment
+//! `\ Problem name: ...` before the objective names the model. Sections after the objective can
+//! come in any order and can be repeated.
 //!
 //! Terms of the same variable are added up. Constants on the left of a row are moved to the right.
-//! A row without label is named after its position, `c1`, `c2`, ... Magnitudes from 1e20 on are
-//! infinite; a row without a finite limit says nothing and is left out.
+//! A row without a label is named after its position, `c1`, `c2`, ... Magnitudes from 1e20 on are
+//! infinite; a row without a finite limit is left out.
 //!
-//! Variables are in the order of their first appearance, wherever that is. Bounds are 0 and
-//! infinity where none are given (1 for a binary). The upper bound being negative does not change
-//! this, so that a lower bound must be given. As in [MPS files](super::mps), a bound given twice
-//! with different values is an error, and an integer variable within `[0, 1]` that is the condition
-//! of an indicator is a binary.
+//! Variables are in the order of their first appearance in the file. Bounds that are not given are
+//! 0 and infinity (1 for a binary). A negative upper bound does not change this, so it needs an
+//! explicit lower bound. As in [MPS files](super::mps), a bound given twice with different values
+//! is an error, and an integer variable within `[0, 1]` that is the condition of an indicator is a
+//! binary.
 //!
-//! Not read, with an error that says what to do instead: semi-continuous variables, special ordered
-//! sets, lazy constraints and cuts, functions, several objectives, quadratic rows, `<->`. Such
-//! sections are skipped where they are empty.
+//! Semi-continuous variables, special ordered sets, lazy constraints and cuts, functions, several
+//! objectives, quadratic rows and `<->` are errors that say what to do instead. Such sections are
+//! skipped if they are empty.
 //!
 //! # Names
 //!
-//! The format needs some characters itself, and readers differ in the others. These names are
-//! written in other letters, which reading turns back:
+//! The format reserves some characters, and readers differ in others. Names are encoded as follows,
+//! and decoded when read:
 //!
-//! * the step of a family stands in braces: `x[3]` is written `x{3}`;
+//! * the step of a family is in braces: `x[3]` is written `x{3}`;
 //! * `+ - * / ^ : < > = \ [ ]` anywhere, digits and `. , ( )` at the beginning, and the first letter
 //!   of a keyword are written as a percent sign and two hexadecimal digits: `a-b` as `a%2Db`, `free` as
 //!   `%66ree`;
-//! * so are `%` and `{`, where the name would otherwise be taken for a written one.
+//! * so are `%` and `{`, if the name would otherwise be decoded.
 //!
-//! All other names are written as they are. A name in a file that [`write()`] would not write, such
-//! as `x[3]` or `100%`, is taken as it stands.
+//! All other names are written unchanged. A name that [`write()`] would not produce, such as `x[3]`
+//! or `100%`, is read unchanged.
 //!
-//! # What is written
+//! # Writing
 //!
-//! Two limits of one row are written as two rows, `name%ge` and `name%le`, because neither HiGHS nor
-//! SCIP reads them in one; reading such a pair makes one row of it. Columns are listed in the
-//! objective with the coefficient 0 where they would otherwise appear in another order, or not at
-//! all.
+//! A row with two limits is written as two rows, `name%ge` and `name%le`, because neither HiGHS nor
+//! SCIP reads both in one. Reading joins such a pair. Columns that would otherwise appear in
+//! another order, or not at all, are listed in the objective with coefficient 0.
 //!
 //! # What LP files cannot hold
 //!
-//! A user's [big-M](crate::model::BigM) of an indicator is not written; the implication is. White
-//! space around the model's name is lost.
+//! A user's [big-M](crate::model::BigM) is not written; the implication is. White space around the
+//! model's name is lost.
 
 mod bounds;
 mod build;

@@ -1,13 +1,13 @@
-//! Names in LP files: most as they are, the others with percent codes.
+//! Names in LP files: most unchanged, the others percent-encoded.
 //!
-//! A name is written so that common readers take it, and every written name leads back to the one
-//! that was meant. Text that no name is written as is read as it stands, so foreign names are kept.
+//! Names are written so that common readers accept them, and every written name decodes to the
+//! original. Text that no name is encoded as is read unchanged, so names in foreign files are kept.
 
 use super::lexer::OPERATORS;
 use super::section::is_keyword;
 use crate::model::name::Name;
 
-/// Endings of the two rows that stand for one with two limits.
+/// Suffixes of the two rows that represent one row with two limits.
 pub(super) const AT_LEAST: &str = "%ge";
 pub(super) const AT_MOST: &str = "%le";
 
@@ -24,7 +24,7 @@ pub(super) fn read(text: &str) -> Name {
     if write(&name) == text { name } else { Name::from(text) }
 }
 
-/// A name with codes for what the format needs itself; `all` codes also what codes are made of.
+/// Encodes the characters that the format reserves; `all` also encodes those that codes consist of.
 fn coded(name: &Name, all: bool) -> String {
     let family = name.family();
     let keyword = name.step().is_none() && is_keyword(family);
@@ -45,7 +45,7 @@ fn coded(name: &Name, all: bool) -> String {
     text
 }
 
-/// Takes the codes out again.
+/// Decodes a name.
 fn decoded(text: &str) -> Name {
     let step = text.strip_suffix('}').and_then(|text| {
         let (family, step) = text.rsplit_once('{')?;

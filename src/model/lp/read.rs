@@ -1,4 +1,4 @@
-//! Reading: from pieces to objective, rows and columns as the file lists them.
+//! Reading: from tokens to objective, rows and columns as the file lists them.
 
 use super::expression::Expression;
 use super::lexer::{self, Kind, Piece};
@@ -11,7 +11,7 @@ use crate::model::text::ends::Ends;
 use crate::model::text::names::Names;
 use crate::model::text::token::Token;
 
-/// The contents of a file; [`build`](super::build) makes a model of it.
+/// The contents of a file, from which [`build`](super::build) makes a model.
 #[derive(Debug)]
 pub(super) struct File<'a> {
     pub(super) name: &'a str,
@@ -21,7 +21,7 @@ pub(super) struct File<'a> {
     pub(super) rows: Vec<Row<'a>>,
     names: Names<'a>,
     pieces: Vec<Piece<'a>>,
-    /// The piece that is looked at next.
+    /// The next token.
     at: usize,
 }
 
@@ -121,7 +121,7 @@ impl<'a> File<'a> {
         self.pieces[self.at].token
     }
 
-    /// Steps over a piece; never beyond the end.
+    /// Skips a token, but never the end.
     pub(super) fn step(&mut self) -> Token<'a> {
         let token = self.token();
         if self.kind() != Kind::End {
@@ -130,7 +130,7 @@ impl<'a> File<'a> {
         token
     }
 
-    /// Steps over a piece of this kind, if one is there.
+    /// Skips a token of this kind, if it is next.
     pub(super) fn accept(&mut self, kind: Kind) -> bool {
         let found = self.kind() == kind;
         if found {
@@ -139,30 +139,30 @@ impl<'a> File<'a> {
         found
     }
 
-    /// The section that begins here, and the number of pieces in its name.
+    /// The section that begins here, and the number of tokens in its name.
     pub(super) fn section(&self) -> Option<(Section, usize)> {
         section::section(&self.pieces[self.at..])
     }
 
-    /// The line of the piece before.
+    /// The line of the previous token.
     pub(super) fn last_line(&self) -> Option<usize> {
         Some(self.pieces.get(self.at.checked_sub(1)?)?.token.line())
     }
 
-    /// Whether a name with a colon stands here.
+    /// Whether a name with a colon is next.
     pub(super) fn at_label(&self) -> bool {
         let next = self.pieces.get(self.at + 1).map(|piece| piece.kind);
         self.kind() == Kind::Word && next == Some(Kind::Colon)
     }
 
-    /// Steps over a name with a colon, if one is there.
+    /// Skips a name with a colon, if it is next.
     pub(super) fn label(&mut self) -> Option<Token<'a>> {
         let token = self.at_label().then(|| self.token())?;
         self.at += 2;
         Some(token)
     }
 
-    /// Whether the name of a variable stands here.
+    /// Whether the name of a variable is next.
     pub(super) fn at_name(&self) -> bool {
         self.kind() == Kind::Word
             && !self.at_label()
@@ -170,7 +170,7 @@ impl<'a> File<'a> {
             && self.section().is_none()
     }
 
-    /// The column of the name that stands here; a new one where it is not known yet.
+    /// The column of the next name, added if it is new.
     pub(super) fn column(&mut self) -> Result<usize, Error> {
         let name = self.step();
         if let Some(column) = self.names.find(name.text) {
@@ -183,7 +183,7 @@ impl<'a> File<'a> {
         Ok(column)
     }
 
-    /// `+1` or `-1` for the signs that stand here, if any do.
+    /// `+1` or `-1` for the signs that are next, if any.
     pub(super) fn sign(&mut self) -> Option<f64> {
         let mut sign = None;
         loop {
@@ -196,7 +196,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// A number or infinity with its sign, and its place.
+    /// A number or infinity with its sign, and its position.
     pub(super) fn value(&mut self) -> Result<(f64, Token<'a>), Error> {
         let sign = self.sign().unwrap_or(1.0);
         let token = self.token();
@@ -233,7 +233,7 @@ pub(super) fn is_infinity(text: &str) -> bool {
     ["inf", "infinity"].iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
-/// The model's name: what a comment before the objective says behind `Problem name:`.
+/// The model's name, from the comment `Problem name:` before the objective.
 fn problem_name(text: &str) -> Result<&str, Error> {
     const WORDS: &str = "Problem name";
     for (line, number) in text.lines().zip(1..) {

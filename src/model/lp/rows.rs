@@ -10,7 +10,7 @@ use crate::model::text::token::Token;
 #[derive(Debug)]
 pub(super) struct Row<'a> {
     pub(super) label: Option<Token<'a>>,
-    /// Where it begins.
+    /// The position where it begins.
     pub(super) place: Token<'a>,
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) lower: f64,
@@ -18,7 +18,7 @@ pub(super) struct Row<'a> {
     pub(super) condition: Option<Condition<'a>>,
 }
 
-/// What switches a row on: a column and its value.
+/// The condition of a row: a column and its value.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Condition<'a> {
     pub(super) column: usize,
@@ -91,7 +91,7 @@ impl<'a> File<'a> {
             limit(&mut limits, relation, left.moved(value));
             return Ok(Comparison { expression: left, lower: limits.0, upper: limits.1 });
         }
-        // A number stands on the left.
+        // A number is on the left.
         let right = self.expression(false)?;
         if right.terms.is_empty() {
             let Some((value, token)) = right.constant else {
@@ -119,7 +119,7 @@ impl<'a> File<'a> {
         Ok(Comparison { expression: right, lower: limits.0, upper: limits.1 })
     }
 
-    /// Steps over a comparison sign.
+    /// Skips a comparison sign.
     pub(super) fn relation(&mut self) -> Result<Kind, Error> {
         match self.kind() {
             kind @ (Kind::AtMost | Kind::AtLeast | Kind::Equal) => {
@@ -131,7 +131,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// `3 <= x` says about x what `x >= 3` does.
+/// Mirrors a comparison: `3 <= x` is `x >= 3`.
 pub(super) fn flipped(relation: Kind) -> Kind {
     match relation {
         Kind::AtMost => Kind::AtLeast,

@@ -1,8 +1,8 @@
-//! The keywords that begin a section, in all their spellings.
+//! The keywords that begin a section, in all spellings.
 
 use super::lexer::{Kind, Piece};
 
-/// What a keyword begins.
+/// The section that a keyword begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Minimize,
@@ -25,7 +25,7 @@ const FUNCTIONS: &str = "functions cannot be read from LP files; write them as r
                          program with the functions of a model";
 const SCENARIOS: &str = "a model has one objective and one set of limits; keep one";
 
-/// Spellings of one word; sections of two words stand below.
+/// Spellings of one word; sections of two words are below.
 const WORDS: [(&str, Section); 42] = [
     ("minimize", Section::Minimize),
     ("minimise", Section::Minimize),

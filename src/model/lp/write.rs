@@ -1,5 +1,4 @@
-//! Writing: the common denominator of the readers there are, every number in its shortest exact
-//! form.
+//! Writing: only what all common readers accept, every number in its shortest exact form.
 
 use std::fmt::Write as _;
 
@@ -13,7 +12,7 @@ use crate::model::text::lines::{Line, lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
-/// Lines are broken before a term that would lead beyond this.
+/// Lines are broken before a term that would exceed this length.
 const WIDTH: usize = 100;
 
 /// The text of a model in the LP format.
@@ -65,7 +64,7 @@ struct Page {
 }
 
 impl Page {
-    /// Appends to the line, whatever its length.
+    /// Appends to the line without breaking it.
     fn word(&mut self, word: &str) {
         self.text.push_str(word);
         self.line += word.chars().count();
@@ -94,7 +93,7 @@ impl Page {
     }
 }
 
-/// `+ 2 x`; what is left out where it is empty.
+/// `+ 2 x`, without a coefficient of 1.
 fn term(first: bool, coefficient: f64, what: &str) -> String {
     let mut text = String::new();
     match (coefficient.is_sign_negative(), first) {
@@ -136,7 +135,7 @@ fn write_objective(page: &mut Page, model: &Model, lines: &[Line<'_>], columns: 
         }
         page.part("] / 2");
     }
-    // Behind everything else, where all readers take it.
+    // After everything else, where all readers accept it.
     let constant = model.objective().affine().offset();
     if constant.to_bits() != 0 {
         page.terms(empty && products.is_empty(), [(constant, "")]);
@@ -206,7 +205,7 @@ fn write_half(
     page.end();
 }
 
-/// What the section of bounds says about a variable, if its kind does not say it.
+/// The entry of a variable in the bounds section, unless its kind implies it.
 fn bound(variable: &VariableRef<'_>, column: &str) -> Option<String> {
     let Interval { lower, upper } = variable.bounds();
     let top = if variable.kind() == VariableKind::Binary { 1.0 } else { f64::INFINITY };

@@ -5,15 +5,15 @@ use crate::model::text::ends::{self, Ends};
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
 
-/// What a file says about the bounds of one column.
+/// The bounds of one column in a file.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bounds<'a> {
     ends: Ends<'a>,
-    /// The kind that the entries say the column has.
+    /// The kind of the column according to the entries.
     pub(super) kind: Option<VariableKind>,
 }
 
-/// Whether a bound of this kind carries a number; an error for kinds that are not known.
+/// Whether a bound of this kind has a number; an error for unknown kinds.
 pub(super) fn has_value(kind: &Token<'_>) -> Result<bool, Error> {
     match kind.text.to_ascii_uppercase().as_str() {
         "LO" | "UP" | "FX" | "LI" | "UI" => Ok(true),
@@ -31,7 +31,7 @@ pub(super) fn has_value(kind: &Token<'_>) -> Result<bool, Error> {
 }
 
 impl<'a> Bounds<'a> {
-    /// Takes one entry.
+    /// Applies one entry.
     pub(super) fn take(
         &mut self,
         kind: &Token<'a>,

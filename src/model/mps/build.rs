@@ -27,7 +27,7 @@ pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
         }
         let (lower, upper) = limits(row)?;
         if lower.is_infinite() && upper.is_infinite() {
-            continue; // says nothing, like an N row
+            continue; // has no finite limit, like an N row
         }
         let terms = row.terms.iter().map(|&(column, value)| (variables[column], value)).collect();
         let stored = StoredRow { terms, lower, upper };
@@ -62,7 +62,7 @@ fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error>
         let within = lower >= 0.0 && upper <= 1.0;
         let kind = match said {
             _ if !integer => VariableKind::Continuous,
-            // LI and UI say "integer", where a binary is not needed.
+            // LI and UI mean an integer, unless a binary is needed.
             Some(VariableKind::Integer) if !(switch && within) => VariableKind::Integer,
             _ if within => VariableKind::Binary,
             _ => VariableKind::Integer,
@@ -113,7 +113,7 @@ fn other_limit(
     range: &Token<'_>,
     downward: bool,
 ) -> Result<f64, Error> {
-    // Two limits below 1e20 may lie further apart than that, so the range is taken as it stands.
+    // Two limits below 1e20 may be further apart than that, so the range is not made infinite.
     let width = range.raw()?.abs();
     let rounded = if downward { right - width } else { right + width };
     let exact = || {

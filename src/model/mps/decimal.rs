@@ -1,9 +1,9 @@
 //! Exact sums of decimal numbers, for two-sided rows.
 //!
 //! MPS gives a two-sided row as one limit and the distance to the other. In binary arithmetic the
-//! other limit often cannot be hit: no double `r` makes `1.1 - r` round to -1.2, and none makes
-//! `-1.2 + r` round to 1.1. The file holds decimals, so the sum is formed on the decimals and rounded
-//! once; then every pair of limits has a distance that leads back to it.
+//! distance often does not exist: no double `r` makes `1.1 - r` round to -1.2, and none makes
+//! `-1.2 + r` round to 1.1. The file holds decimals, so the sum is formed on the decimals and
+//! rounded once. Then every pair of limits has an exact distance.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub(super) struct Decimal {
     exponent: i32,
 }
 
-/// Numbers whose digits lie further apart than this are not added digit by digit.
+/// Numbers whose digits are further apart than this are not added digit by digit.
 const WIDEST: i32 = 1000;
 
 impl Decimal {
@@ -54,7 +54,7 @@ impl Decimal {
         self
     }
 
-    /// The exact sum; `None` when the digits lie too far apart.
+    /// The exact sum, or `None` if the digits are too far apart.
     pub(super) fn plus(&self, other: &Decimal) -> Option<Decimal> {
         let bottom = self.exponent.min(other.exponent);
         let top = self.top()?.max(other.top()?);
@@ -111,7 +111,7 @@ impl Decimal {
 }
 
 impl fmt::Display for Decimal {
-    /// All digits, with an exponent only where a plain number would need many zeros.
+    /// All digits, with an exponent only if a plain number would need many zeros.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits: String = self.digits.iter().map(|&d| char::from(b'0' + d)).collect();
         let sign = if self.negative { "-" } else { "" };

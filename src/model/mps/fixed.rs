@@ -1,8 +1,8 @@
-//! Fixed columns: what allows names with blanks.
+//! Fixed columns, which allow names with blanks.
 //!
 //! Fixed MPS holds a kind in columns 2-3, names in 5-12, 15-22 and 40-47, numbers in 25-36 and
-//! 50-61, and blanks between them. Where no name has a blank, splitting at white space finds the
-//! same pieces; only files that cannot be read so are looked at here.
+//! 50-61, and blanks between them. If no name has a blank, splitting at white space finds the same
+//! tokens, so only files that cannot be read that way get here.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ const KIND: Range<usize> = 1..3;
 const NAMES: [Range<usize>; 3] = [4..12, 14..22, 39..47];
 const NUMBERS: [Range<usize>; 2] = [24..36, 49..61];
 
-/// The same text with an underscore for every blank inside a name; `None` for a text that is not
-/// in fixed columns or has no such name. Every character keeps its place.
+/// The same text with an underscore for every blank inside a name, or `None` if the text is not in
+/// fixed columns or has no such name. Every character keeps its position.
 pub(super) fn without_blanks(text: &str) -> Option<String> {
     let mut result = String::with_capacity(text.len());
     let (mut data, mut changed) = (false, false);

@@ -1,8 +1,8 @@
-//! Models as MPS files, the common language of solvers.
+//! Models as MPS files, the format that every solver reads.
 //!
-//! [`read()`] takes free and fixed MPS. [`write()`] makes free MPS that leads back to the same
-//! model: names, order, kinds, limits and coefficients, every number to the last bit. Where names
-//! have at most 8 characters and numbers at most 12, the text is fixed MPS as well.
+//! [`read()`] accepts free and fixed MPS. [`write()`] makes free MPS. Reading a written file gives
+//! the same model: names, order, kinds, limits and coefficients, every number to the last bit. If
+//! names have at most 8 characters and numbers at most 12, the text is fixed MPS as well.
 //!
 //! ```
 //! use carom::model::mps;
@@ -22,15 +22,15 @@
 //!
 //! # Lines
 //!
-//! A line that begins with `*` is a comment. A line that begins with any other character than
-//! white space names a section; data lines are indented and split at white space. Text after
-//! `ENDATA` is ignored; a file without `ENDATA` is refused, because it may have been cut off.
-//! Section names, kinds and keywords may be in any case of letters. Numbers may have an exponent marked with `E`
-//! or `D`. Magnitudes from 1e20 on, and the words `inf` and `infinity`, are infinite.
+//! A line that begins with `*` is a comment. A line that begins with any other character than white
+//! space names a section; data lines are indented and split at white space. Text after `ENDATA` is
+//! ignored; a file without `ENDATA` is refused, because it may be truncated. Case does not matter
+//! in section names, kinds and keywords. Numbers may have an exponent marked with `E` or `D`.
+//! Magnitudes from 1e20 on, and the words `inf` and `infinity`, are infinite.
 //!
 //! Names with blanks are possible in fixed MPS only, where columns 2-3, 5-12, 15-22, 25-36, 40-47
-//! and 50-61 hold the fields. A file with such names is read when its lines keep to these columns;
-//! the names get an underscore for each blank, because names of a model have none.
+//! and 50-61 hold the fields. A file with such names is read if its lines keep to these columns.
+//! Each blank becomes an underscore, because names in a model have no blanks.
 //!
 //! # Sections
 //!
@@ -40,7 +40,7 @@
 //! | `OBJNAME` | the name of the `N` row that is the objective, on the same line or the next |
 //! | `OBJSENSE` | `MAX` or `MIN` (or `MAXIMIZE`, `MINIMIZE`), on the same line or the next; without it, minimise |
 //! | `ROWS` | `N` (the first one is the objective, further ones are ignored), `L`, `G`, `E` |
-//! | `COLUMNS` | column, then pairs of row and value; the entries of a column stand together; markers `'INTORG'` and `'INTEND'` enclose integer columns |
+//! | `COLUMNS` | column, then pairs of row and value; the entries of a column are together; markers `'INTORG'` and `'INTEND'` enclose integer columns |
 //! | `RHS` | set name (may be left out), then pairs of row and value; the objective's entry is *minus* its constant |
 //! | `RANGES` | as `RHS`; an `L` row with value R becomes `[rhs - abs(R), rhs]`, a `G` row `[rhs, rhs + abs(R)]`, an `E` row `[rhs, rhs + R]` for `R >= 0` and `[rhs + R, rhs]` for `R < 0` |
 //! | `BOUNDS` | kind, set name (may be left out), column and value; see below |
@@ -49,11 +49,11 @@
 //! | `QMATRIX` | the same with both triangles |
 //! | `INDICATORS` | `IF row column 0` or `IF row column 1`: the row holds when the binary has that value |
 //!
-//! A row may be without entries, and a column with only a zero entry is kept. A row whose
-//! right-hand side is infinite in the harmless direction says nothing and is ignored like a
-//! further `N` row. A second set of right-hand sides, ranges or bounds is an error, as is anything
-//! given twice. Special ordered sets, quadratic rows (`QCMATRIX`), lazy rows, functions and several
-//! objectives are refused with a word on what to do instead.
+//! Rows without entries and columns with only a zero entry are kept. A row that its infinite
+//! right-hand side makes redundant is ignored, like a second `N` row. A second set of right-hand
+//! sides, ranges or bounds is an error, as is anything given twice. Special ordered sets, quadratic
+//! rows (`QCMATRIX`), lazy rows, functions and several objectives are errors that say what to do
+//! instead.
 //!
 //! # Bounds
 //!
@@ -65,35 +65,35 @@
 //! | `LI`, `UI` | lower, upper bound, and the column is integer |
 //! | `SC`, `SI` | refused |
 //!
-//! Where a bound is not given:
+//! Defaults of bounds:
 //!
 //! * A continuous column lies within `[0, inf)`.
 //! * An integer column between markers that no entry of `BOUNDS` mentions lies within `[0, 1]`.
 //!   One entry of any kind cancels this, and the other bound is then 0 or `inf`. Most solvers
 //!   read such columns this way, some take `[0, inf)`.
-//! * A negative upper bound makes a lower bound that is not given `-inf` (some solvers leave it at
-//!   0, and the column is empty); an upper bound of 0 leaves it at 0. `MI` leaves the upper bound
-//!   at `inf`.
+//! * With a negative upper bound, a lower bound that is not given is `-inf` (some solvers leave it
+//!   at 0, which makes the program infeasible). With an upper bound of 0 it is 0. `MI` leaves the
+//!   upper bound at `inf`.
 //!
-//! [`write()`] leaves nothing to these defaults but `[0, inf)` for a continuous column.
+//! [`write()`] relies only on the default `[0, inf)` of continuous columns.
 //!
 //! An integer column whose bounds lie within `[0, 1]` becomes a
-//! [binary](crate::model::VariableKind::Binary), because most files say binaries in this way. Only
-//! where bounds are given as `LI` and `UI`, and the column is not the condition of an indicator, it
-//! stays an integer.
+//! [binary](crate::model::VariableKind::Binary), because most files write binaries in this way. It
+//! stays an integer only if its bounds are given as `LI` and `UI` and it is not the condition of an
+//! indicator.
 //!
 //! # Two-sided rows
 //!
-//! MPS gives one limit and the distance to the other, and in binary arithmetic the other limit
-//! often cannot be hit exactly. Here the sum of right-hand side and range is formed on the
-//! decimals of the file and rounded once, and `write` writes the decimal difference of the two
-//! limits: `-1.2 <= x <= 1.1` has right-hand side `1.1` and range `2.3`. Readers that round in
-//! between are off by one unit in the last place at most.
+//! MPS gives one limit and the distance to the other, which in binary arithmetic often cannot
+//! reproduce the other limit. `read` adds right-hand side and range in decimal and rounds once, and
+//! `write` writes the decimal difference of the two limits: `-1.2 <= x <= 1.1` has right-hand side
+//! `1.1` and range `2.3`. Readers that round in between are off by at most one unit in the last
+//! place.
 //!
 //! # What MPS cannot hold
 //!
-//! A user's [big-M](crate::model::BigM) of an indicator is not written; the implication is. White
-//! space around the model's name is lost.
+//! A user's [big-M](crate::model::BigM) is not written; the implication is. White space around the
+//! model's name is lost.
 
 mod bounds;
 mod build;
@@ -110,7 +110,7 @@ use crate::error::{Error, ErrorKind};
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Parse`] with the line and column of whatever is damaged, unknown, given twice or
+/// [`ErrorKind::Parse`] with the line and column of anything damaged, unknown, given twice or
 /// contradictory; [`ErrorKind::NotConvex`] for a quadratic objective that is not convex in its
 /// direction.
 ///

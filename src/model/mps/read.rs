@@ -8,7 +8,7 @@ use crate::model::objective::Sense;
 use crate::model::text::names::Names;
 use crate::model::text::token::{self, Token};
 
-/// The contents of a file, entry by entry; [`build`](super::build) makes a model of it.
+/// The contents of a file, from which [`build`](super::build) makes a model.
 #[derive(Debug, Default)]
 pub(super) struct File<'a> {
     pub(super) name: &'a str,
@@ -38,7 +38,7 @@ pub(super) struct Row<'a> {
     pub(super) right: Option<Token<'a>>,
     pub(super) range: Option<Token<'a>>,
     pub(super) condition: Option<Condition<'a>>,
-    /// The last column that had an entry here, for finding duplicates.
+    /// The last column with an entry here, to find duplicates.
     last_column: Option<usize>,
 }
 
@@ -67,7 +67,7 @@ pub(super) struct Product<'a> {
     pub(super) place: Token<'a>,
 }
 
-/// What switches a row on: a column and its value.
+/// The condition of a row: a column and its value.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Condition<'a> {
     pub(super) column: usize,
@@ -328,7 +328,7 @@ impl<'a> File<'a> {
         self.columns[index].bounds.take(kind, column, value)
     }
 
-    /// Whether of two words after a kind without value the first is the column.
+    /// Whether the first of two words after a kind without a value is the column.
     fn is_bare(&mut self, first: &Token<'a>, second: &Token<'a>) -> bool {
         self.column_names.find(second.text).is_none()
             && self.column_names.find(first.text).is_some()
@@ -421,7 +421,7 @@ fn direction(word: &Token<'_>) -> Option<Sense> {
     }
 }
 
-/// Only one right-hand side, one set of ranges and one set of bounds can be meant.
+/// A file may have only one set of right-hand sides, of ranges and of bounds.
 fn check_set<'a>(set: &mut Option<&'a str>, name: &Token<'a>) -> Result<(), Error> {
     let first = *set.get_or_insert(name.text);
     if first == name.text {

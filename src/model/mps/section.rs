@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::model::text::token::Token;
 
-/// Where in a file a line stands.
+/// The section of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     /// Before the first section that holds lines; also NAME.
@@ -52,7 +52,7 @@ impl Section {
     }
 }
 
-/// What to do about sections of other solvers that a model cannot hold.
+/// What to do about sections that a model cannot hold.
 fn refused(name: &str) -> Option<&'static str> {
     Some(match name {
         "SOS" | "SOS1" | "SOS2" | "SETS" => {

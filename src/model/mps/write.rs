@@ -20,7 +20,7 @@ struct Line<'a> {
     condition: Option<Literal>,
 }
 
-/// How MPS says `lower <= a'x <= upper`.
+/// `lower <= a'x <= upper` in MPS.
 struct Form {
     kind: char,
     right: f64,
@@ -132,7 +132,7 @@ fn write_bounds(text: &mut String, model: &Model, columns: &[String]) {
     }
 }
 
-/// The entries of one variable; nothing is left to the defaults that readers differ in.
+/// The entries of one variable. They rely on no default that readers disagree about.
 fn bound_entries(variable: &VariableRef<'_>) -> Vec<(&'static str, Option<f64>)> {
     let Interval { lower, upper } = variable.bounds();
     let kind = variable.kind();
@@ -183,14 +183,14 @@ fn form(limits: Interval) -> Form {
     }
 }
 
-/// Ranges longer than this are written through the limit of smaller magnitude.
+/// Ranges with more digits than this are written from the limit of smaller magnitude.
 const LONG_RANGE: usize = 40;
 
 /// A row with two finite limits: one as the right-hand side, the other through the range.
 ///
-/// The range is the difference of the two decimals, without rounding, so that reading leads back
-/// to the other limit exactly. Where the magnitudes are so far apart that this takes very many
-/// digits, the smaller one is lost in the larger one, and the larger one itself is the range.
+/// The range is the exact difference of the two decimals, so reading restores the other limit
+/// exactly. If the magnitudes are so far apart that this takes very many digits, the smaller one is
+/// lost in the larger one, and the larger one is the range.
 fn two_sided(lower: f64, upper: f64) -> Form {
     let downward = |range| Form { kind: 'L', right: upper, range: Some(range) };
     let upward = |range| Form { kind: 'G', right: lower, range: Some(range) };

@@ -1,9 +1,9 @@
-//! The bounds of a column while a file is read: what is given once cannot be given otherwise.
+//! The bounds of a column while a file is read. A second, different value is an error.
 
 use super::token::Token;
 use crate::error::Error;
 
-/// The bounds that a file gives a column, as far as it does.
+/// The bounds that a file gives for a column.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Ends<'a> {
     pub(crate) lower: Option<f64>,
@@ -13,7 +13,7 @@ pub(crate) struct Ends<'a> {
 }
 
 impl<'a> Ends<'a> {
-    /// Takes the ends that an entry gives; another value than before is an error.
+    /// Sets the bounds that an entry gives. A value other than the one before is an error.
     pub(crate) fn take(
         &mut self,
         column: &Token<'a>,

@@ -1,4 +1,4 @@
-//! The rows of a model as files hold them, and the refusal of what no file can say.
+//! The rows of a model as files hold them. Statements that no file can hold are refused.
 
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
@@ -17,7 +17,7 @@ pub(crate) struct Line<'a> {
 
 /// The linear rows and then the indicators, in the order of creation.
 ///
-/// Names and limits are checked once more here: a model read from elsewhere may hold any.
+/// Names and limits are checked again, because a deserialised model may hold any.
 pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Line<'a>>, Error> {
     if model.name().chars().any(|c| c.is_control() && c != '\t') {
         return Err(ErrorKind::InvalidName { name: model.name().to_owned() }.into());

@@ -1,4 +1,4 @@
-//! What the file formats share: pieces of text with their place, numbers, names, bounds, and the
+//! Shared by the file formats: tokens with their positions, numbers, names, bounds, and the
 //! statements that a file can hold.
 
 pub(crate) mod ends;

@@ -14,7 +14,7 @@ pub(crate) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// Appends a name; the position it already has when it is there.
+    /// Appends a name and returns its position, or the position that it already has.
     pub(crate) fn declare(&mut self, name: &'a str) -> Result<usize, usize> {
         let next = self.list.len();
         let position = *self.positions.entry(name).or_insert(next);
@@ -25,7 +25,7 @@ impl<'a> Names<'a> {
         Ok(position)
     }
 
-    /// The position of a name.
+    /// The position of a name, if it is known.
     pub(crate) fn find(&mut self, name: &str) -> Option<usize> {
         let near = [self.last, self.last + 1];
         let found = near.into_iter().find(|&position| self.list.get(position) == Some(&name));

@@ -1,9 +1,9 @@
-//! Pieces of a line with their place in the file, and the numbers in them.
+//! Tokens of a line with their positions in the file, and the numbers in them.
 
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
-/// A piece of a line between white space.
+/// A token of a line, between white space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Token<'a> {
     pub(crate) text: &'a str,
@@ -14,7 +14,7 @@ pub(crate) struct Token<'a> {
 }
 
 impl<'a> Token<'a> {
-    /// The piece of a line (counted from 1) that starts at a byte and has a length.
+    /// The token of a line (counted from 1) that starts at a byte and has a length.
     pub(crate) fn new(line_text: &'a str, line: usize, start: usize, length: usize) -> Self {
         Token { text: &line_text[start..start + length], line_text, line, start }
     }
@@ -30,7 +30,7 @@ impl<'a> Token<'a> {
         self.line
     }
 
-    /// A number as it stands, exponents marked with `E` or `D`; infinity included.
+    /// A number, possibly infinite, with an exponent marked by `E` or `D`.
     pub(crate) fn raw(&self) -> Result<f64, Error> {
         let fortran = |_| self.text.replace(['d', 'D'], "e").parse();
         match self.text.parse::<f64>().or_else(fortran) {
@@ -57,7 +57,7 @@ impl<'a> Token<'a> {
     }
 }
 
-/// Magnitudes that count as infinite become infinite.
+/// Replaces magnitudes from 1e20 on by infinity.
 pub(crate) fn or_infinite(value: f64) -> f64 {
     if value.abs() < tolerance::INFINITE { value } else { f64::INFINITY.copysign(value) }
 }
