@@ -8,6 +8,7 @@ use carom::presolve::{Domain, Reduction, reduce};
 use carom::program::Program;
 use carom::reformulate;
 use carom::relaxation::{ClarabelRelaxation, Effort, Relaxation, lower_bound};
+use carom::solver::StopToken;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 /// Rows of the large models.
@@ -68,9 +69,8 @@ fn lower_and_relax(model: &Model) -> Result<f64, Error> {
         iterations: 100,
         tolerance: 1e-8,
         refinements: 1,
-        time: None,
         cutoff: f64::INFINITY,
-        interrupt: Interrupt::default(),
+        token: &StopToken::default(),
     };
     let answer = ClarabelRelaxation::new().solve(&reduced, &effort);
     Ok(lower_bound(&reduced, &answer.x, &answer.y))

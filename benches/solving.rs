@@ -19,6 +19,7 @@ use carom::presolve::{Domain, Propagator, Reduction, probe, reduce};
 use carom::program::Program;
 use carom::reformulate;
 use carom::relaxation::{ClarabelRelaxation, Effort, Relaxation};
+use carom::solver::StopToken;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 /// The paper's tolerant program, perfectly plastic, at a feasible horizon.
@@ -66,7 +67,7 @@ fn parts(criterion: &mut Criterion, name: &str, model: &Model) {
             || root.clone(),
             |mut domain| {
                 let columns = &program.integers;
-                probe(&program, &mut domain, &mut propagator, columns, 4000, &|| true)
+                probe(&program, &mut domain, &mut propagator, columns, 4000, &StopToken::default())
             },
             BatchSize::LargeInput,
         );
@@ -81,8 +82,7 @@ fn parts(criterion: &mut Criterion, name: &str, model: &Model) {
         tolerance: 1e-8,
         refinements: 1,
         cutoff: f64::INFINITY,
-        time: None,
-        interrupt: Interrupt::new(),
+        token: &StopToken::default(),
     };
     let mut relaxation = ClarabelRelaxation::new();
     group.bench_function("relax_root", |b| b.iter(|| relaxation.solve(&reduced, &effort)));

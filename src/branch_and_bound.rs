@@ -10,13 +10,11 @@ mod pipeline;
 mod seeding;
 mod stage;
 
-use web_time::Instant;
-
 use crate::error::Error;
 use crate::model::Model;
 use crate::search::{Found, Guide};
 use crate::solution::{Outcome, Solution};
-use crate::solver::{Control, Deadline, Options, Solver, TreeSeed};
+use crate::solver::{Control, Options, Solver, StopToken, TreeSeed};
 use pipeline::Pipeline;
 use seeding::{leaf_of, report, seed_of};
 
@@ -70,15 +68,15 @@ impl Solver for BranchAndBound {
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         #[cfg(feature = "tracing")]
         let _span = tracing::info_span!("solve", model = model.name()).entered();
-        let (start, options) = (Instant::now(), &self.options);
+        let options = &self.options;
+        let token = StopToken::new(options.time_limit, control.interrupt());
         options.check()?;
-        let deadline = Deadline::new(start, options.time_limit, control.interrupt());
         let guide = Guide::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
-        let pipeline = Pipeline { model, options, start, deadline: &deadline, guide: &guide, seed };
+        let pipeline = Pipeline { model, options, token: &token, guide: &guide, seed };
         let mut found = pipeline.run(control)?;
-        found.statistics.time = start.elapsed();
+        found.statistics.time = token.elapsed();
         let seed_report =
             given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
         let solution = solution(model, options, found)?.with_seed_report(seed_report);

@@ -47,12 +47,12 @@ use library::{ColProblem, HighsModelStatus, HighsSolutionStatus, HighsStatus};
 use web_time::Duration;
 
 use crate::error::{Error, ErrorKind};
-use crate::external::{settled, with_half_the_gap};
+use crate::external::{settled, stopped, with_half_the_gap};
 use crate::model::Model;
 use crate::program::Program;
 use crate::reformulate;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
-use crate::solver::{Budget, Control, Options, Solver};
+use crate::solver::{Control, Options, Solver, StopToken};
 use crate::tolerance;
 
 /// HiGHS, linked into the program.
@@ -97,8 +97,10 @@ impl Solver for HighsSolver {
     /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
-        let budget = Budget::new(self.options.time_limit, control.interrupt());
-        let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
+        let token = StopToken::new(self.options.time_limit, control.interrupt());
+        let Some(lowered) = reformulate::lower_until(model, None, &token)? else {
+            return stopped(model, &self.options, &token);
+        };
         let program = Program::assemble(lowered.model())?;
         if program.quadratic.compute_nnz() > 0 {
             return Err(ErrorKind::Unsupported {
@@ -110,29 +112,29 @@ impl Solver for HighsSolver {
         }
         let sign = program.sign;
         let nothing = (-sign * f64::INFINITY, None, Statistics::default());
-        let (mut termination, (bound, values, statistics)) = match self.early(&program, &budget) {
+        let (mut termination, (bound, values, statistics)) = match self.early(&program, &token) {
             Some(Termination::Infeasible) => {
                 let bound = sign * f64::INFINITY;
                 (Termination::Infeasible, (bound, None, Statistics::default()))
             }
             Some(ended) => (ended, nothing),
-            None => self.run(&program, &budget)?,
+            None => self.run(&program, &token)?,
         };
-        if let Some(interrupted) = budget.exhausted().filter(|&e| e == Termination::Interrupted) {
+        if let Some(interrupted) = token.ended().filter(|&e| e == Termination::Interrupted) {
             // Whatever is proved stays proved.
             let proved = matches!(termination, Termination::Optimal | Termination::Infeasible);
             termination = if proved { termination } else { interrupted };
         }
         let values = values.map(|found| lowered.restore(&found));
         let claimed = Outcome { termination, values, bound, statistics };
-        settled(model, claimed, &self.options, &budget, control)
+        settled(model, claimed, &self.options, &token, control)
     }
 }
 
 impl HighsSolver {
     /// What needs no HiGHS: limits that are met at once, empty bounds, programs without columns.
-    fn early(&self, program: &Program, budget: &Budget) -> Option<Termination> {
-        if let Some(ended) = budget.exhausted() {
+    fn early(&self, program: &Program, token: &StopToken) -> Option<Termination> {
+        if let Some(ended) = token.ended() {
             return Some(ended);
         }
         if self.options.node_limit == Some(0) {
@@ -153,7 +155,7 @@ impl HighsSolver {
     fn run(
         &self,
         program: &Program,
-        budget: &Budget,
+        token: &StopToken,
     ) -> Result<(Termination, (f64, Option<Vec<f64>>, Statistics)), Error> {
         let (sign, nothing) = (program.sign, -program.sign * f64::INFINITY);
         let outside = |bound: f64| sign * (bound + program.offset);
@@ -161,13 +163,13 @@ impl HighsSolver {
             let found = (outside(0.0), Some(Vec::new()), Statistics::default());
             return Ok((Termination::Optimal, found));
         }
-        let mut found = self.call(program, &program.linear, budget.remaining())?;
+        let mut found = self.call(program, &program.linear, token.left())?;
         let mut statistics = Statistics { iterations: found.iterations, ..Statistics::default() };
         use HighsModelStatus as Status;
         let open = matches!(found.status, Status::Unbounded | Status::UnboundedOrInfeasible);
         if open {
             // It may have seen a falling direction only, and no feasible point.
-            found = self.call(program, &vec![0.0; program.column_count()], budget.remaining())?;
+            found = self.call(program, &vec![0.0; program.column_count()], token.left())?;
             statistics.iterations += found.iterations;
         }
         let answer = match found.status {

@@ -18,10 +18,8 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-mod budget;
 mod certificate;
 mod control;
-mod deadline;
 mod guidance;
 mod heuristics;
 mod log;
@@ -29,10 +27,10 @@ mod options;
 mod progress;
 mod rules;
 mod seed;
+mod stop_token;
 
 pub use certificate::{Certificate, certify};
 pub use control::{Control, Interrupt, OnIncumbent};
-pub use deadline::Deadline;
 pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
 pub use heuristics::Heuristics;
 pub use log::Log;
@@ -40,12 +38,11 @@ pub use options::{Options, PoolMode};
 pub use progress::{Event, Incumbent, Progress};
 pub use rules::BranchingRule;
 pub use seed::TreeSeed;
+pub use stop_token::StopToken;
 
 use crate::error::Error;
 use crate::model::Model;
 use crate::solution::Solution;
-
-pub(crate) use budget::Budget;
 
 /// A backend that solves models to proved optimality.
 ///

@@ -15,6 +15,7 @@ use carom::program::Program;
 use carom::relaxation::{
     Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
 };
+use carom::solver::StopToken;
 use common::config;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
@@ -261,7 +262,7 @@ fn tightened(
         return Ok(None);
     }
     let columns: Vec<usize> = (0..program.column_count()).collect();
-    let result = probe(program, &mut domain, propagator, &columns, 1000, &|| true);
+    let result = probe(program, &mut domain, propagator, &columns, 1000, &StopToken::default());
     prop_assert!(result.is_ok() || points.is_empty(), "{:?} in spite of {:?}", result, points[0]);
     for point in points {
         prop_assert!(contains(&domain, point), "probing lost {:?}: {:?}", point, domain);
@@ -338,7 +339,7 @@ proptest! {
                 2 => {
                     stack.push((mark, bits(&domain, n)));
                     let columns: Vec<usize> = (0..n).collect();
-                    let _ = probe(&program, &mut domain, &mut propagator, &columns, 50, &|| true);
+                    let _ = probe(&program, &mut domain, &mut propagator, &columns, 50, &StopToken::default());
                 }
                 _ => {
                     stack.push((mark, bits(&domain, n)));
@@ -372,7 +373,10 @@ fn probing_passes_over_continuous_columns() {
     let program = Program::assemble(&model).unwrap();
     let mut domain = Domain::new(&program);
     let mut propagator = Propagator::new(&program);
-    assert_eq!(probe(&program, &mut domain, &mut propagator, &[0, 1], 100, &|| true), Ok(()));
+    assert_eq!(
+        probe(&program, &mut domain, &mut propagator, &[0, 1], 100, &StopToken::default()),
+        Ok(())
+    );
     assert!(domain.lower(0) <= 0.5 && domain.upper(0) >= 0.5, "{domain:?}");
 }
 
@@ -482,10 +486,8 @@ fn is_bound(case: &Case, bound: f64, point: &[i64]) -> bool {
     !four.is_nan() && (four.ceil() as i128) <= case.four_costs(point)
 }
 
-fn effort() -> Effort {
-    let interrupt = Interrupt::new();
-    let cutoff = INF;
-    Effort { iterations: 100, tolerance: 1e-8, refinements: 10, cutoff, time: None, interrupt }
+fn effort(token: &StopToken) -> Effort<'_> {
+    Effort { iterations: 100, tolerance: 1e-8, refinements: 10, cutoff: INF, token }
 }
 
 proptest! {
@@ -524,7 +526,7 @@ proptest! {
     ) {
         let program = case.relaxation();
         let points = case.feasible_points(true);
-        let answer = ClarabelRelaxation::new().solve(&program, &effort());
+        let answer = ClarabelRelaxation::new().solve(&program, &effort(&StopToken::default()));
         let noise: Vec<f64> =
             noise.into_iter().map(|(m, e): (f64, i32)| m * 10.0_f64.powi(e)).collect();
         let disturbed = |v: &[f64], from: usize| -> Vec<f64> {
@@ -581,7 +583,7 @@ proptest! {
         prop_assume!(!points.is_empty());
         let x = floats(&points[which.index(points.len())]);
         let mut polished = x.clone();
-        polish(&program, &mut polished);
+        polish(&program, &mut polished, &StopToken::default());
         prop_assert_eq!(polished, x);
     }
 
@@ -603,7 +605,7 @@ proptest! {
             *v = moved.clamp(program.lower[j], program.upper[j]);
         }
         let mut polished = x.clone();
-        polish(&program, &mut polished);
+        polish(&program, &mut polished, &StopToken::default());
         let (before, after) = (violation(&program, &x), violation(&program, &polished));
         prop_assert!(after <= before + 1e-9, "{} became {}: {:?}, {:?}", before, after, x, polished);
     }

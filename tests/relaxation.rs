@@ -9,22 +9,15 @@ use carom::relaxation::{
     Answer, Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, lower_bound,
     proves_infeasible,
 };
-use carom::solver::Interrupt;
+use carom::solver::StopToken;
 use common::config;
 use proptest::prelude::*;
 
 const INF: f64 = f64::INFINITY;
 const REGRESSIONS: &str = "tests/relaxation.proptest-regressions";
 
-fn effort(cutoff: f64) -> Effort {
-    Effort {
-        iterations: 60,
-        tolerance: 1e-8,
-        refinements: 1,
-        cutoff,
-        time: None,
-        interrupt: Interrupt::new(),
-    }
+fn effort(token: &StopToken, cutoff: f64) -> Effort<'_> {
+    Effort { iterations: 60, tolerance: 1e-8, refinements: 1, cutoff, token }
 }
 
 /// Sparse rows of whole numbers: pairs of a column and a coefficient.
@@ -181,9 +174,9 @@ proptest! {
     #[test]
     fn both_methods_agree(case in case()) {
         let program = case.program();
-        let ours = InteriorPoint::new().solve(&program, &effort(INF));
+        let ours = InteriorPoint::new().solve(&program, &effort(&StopToken::default(), INF));
         check(&program, &ours, INF)?;
-        let theirs = ClarabelRelaxation::new().solve(&program, &effort(INF));
+        let theirs = ClarabelRelaxation::new().solve(&program, &effort(&StopToken::default(), INF));
         match (ours.claim, theirs.claim) {
             (Claim::Solved, Claim::Solved) => {
                 let (a, b) = (program.objective(&ours.x), program.objective(&theirs.x));
@@ -199,11 +192,11 @@ proptest! {
     #[test]
     fn cutoffs_are_kept(case in case(), below in 0.0..3.0_f64) {
         let program = case.program();
-        let whole = ClarabelRelaxation::new().solve(&program, &effort(INF));
+        let whole = ClarabelRelaxation::new().solve(&program, &effort(&StopToken::default(), INF));
         prop_assume!(whole.claim == Claim::Solved);
         let value = program.objective(&whole.x);
         let cutoff = value - below * (1.0 + 0.1 * value.abs());
-        let answer = InteriorPoint::new().solve(&program, &effort(cutoff));
+        let answer = InteriorPoint::new().solve(&program, &effort(&StopToken::default(), cutoff));
         check(&program, &answer, cutoff)?;
         if answer.claim == Claim::Solved {
             // Nothing was beyond the cutoff by more than the gap at which a program counts as solved.
@@ -221,7 +214,8 @@ fn most_programs_are_settled() {
         .filter(|_| {
             let case = case().new_tree(&mut runner).map(|tree| tree.current());
             let program = case.as_ref().map(Case::program).unwrap_or_default();
-            InteriorPoint::new().solve(&program, &effort(INF)).claim != Claim::Unknown
+            InteriorPoint::new().solve(&program, &effort(&StopToken::default(), INF)).claim
+                != Claim::Unknown
         })
         .count();
     assert!(settled >= 290, "{settled} of 300");

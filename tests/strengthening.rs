@@ -13,7 +13,7 @@ use carom::presolve::{
 };
 use carom::program::Program;
 use carom::relaxation::reduced_costs;
-use carom::solver::Deadline;
+use carom::solver::StopToken;
 use common::config;
 use proptest::prelude::*;
 
@@ -217,7 +217,7 @@ proptest! {
     #[test]
     fn what_holds_in_every_case_keeps_whole_points(case in case()) {
         let program = case.program(false);
-        if let Some(tight) = tighten_by_disjunctions(&program, &Deadline::default()) {
+        if let Some(tight) = tighten_by_disjunctions(&program, &StopToken::default()) {
             for point in case.points() {
                 let row = missed(&tight, &point);
                 prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, point, tight);
@@ -231,7 +231,7 @@ proptest! {
     #[test]
     fn partners_keep_whole_points(case in case()) {
         let program = case.program(false);
-        if let Some(tight) = tighten_big_ms(&program, &Deadline::default()) {
+        if let Some(tight) = tighten_big_ms(&program, &StopToken::default()) {
             for point in case.points() {
                 let row = missed(&tight, &point);
                 prop_assert!(row.is_none(), "row {:?} at {:?}: {:?}", row, point, tight);
@@ -247,7 +247,7 @@ proptest! {
     ) {
         let model = system.model();
         let program = Program::assemble(&model).unwrap();
-        let tight = tighten_big_ms(&program, &Deadline::default());
+        let tight = tighten_big_ms(&program, &StopToken::default());
         for (x, u, mode) in at {
             let Some(point) = system.point(x, u, mode) else { continue };
             prop_assert_eq!(missed(&program, &point), None);
@@ -377,7 +377,7 @@ fn cases_bound_what_can_be_reached() {
         }
     }
     let program = Program::assemble(&model).unwrap();
-    let tight = tighten_by_disjunctions(&program, &Deadline::default()).expect("there are cases");
+    let tight = tighten_by_disjunctions(&program, &StopToken::default()).expect("there are cases");
     let column = |t: usize| model.variable_by_name(format!("x[{t}]")).unwrap().index();
     for (t, reach) in [(1, 0.5), (2, 0.75), (3, 0.875)] {
         let j = column(t);
@@ -412,7 +412,7 @@ fn partners_find_the_hull_of_a_step() {
     model.add("left", (x + 0.3 * free).le(0.4)).unwrap();
     model.add("right", (x - 0.3 * pressed).ge(-0.2)).unwrap();
     let program = Program::assemble(&model).unwrap();
-    let tight = tighten_big_ms(&program, &Deadline::default()).expect("the Ms are too large");
+    let tight = tighten_big_ms(&program, &StopToken::default()).expect("the Ms are too large");
     let [x, force, free, pressed] = [x, force, free, pressed].map(|v| v.index());
     let is_relaxed = |at: [f64; 3]| {
         let mut point = vec![0.0; program.column_count()];

@@ -4,7 +4,7 @@
 //! a point leaves none for the whole, and one without a bound no bound. Time and nodes are shared
 //! evenly among the blocks that are still to come, and what a block leaves is there for the others.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use web_time::Duration;
@@ -14,7 +14,7 @@ use crate::presolve::root::{Block, blocks};
 use crate::program::Program;
 use crate::search::Found;
 use crate::solution::{Statistics, Termination};
-use crate::solver::{Control, Event, Incumbent, Options, Progress};
+use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
 use crate::tolerance;
 
 /// A block and what is known of it.
@@ -83,8 +83,8 @@ struct Parts<'a> {
     searches: usize,
     /// Whether any points will do, since the objective of a block falls forever.
     any_point: bool,
-    /// Whether the user has had enough.
-    left: Cell<bool>,
+    /// Also over when the user has had enough.
+    token: StopToken,
 }
 
 impl Stage<'_> {
@@ -111,7 +111,7 @@ impl Stage<'_> {
             statistics: Statistics { blocks: count as u64, ..Statistics::default() },
             searches: 0,
             any_point: false,
-            left: Cell::new(false),
+            token: self.token.child(None),
         };
         (count > 1).then(|| parts.run(control))?
     }
@@ -126,7 +126,7 @@ impl Parts<'_> {
             loop {
                 let before = self.searches;
                 for k in 0..self.parts.len() {
-                    if !self.is_stopped(control) && !self.is_done(k) {
+                    if !self.token.is_over() && !self.is_done(k) {
                         self.search(k, control);
                     }
                     if self.parts[k].ended == Some(Termination::Infeasible) {
@@ -142,7 +142,7 @@ impl Parts<'_> {
                 break;
             }
         }
-        self.conclude(control.borrow().interrupt().is_triggered())
+        self.conclude()
     }
 
     fn is_done(&self, k: usize) -> bool {
@@ -151,15 +151,10 @@ impl Parts<'_> {
         ended || (self.any_point && best.is_some())
     }
 
-    fn is_stopped(&self, control: &RefCell<&mut Control<'_>>) -> bool {
-        self.left.get() || control.borrow().interrupt().is_triggered()
-    }
-
     /// The share of a block in what is left; nothing where nothing is left.
     fn grant(&self, k: usize) -> Option<Grant> {
         let waiting = (k..self.parts.len()).filter(|&k| !self.is_done(k)).count().max(1);
-        let (limits, start) = (self.stage.options, self.stage.start);
-        let time = limits.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
+        let (limits, time) = (self.stage.options, self.token.left());
         let nodes = limits.node_limit.map(|limit| limit.saturating_sub(self.statistics.nodes));
         if time.is_some_and(|time| time.is_zero()) || (self.searches > 0 && nodes == Some(0)) {
             return None;
@@ -179,7 +174,6 @@ impl Parts<'_> {
         let options = Options {
             absolute_gap,
             relative_gap,
-            time_limit: grant.time.map(|time| self.stage.start.elapsed().saturating_add(time)),
             node_limit: grant.nodes,
             ..self.stage.options.clone()
         };
@@ -190,7 +184,8 @@ impl Parts<'_> {
             flat = Some(program);
         }
         let program = flat.as_ref().unwrap_or(&block.program);
-        let found = self.search_one(k, program, &options, control);
+        let token = self.token.child(grant.time);
+        let found = self.search_one(k, program, &options, &token, control);
 
         self.searches += 1;
         self.statistics.add(&found.statistics);
@@ -216,6 +211,7 @@ impl Parts<'_> {
         k: usize,
         program: &Program,
         options: &Options,
+        token: &StopToken,
         control: &RefCell<&mut Control<'_>>,
     ) -> Found {
         let (stage, block) = (self.stage, &self.parts[k].block);
@@ -233,18 +229,17 @@ impl Parts<'_> {
             let (objective, figures) = (found.objective + value, others.progress(&found.progress));
             let whole = Incumbent::new(found.point, objective, found.found_by, figures);
             let flow = control.borrow_mut().report_incumbent(&whole);
-            self.left.set(self.left.get() || flow.is_break());
+            if flow.is_break() {
+                self.token.stop();
+            }
             flow
         };
-        let (interrupt, watches) = {
-            let control = control.borrow();
-            (control.interrupt().clone(), control.watches_incumbents())
-        };
-        let mut inner = Control::default().with_interrupt(&interrupt).with_progress(&mut on_event);
+        let watches = control.borrow().watches_incumbents();
+        let mut inner = Control::default().with_progress(&mut on_event);
         if watches {
             inner = inner.with_incumbent(&mut on_incumbent);
         }
-        let search = Search { program, accept: &accept, describe: &describe, options };
+        let search = Search { program, accept: &accept, describe: &describe, options, token };
         stage.search(search, &mut inner, None)
     }
 
@@ -306,8 +301,8 @@ impl Parts<'_> {
     }
 
     /// What follows from all blocks for the whole, where anything does.
-    fn conclude(&self, interrupted: bool) -> Option<Found> {
-        let reason = self.limit(interrupted);
+    fn conclude(&self) -> Option<Found> {
+        let reason = self.limit();
         let point = self.point(None);
         let verified = point.filter(|point| self.stage.verified(point).is_some());
         let found = |termination, bound, points: Vec<Vec<f64>>| {
@@ -339,16 +334,16 @@ impl Parts<'_> {
     }
 
     /// The limit that kept blocks from being searched to their ends, if one did.
-    fn limit(&self, interrupted: bool) -> Option<Termination> {
-        if interrupted || self.left.get() {
-            return Some(Termination::Interrupted);
+    fn limit(&self) -> Option<Termination> {
+        let ended = self.token.ended();
+        if ended == Some(Termination::Interrupted) {
+            return ended;
         }
         let reached = self.parts.iter().filter_map(|part| part.ended).find(|end| end.is_limit());
         let waits = self.parts.iter().any(|part| part.ended.is_none());
         let options = self.stage.options;
         let nodes = options.node_limit.is_some_and(|limit| self.statistics.nodes >= limit);
-        let late = options.time_limit.is_some_and(|limit| self.stage.start.elapsed() >= limit);
-        reached.or(match (waits, late, nodes) {
+        reached.or(match (waits, ended.is_some(), nodes) {
             (true, true, _) => Some(Termination::TimeLimit),
             (true, false, true) => Some(Termination::NodeLimit),
             _ => None,

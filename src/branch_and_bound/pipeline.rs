@@ -1,16 +1,14 @@
 //! One solve: lower, assemble, presolve, search, restore.
 
-use web_time::Instant;
-
 use super::stage::Stage;
 use crate::error::Error;
 use crate::model::Model;
-use crate::presolve::root::{Presolve, Rule, presolve_until};
+use crate::presolve::root::{Presolve, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate;
 use crate::search::{Found, GuessEnd, Guide, Seed};
 use crate::solution::{Point, Termination};
-use crate::solver::{Control, Deadline, Options};
+use crate::solver::{Control, Options, StopToken};
 
 /// Rounding of bounds below this, relative, is below that of any objective (no unit).
 const VISIBLE: f64 = 1e-10;
@@ -19,8 +17,7 @@ const VISIBLE: f64 = 1e-10;
 pub(super) struct Pipeline<'a> {
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
-    pub(super) start: Instant,
-    pub(super) deadline: &'a Deadline,
+    pub(super) token: &'a StopToken,
     pub(super) guide: &'a Guide<'a>,
     pub(super) seed: Option<&'a Seed>,
 }
@@ -29,8 +26,8 @@ impl Pipeline<'_> {
     /// What is found of the model's program; points are values of its variables. Nothing is known
     /// where a limit comes before the search.
     pub(super) fn run(&self, control: &mut Control<'_>) -> Result<Found, Error> {
-        let Some(lowered) = reformulate::lower_before(self.model, self.deadline)? else {
-            return Ok(Found::stopped(self.deadline));
+        let Some(lowered) = reformulate::lower_until(self.model, None, self.token)? else {
+            return Ok(self.stopped());
         };
         let program = Program::assemble(lowered.model())?;
         let way_back = lowered.into_way_back();
@@ -41,10 +38,10 @@ impl Pipeline<'_> {
             true if self.seed.is_some() || self.guide.proposes() => &Rule::FAITHFUL,
             true => &Rule::ALL,
         };
-        let presolved = match presolve_until(&program, rules, self.deadline)? {
-            Some(Presolve::Presolved(presolved)) => presolved,
-            Some(Presolve::Infeasible) => return Ok(Found::infeasible()),
-            None => return Ok(Found::stopped(self.deadline)),
+        let presolved = match presolve(&program, rules, self.token)? {
+            Presolve::Presolved(presolved) => presolved,
+            Presolve::Infeasible => return Ok(Found::infeasible()),
+            Presolve::Stopped => return Ok(self.stopped()),
         };
         let postsolve = &presolved.postsolve;
         let guide = self.guide.presolved(postsolve, &program);
@@ -55,7 +52,7 @@ impl Pipeline<'_> {
         let stage = Stage {
             model: self.model,
             options: self.options,
-            start: self.start,
+            token: self.token,
             guide: &guide,
             program: &presolved.program,
             restore: &restore,
@@ -79,6 +76,10 @@ impl Pipeline<'_> {
         };
         self.charge(presolved.rounding, &mut found)?;
         Ok(found)
+    }
+
+    fn stopped(&self) -> Found {
+        Found::stopped(self.token.ended().unwrap_or(Termination::Interrupted))
     }
 
     /// Takes what presolve may have lost to rounding off the bound, where it can be seen at all; the

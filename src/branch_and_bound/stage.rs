@@ -1,21 +1,19 @@
 //! Cutting and searching what presolve has left.
 
-use web_time::Instant;
-
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
 use crate::search::cuts::strengthen;
 use crate::search::{Accept, Found, Guide, Seed, Task, search};
 use crate::solution::{Point, Statistics, Verification};
-use crate::solver::{Control, Deadline, Options};
+use crate::solver::{Control, Options, StopToken};
 
 /// A presolved program, and the way back to the model.
 #[derive(Clone, Copy)]
 pub(super) struct Stage<'a> {
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
-    pub(super) start: Instant,
+    pub(super) token: &'a StopToken,
     pub(super) guide: &'a Guide<'a>,
     pub(super) program: &'a Program,
     /// From values of the program's columns to values of the model's variables.
@@ -32,6 +30,7 @@ pub(super) struct Search<'a> {
     /// The user's point that a point stands for, where it is one.
     pub(super) describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
     pub(super) options: &'a Options,
+    pub(super) token: &'a StopToken,
 }
 
 impl Stage<'_> {
@@ -50,6 +49,7 @@ impl Stage<'_> {
             accept: &accept,
             describe: &describe,
             options: self.options,
+            token: self.token,
         };
         self.search(search, control, seed)
     }
@@ -69,7 +69,7 @@ impl Stage<'_> {
     /// Cuts and searches a program: this one, or a part of it.
     pub(super) fn search(
         &self,
-        Search { program, accept, describe, options }: Search<'_>,
+        Search { program, accept, describe, options, token }: Search<'_>,
         control: &mut Control<'_>,
         seed: Option<&Seed>,
     ) -> Found {
@@ -80,16 +80,15 @@ impl Stage<'_> {
             let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
             integers.map(|(value, _)| value.round() as i64).collect()
         };
-        let deadline = Deadline::new(self.start, options.time_limit, control.interrupt());
         let mut at_root = Statistics::default();
         let tightens = options.presolve && !self.as_is;
         let exact = program;
-        let boxed = if tightens { tighten_by_disjunctions(program, &deadline) } else { None };
+        let boxed = if tightens { tighten_by_disjunctions(program, token) } else { None };
         let program = boxed.as_ref().unwrap_or(program);
-        let tight = if tightens { tighten_big_ms(program, &deadline) } else { None };
+        let tight = if tightens { tighten_big_ms(program, token) } else { None };
         let program = tight.as_ref().unwrap_or(program);
         let cut = if options.cuts && !self.as_is {
-            strengthen(program, &deadline, &mut at_root)
+            strengthen(program, token, &mut at_root)
         } else {
             None
         };
@@ -103,7 +102,7 @@ impl Stage<'_> {
             guide: self.guide,
             options,
             cutoff: f64::INFINITY,
-            start: self.start,
+            token,
         };
         let mut found = search(task, control, seed);
         found.statistics.relaxations += at_root.relaxations;

@@ -21,7 +21,7 @@ use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
-use crate::solver::{Budget, Interrupt, Solver};
+use crate::solver::{Interrupt, Solver, StopToken};
 
 /// Options of [`damage_interval()`].
 #[derive(Debug, Clone)]
@@ -155,17 +155,17 @@ pub fn damage_interval(
     let mut open = *scenario;
     open.damage.per_impact = None;
     open.damage.weight = 0.0;
-    let budget = Budget::new(options.time_limit, &options.interrupt);
+    let token = StopToken::new(options.time_limit, &options.interrupt);
     let resolution = options.resolution;
     let mut search =
-        Search { scenario: open, resolution, solver, budget, stopped: None, solves: 0, nodes: 0 };
+        Search { scenario: open, resolution, solver, token, stopped: None, solves: 0, nodes: 0 };
     let lower = search.end(steps)?;
     let upper = match steps {
         1 => End { bound: f64::INFINITY, attained: f64::INFINITY },
         _ => search.end(steps - 1)?,
     };
-    let Search { stopped, solves, nodes, budget, .. } = search;
-    Ok(DamageInterval { steps, lower, upper, stopped, solves, nodes, time: budget.elapsed() })
+    let Search { stopped, solves, nodes, token, .. } = search;
+    Ok(DamageInterval { steps, lower, upper, stopped, solves, nodes, time: token.elapsed() })
 }
 
 fn check(scenario: &Scenario, options: &IntervalOptions) -> Result<(), Error> {
@@ -188,7 +188,7 @@ struct Search<'a> {
     scenario: Scenario,
     resolution: f64,
     solver: &'a mut dyn Solver,
-    budget: Budget,
+    token: StopToken,
     stopped: Option<Termination>,
     solves: usize,
     nodes: u64,
@@ -240,8 +240,7 @@ impl Search<'_> {
         let mut scenario = self.scenario;
         scenario.damage.per_impact = limit;
         let mut program = Program::build(&scenario, steps, Objective::Feasibility)?;
-        let stop = || self.budget.exhausted().is_some();
-        match tighten(&scenario, &mut scenario.reach_sets()?, &mut program, &stop)? {
+        match tighten(&scenario, &mut scenario.reach_sets()?, &mut program, &self.token)? {
             true => self.solve(&program),
             false => Ok(Answer::Refuted),
         }
@@ -262,11 +261,11 @@ impl Search<'_> {
     }
 
     fn solve(&mut self, program: &Program) -> Result<Answer, Error> {
-        if let Some(reason) = self.budget.exhausted() {
+        if let Some(reason) = self.token.ended() {
             self.stopped = Some(reason);
             return Ok(Answer::Stopped);
         }
-        let solution = self.budget.solve(self.solver, &program.model, &mut |_| {})?;
+        let solution = self.token.solve(self.solver, &program.model, &mut |_| {})?;
         self.solves += 1;
         self.nodes += solution.statistics().nodes;
         Ok(match outcome(&self.scenario, program, &solution)? {

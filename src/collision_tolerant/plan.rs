@@ -7,7 +7,7 @@ use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::{ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
 use crate::solution::{Solution, Statistics, Termination, Verification};
-use crate::solver::{Budget, Control, Solver};
+use crate::solver::{Control, Solver, StopToken};
 use crate::tolerance;
 
 /// Why a plan can be trusted.
@@ -134,9 +134,8 @@ pub fn plan_with(
     control: &mut Control<'_>,
 ) -> Result<PlanOutcome, Error> {
     let mut program = Program::build(scenario, steps, objective)?;
-    let budget = Budget::new(solver.options().time_limit, control.interrupt());
-    let stop = || budget.exhausted().is_some();
-    if !tighten(scenario, &mut scenario.reach_sets()?, &mut program, &stop)? {
+    let token = StopToken::new(solver.options().time_limit, control.interrupt());
+    if !tighten(scenario, &mut scenario.reach_sets()?, &mut program, &token)? {
         return Ok(PlanOutcome::Infeasible(Statistics::default()));
     }
     let solution = solver.solve_with(&program.model, control)?;

@@ -7,6 +7,7 @@ use crate::hybrid::reach::{Explanation, HorizonVariables, HybridSystem, ReachSet
 use crate::hybrid::{ContactLaw, Horizon, HorizonModel, Waiting};
 use crate::interval::Interval;
 use crate::model::{Family, Model};
+use crate::solver::StopToken;
 use crate::tolerance;
 
 /// How much longer the steps of the coarser grid are, and from how many steps on it is worth it.
@@ -148,14 +149,14 @@ pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<Explanation>,
 }
 
 /// Writes the tube of a program's horizon into it; `false` when the tube proves that there is no
-/// plan. When it is asked to stop, the program stays as it is.
+/// plan. If the token is over before that is known, the program stays as it is.
 pub(super) fn tighten(
     scenario: &Scenario,
     sets: &mut ReachSets,
     program: &mut Program,
-    stop: &dyn Fn() -> bool,
+    token: &StopToken,
 ) -> Result<bool, Error> {
-    let Some(tube) = sets.tube_unless(program.horizon.steps(), stop)? else { return Ok(true) };
+    let Some(tube) = sets.tube_until(program.horizon.steps(), token)? else { return Ok(true) };
     let variables = program.horizon_variables(scenario);
     let model: &mut Model = &mut program.model;
     Ok(!tube.tighten(model, &variables)?.infeasible)

@@ -12,7 +12,7 @@ use crate::hybrid::{
     Attempt, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
 };
 use crate::solution::{Solution, Statistics};
-use crate::solver::{Budget, Solver};
+use crate::solver::{Solver, StopToken};
 
 /// Options of a search for the shortest plan.
 #[derive(Debug, Clone)]
@@ -144,7 +144,7 @@ pub fn shortest_plan_with(
     progress: &mut dyn FnMut(&HorizonEvent),
 ) -> Result<ShortestPlan, Error> {
     scenario.check()?;
-    let budget = Budget::new(options.search.time_limit, &options.search.interrupt);
+    let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
     let programs = Programs { scenario: *scenario, upper_hint: options.upper_hint };
     let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
     let plan = match (&found.program, &found.solution) {
@@ -163,9 +163,9 @@ pub fn shortest_plan_with(
         time: found.time,
     };
     if options.fewest_impacts && shortest.is_found() && !shortest.fewest_impacts {
-        Refinement { scenario, solver, budget: &budget }.run(&mut shortest)?;
+        Refinement { scenario, solver, token: &token }.run(&mut shortest)?;
     }
-    shortest.time = budget.elapsed();
+    shortest.time = token.elapsed();
     Ok(shortest)
 }
 
@@ -173,7 +173,7 @@ pub fn shortest_plan_with(
 struct Refinement<'a> {
     scenario: &'a Scenario,
     solver: &'a mut dyn Solver,
-    budget: &'a Budget,
+    token: &'a StopToken,
 }
 
 impl Refinement<'_> {
@@ -225,10 +225,10 @@ impl Refinement<'_> {
 
     /// Solves within what is left of the search's time; nothing when nothing is left.
     fn solve(&mut self, program: &Program) -> Result<Option<Solution>, Error> {
-        if self.budget.exhausted().is_some() {
+        if self.token.is_over() {
             return Ok(None);
         }
-        self.budget.solve(self.solver, &program.model, &mut |_| {}).map(Some)
+        self.token.solve(self.solver, &program.model, &mut |_| {}).map(Some)
     }
 }
 

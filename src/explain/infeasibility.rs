@@ -8,7 +8,7 @@ use super::options::ExplainOptions;
 use super::oracle::{Answer, Oracle};
 use crate::error::Error;
 use crate::model::{Model, Name};
-use crate::solver::{Budget, Solver};
+use crate::solver::{Solver, StopToken};
 
 /// From this many families on, a small contradictory set is first collected from below.
 const MANY: usize = 12;
@@ -59,8 +59,8 @@ pub fn infeasibility(
     options: &ExplainOptions,
 ) -> Result<Explanation, Error> {
     let groups = Groups::of(model, &options.background)?;
-    let budget = Budget::new(options.time_limit, &options.interrupt);
-    let mut oracle = Oracle::new(model, solver, budget, options.solve_limit);
+    let token = StopToken::new(options.time_limit, &options.interrupt);
+    let mut oracle = Oracle::new(model, solver, token, options.solve_limit);
     let everything = vec![true; groups.names.len()];
     let status = match oracle.ask(&everything)? {
         Answer::Feasible(_) => Some(ExplanationStatus::Feasible),

@@ -11,7 +11,7 @@ use crate::presolve::{Domain, Propagator, probe};
 use crate::program::Program;
 use crate::reformulate;
 use crate::solution::{Point, Verification};
-use crate::solver::{Budget, Solver};
+use crate::solver::{Solver, StopToken};
 
 /// Trials of probing before a solve; see `search/root.rs`.
 const TRIALS: usize = 4000;
@@ -44,7 +44,7 @@ impl Known {
 pub(super) struct Oracle<'a> {
     model: &'a Model,
     solver: &'a mut dyn Solver,
-    budget: Budget,
+    token: StopToken,
     solve_limit: usize,
     /// Statements by the names that verifications use.
     places: HashMap<String, Vec<usize>>,
@@ -59,7 +59,7 @@ impl<'a> Oracle<'a> {
     pub(super) fn new(
         model: &'a Model,
         solver: &'a mut dyn Solver,
-        budget: Budget,
+        token: StopToken,
         solve_limit: Option<usize>,
     ) -> Self {
         let mut places: HashMap<String, Vec<usize>> = HashMap::new();
@@ -68,12 +68,12 @@ impl<'a> Oracle<'a> {
         }
         let solve_limit = solve_limit.unwrap_or(usize::MAX);
         let (known, solves, propagations) = (Vec::new(), 0, 0);
-        Oracle { model, solver, budget, solve_limit, places, known, solves, propagations }
+        Oracle { model, solver, token, solve_limit, places, known, solves, propagations }
     }
 
     /// Whether the time is over, or the interrupt triggered.
     pub(super) fn is_stopped(&self) -> bool {
-        self.budget.exhausted().is_some()
+        self.token.is_over()
     }
 
     /// Whether nothing more may be solved.
@@ -95,7 +95,7 @@ impl<'a> Oracle<'a> {
             return Ok(Answer::Open);
         }
         self.solves += 1;
-        let solution = self.budget.solve(self.solver, &part, &mut |_| {})?;
+        let solution = self.token.solve(self.solver, &part, &mut |_| {})?;
         match solution.point() {
             Some(point) => {
                 self.learn(point.clone());
@@ -137,14 +137,16 @@ impl<'a> Oracle<'a> {
     }
 
     fn refutes(&self, part: &Model) -> Result<bool, Error> {
-        let program = Program::assemble(reformulate::lower(part)?.model())?;
+        let Some(lowered) = reformulate::lower_until(part, None, &self.token)? else {
+            return Ok(false);
+        };
+        let program = Program::assemble(lowered.model())?;
         let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
         let late_first: Vec<usize> = program.integers.iter().rev().copied().collect();
-        let go_on = || !self.is_stopped();
         let refuted = propagator
             .propagate_all(&program, &mut domain)
             .and_then(|()| {
-                probe(&program, &mut domain, &mut propagator, &late_first, TRIALS, &go_on)
+                probe(&program, &mut domain, &mut propagator, &late_first, TRIALS, &self.token)
             })
             .is_err();
         Ok(refuted)

@@ -10,7 +10,7 @@ use crate::error::{Error, ErrorKind};
 use crate::model::{Model, Name};
 use crate::reformulate::Side;
 use crate::solution::{Point, Termination, Verification, for_reading};
-use crate::solver::{Budget, Interrupt, Solver};
+use crate::solver::{Interrupt, Solver, StopToken};
 use crate::tolerance;
 
 /// Options of [`relaxation`].
@@ -189,8 +189,8 @@ pub fn relaxation(
 ) -> Result<Relaxed, Error> {
     let weights = options.resolve(model)?;
     let elastic = Elastic::of(model, &weights)?;
-    let budget = Budget::new(options.time_limit, &options.interrupt);
-    let solution = budget.solve(solver, &elastic.model, &mut |_| {})?;
+    let token = StopToken::new(options.time_limit, &options.interrupt);
+    let solution = token.solve(solver, &elastic.model, &mut |_| {})?;
     let mut relaxed = Relaxed {
         termination: solution.termination(),
         stretches: Vec::new(),

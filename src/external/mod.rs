@@ -38,7 +38,7 @@ use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::reformulate;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
-use crate::solver::{Budget, Control, Event, Options, Progress, Solver, certify};
+use crate::solver::{Control, Event, Options, Progress, Solver, StopToken, certify};
 
 /// A solver program on the `PATH`.
 #[derive(Debug)]
@@ -111,8 +111,10 @@ impl Solver for ExternalSolver {
     /// answer.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
-        let budget = Budget::new(self.options.time_limit, control.interrupt());
-        let lowered = reformulate::lower_until(model, &|| budget.exhausted().is_some())?;
+        let token = StopToken::new(self.options.time_limit, control.interrupt());
+        let Some(lowered) = reformulate::lower_until(model, None, &token)? else {
+            return stopped(model, &self.options, &token);
+        };
         if !self.dialect.takes_quadratic() && !lowered.model().objective().products().is_empty() {
             return Err(ErrorKind::Unsupported {
                 solver: self.program.clone(),
@@ -124,7 +126,7 @@ impl Solver for ExternalSolver {
         let Some(translated) = translate::translate(lowered.model())? else {
             let (termination, values) = (Termination::Infeasible, None);
             let bound = model.sense().sign() * f64::INFINITY;
-            let statistics = Statistics { time: budget.elapsed(), ..Statistics::default() };
+            let statistics = Statistics { time: token.elapsed(), ..Statistics::default() };
             let outcome = Outcome { termination, values, bound, statistics };
             return Solution::new(model, outcome, self.options.feasibility);
         };
@@ -135,8 +137,7 @@ impl Solver for ExternalSolver {
                 dialect: &*self.dialect,
                 program: &self.program,
                 options: &options,
-                time_left: budget.remaining(),
-                interrupt: control.interrupt(),
+                token: &token,
             };
             run.answer(text)
         };
@@ -162,8 +163,21 @@ impl Solver for ExternalSolver {
         let nodes = answer.nodes.unwrap_or(0);
         let statistics = Statistics { nodes, ..Statistics::default() };
         let claimed = Outcome { termination, values, bound, statistics };
-        settled(model, claimed, &self.options, &budget, control)
+        settled(model, claimed, &self.options, &token, control)
     }
+}
+
+/// The answer if a limit came before the other solver was asked.
+pub(crate) fn stopped(
+    model: &Model,
+    options: &Options,
+    token: &StopToken,
+) -> Result<Solution, Error> {
+    let termination = token.ended().unwrap_or(Termination::Interrupted);
+    let bound = -model.sense().sign() * f64::INFINITY;
+    let statistics = Statistics { time: token.elapsed(), ..Statistics::default() };
+    let outcome = Outcome { termination, values: None, bound, statistics };
+    Solution::new(model, outcome, options.feasibility)
 }
 
 /// Another solver's gap is half of ours. Its relative gap is one of an objective without the constant,
@@ -180,7 +194,7 @@ pub(crate) fn settled(
     model: &Model,
     claimed: Outcome,
     options: &Options,
-    budget: &Budget,
+    token: &StopToken,
     control: &mut Control<'_>,
 ) -> Result<Solution, Error> {
     let sign = model.sense().sign();
@@ -206,12 +220,12 @@ pub(crate) fn settled(
         }
     }
     statistics.incumbents = u64::from(values.is_some());
-    statistics.time = budget.elapsed();
+    statistics.time = token.elapsed();
     let outcome = Outcome { termination, values, bound, statistics };
     let solution = Solution::new(model, outcome, options.feasibility)?;
     let (objective, bound) = (solution.objective(), solution.bound());
     if objective.is_some() {
-        let progress = Progress::new(statistics.nodes, 0, 0, objective, bound, budget.elapsed());
+        let progress = Progress::new(statistics.nodes, 0, 0, objective, bound, token.elapsed());
         control.report(&Event::Incumbent(progress));
     }
     Ok(solution)

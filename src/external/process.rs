@@ -12,7 +12,7 @@ use web_time::{Duration, Instant};
 use super::dialect::{Answer, Claim, Dialect, Files};
 use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
-use crate::solver::{Interrupt, Options};
+use crate::solver::{Options, StopToken};
 
 /// How often a running program is looked at.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -28,18 +28,15 @@ pub(super) struct Run<'a> {
     pub(super) dialect: &'a dyn Dialect,
     pub(super) program: &'a str,
     pub(super) options: &'a Options,
-    pub(super) time_left: Option<Duration>,
-    pub(super) interrupt: &'a Interrupt,
+    pub(super) token: &'a StopToken,
 }
 
 impl Run<'_> {
     /// Hands the model over and reads the answer; with it, why the program was stopped, if it was.
     pub(super) fn answer(&self, model: &str) -> Result<(Answer, Option<Termination>), Error> {
-        if self.interrupt.is_triggered() {
-            return Ok((Answer::new(Claim::Unknown), Some(Termination::Interrupted)));
-        }
-        if self.time_left == Some(Duration::ZERO) {
-            return Ok((Answer::new(Claim::Unknown), Some(Termination::TimeLimit)));
+        let time_left = self.token.left();
+        if let Some(reason) = self.token.ended() {
+            return Ok((Answer::new(Claim::Unknown), Some(reason)));
         }
         let folder = Folder::fresh()
             .map_err(|e| self.refused("no temporary folder can be made for", FOLDER, e))?;
@@ -49,7 +46,7 @@ impl Run<'_> {
                 .map_err(|e| self.refused("files cannot be written for", FOLDER, e))
         };
         written(&files.model, model)?;
-        if let Some(settings) = self.dialect.settings(self.options, self.time_left) {
+        if let Some(settings) = self.dialect.settings(self.options, time_left) {
             written(&files.settings, &settings)?;
         }
         let log = folder.path.join("printed");
@@ -57,7 +54,7 @@ impl Run<'_> {
         let (output, errors) =
             output.map_err(|e| self.refused("files cannot be written for", FOLDER, e))?;
         let child = Command::new(self.program)
-            .args(self.dialect.arguments(&files, self.options, self.time_left))
+            .args(self.dialect.arguments(&files, self.options, time_left))
             .current_dir(&folder.path)
             .stdin(Stdio::null())
             .stdout(output)
@@ -66,7 +63,7 @@ impl Run<'_> {
             .map_err(|e| {
                 self.refused("cannot start", "check that it is installed and on the `PATH`", e)
             })?;
-        let stopped = self.wait(child)?;
+        let stopped = self.wait(child, time_left)?;
         let read = |path: &Path| match fs::read(path) {
             Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -86,15 +83,19 @@ impl Run<'_> {
     }
 
     /// Waits for the end, or makes one at the deadline or on an interrupt.
-    fn wait(&self, mut child: Child) -> Result<Option<Termination>, Error> {
-        let deadline = self.time_left.and_then(|left| Instant::now().checked_add(left + GRACE));
+    fn wait(
+        &self,
+        mut child: Child,
+        time_left: Option<Duration>,
+    ) -> Result<Option<Termination>, Error> {
+        let deadline = time_left.and_then(|left| Instant::now().checked_add(left + GRACE));
         loop {
             match child.try_wait() {
                 Ok(Some(_)) => return Ok(None),
                 Ok(None) => {}
                 Err(error) => return Err(self.refused("cannot wait for", "solve again", error)),
             }
-            let reason = if self.interrupt.is_triggered() {
+            let reason = if self.token.interrupt().is_triggered() {
                 Some(Termination::Interrupted)
             } else {
                 let late = deadline.is_some_and(|deadline| Instant::now() >= deadline);

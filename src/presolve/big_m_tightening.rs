@@ -11,7 +11,7 @@
 use super::domain::Domain;
 use super::propagation::Propagator;
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 use crate::tolerance;
 
 /// Most binaries that are tried, at both values.
@@ -52,17 +52,17 @@ const NOTHING: f64 = 1e-8;
 /// Shrinks big-Ms to what linked rows allow; returns `None` if none shrinks.
 ///
 /// Columns and rows keep their numbers, and no point with whole integral columns is lost.
-pub fn tighten_big_ms(program: &Program, deadline: &Deadline) -> Option<Program> {
+pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
-    propagator.set_deadline(deadline);
+    propagator.set_stop_token(token);
     // If the bounds contradict each other, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
     let open: Vec<usize> = program.integers.iter().copied().filter(is_open).take(TRIALS).collect();
     let mut rows = Rows::new(program);
     for z in open {
-        if deadline.is_over() {
+        if token.is_over() {
             return None;
         }
         let mut lines: Vec<(usize, Vec<usize>)> = Vec::new();

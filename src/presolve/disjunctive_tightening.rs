@@ -11,9 +11,9 @@ use std::ops::RangeInclusive;
 use super::domain::Domain;
 use super::implications::{Bounds, changes};
 use super::propagation::{Conflict, Propagator};
-use super::root::{Presolve, Rule, presolve_until};
+use super::root::{Presolve, Rule, presolve};
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 
 /// Most trials. A trial propagates the rows that it reaches.
 const TRIALS: usize = 4000;
@@ -28,18 +28,17 @@ const GAIN: f64 = 0.01;
 /// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves.
 ///
 /// Columns and rows keep their numbers, and no point with whole integral columns is lost.
-pub fn tighten_by_disjunctions(program: &Program, deadline: &Deadline) -> Option<Program> {
+pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<Program> {
     let disjunctions = covering_rows(program, &CASES);
     if disjunctions.is_empty() {
         return None;
     }
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
-    propagator.set_deadline(deadline);
+    propagator.set_stop_token(token);
     // If the bounds contradict each other, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
-    let go_on = || !deadline.is_over();
-    let gained = gain(program, &mut domain, &mut propagator, &disjunctions, &go_on).ok()?;
+    let gained = gain(program, &mut domain, &mut propagator, &disjunctions, token).ok()?;
     if gained == 0 {
         return None;
     }
@@ -47,8 +46,8 @@ pub fn tighten_by_disjunctions(program: &Program, deadline: &Deadline) -> Option
     for j in 0..program.column_count() {
         [tight.lower[j], tight.upper[j]] = domain.bounds(j);
     }
-    match presolve_until(&tight, &[Rule::Coefficients], deadline) {
-        Ok(Some(Presolve::Presolved(presolved))) => Some(presolved.program),
+    match presolve(&tight, &[Rule::Coefficients], token) {
+        Ok(Presolve::Presolved(presolved)) => Some(presolved.program),
         _ => None,
     }
 }
@@ -74,7 +73,7 @@ fn gain(
     domain: &mut Domain,
     propagator: &mut Propagator,
     disjunctions: &[Vec<usize>],
-    go_on: &dyn Fn() -> bool,
+    token: &StopToken,
 ) -> Result<usize, Conflict> {
     let (mut gained, mut trials) = (0, 0);
     for _ in 0..ROUNDS {
@@ -89,7 +88,7 @@ fn gain(
                     continue;
                 }
                 trials += 1;
-                if trials > TRIALS || !go_on() {
+                if trials > TRIALS || token.is_over() {
                     return Ok(gained);
                 }
                 let mark = domain.mark();

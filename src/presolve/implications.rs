@@ -8,6 +8,7 @@
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
+use crate::solver::StopToken;
 
 /// Most implied literals that are noted while the table is made.
 const NOTED: usize = 2_000_000;
@@ -42,7 +43,7 @@ impl Implications {
     /// # Arguments
     ///
     /// * `trials`: most values that are tried.
-    /// * `go_on`: asked before every trial; what is known when it says no is kept.
+    /// * `token`: asked before every trial; what is known when it is over is kept.
     ///
     /// # Errors
     ///
@@ -53,12 +54,12 @@ impl Implications {
         propagator: &mut Propagator,
         columns: &[usize],
         mut trials: usize,
-        go_on: &dyn Fn() -> bool,
+        token: &StopToken,
     ) -> Result<Implications, Conflict> {
         let mut noted: Vec<Option<Vec<usize>>> = vec![None; 2 * program.column_count()];
         let mut size = 0;
         for &j in columns {
-            if trials < 2 || size > NOTED || !go_on() {
+            if trials < 2 || size > NOTED || token.is_over() {
                 break;
             }
             if !is_open(program, domain, j) {
@@ -97,15 +98,15 @@ impl Implications {
             }
             propagator.propagate_since(program, domain, mark)?;
         }
-        Ok(Self::contraposed(&noted, go_on))
+        Ok(Self::contraposed(&noted, token))
     }
 
     /// The contrapositions that probing did not find by itself.
-    fn contraposed(noted: &[Option<Vec<usize>>], go_on: &dyn Fn() -> bool) -> Implications {
+    fn contraposed(noted: &[Option<Vec<usize>>], token: &StopToken) -> Implications {
         let mut table =
             Implications { by_literal: vec![Vec::new(); noted.len()], ..Implications::default() };
         for (literal, implied) in noted.iter().enumerate() {
-            if implied.is_some() && !go_on() {
+            if implied.is_some() && token.is_over() {
                 break;
             }
             for &other in implied.iter().flatten() {

@@ -15,6 +15,7 @@ use super::conflict_analysis::Resolution;
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
+use crate::solver::StopToken;
 use crate::tolerance;
 
 /// Trials after which a side is judged, the share of successes that is then expected of it (one in so
@@ -35,6 +36,8 @@ pub struct ProbingRecord {
     visits: u32,
     /// The bounds found last: column, whether it is the upper one, value.
     found: Vec<(usize, bool, f64)>,
+    /// Trials of the last visit.
+    tried: usize,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -52,6 +55,7 @@ impl ProbingRecord {
             counts: [(0, 0); 2],
             visits: 0,
             found: Vec::new(),
+            tried: 0,
         }
     }
 
@@ -59,6 +63,11 @@ impl ProbingRecord {
     /// the upper bound, and its value. Propagation finds the rest again.
     pub fn found(&self) -> &[(usize, bool, f64)] {
         &self.found
+    }
+
+    /// Trials of the last visit.
+    pub fn tried(&self) -> usize {
+        self.tried
     }
 
     /// Whether a side finds something often enough, or has its turn.
@@ -88,8 +97,8 @@ pub struct Trials {
 
 /// Probes columns in the given order and back until a full round changes nothing, or the trials run out.
 ///
-/// Only columns with two whole values left are probed; others are passed over. `go_on` is asked
-/// before every trial; what is proved until it says no is kept.
+/// Only columns with two whole values left are probed; others are passed over. `token` is asked
+/// before every trial; what is proved until it is over is kept.
 ///
 /// # Errors
 ///
@@ -100,11 +109,11 @@ pub fn probe(
     propagator: &mut Propagator,
     columns: &[usize],
     trials: usize,
-    go_on: &dyn Fn() -> bool,
+    token: &StopToken,
 ) -> Result<(), Conflict> {
     let mut record = ProbingRecord::new(program.column_count());
     let trials = Trials { most: trials, patience: usize::MAX };
-    probe_again(program, domain, propagator, (columns, trials), &mut record, go_on)
+    probe_again(program, domain, propagator, (columns, trials), &mut record, token)
 }
 
 /// Like [`probe`] with so many trials of these columns, at one of many nodes that share a propagator:
@@ -120,12 +129,13 @@ pub fn probe_again(
     propagator: &mut Propagator,
     (columns, trials): (&[usize], Trials),
     record: &mut ProbingRecord,
-    go_on: &dyn Fn() -> bool,
+    token: &StopToken,
 ) -> Result<(), Conflict> {
     let open =
         |domain: &Domain, j: usize| program.integral[j] && domain.upper(j) - domain.lower(j) == 1.0;
     record.visits = record.visits.wrapping_add(1);
     record.found.clear();
+    record.tried = 0;
     let (mut left, mut idle) = (trials.most, 0);
     let mut backwards = false;
     loop {
@@ -142,10 +152,11 @@ pub fn probe_again(
                 if known || !record.is_worth(is_upper) {
                     continue;
                 }
-                if left == 0 || idle == trials.patience || !go_on() {
+                if left == 0 || idle == trials.patience || token.is_over() {
                     return Ok(());
                 }
                 left -= 1;
+                record.tried += 1;
                 idle += 1;
                 let [lower, upper] = domain.bounds(j);
                 let mark = domain.mark();

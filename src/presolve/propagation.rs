@@ -12,7 +12,7 @@ use super::learning::Learner;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use super::worklist::Worklist;
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 use crate::tolerance;
 
 /// Proof of infeasibility by propagation: the row or column at which it surfaced.
@@ -40,7 +40,7 @@ pub struct Propagator {
     uses: Uses,
     found: Vec<Tightening>,
     pub(super) implications: Implications,
-    deadline: Deadline,
+    token: StopToken,
     pub(super) change_log: ChangeLog,
     /// What a bound of a continuous column must gain, of its width, to be followed.
     pub(super) least_gain: f64,
@@ -120,7 +120,7 @@ impl Propagator {
             cutoff: f64::INFINITY,
             clash: None,
             learner: None,
-            deadline: Deadline::default(),
+            token: StopToken::default(),
             change_log: ChangeLog::new(program.row_count()),
             least_gain: tolerance::PROPAGATION_GAIN,
         };
@@ -155,10 +155,10 @@ impl Propagator {
         self.implications = implications;
     }
 
-    /// Makes every later propagation end at a deadline. What is concluded until then holds; what
+    /// Makes every later propagation end when the token is over. What is concluded until then holds; what
     /// is not may be missing.
-    pub fn set_deadline(&mut self, deadline: &Deadline) {
-        self.deadline = deadline.clone();
+    pub fn set_stop_token(&mut self, token: &StopToken) {
+        self.token = token.clone();
     }
 
     /// Makes every later propagation look only for points whose (minimised) objective is at most
@@ -369,7 +369,7 @@ impl Propagator {
             let Some(row) = self.queue.pop() else { break };
             self.status[row] = Status::Idle;
             let Line { range: [start, end], limits } = self.rows[row];
-            if budget == 0 || self.deadline.spend(1 + end - start) {
+            if budget == 0 || self.token.spend(1 + end - start) {
                 self.clear();
                 break;
             }

@@ -78,7 +78,7 @@ impl fmt::Display for Comparison {
 pub fn compare<S: Solver + ?Sized>(model: &Model, solver: &mut S) -> Result<Comparison, Error> {
     let mut entries = Vec::with_capacity(Method::ALL.len());
     for method in Method::ALL {
-        let lowered: Lowered = lower_by(model, Some(method), &|| false)?;
+        let lowered: Lowered = lower_by(model, Some(method))?;
         let plain = lowered.model();
         let relaxed = solver.solve(&plain.with_integrality_relaxed())?;
         entries.push(MethodSize {

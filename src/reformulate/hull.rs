@@ -57,7 +57,7 @@ fn split(
     let mut ranges = Vec::with_capacity(terms.len());
     for (term, rows) in terms.iter().zip(&inside) {
         let all: Vec<(Variable, f64)> = own.keys().map(|&variable| (variable, 0.0)).collect();
-        let range = Maximizer::of_rows(&lowering.model, rows, &all, lowering.stop)?;
+        let range = Maximizer::of_rows(&lowering.model, rows, &all, lowering.token)?;
         if range.0.is_empty() {
             lowering.affine_row(value(term.selector), 0.0, 0.0)?;
         }

@@ -14,7 +14,7 @@ use crate::presolve::{Domain, Propagator, Reduction, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
 use crate::relaxation::{lower_bound, proves_infeasible};
-use crate::solver::Interrupt;
+use crate::solver::StopToken;
 
 /// Iterations and tolerance of one linear program.
 const ITERATIONS: u32 = 100;
@@ -36,8 +36,8 @@ pub(super) fn tidy(m: f64) -> f64 {
 
 /// Maximises expressions over one set of rows, bounds and whole numbers.
 pub(super) struct Maximizer<'a> {
-    /// From when on nothing is solved any more.
-    stop: &'a dyn Fn() -> bool,
+    /// Once it is over, nothing is solved any more.
+    token: &'a StopToken,
     program: Program,
     domain: Domain,
     propagator: Propagator,
@@ -48,13 +48,13 @@ pub(super) struct Maximizer<'a> {
 
 impl<'a> Maximizer<'a> {
     /// Over a model of rows only; its objective is left aside.
-    pub(super) fn of(model: &Model, stop: &'a dyn Fn() -> bool) -> Result<Self, Error> {
+    pub(super) fn of(model: &Model, token: &'a StopToken) -> Result<Self, Error> {
         let mut program = Program::assemble(model)?;
         program.make_feasibility_problem();
         let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
         let empty = propagator.propagate_all(&program, &mut domain).is_err();
         let relaxation = ClarabelRelaxation::new();
-        Ok(Maximizer { stop, program, domain, propagator, relaxation, empty })
+        Ok(Maximizer { token, program, domain, propagator, relaxation, empty })
     }
 
     /// Over some rows and the bounds that their variables have in a model. Variables are renamed:
@@ -63,7 +63,7 @@ impl<'a> Maximizer<'a> {
         model: &Model,
         rows: &[&StoredRow],
         terms: &[(Variable, f64)],
-        stop: &'a dyn Fn() -> bool,
+        token: &'a StopToken,
     ) -> Result<(Self, BTreeMap<Variable, Variable>), Error> {
         let mut small = Model::new("term");
         let mut renamed = BTreeMap::new();
@@ -81,7 +81,7 @@ impl<'a> Maximizer<'a> {
             let row = StoredRow { terms, lower: row.lower, upper: row.upper };
             small.push_constraint(("row", k).into(), row)?;
         }
-        Ok((Maximizer::of(&small, stop)?, renamed))
+        Ok((Maximizer::of(&small, token)?, renamed))
     }
 
     /// Whether rows, bounds and whole numbers are proved to contradict each other.
@@ -118,7 +118,7 @@ impl<'a> Maximizer<'a> {
     }
 
     fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
-        let Maximizer { stop, program, domain, propagator, relaxation, .. } = self;
+        let Maximizer { token, program, domain, propagator, relaxation, .. } = self;
         if propagator.propagate_since(program, domain, mark).is_err() {
             return f64::NEG_INFINITY;
         }
@@ -130,7 +130,7 @@ impl<'a> Maximizer<'a> {
         }
         program.linear.iter_mut().for_each(|cost| *cost = 0.0);
         terms.iter().for_each(|&(variable, a)| program.linear[variable.index()] = -a);
-        if stop() {
+        if token.is_over() {
             return range.upper;
         }
         let Reduction::Reduced(reduced) = reduce(program, domain) else {
@@ -143,9 +143,8 @@ impl<'a> Maximizer<'a> {
             iterations: ITERATIONS,
             tolerance: TOLERANCE,
             refinements: 2,
-            time: None,
             cutoff: f64::INFINITY,
-            interrupt: Interrupt::default(),
+            token,
         };
         let answer = relaxation.solve(&reduced, &effort);
         match answer.claim {

@@ -7,6 +7,7 @@ use super::logic::Part;
 use super::report::BigMReport;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
+use crate::solver::StopToken;
 
 /// What the reformulations share.
 pub(super) struct Lowering<'a> {
@@ -16,8 +17,8 @@ pub(super) struct Lowering<'a> {
     pub(super) report: BigMReport,
     /// Says how large expressions can be, where that was asked for.
     pub(super) maximizer: Option<Maximizer<'a>>,
-    /// From when on no linear program is solved any more.
-    pub(super) stop: &'a dyn Fn() -> bool,
+    /// Ends the linear programs.
+    pub(super) token: &'a StopToken,
     /// Number of variables of the model itself.
     pub(super) original: usize,
     /// Auxiliary binaries of formulas; shared by all statements.
@@ -31,13 +32,13 @@ impl<'a> Lowering<'a> {
     pub(super) fn new(
         model: &Model,
         maximizer: Option<Maximizer<'a>>,
-        stop: &'a dyn Fn() -> bool,
+        token: &'a StopToken,
     ) -> Self {
         Lowering {
             model: model.with_rows_only(),
             report: BigMReport::default(),
             maximizer,
-            stop,
+            token,
             original: model.variable_count(),
             parts: BTreeMap::new(),
             statement: Name::from("model"),

@@ -43,7 +43,7 @@ pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 use crate::error::{Error, ErrorKind};
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{Outcome, Solution};
-use crate::solver::{Deadline, Solver};
+use crate::solver::{Solver, StopToken};
 use direction::Tie;
 use linear_program::Maximizer;
 use lowering::Lowering;
@@ -158,57 +158,39 @@ fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64
 /// bound is missing, [`ErrorKind::UnsafeBigM`] for a user's M that the bounds do not prove,
 /// [`ErrorKind::OutOfRange`] for an integer factor with a wide range.
 pub fn lower(model: &Model) -> Result<Lowered, Error> {
-    lower_until(model, &|| false)
+    lower_by(model, None)
 }
 
-/// As [`lower`]; from the moment on at which `stop` says so, Ms are left as bounds prove them
-/// instead of tightened by linear programs.
-///
-/// # Errors
-///
-/// As for [`lower`].
-pub fn lower_until(model: &Model, stop: &dyn Fn() -> bool) -> Result<Lowered, Error> {
-    lower_by(model, None, stop)
+/// As [`lower`], with one method for all disjunctions.
+fn lower_by(model: &Model, method: Option<Method>) -> Result<Lowered, Error> {
+    loop {
+        // The default token never stops.
+        if let Some(lowered) = lower_until(model, method, &StopToken::default())? {
+            return Ok(lowered);
+        }
+    }
 }
 
-/// As [`lower`], but nothing where a deadline comes first.
+/// Lowers a model, with one method for all disjunctions if one is given; `None` if the token is over
+/// before the end.
 ///
 /// # Errors
 ///
 /// As for [`lower`], from the statements before the one at which it stopped.
-pub fn lower_before(model: &Model, deadline: &Deadline) -> Result<Option<Lowered>, Error> {
-    lower_or_stop(model, None, &|| deadline.is_over(), deadline)
-}
-
-/// As [`lower_until`], with one method for all disjunctions.
-fn lower_by(
+pub(crate) fn lower_until(
     model: &Model,
     method: Option<Method>,
-    stop: &dyn Fn() -> bool,
-) -> Result<Lowered, Error> {
-    let lowered = lower_or_stop(model, method, stop, &Deadline::default())?;
-    lowered.ok_or_else(|| Error::from(ErrorKind::Stopped))
-}
-
-/// From the moment on at which `stop` says so, without linear programs; nothing where the deadline
-/// comes first.
-fn lower_or_stop(
-    model: &Model,
-    method: Option<Method>,
-    stop: &dyn Fn() -> bool,
-    deadline: &Deadline,
+    token: &StopToken,
 ) -> Result<Option<Lowered>, Error> {
     let open = model.parameters().next().is_some().then(|| model.with_open_parameters());
     let open = open.as_ref().unwrap_or(model);
-    let Some(mut lowered) = lower_with(open, method, None, stop, deadline)? else {
-        return Ok(None);
-    };
-    if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() && !stop() {
-        let maximizer = Maximizer::of(&lowered.model, stop)?;
-        match lower_with(open, method, Some(maximizer), stop, deadline)? {
-            Some(tighter) => lowered = tighter,
-            None => return Ok(None),
-        }
+    let Some(mut lowered) = lower_with(open, method, None, token)? else { return Ok(None) };
+    if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() {
+        let maximizer = Maximizer::of(&lowered.model, token)?;
+        let Some(tighter) = lower_with(open, method, Some(maximizer), token)? else {
+            return Ok(None);
+        };
+        lowered = tighter;
     }
     lowered.model.take_parameters(model);
     lowered.revision = model.revision();
@@ -222,15 +204,13 @@ fn lower_with<'a>(
     model: &Model,
     method: Option<Method>,
     maximizer: Option<Maximizer<'a>>,
-    stop: &'a dyn Fn() -> bool,
-    deadline: &Deadline,
+    token: &'a StopToken,
 ) -> Result<Option<Lowered>, Error> {
-    let mut deadline = deadline.clone();
-    let mut lowering = Lowering::new(model, maximizer, stop);
+    let mut lowering = Lowering::new(model, maximizer, token);
     let mut relaxed = Vec::new();
     // First, for they bound their variables; and in this order, for younger ones build on older.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
-        if deadline.spend(STATEMENT) {
+        if token.spend(STATEMENT) {
             return Ok(None);
         }
         functions::apply(&function, tie, &mut lowering)?;
@@ -239,20 +219,20 @@ fn lower_with<'a>(
         }
     }
     for indicator in model.indicators() {
-        if deadline.spend(STATEMENT) {
+        if token.spend(STATEMENT) {
             return Ok(None);
         }
         big_m::apply(&indicator, &mut lowering)?;
     }
     for disjunction in model.disjunctions() {
-        if deadline.spend(STATEMENT) {
+        if token.spend(STATEMENT) {
             return Ok(None);
         }
         let own = disjunction.method().unwrap_or(model.reformulation().method());
         disjunction::apply(&disjunction, method.unwrap_or(own), &mut lowering)?;
     }
     for statement in model.logical_constraints() {
-        if deadline.spend(STATEMENT) {
+        if token.spend(STATEMENT) {
             return Ok(None);
         }
         logic::apply(&statement, &mut lowering)?;

@@ -112,7 +112,8 @@ fn most(
     other: &Other<'_>,
     lowering: &mut Lowering<'_>,
 ) -> Result<f64, Error> {
-    let (mut small, renamed) = Maximizer::of_rows(&lowering.model, &other.rows, up, lowering.stop)?;
+    let (mut small, renamed) =
+        Maximizer::of_rows(&lowering.model, &other.rows, up, lowering.token)?;
     let terms: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (renamed[&v], a)).collect();
     let most = small.most(&terms, &[]);
     Ok(match &mut lowering.maximizer {

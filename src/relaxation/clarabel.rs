@@ -9,8 +9,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use web_time::Instant;
-
 use super::{Answer, Claim, Effort, Relaxation};
 use crate::presolve::Reduced;
 
@@ -36,8 +34,7 @@ enum Source {
 }
 
 impl Relaxation for ClarabelRelaxation {
-    fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer {
-        let began = Instant::now();
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> Answer {
         let conic = Conic::of(program);
         let n = program.columns.len();
         let unknown = || Answer {
@@ -47,11 +44,9 @@ impl Relaxation for ClarabelRelaxation {
             iterations: 0,
         };
         // The library's own limit knows nothing of the time before its first iteration.
-        let (limit, interrupt) = (effort.time, effort.interrupt.clone());
-        let late =
-            move || interrupt.is_triggered() || limit.is_some_and(|limit| began.elapsed() >= limit);
+        let token = effort.token;
         let run = || {
-            if late() {
+            if token.is_over() {
                 return None;
             }
             let quadratic = &program.quadratic;
@@ -73,10 +68,10 @@ impl Relaxation for ClarabelRelaxation {
             .ok()?;
             // The promise is checked by whoever asked; a margin makes it likely to hold.
             let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0) - program.offset;
-            let stop = late.clone();
+            let stop = token.clone();
             solver.set_termination_callback(move |info| {
                 let promised = info.cost_dual > enough && info.res_dual < PROMISE;
-                promised || stop()
+                promised || stop.is_over()
             });
             solver.solve();
             Some(solver.solution)
@@ -87,7 +82,7 @@ impl Relaxation for ClarabelRelaxation {
                     SolverStatus::Solved => Claim::Solved,
                     SolverStatus::PrimalInfeasible => Claim::Infeasible,
                     SolverStatus::DualInfeasible => Claim::Unbounded,
-                    SolverStatus::CallbackTerminated if !late() => Claim::Beyond,
+                    SolverStatus::CallbackTerminated if !token.is_over() => Claim::Beyond,
                     _ => Claim::Unknown,
                 },
                 y: conic.row_multipliers(&solution.z, program.rows.len()),
@@ -106,11 +101,11 @@ const PROMISE: f64 = 1e-5;
 /// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
 /// refinement step left no anomaly in 2,398 nodes, where the defaults left up to 26; presolve is
 /// off because infinite sides never get this far.
-fn settings(effort: &Effort) -> DefaultSettings<f64> {
+fn settings(effort: &Effort<'_>) -> DefaultSettings<f64> {
     DefaultSettings {
         verbose: false,
         max_iter: effort.iterations,
-        time_limit: effort.time.map_or(f64::INFINITY, |t| t.as_secs_f64().max(1e-3)),
+        time_limit: effort.token.left().map_or(f64::INFINITY, |t| t.as_secs_f64().max(1e-3)),
         tol_gap_abs: effort.tolerance,
         tol_gap_rel: effort.tolerance,
         tol_feas: effort.tolerance,

@@ -16,16 +16,14 @@ mod polish;
 pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
 pub use interior::InteriorPoint;
-pub use polish::{polish, polish_until};
-
-use web_time::Duration;
+pub use polish::polish;
 
 use crate::presolve::Reduced;
-use crate::solver::Interrupt;
+use crate::solver::StopToken;
 
 /// How hard to try, and when to stop.
-#[derive(Debug, Clone)]
-pub struct Effort {
+#[derive(Debug, Clone, Copy)]
+pub struct Effort<'a> {
     /// Largest number of iterations.
     pub iterations: u32,
     /// Tolerance on gap and residuals, relative.
@@ -35,10 +33,8 @@ pub struct Effort {
     /// The solve may end as soon as its dual objective promises a bound of at least this; infinite
     /// for a solve to the end.
     pub cutoff: f64,
-    /// Time left; `None` is no limit.
-    pub time: Option<Duration>,
-    /// Stops the solve when triggered.
-    pub interrupt: Interrupt,
+    /// Ends the solve when it is over.
+    pub token: &'a StopToken,
 }
 
 /// What a backend claims about a reduced program.
@@ -72,5 +68,5 @@ pub struct Answer {
 /// A solver of reduced programs (convex quadratic, continuous).
 pub trait Relaxation {
     /// Solves a program; never panics, never trusted.
-    fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer;
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> Answer;
 }

@@ -12,7 +12,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Col, Side};
 
 use crate::presolve::Reduced;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 
 /// Most moves.
 const ROUNDS: usize = 8;
@@ -23,13 +23,9 @@ const AT_BOUND: f64 = 1e-12;
 const HELD: f64 = 1e-20;
 
 /// Polishes `x` in place: clips it to the box and removes the residuals of equalities and of missed
-/// inequalities. Leaves `x` alone where these are too many or too degenerate to factorise.
-pub fn polish(program: &Reduced, x: &mut [f64]) {
-    polish_until(program, x, &Deadline::default());
-}
-
-/// As [`polish`], with what is reached by a deadline.
-pub fn polish_until(program: &Reduced, x: &mut [f64], deadline: &Deadline) {
+/// inequalities. Leaves `x` alone where these are too many or too degenerate to factorise, and ends
+/// with what is reached when the token is over.
+pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
     let mut held = vec![false; x.len()];
     clip(program, x, &mut held);
     held.fill(false);
@@ -49,7 +45,7 @@ pub fn polish_until(program: &Reduced, x: &mut [f64], deadline: &Deadline) {
         let moved = x.to_vec();
         let left_box = clip(program, x, &mut held);
         let settled = active.len() == known && !left_box;
-        if settled || deadline.is_over() || !move_onto(program, &active, &held, x) {
+        if settled || token.is_over() || !move_onto(program, &active, &held, x) {
             // Rows before the box: what held columns still moved is rounding.
             x.copy_from_slice(&moved);
             return;

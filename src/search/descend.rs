@@ -1,7 +1,5 @@
 //! From node to node: decisions applied to the domain, propagated, and probed.
 
-use std::cell::Cell;
-
 use super::clock::Activity;
 use super::node::Decision;
 use super::worker::Worker;
@@ -87,18 +85,15 @@ impl Worker<'_> {
     /// Probes as much as probing has paid so far.
     fn probe_node(&mut self) -> Result<(), Conflict> {
         let trials = self.probing.trials();
-        let (before, done) = (self.domain.mark(), Cell::new(0));
-        let go_on = || {
-            done.set(done.get() + 1);
-            self.tree.limit_reached().is_none()
-        };
+        let before = self.domain.mark();
         let (domain, propagator) = (&mut self.domain, &mut self.propagator);
         let order = (&self.late_first[..], trials);
         let record = &mut self.probing.record;
-        let result = probe_again(self.task.program, domain, propagator, order, record, &go_on);
+        let result = probe_again(self.task.program, domain, propagator, order, record, &self.token);
         let decided = |&(j, _): &(usize, bool)| self.task.program.integral[j];
         let gains = self.domain.changed_since(before).filter(decided).count();
-        self.probing.book(done.get(), gains, result.is_err());
+        let tried = self.probing.record.tried();
+        self.probing.book(tried, gains, result.is_err());
         result
     }
 

@@ -8,7 +8,7 @@ use std::cell::{Cell, RefCell};
 use std::sync::atomic::Ordering;
 
 use crossbeam_deque::Worker as Deque;
-use web_time::{Duration, Instant};
+use web_time::Instant;
 
 use super::best_points::Accepted;
 use super::guess::GuessEnd;
@@ -16,7 +16,6 @@ use super::node::{Node, Path, StepCount};
 use super::seed::{Seed, Seeded};
 use super::tree::{Share, Tree};
 use crate::solution::{Heuristic, Statistics, Termination};
-use crate::solver::Interrupt;
 
 /// Open nodes from which on no more relaxed points are kept with them.
 const ROOMY: usize = 1000;
@@ -67,20 +66,6 @@ impl<'a> Desk<'a> {
             last_found: RefCell::default(),
             frozen: RefCell::new(round),
         }
-    }
-
-    pub(super) fn interrupt(&self) -> &Interrupt {
-        self.tree.interrupt()
-    }
-
-    /// Time left until the limit.
-    pub(super) fn time_left(&self) -> Option<Duration> {
-        self.tree.time_left()
-    }
-
-    /// The limit that is reached, if any.
-    pub(super) fn limit_reached(&self) -> Option<Termination> {
-        self.tree.limit_reached()
     }
 
     /// Rounds a bound up to the next value that the objective can take.

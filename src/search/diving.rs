@@ -77,7 +77,7 @@ impl Worker<'_> {
             if candidates.iter().all(|&(_, j, value)| self.fix_rounded(j, value)) {
                 next = self.relax_dive();
             }
-            if next.is_none() && !turned_back && self.tree.limit_reached().is_none() {
+            if next.is_none() && !turned_back && !self.token.is_over() {
                 turned_back = true;
                 self.domain.undo_to(mark);
                 if self.exclude(first, value) {

@@ -45,14 +45,14 @@ impl Worker<'_> {
             self.complete();
             self.domain.undo_to(mark);
             found = self.tree.take_last_found();
-            if found.is_some() || self.tree.limit_reached().is_some() {
+            if found.is_some() || self.token.is_over() {
                 break;
             }
         }
         self.tree.end(before);
         self.tree.report_guess(match (found, contradiction) {
             (Some(point), _) => GuessEnd::Point(point),
-            _ if self.tree.limit_reached().is_some() => GuessEnd::Stopped,
+            _ if self.token.is_over() => GuessEnd::Stopped,
             (None, Some(column)) => GuessEnd::Contradiction(column),
             (None, None) => GuessEnd::Nothing,
         });

@@ -6,7 +6,7 @@ use super::clock::Activity;
 use super::node_relaxation::Verdict;
 use super::worker::Worker;
 use crate::presolve::{Reduced, Reduction};
-use crate::relaxation::polish_until;
+use crate::relaxation::polish;
 use crate::tolerance;
 
 impl Worker<'_> {
@@ -62,7 +62,7 @@ impl Worker<'_> {
 
     fn offer_verified(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
         let mut polished = x.to_vec();
-        polish_until(reduced, &mut polished, &self.deadline);
+        polish(reduced, &mut polished, &self.token);
         // Bounds are proved inside a radius only; a point outside must not be measured by them.
         let open = |j: usize| reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite();
         for candidate in [&polished[..], x] {

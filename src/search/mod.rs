@@ -75,11 +75,9 @@ mod unbounded;
 mod windows;
 mod worker;
 
-use web_time::Instant;
-
 use crate::program::Program;
 use crate::solution::{Point, Statistics, Termination};
-use crate::solver::{BranchingRule, Control, Deadline, Options};
+use crate::solver::{BranchingRule, Control, Options, StopToken};
 pub use guess::GuessEnd;
 pub use guide::Guide;
 use node::Path;
@@ -115,8 +113,8 @@ pub struct Task<'a> {
     pub options: &'a Options,
     /// Points must be better than this (minimised objective); infinite where any will do.
     pub cutoff: f64,
-    /// When the solve began.
-    pub start: Instant,
+    /// When the search must stop, and when the solve began.
+    pub token: &'a StopToken,
 }
 
 impl std::fmt::Debug for Task<'_> {
@@ -163,15 +161,10 @@ impl Closed {
 }
 
 impl Found {
-    /// The answer where a deadline came before the search.
-    pub fn stopped(deadline: &Deadline) -> Self {
-        let interrupted = deadline.interrupt().is_triggered();
+    /// The answer if a limit came before the search.
+    pub fn stopped(reason: Termination) -> Self {
         Found {
-            termination: if interrupted {
-                Termination::Interrupted
-            } else {
-                Termination::TimeLimit
-            },
+            termination: reason,
             pool_complete: false,
             bound: f64::NEG_INFINITY,
             ..Found::infeasible()
@@ -204,13 +197,13 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     );
     let rounds = task.options.deterministic;
     let workers = if rounds { rounds::WORKERS } else { task.options.threads };
-    let interrupt = control.interrupt().linked();
-    let deadline = Deadline::new(task.start, task.options.time_limit, &interrupt);
+    // The user's callback may end this search and no other.
+    let token = &task.token.child(None);
     let ordered = ordered(task, seed);
-    let task = Task { program: ordered.as_ref().unwrap_or(task.program), ..task };
-    let mut root = Root::new(task.program, &deadline, task.options.probing);
-    if root.conflict.is_none() && deadline.is_over() {
-        return Found::stopped(&deadline);
+    let task = Task { program: ordered.as_ref().unwrap_or(task.program), token, ..task };
+    let mut root = Root::new(task.program, token, task.options.probing);
+    if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
+        return Found::stopped(reason);
     }
     let windows = windows(task, &root);
     let task = Task {
@@ -218,8 +211,8 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
         windows: windows.as_ref(),
         ..task
     };
-    root.extend(task.program);
-    let tree = Tree::new(task, interrupt, seed, workers);
+    root.extend(task.program, token);
+    let tree = Tree::new(task, seed, workers);
     let mut watch = Watch::new(control);
     if rounds {
         rounds::run(task, &tree, &root, &mut watch);

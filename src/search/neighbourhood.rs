@@ -82,9 +82,8 @@ impl Worker<'_> {
         let guide = self.task.guide.idle();
         let (options, guide) = (&options, &guide);
         let task = Task { program, windows: None, guide, options, cutoff, ..self.task };
-        let mut control = Control::default().with_interrupt(self.tree.interrupt());
         let activity = self.clock.pause();
-        let Found { points, statistics, .. } = search(task, &mut control, None);
+        let Found { points, statistics, .. } = search(task, &mut Control::default(), None);
         self.clock.resume(activity);
         self.accounts.iterations += statistics.iterations;
         self.tree.count(|s| s.add_nested(&statistics));

@@ -112,14 +112,7 @@ impl Worker<'_> {
         let mut cutoff = self.tree.cutoff();
         let mut attempts = attempts.iter().peekable();
         while let Some(&&(method, iterations, tolerance, refinements)) = attempts.peek() {
-            let effort = Effort {
-                iterations,
-                tolerance,
-                refinements,
-                cutoff,
-                time: self.tree.time_left(),
-                interrupt: self.tree.interrupt().clone(),
-            };
+            let effort = Effort { iterations, tolerance, refinements, cutoff, token: &self.token };
             let activity = self.clock.switch(Activity::Relaxation);
             let answer = match method {
                 Method::InteriorPoint => self.interior.solve(reduced, &effort),
@@ -127,7 +120,7 @@ impl Worker<'_> {
             };
             self.clock.switch(activity);
             self.count_relaxation(answer.iterations);
-            if answer.claim == Claim::Unknown && self.tree.limit_reached().is_some() {
+            if answer.claim == Claim::Unknown && self.token.is_over() {
                 return Verdict::Stopped;
             }
             match answer.claim {
@@ -204,14 +197,13 @@ impl Worker<'_> {
             tolerance: 1e-9,
             refinements: 10,
             cutoff: f64::INFINITY,
-            time: self.tree.time_left(),
-            interrupt: self.tree.interrupt().clone(),
+            token: &self.token,
         };
         let activity = self.clock.switch(Activity::Relaxation);
         let mut answer = self.relaxation.solve(&directions, &effort);
         self.clock.switch(activity);
         self.count_relaxation(answer.iterations);
-        polish(&directions, &mut answer.x);
+        polish(&directions, &mut answer.x, &self.token);
         is_descent_ray(reduced, &answer.x)
     }
 
@@ -224,8 +216,8 @@ impl Worker<'_> {
         let (program, cutoff) = (&flat, f64::INFINITY);
         let (exact, options) = (None, &options);
         let task = Task { program, exact, windows: None, options, cutoff, ..self.task };
-        let mut control = Control::default().with_interrupt(self.tree.interrupt());
-        let Found { termination, points, statistics, .. } = search(task, &mut control, None);
+        let Found { termination, points, statistics, .. } =
+            search(task, &mut Control::default(), None);
         let incumbent = points.into_iter().next();
         self.clock.restart();
         self.tree.count(|s| s.add(&statistics));

@@ -42,7 +42,7 @@ impl Worker<'_> {
         let mut point = point.to_vec();
         let (mut share, mut seen): (f64, Vec<Vec<f64>>) = (1.0, Vec::new());
         for _ in 0..ROUNDS {
-            if self.tree.limit_reached().is_some() {
+            if self.token.is_over() {
                 return;
             }
             let mut target: Vec<f64> =
@@ -116,8 +116,7 @@ impl Worker<'_> {
             tolerance: 1e-6,
             refinements: 1,
             cutoff: f64::INFINITY,
-            time: self.tree.time_left(),
-            interrupt: self.tree.interrupt().clone(),
+            token: &self.token,
         };
         let activity = self.clock.switch(Activity::Relaxation);
         let answer = self.interior.solve(reduced, &effort);

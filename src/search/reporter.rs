@@ -34,7 +34,7 @@ impl<'w, 'c> Watch<'w, 'c> {
             let objective = tree.task.program.sign * accepted.value;
             let incumbent = Incumbent::new(&point, objective, accepted.found_by, progress);
             if control.report_incumbent(&incumbent).is_break() {
-                tree.interrupt().trigger();
+                tree.task.token.stop();
                 tree.stop(Termination::Interrupted);
             }
         }

@@ -4,7 +4,7 @@ use super::disjunction::covers;
 use super::purify::{Group, groups, lone_binaries};
 use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 
 /// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
 /// a relaxation.
@@ -20,35 +20,32 @@ pub(super) struct Root {
     /// With what is known about implications.
     pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
-    pub(super) deadline: Deadline,
 }
 
 impl Root {
-    /// What propagation, and probing where it is wanted, find until the deadline, which propagation
-    /// keeps.
-    pub(super) fn new(program: &Program, deadline: &Deadline, probing: bool) -> Self {
-        let go_on = &|| !deadline.is_over();
+    /// What propagation, and probing where it is wanted, find until the token is over. Propagation
+    /// keeps the token.
+    pub(super) fn new(program: &Program, token: &StopToken, probing: bool) -> Self {
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);
-        propagator.set_deadline(deadline);
+        propagator.set_stop_token(token);
         let order = late_first(program);
         let trials = if probing { ROOT_TRIALS } else { 0 };
         let conflict = propagator
             .propagate_all(program, &mut domain)
-            .and_then(|()| probe(program, &mut domain, &mut propagator, &order, trials, go_on))
+            .and_then(|()| probe(program, &mut domain, &mut propagator, &order, trials, token))
             .and_then(|()| {
-                Implications::probe(program, &mut domain, &mut propagator, &order, trials, go_on)
+                Implications::probe(program, &mut domain, &mut propagator, &order, trials, token)
             })
             .map(|implications| propagator.set_implications(implications))
             .err();
         let (covers, groups) = (covers(program), groups(program));
         let lone = lone_binaries(program, &groups);
-        let deadline = deadline.clone();
-        Root { covers, groups, lone, domain, propagator, conflict, deadline }
+        Root { covers, groups, lone, domain, propagator, conflict }
     }
 
     /// Carries the root over to a program with further columns.
-    pub(super) fn extend(&mut self, program: &Program) {
+    pub(super) fn extend(&mut self, program: &Program, token: &StopToken) {
         let old = self.domain.column_count();
         if old == program.column_count() || self.conflict.is_some() {
             return;
@@ -60,7 +57,7 @@ impl Root {
             domain.apply(j, true, upper);
         }
         let mut propagator = Propagator::new(program);
-        propagator.set_deadline(&self.deadline);
+        propagator.set_stop_token(token);
         propagator.set_implications(self.propagator.implications().clone());
         self.conflict = propagator.propagate_all(program, &mut domain).err();
         (self.domain, self.propagator) = (domain, propagator);

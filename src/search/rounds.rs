@@ -186,7 +186,7 @@ fn process<'a>(seat: &mut Seat<'a>, id: usize, task: Task<'a>, tree: &'a Tree<'a
     let mut next = Some(node);
     for _ in 0..nodes {
         let Some(node) = next.take() else { break };
-        if let Some(reason) = tree.limit_reached() {
+        if let Some(reason) = task.token.ended() {
             worker.tree.give_back(node, reason);
             break;
         }

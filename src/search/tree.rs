@@ -3,8 +3,6 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-use web_time::Duration;
-
 use super::best_points::{Accepted, BestPoints};
 use super::guess::GuessEnd;
 use super::node::{Node, NodeQueue, Path, StepCount};
@@ -14,13 +12,12 @@ use super::trace::event;
 use super::{Closed, Found, Task};
 use crate::program::Program;
 use crate::solution::{Heuristic, Statistics, Termination};
-use crate::solver::{Interrupt, Progress};
+use crate::solver::Progress;
 
 /// The shared state of one search.
 pub(super) struct Tree<'a> {
     pub(super) task: Task<'a>,
     pub(super) seed: Option<&'a Seed>,
-    interrupt: Interrupt,
     /// Smallest possible difference of two objective values; 0 when unknown.
     granularity: f64,
     pub(super) state: Mutex<State>,
@@ -72,12 +69,7 @@ pub(super) struct Share {
 
 impl<'a> Tree<'a> {
     /// A tree for a number of workers.
-    pub(super) fn new(
-        task: Task<'a>,
-        interrupt: Interrupt,
-        seed: Option<&'a Seed>,
-        workers: usize,
-    ) -> Self {
+    pub(super) fn new(task: Task<'a>, seed: Option<&'a Seed>, workers: usize) -> Self {
         let mut queue = NodeQueue::default();
         queue.push(Node::root());
         let state = State {
@@ -98,7 +90,6 @@ impl<'a> Tree<'a> {
         Tree {
             task,
             seed,
-            interrupt,
             granularity: granularity(task.program),
             state: Mutex::new(state),
             wake: Condvar::new(),
@@ -115,24 +106,6 @@ impl<'a> Tree<'a> {
     /// before the lock is released.
     pub(super) fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub(super) fn interrupt(&self) -> &Interrupt {
-        &self.interrupt
-    }
-
-    /// Time left until the limit.
-    pub(super) fn time_left(&self) -> Option<Duration> {
-        let limit = self.task.options.time_limit?;
-        Some(limit.saturating_sub(self.task.start.elapsed()))
-    }
-
-    /// The limit that is reached, if any.
-    pub(super) fn limit_reached(&self) -> Option<Termination> {
-        if self.interrupt.is_triggered() {
-            return Some(Termination::Interrupted);
-        }
-        self.time_left().is_some_and(|left| left.is_zero()).then_some(Termination::TimeLimit)
     }
 
     /// Ends the search.
@@ -176,7 +149,7 @@ impl<'a> Tree<'a> {
         counts.tree_bytes = counts.tree_bytes.max(bytes);
         if state.stop.is_none() && (open > 0 || state.floors.iter().any(Option::is_some)) {
             let nodes = state.started.max(state.statistics.nodes);
-            state.stop = if let Some(reason) = self.limit_reached() {
+            state.stop = if let Some(reason) = self.task.token.ended() {
                 Some(reason)
             } else if options.node_limit.is_some_and(|limit| nodes >= limit) {
                 Some(Termination::NodeLimit)
@@ -277,7 +250,7 @@ impl<'a> Tree<'a> {
             counts.relaxations,
             incumbent.map(|best| sign * best.value),
             sign * bound(&state),
-            self.task.start.elapsed(),
+            self.task.token.elapsed(),
         );
         progress.depth = counts.depth;
         progress.found_by = incumbent.map(|best| best.found_by);

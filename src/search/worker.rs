@@ -19,7 +19,7 @@ use crate::presolve::{Conflict, Domain, Propagator, Reducer};
 use crate::program::Program;
 use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
 use crate::solution::{Heuristic, Termination};
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 
 /// One thread of the search, with its own domain and propagation.
 pub(super) struct Worker<'a> {
@@ -54,7 +54,7 @@ pub(super) struct Worker<'a> {
     pub(super) probing: Probing,
     /// Whether the root, probed before the search, has been processed.
     pub(super) root_done: bool,
-    pub(super) deadline: Deadline,
+    pub(super) token: StopToken,
 }
 
 impl<'a> Worker<'a> {
@@ -89,7 +89,7 @@ impl<'a> Worker<'a> {
             on_trial: false,
             probing: Probing::new(task.program.column_count()),
             root_done: false,
-            deadline: root.deadline.clone(),
+            token: task.token.clone(),
         }
     }
 
@@ -170,7 +170,7 @@ impl<'a> Worker<'a> {
             }
             Verdict::Stopped => {
                 self.tree.count(|s| s.unfinished += 1);
-                let reason = self.tree.limit_reached().unwrap_or(Termination::Interrupted);
+                let reason = self.token.ended().unwrap_or(Termination::Interrupted);
                 self.tree.give_back(node.clone(), reason);
                 return None;
             }
@@ -339,7 +339,7 @@ impl<'a> Worker<'a> {
 
     /// Whether a limit is reached, for loops: the clock is read once in a while.
     pub(super) fn is_late(&mut self) -> bool {
-        self.deadline.spend(100)
+        self.token.spend(100)
     }
 
     pub(super) fn program(&self) -> &'a Program {

@@ -15,8 +15,6 @@ use super::seed::TreeSeed;
 #[derive(Debug, Clone, Default)]
 pub struct Interrupt {
     flag: Arc<AtomicBool>,
-    /// The handle that this one also listens to.
-    outer: Option<Arc<Interrupt>>,
 }
 
 impl Interrupt {
@@ -33,12 +31,6 @@ impl Interrupt {
     /// Whether it was triggered.
     pub fn is_triggered(&self) -> bool {
         self.flag.load(Ordering::Relaxed)
-            || self.outer.as_ref().is_some_and(|outer| outer.is_triggered())
-    }
-
-    /// A handle of its own that is also triggered when this one is.
-    pub(crate) fn linked(&self) -> Interrupt {
-        Interrupt { flag: Arc::default(), outer: Some(Arc::new(self.clone())) }
     }
 
     /// Makes the handle usable for the next solve.
@@ -175,28 +167,5 @@ impl fmt::Debug for Control<'_> {
             .field("guidance", &self.guidance)
             .field("interrupt", &self.interrupt)
             .finish()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn handles_of_searches_inside_searches_hear_the_outermost() {
-        let user = Interrupt::new();
-        let search = user.linked();
-        let inner = search.linked();
-        let innermost = inner.linked();
-        inner.trigger();
-        assert!(innermost.is_triggered());
-        assert!(!search.is_triggered() && !user.is_triggered());
-        user.trigger();
-        assert!(search.is_triggered() && search.linked().is_triggered());
-        user.reset();
-        assert!(!search.is_triggered() && inner.is_triggered());
-        let inner = search.linked();
-        user.trigger();
-        assert!(inner.is_triggered());
     }
 }

@@ -7,6 +7,7 @@
 use carom::prelude::*;
 use carom::presolve::{Domain, Implications, Literal, Propagator, probe};
 use carom::program::Program;
+use carom::solver::StopToken;
 use proptest::prelude::*;
 
 use crate::common::config;
@@ -95,13 +96,13 @@ fn walk(case: &Case) -> Result<Counts, TestCaseError> {
         case.grid.points().into_iter().map(|p| (p.clone(), case.grid.cost_of(&p))).collect();
     let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
     let columns: Vec<usize> = program.integers.clone();
-    let go_on = || true;
+    let token = StopToken::default();
     if propagator.propagate_all(&program, &mut domain).is_err() {
         return Ok(Counts::default());
     }
     if case.implications {
         let half = &columns[..columns.len() / 2];
-        let found = Implications::probe(&program, &mut domain, &mut propagator, half, 100, &go_on);
+        let found = Implications::probe(&program, &mut domain, &mut propagator, half, 100, &token);
         let Ok(table) = found else { return Ok(Counts::default()) };
         propagator.set_implications(table);
     }
@@ -138,7 +139,7 @@ fn walk(case: &Case) -> Result<Counts, TestCaseError> {
             let mut result = propagator.propagate_since(&program, &mut domain, mark);
             if result.is_ok() && step.probes > 0 {
                 let (domain, propagator) = (&mut domain, &mut propagator);
-                result = probe(&program, domain, propagator, &columns, step.probes, &go_on);
+                result = probe(&program, domain, propagator, &columns, step.probes, &token);
             }
             let inside = |(p, objective): &&(Vec<f64>, f64)| {
                 *objective <= cutoff && path.iter().all(|(_, d)| satisfies(p, d))

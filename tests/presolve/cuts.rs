@@ -8,7 +8,7 @@ use carom::prelude::*;
 use carom::presolve::{Domain, Implications, Propagator};
 use carom::program::Program;
 use carom::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
-use carom::solver::Deadline;
+use carom::solver::StopToken;
 use proptest::prelude::*;
 
 use crate::common::config;
@@ -74,7 +74,7 @@ proptest! {
         prop_assert!(!conflict || points.is_empty());
         prop_assume!(!conflict);
         let x = case.relaxed(&program);
-        let mut cuts = mixed_integer_rounding_cuts(&program, &domain, &x, &Deadline::default());
+        let mut cuts = mixed_integer_rounding_cuts(&program, &domain, &x, &StopToken::default());
         cuts.extend(implied_bound_cuts(&program, &mut domain, &mut propagator, &x));
         prop_assert_eq!(cut_off(&cuts, &points), None);
         for cut in &cuts {
@@ -89,8 +89,8 @@ proptest! {
         let points = case.grid.points();
         let columns: Vec<usize> = program.integers.clone();
         let found = propagator.propagate_all(&program, &mut domain).and_then(|()| {
-            let go_on = || true;
-            Implications::probe(&program, &mut domain, &mut propagator, &columns, 100, &go_on)
+            let token = &StopToken::default();
+            Implications::probe(&program, &mut domain, &mut propagator, &columns, 100, token)
         });
         let Ok(table) = found else {
             prop_assert!(points.is_empty());
@@ -146,8 +146,12 @@ fn the_fraction_of_a_knapsack_is_rounded() {
     model.add("r", (2.0 * x).le(5.0)).unwrap();
     model.maximize(x).unwrap();
     let program = Program::assemble(&model).unwrap();
-    let cuts =
-        mixed_integer_rounding_cuts(&program, &Domain::new(&program), &[2.5], &Deadline::default());
+    let cuts = mixed_integer_rounding_cuts(
+        &program,
+        &Domain::new(&program),
+        &[2.5],
+        &StopToken::default(),
+    );
     assert_eq!(cuts.len(), 1);
     assert!((cuts[0].room(&[2.0])).abs() < 1e-6);
 }
@@ -161,7 +165,8 @@ fn what_both_values_of_a_binary_say_holds() {
     model.add("off", (k + 2.0 * z).ge(2.0)).unwrap();
     let program = Program::assemble(&model).unwrap();
     let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
-    Implications::probe(&program, &mut domain, &mut propagator, &[0], 10, &|| true).unwrap();
+    Implications::probe(&program, &mut domain, &mut propagator, &[0], 10, &StopToken::default())
+        .unwrap();
     assert_eq!(domain.lower(1), 2.0);
 }
 

@@ -9,6 +9,7 @@ use carom::presolve::Reduced;
 use carom::presolve::root::{Presolve, Presolved, Rule, presolve};
 use carom::program::Program;
 use carom::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
+use carom::solver::StopToken;
 use proptest::prelude::*;
 
 use crate::common::case::Case;
@@ -101,8 +102,7 @@ fn continuous_pair(program: &Program, at: &[f64]) -> Option<(Vec<f64>, Vec<f64>)
         tolerance: 1e-11,
         refinements: 10,
         cutoff: f64::INFINITY,
-        time: None,
-        interrupt: Interrupt::new(),
+        token: &StopToken::default(),
     };
     let answer = ClarabelRelaxation::new().solve(&left, &effort);
     if answer.claim != Claim::Solved {
@@ -117,7 +117,8 @@ fn continuous_pair(program: &Program, at: &[f64]) -> Option<(Vec<f64>, Vec<f64>)
 fn residuals(case: &Case, rules: &[Rule]) -> Option<(f64, f64)> {
     let (model, _) = case.build();
     let program = Program::assemble(&model).unwrap();
-    let Presolve::Presolved(presolved) = presolve(&program, rules, &|| true).unwrap() else {
+    let Presolve::Presolved(presolved) = presolve(&program, rules, &StopToken::default()).unwrap()
+    else {
         return None;
     };
     let Presolved { program: small, .. } = &*presolved;
@@ -128,7 +129,9 @@ fn residuals(case: &Case, rules: &[Rule]) -> Option<(f64, f64)> {
     let (x, y) = continuous_pair(small, found.points.first()?)?;
     let restored = presolved.restore(&x, &y).unwrap();
     // Without rules, restoring only computes the reduced costs.
-    let Presolve::Presolved(same) = presolve(small, &[], &|| true).unwrap() else { return None };
+    let Presolve::Presolved(same) = presolve(small, &[], &StopToken::default()).unwrap() else {
+        return None;
+    };
     let own = same.restore(&x, &y).unwrap();
     let before = residual(small, &x, &y, &own.d);
     Some((before, residual(&program, &restored.x, &restored.y, &restored.d)))
@@ -168,7 +171,8 @@ fn wrong_lengths_are_refused() {
     let mut model = Model::new("m");
     model.continuous("x", 0.0, 1.0).unwrap();
     let program = Program::assemble(&model).unwrap();
-    let Presolve::Presolved(presolved) = presolve(&program, &[], &|| true).unwrap() else {
+    let Presolve::Presolved(presolved) = presolve(&program, &[], &StopToken::default()).unwrap()
+    else {
         panic!("nothing contradicts")
     };
     assert!(presolved.restore(&[0.0], &[]).is_ok());

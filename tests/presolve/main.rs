@@ -13,7 +13,7 @@ mod rules;
 use carom::model::Model;
 use carom::program::Program;
 use carom::search::{Accept, Found, Guide, Task, search};
-use carom::solver::{Control, Guidance, Options};
+use carom::solver::{Control, Guidance, Options, StopToken};
 
 /// Searches a program that no model is told about.
 fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
@@ -29,7 +29,7 @@ fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
         key: &|x| x.iter().map(|v| v.round() as i64).collect(),
         describe: &|_| None,
         options: &options,
-        start: web_time::Instant::now(),
+        token: &StopToken::default(),
     };
     search(task, &mut Control::default(), None)
 }

@@ -3,6 +3,7 @@
 use carom::prelude::*;
 use carom::presolve::root::{Presolve, Rule, presolve};
 use carom::program::Program;
+use carom::solver::StopToken;
 use proptest::prelude::*;
 
 use crate::common::case::Case;
@@ -19,7 +20,7 @@ fn compare(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
     let (model, _) = case.build();
     let program = Program::assemble(&model).unwrap();
     let expected = optimum(case);
-    let presolved = match presolve(&program, rules, &|| true).unwrap() {
+    let presolved = match presolve(&program, rules, &StopToken::default()).unwrap() {
         Presolve::Presolved(presolved) => presolved,
         Presolve::Infeasible => {
             prop_assert_eq!(&expected, &Minimum::Infeasible);

@@ -10,6 +10,7 @@ use super::step::{arrive, predecessors, predict};
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
+use crate::solver::StopToken;
 
 /// Sweeps over the horizon, forward and backward in turn, while they still exclude something.
 const MOST_SWEEPS: usize = 4;
@@ -104,34 +105,22 @@ impl ReachSets {
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
         loop {
             // It is never asked to give up, so it comes back with a tube.
-            if let Some(tube) = self.tube_unless(steps, &|| false)? {
+            if let Some(tube) = self.tube_until(steps, &StopToken::default())? {
                 return Ok(tube);
             }
         }
     }
 
-    /// As [`tube`](ReachSets::tube), but gives up when asked to; that is checked every few dozen
-    /// steps.
-    ///
-    /// # Arguments
-    ///
-    /// * `stop`: whether to give up, for a time limit or an interrupt.
-    ///
-    /// # Returns
-    ///
-    /// Nothing when it gave up.
-    ///
-    /// # Errors
-    ///
-    /// As for [`tube`](ReachSets::tube).
-    pub fn tube_unless(
+    /// As [`tube`](ReachSets::tube); `None` if the token, asked every few dozen steps, was over
+    /// before the end.
+    pub(crate) fn tube_until(
         &mut self,
         steps: usize,
-        stop: &dyn Fn() -> bool,
+        token: &StopToken,
     ) -> Result<Option<Tube>, Error> {
         check_steps("the number of steps of a tube", steps)?;
         for reached in (0..=steps).step_by(STOP_EVERY) {
-            if stop() {
+            if token.is_over() {
                 return Ok(None);
             }
             self.forward_layers(reached)?;
@@ -158,7 +147,7 @@ impl ReachSets {
         let mut to = steps;
         for sweep in 1..=MOST_SWEEPS {
             let before = back.clone();
-            match self.sweep_backward(&mut tube, &mut back, &ahead, to, stop) {
+            match self.sweep_backward(&mut tube, &mut back, &ahead, to, token) {
                 Some(true) => {}
                 Some(false) => break,
                 None => return Ok(None),
@@ -171,7 +160,7 @@ impl ReachSets {
                 },
             };
             let before = ahead.clone();
-            match self.sweep_forward(&mut tube, &mut ahead, &back, from, stop) {
+            match self.sweep_forward(&mut tube, &mut ahead, &back, from, token) {
                 // A plan without a choice is what it is.
                 Some(true) if self.open_events(&ahead, steps) > 1 => {}
                 Some(_) => break,
@@ -195,21 +184,21 @@ impl ReachSets {
 
     /// Carries the start forward along the living edges, keeping those that meet the backward
     /// sets, from a step on before which nothing has changed. Returns whether the goal is reached;
-    /// nothing when it gave up.
+    /// `None` if the token was over.
     fn sweep_forward(
         &self,
         tube: &mut Tube,
         ahead: &mut Edges,
         back: &Edges,
         from: usize,
-        stop: &dyn Fn() -> bool,
+        token: &StopToken,
     ) -> Option<bool> {
         let most = self.options.vertices;
         let last_layer = self.options.events;
         let mut forward = std::mem::take(&mut tube.forward);
         forward.truncate(from + 1);
         for t in from..tube.steps {
-            if t.is_multiple_of(STOP_EVERY) && stop() {
+            if t.is_multiple_of(STOP_EVERY) && token.is_over() {
                 return None;
             }
             tube.predictions[t].fill(None);
@@ -250,14 +239,14 @@ impl ReachSets {
 
     /// Carries the goal backward along the edges that are alive in both directions, through the
     /// steps below one beyond which nothing has changed. Returns whether the start is reached;
-    /// nothing when it gave up.
+    /// `None` if the token was over.
     fn sweep_backward(
         &self,
         tube: &mut Tube,
         back: &mut Edges,
         ahead: &Edges,
         to: usize,
-        stop: &dyn Fn() -> bool,
+        token: &StopToken,
     ) -> Option<bool> {
         let most = self.options.vertices;
         let last_layer = self.options.events;
@@ -265,7 +254,7 @@ impl ReachSets {
         backward.truncate(tube.steps - to + 1);
         for to_go in tube.steps - to + 1..=tube.steps {
             let t = tube.steps - to_go;
-            if t.is_multiple_of(STOP_EVERY) && stop() {
+            if t.is_multiple_of(STOP_EVERY) && token.is_over() {
                 return None;
             }
             let system = Arc::clone(self.system_at(t));

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::hybrid::reach::HorizonVariables;
 use crate::interval::Interval;
 use crate::model::{Model, Variable};
-use crate::solver::{Budget, Solver};
+use crate::solver::{Solver, StopToken};
 
 /// The share of what is left of a search's time that the coarser search may take.
 const SHARE: u32 = 4;
@@ -26,11 +26,11 @@ impl Guess {
         builder: &B,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-        budget: &Budget,
+        token: &StopToken,
     ) -> Result<Guess, Error> {
         let Some(coarser) = builder.coarser() else { return Ok(Guess::Nothing) };
         let mut options = options.clone();
-        options.time_limit = budget.remaining().map(|left| left / SHARE);
+        options.time_limit = token.left().map(|left| left / SHARE);
         let found = shortest_horizon(&*coarser, &options, solver)?;
         let (Some(program), Some(solution)) = (&found.program, &found.solution) else {
             return Ok(Guess::Nothing);

@@ -13,7 +13,7 @@ use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
 use crate::model::Model;
 use crate::solution::{Solution, Termination};
-use crate::solver::{Budget, Event, Interrupt, Progress, Solver};
+use crate::solver::{Event, Interrupt, Progress, Solver, StopToken};
 
 /// Undecided horizons after which a search gives up: each further one would only repeat what
 /// stopped the others.
@@ -150,7 +150,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
         builder,
         options,
         solver,
-        budget: Budget::new(options.time_limit, &options.interrupt),
+        token: StopToken::new(options.time_limit, &options.interrupt),
         progress,
         refuted: 0,
         best: None,
@@ -164,7 +164,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
         search.sets = builder.reach_sets()?;
     }
     let status = search.run()?;
-    let time = search.budget.elapsed();
+    let time = search.token.elapsed();
     let (refuted, attempts, sets) = (search.refuted, search.attempts, search.sets);
     let mut found = ShortestHorizon {
         status,
@@ -197,7 +197,7 @@ struct Search<'a, B: HorizonModel + ?Sized> {
     builder: &'a B,
     options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
-    budget: Budget,
+    token: StopToken,
     progress: &'a mut dyn FnMut(&HorizonEvent),
     /// Every horizon up to this one is refuted.
     refuted: usize,
@@ -234,7 +234,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let Some(sets) = &mut self.sets else { return Ok(None) };
         let mut steps = 1;
         while steps <= self.options.max_steps && !sets.may_finish(steps)? {
-            if let Some(reason) = self.budget.exhausted() {
+            if let Some(reason) = self.token.ended() {
                 return Ok(Some(reason));
             }
             let attempt = Attempt::by_sets(steps);
@@ -311,17 +311,17 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     fn reason_to_stop(&self) -> Option<Termination> {
         let last = self.undecided.last().map(|&(_, why)| why);
         let tired = last.filter(|_| self.undecided.len() >= MAX_UNDECIDED);
-        self.budget.exhausted().or(tired)
+        self.token.ended().or(tired)
     }
 
     /// Decides one horizon, by its tube or by a solve, and files what that says.
     fn attempt(&mut self, steps: usize) -> Result<(), Error> {
         let feasible = self.best.as_ref().map(|best| best.steps);
         (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
-        let budget = &self.budget;
+        let token = &self.token;
         let tube = match &mut self.sets {
             Some(sets) => {
-                let tube = sets.tube_unless(steps, &|| budget.exhausted().is_some())?;
+                let tube = sets.tube_until(steps, token)?;
                 // The loop of the search notices why it was stopped.
                 let Some(tube) = tube else { return Ok(()) };
                 Some(tube)
@@ -362,7 +362,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let mut relay = |event: &Event| {
             progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
         };
-        self.budget.solve(self.solver, model, &mut relay)
+        self.token.solve(self.solver, model, &mut relay)
     }
 
     /// Solves with the binaries restricted to the neighbourhood of a coarser plan's; returns a
@@ -377,7 +377,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             return Ok(None);
         }
         if let Guess::NotAsked = self.guess {
-            self.guess = Guess::ask(self.builder, self.options, self.solver, &self.budget)?;
+            self.guess = Guess::ask(self.builder, self.options, self.solver, &self.token)?;
         }
         let Guess::Modes(modes) = &self.guess else { return Ok(None) };
         let Some(freed) = restricted(modes, model, variables)? else { return Ok(None) };

@@ -39,7 +39,7 @@ pub use postsolve::{Postsolve, Restored};
 
 use crate::error::{Error, check_length};
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 use work::Work;
 
 /// The rules of the presolve before the search.
@@ -119,6 +119,8 @@ pub enum Presolve {
     Presolved(Box<Presolved>),
     /// Rows and bounds contradict each other.
     Infeasible,
+    /// The token was over before the rules came to their end.
+    Stopped,
 }
 
 /// A presolved program and the way back.
@@ -171,12 +173,12 @@ const ROUNDS: usize = 30;
 
 /// Applies rules to a program, in their order, again and again until nothing changes.
 ///
-/// `go_on` is asked between rules; what is done when it says no is kept.
 ///
 /// ```
 /// use carom::prelude::*;
 /// use carom::presolve::root::{Presolve, Rule, presolve};
 /// use carom::program::Program;
+/// use carom::solver::StopToken;
 ///
 /// let mut model = Model::new("chain");
 /// let v = model.continuous_family("v", 3, -10.0, 10.0)?;
@@ -185,7 +187,7 @@ const ROUNDS: usize = 30;
 /// model.add("b", (v[2] - 2.0 * v[1]).equals(0.0))?;
 /// let program = Program::assemble(&model)?;
 ///
-/// let Presolve::Presolved(presolved) = presolve(&program, &Rule::ALL, &|| true)? else { panic!() };
+/// let Presolve::Presolved(presolved) = presolve(&program, &Rule::ALL, &StopToken::default())? else { panic!() };
 /// assert_eq!(presolved.program.column_count(), 0);
 /// assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
 /// # Ok::<(), carom::Error>(())
@@ -194,44 +196,23 @@ const ROUNDS: usize = 30;
 /// # Errors
 ///
 /// [`ErrorKind::Allocation`](crate::ErrorKind::Allocation) when the matrices cannot be allocated.
-pub fn presolve(
-    program: &Program,
-    rules: &[Rule],
-    go_on: &dyn Fn() -> bool,
-) -> Result<Presolve, Error> {
-    let mut work = Work::new(program, &Deadline::default());
-    match reduce(&mut work, rules, go_on) {
+pub fn presolve(program: &Program, rules: &[Rule], token: &StopToken) -> Result<Presolve, Error> {
+    let mut work = Work::new(program, token);
+    match reduce(&mut work, rules, token) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
-        Ok(_) => Ok(Presolve::Presolved(Box::new(work.finish()?))),
+        Ok(()) if token.is_over() => Ok(Presolve::Stopped),
+        Ok(()) => Ok(Presolve::Presolved(Box::new(work.finish()?))),
     }
 }
 
-/// As [`presolve`], but nothing where a deadline comes first.
-///
-/// # Errors
-///
-/// As for [`presolve`].
-pub fn presolve_until(
-    program: &Program,
-    rules: &[Rule],
-    deadline: &Deadline,
-) -> Result<Option<Presolve>, Error> {
-    let mut work = Work::new(program, deadline);
-    match reduce(&mut work, rules, &|| !deadline.is_over()) {
-        Err(Infeasible) => Ok(Some(Presolve::Infeasible)),
-        Ok(false) => Ok(None),
-        Ok(true) => Ok(Some(Presolve::Presolved(Box::new(work.finish()?)))),
-    }
-}
-
-/// Applies the rules; whether they came to their end.
-fn reduce(work: &mut Work, rules: &[Rule], go_on: &dyn Fn() -> bool) -> Result<bool, Infeasible> {
+/// Applies the rules until they find nothing more, or the token is over.
+fn reduce(work: &mut Work, rules: &[Rule], token: &StopToken) -> Result<(), Infeasible> {
     work.settle()?;
     for _ in 0..ROUNDS {
         let mut changes = 0;
         for rule in rules {
-            if !go_on() {
-                return Ok(false);
+            if token.is_over() {
+                return Ok(());
             }
             changes += rule.apply(work)?;
         }
@@ -239,5 +220,5 @@ fn reduce(work: &mut Work, rules: &[Rule], go_on: &dyn Fn() -> bool) -> Result<b
             break;
         }
     }
-    Ok(go_on())
+    Ok(())
 }

@@ -9,7 +9,7 @@ use super::postsolve::{Postsolve, Undo};
 use super::{Infeasible, Presolved};
 use crate::error::{Error, ErrorKind};
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 use crate::tolerance;
 
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.
@@ -43,7 +43,7 @@ pub(super) struct Work {
     pub(super) undos: Vec<Box<dyn Undo>>,
     step: Vec<Option<usize>>,
     sign: f64,
-    deadline: Deadline,
+    token: StopToken,
 }
 
 /// A column as it was before it was taken out.
@@ -74,7 +74,7 @@ pub(super) struct Range {
 }
 
 impl Work {
-    pub(super) fn new(program: &Program, deadline: &Deadline) -> Self {
+    pub(super) fn new(program: &Program, token: &StopToken) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
         let pairs = |(index, value): (&[usize], &[f64])| -> Sparse {
             let entries = index.iter().copied().zip(value.iter().copied());
@@ -104,7 +104,7 @@ impl Work {
             undos: Vec::new(),
             step: program.step.clone(),
             sign: program.sign,
-            deadline: deadline.clone(),
+            token: token.clone(),
         }
     }
 
@@ -112,7 +112,7 @@ impl Work {
     /// of entries looked at in between.
     pub(super) fn is_late(&mut self, entries: usize) -> bool {
         // A reduction looks at several times the entries of its row or column.
-        self.deadline.spend(8 + 4 * entries)
+        self.token.spend(8 + 4 * entries)
     }
 
     pub(super) fn live_rows(&self) -> Vec<usize> {

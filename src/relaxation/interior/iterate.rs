@@ -2,6 +2,7 @@
 
 use super::kkt::Kkt;
 use super::scaled::{Scaled, Side};
+use crate::solver::StopToken;
 
 /// Fraction of the way to the nearest side that a step may go.
 const FRACTION: f64 = 0.995;
@@ -172,12 +173,12 @@ impl Iterate {
         &mut self,
         program: &Scaled,
         kkt: &mut Kkt,
-        late: &dyn Fn() -> bool,
+        token: &StopToken,
     ) -> Option<f64> {
         let sides = program.sides.len();
         self.invert();
         self.weigh(program);
-        if !kkt.factorise(&self.column_weight, &self.row_weight) || late() {
+        if !kkt.factorise(&self.column_weight, &self.row_weight) || token.is_over() {
             return None;
         }
         let mean = self.barrier / sides.max(1) as f64;
@@ -198,7 +199,7 @@ impl Iterate {
             for k in 0..sides {
                 self.centre[k] += self.slack_move[k] * self.dual_move[k] - target;
             }
-            if late() {
+            if token.is_over() {
                 return None;
             }
             self.solve(program, kkt, (REFINEMENTS, accurate));

@@ -19,6 +19,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRe
 use faer::{Conj, MatMut, Par};
 
 use super::scaled::Scaled;
+use crate::solver::StopToken;
 
 /// Added to the diagonal of columns, subtracted from that of rows; refinement takes its effect out.
 /// With 1e-10 for the rows a pendulum of 40 steps took 1796 iterations instead of 971, since 62
@@ -60,8 +61,8 @@ pub(super) struct Kkt {
 }
 
 impl Kkt {
-    /// The pattern of the system; nothing where it cannot be ordered, or is late.
-    pub(super) fn new(program: &Scaled, late: &dyn Fn() -> bool) -> Option<Self> {
+    /// The pattern of the system; `None` if it cannot be ordered or the token is over.
+    pub(super) fn new(program: &Scaled, token: &StopToken) -> Option<Self> {
         let n = program.column.len();
         let m = program.rows.len();
         let mut kind = vec![Kind::Short; m];
@@ -143,11 +144,11 @@ impl Kkt {
             diagonal.push(index.len() - 1);
             start.push(index.len());
         }
-        if late() {
+        if token.is_over() {
             return None;
         }
         let Ordered { start, index, moved, order } = Ordered::new(size, &start, &index)?;
-        if late() {
+        if token.is_over() {
             return None;
         }
         let mut signs = vec![1; size];
@@ -168,7 +169,7 @@ impl Kkt {
             },
         )
         .ok()?;
-        if late() {
+        if token.is_over() {
             return None;
         }
         let need = symbolic

@@ -44,12 +44,7 @@ const ROUGH: f64 = 1e-8;
 const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
-    fn solve(&mut self, program: &Reduced, effort: &Effort) -> Answer {
-        let began = web_time::Instant::now();
-        let late = || {
-            let over = effort.time.is_some_and(|time| began.elapsed() >= time);
-            over || effort.interrupt.is_triggered()
-        };
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> Answer {
         let scaled = Scaled::of(program);
         let (n, m) = (program.columns.len(), program.rows.len());
         let nothing = |iterations| Answer {
@@ -58,11 +53,11 @@ impl Relaxation for InteriorPoint {
             y: vec![0.0; m],
             iterations,
         };
-        let Some(mut kkt) = Kkt::new(&scaled, &late) else { return nothing(0) };
+        let Some(mut kkt) = Kkt::new(&scaled, effort.token) else { return nothing(0) };
         let mut at = Iterate::start(&scaled);
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
         let linear = scaled.quadratic.index.is_empty();
-        if linear && !at.improve_start(&scaled, &mut kkt, &late) {
+        if linear && !at.improve_start(&scaled, &mut kkt, effort.token) {
             return nothing(0);
         }
         let feasibility_problem = program.is_feasibility_problem();
@@ -115,10 +110,10 @@ impl Relaxation for InteriorPoint {
             if at.diverges() {
                 break;
             }
-            if late() {
+            if effort.token.is_over() {
                 break;
             }
-            let Some(step) = at.advance(&scaled, &mut kkt, &late) else { break };
+            let Some(step) = at.advance(&scaled, &mut kkt, effort.token) else { break };
             iterations += 1;
             stuck = if step < SHORT_STEP { stuck + 1 } else { 0 };
             if stuck >= STUCK {

@@ -3,6 +3,7 @@
 use super::iterate::{ACCURATE, Iterate, REFINEMENTS};
 use super::kkt::Kkt;
 use super::scaled::{Scaled, Side};
+use crate::solver::StopToken;
 
 /// Smallest initial slack of a row's side, in scaled units.
 const FIRST_SLACK: f64 = 1.0;
@@ -58,7 +59,7 @@ impl Iterate {
         &mut self,
         program: &Scaled,
         kkt: &mut Kkt,
-        late: &dyn Fn() -> bool,
+        token: &StopToken,
     ) -> bool {
         let n = self.x.len();
         self.x.fill(0.0);
@@ -71,7 +72,7 @@ impl Iterate {
         self.dual.fill(1.0);
         self.invert();
         self.weigh(program);
-        if !kkt.factorise(&self.column_weight, &self.row_weight) || late() {
+        if !kkt.factorise(&self.column_weight, &self.row_weight) || token.is_over() {
             return false;
         }
         self.centre.fill(0.0);

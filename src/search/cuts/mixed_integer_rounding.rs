@@ -9,7 +9,7 @@ use super::cut::Cut;
 use super::rounding::{Substitutes, round};
 use crate::presolve::Domain;
 use crate::program::Program;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 
 /// Most rows of an aggregate.
 const ROWS: usize = 6;
@@ -40,16 +40,15 @@ pub fn mixed_integer_rounding_cuts(
     program: &Program,
     domain: &Domain,
     x: &[f64],
-    deadline: &Deadline,
+    token: &StopToken,
 ) -> Vec<Cut> {
-    let mut deadline = deadline.clone();
     let substitutes = Substitutes::new(program, domain, x);
     let mut cuts = Vec::new();
     for start in (0..program.row_count()).take(STARTS) {
         let Some(mut aggregate) = equality(program, start, x) else { continue };
         let mut used = vec![start];
         loop {
-            if deadline.spend(100 * aggregate.terms.len()) {
+            if token.spend(100 * aggregate.terms.len()) {
                 return cuts;
             }
             cuts.extend(best_rounding(program, domain, x, &substitutes, &aggregate));

@@ -21,7 +21,7 @@ use crate::presolve::{Domain, Propagator, Reduced, Reduction, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
 use crate::solution::Statistics;
-use crate::solver::Deadline;
+use crate::solver::StopToken;
 
 /// Most rounds.
 const ROUNDS: usize = 15;
@@ -49,11 +49,11 @@ const BINDING: f64 = 1e-6;
 ///
 /// # Arguments
 ///
-/// * `deadline`: ends the rounds.
+/// * `token`: ends the rounds.
 /// * `statistics`: relaxations and iterations are added to it.
 pub fn strengthen(
     program: &Program,
-    deadline: &Deadline,
+    token: &StopToken,
     statistics: &mut Statistics,
 ) -> Option<Program> {
     // Under a curved objective the relaxed optimum is rarely at a corner that a cut takes off.
@@ -63,27 +63,21 @@ pub fn strengthen(
     }
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
-    propagator.set_deadline(deadline);
+    propagator.set_stop_token(token);
     propagator.propagate_all(program, &mut domain).ok()?;
-    let effort = || Effort {
-        iterations: 60,
-        tolerance: 1e-8,
-        refinements: 1,
-        cutoff: f64::INFINITY,
-        time: deadline.left(),
-        interrupt: deadline.interrupt().clone(),
-    };
-    if deadline.is_over() {
+    let effort =
+        Effort { iterations: 60, tolerance: 1e-8, refinements: 1, cutoff: f64::INFINITY, token };
+    if token.is_over() {
         return None;
     }
-    let (first, mut x) = relax(program, &domain, &effort(), statistics)?;
+    let (first, mut x) = relax(program, &domain, &effort, statistics)?;
     let (mut last, mut idle) = (first, 0);
     let mut cuts: Vec<Cut> = Vec::new();
     for _ in 0..ROUNDS {
-        if deadline.is_over() {
+        if token.is_over() {
             return None;
         }
-        let mut found = mixed_integer_rounding_cuts(program, &domain, &x, deadline);
+        let mut found = mixed_integer_rounding_cuts(program, &domain, &x, token);
         found.extend(implied_bound_cuts(program, &mut domain, &mut propagator, &x));
         let found = select(found, &x);
         if found.is_empty() {
@@ -91,8 +85,7 @@ pub fn strengthen(
         }
         cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
         cuts.extend(found);
-        let Some((bound, point)) =
-            relax(&with_cuts(program, &cuts)?, &domain, &effort(), statistics)
+        let Some((bound, point)) = relax(&with_cuts(program, &cuts)?, &domain, &effort, statistics)
         else {
             break;
         };
@@ -129,7 +122,7 @@ fn select(mut cuts: Vec<Cut>, x: &[f64]) -> Vec<Cut> {
 fn relax(
     program: &Program,
     domain: &Domain,
-    effort: &Effort,
+    effort: &Effort<'_>,
     statistics: &mut Statistics,
 ) -> Option<(f64, Vec<f64>)> {
     let Reduction::Reduced(reduced) = reduce(program, domain) else { return None };

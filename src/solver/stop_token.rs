@@ -1,0 +1,228 @@
+//! When to stop: one token a solve, made from its options and its control and handed down.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
+
+use web_time::{Duration, Instant};
+
+use super::{Control, Event, Interrupt, Solver};
+use crate::error::Error;
+use crate::model::Model;
+use crate::solution::{Solution, Termination};
+
+/// Work between two looks at the clock, in entries visited: some tens of microseconds.
+const BETWEEN: usize = 10_000;
+
+/// A deadline and an interrupt, cheap to ask in every turn of a loop.
+///
+/// Clones share one state, and once a token is over it stays over, so that nothing that was left
+/// half done is taken for finished later. The default never stops.
+#[derive(Debug, Default)]
+pub struct StopToken {
+    shared: Arc<Shared>,
+    /// Work of this clone since its last look at the clock.
+    work: AtomicUsize,
+}
+
+#[derive(Debug)]
+struct Shared {
+    began: Instant,
+    at: Option<Instant>,
+    interrupt: Interrupt,
+    /// Why it is over: one of the constants below.
+    ended: AtomicU8,
+    /// The token that this one ends with.
+    parent: Option<Arc<Shared>>,
+}
+
+const NOT_YET: u8 = 0;
+const INTERRUPTED: u8 = 1;
+const LATE: u8 = 2;
+
+impl Shared {
+    fn ended(&self) -> Option<Termination> {
+        match self.ended.load(Ordering::Relaxed) {
+            INTERRUPTED => Some(Termination::Interrupted),
+            LATE => Some(Termination::TimeLimit),
+            _ => None,
+        }
+    }
+
+    fn end(&self, reason: u8) {
+        // The first reason stands.
+        let _ = self.ended.compare_exchange(NOT_YET, reason, Ordering::Relaxed, Ordering::Relaxed);
+    }
+}
+
+impl Default for Shared {
+    fn default() -> Self {
+        Shared {
+            began: Instant::now(),
+            at: None,
+            interrupt: Interrupt::new(),
+            ended: AtomicU8::new(NOT_YET),
+            parent: None,
+        }
+    }
+}
+
+impl Clone for StopToken {
+    fn clone(&self) -> Self {
+        StopToken { shared: Arc::clone(&self.shared), work: AtomicUsize::new(0) }
+    }
+}
+
+impl StopToken {
+    /// A token whose clock starts now. Without a time limit only the interrupt counts.
+    pub fn new(time_limit: Option<Duration>, interrupt: &Interrupt) -> Self {
+        let began = Instant::now();
+        // A limit beyond the end of time is none.
+        let at = time_limit.and_then(|limit| began.checked_add(limit));
+        let interrupt = interrupt.clone();
+        let shared = Shared { began, at, interrupt, ..Shared::default() };
+        StopToken { shared: Arc::new(shared), work: AtomicUsize::new(0) }
+    }
+
+    /// A token for a search inside this one: over when this one is, after `time_limit` from now,
+    /// or when it is [stopped](Self::stop) itself.
+    pub fn child(&self, time_limit: Option<Duration>) -> Self {
+        let own = time_limit.and_then(|limit| Instant::now().checked_add(limit));
+        let shared = Shared {
+            began: self.shared.began,
+            at: own.into_iter().chain(self.shared.at).min(),
+            interrupt: self.shared.interrupt.clone(),
+            ended: AtomicU8::new(NOT_YET),
+            parent: Some(Arc::clone(&self.shared)),
+        };
+        StopToken { shared: Arc::new(shared), work: AtomicUsize::new(0) }
+    }
+
+    /// Ends this token and its children, as an interrupt would; the user's handle is not touched.
+    pub fn stop(&self) {
+        self.shared.end(INTERRUPTED);
+    }
+
+    /// The user's handle.
+    pub fn interrupt(&self) -> &Interrupt {
+        &self.shared.interrupt
+    }
+
+    /// Time since the solve began; a child counts from where its parent does.
+    pub fn elapsed(&self) -> Duration {
+        self.shared.began.elapsed()
+    }
+
+    /// The time left; `None` if it is not limited.
+    pub fn left(&self) -> Option<Duration> {
+        self.shared.at.map(|at| at.saturating_duration_since(Instant::now()))
+    }
+
+    /// Why it is over, if it is: [`Interrupted`](Termination::Interrupted) or
+    /// [`TimeLimit`](Termination::TimeLimit).
+    pub fn ended(&self) -> Option<Termination> {
+        if let Some(reason) = self.shared.ended() {
+            return Some(reason);
+        }
+        let mut above = self.shared.parent.as_deref();
+        while let Some(parent) = above {
+            match parent.ended() {
+                Some(Termination::Interrupted) => self.shared.end(INTERRUPTED),
+                Some(_) => self.shared.end(LATE),
+                None => {}
+            }
+            above = parent.parent.as_deref();
+        }
+        if self.shared.interrupt.is_triggered() {
+            self.shared.end(INTERRUPTED);
+        } else if self.shared.at.is_some_and(|at| Instant::now() >= at) {
+            self.shared.end(LATE);
+        }
+        self.shared.ended()
+    }
+
+    /// Whether it is over now.
+    pub fn is_over(&self) -> bool {
+        self.ended().is_some()
+    }
+
+    /// Adds work and returns whether it is over. The clock is read once in a while.
+    ///
+    /// # Arguments
+    ///
+    /// * `work`: about the number of matrix entries visited since it was last asked.
+    pub fn spend(&self, work: usize) -> bool {
+        // A clone counts for one thread, so nothing is lost between the two.
+        let work = self.work.load(Ordering::Relaxed).saturating_add(work);
+        if work < BETWEEN {
+            self.work.store(work, Ordering::Relaxed);
+            return self.shared.ended.load(Ordering::Relaxed) != NOT_YET;
+        }
+        self.work.store(0, Ordering::Relaxed);
+        self.is_over()
+    }
+
+    /// Solves a model within what is left. The solver's own time limit still holds, and is the
+    /// same afterwards as before.
+    pub(crate) fn solve(
+        &self,
+        solver: &mut dyn Solver,
+        model: &Model,
+        progress: &mut dyn FnMut(&Event),
+    ) -> Result<Solution, Error> {
+        let own_limit = solver.options().time_limit;
+        solver.options_mut().time_limit = own_limit.into_iter().chain(self.left()).min();
+        let mut control =
+            Control::default().with_progress(progress).with_interrupt(self.interrupt());
+        let solution = solver.solve_with(model, &mut control);
+        solver.options_mut().time_limit = own_limit;
+        solution
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn once_over_it_stays_over() {
+        let interrupt = Interrupt::new();
+        let token = StopToken::new(None, &interrupt);
+        assert!(!token.spend(usize::MAX) && !token.is_over() && token.left().is_none());
+        interrupt.trigger();
+        assert!(!token.spend(1), "too little work for a look");
+        assert!(token.spend(BETWEEN));
+        interrupt.reset();
+        assert!(token.spend(0) && token.clone().is_over() && token.child(None).is_over());
+        assert_eq!(token.ended(), Some(Termination::Interrupted));
+    }
+
+    #[test]
+    fn a_limit_of_nothing_is_over_at_once() {
+        let interrupt = Interrupt::new();
+        let token = StopToken::new(Some(Duration::ZERO), &interrupt);
+        assert!(token.spend(BETWEEN) && token.child(Some(Duration::MAX)).is_over());
+        assert_eq!(token.left(), Some(Duration::ZERO));
+        interrupt.trigger();
+        assert_eq!(token.ended(), Some(Termination::TimeLimit), "the first reason stands");
+        assert!(!StopToken::new(Some(Duration::MAX), &Interrupt::new()).is_over());
+        assert!(!StopToken::default().is_over());
+    }
+
+    #[test]
+    fn searches_inside_searches_end_with_the_outermost() {
+        let user = Interrupt::new();
+        let outer = StopToken::new(None, &user);
+        let inner = outer.child(None);
+        let innermost = inner.child(None);
+        let late = outer.child(Some(Duration::ZERO));
+        assert_eq!(late.ended(), Some(Termination::TimeLimit));
+        assert!(!innermost.is_over());
+        inner.stop();
+        assert_eq!(innermost.ended(), Some(Termination::Interrupted));
+        assert!(!outer.is_over() && !user.is_triggered());
+        let other = outer.child(None);
+        user.trigger();
+        assert!(other.is_over() && outer.is_over());
+        assert_eq!(late.ended(), Some(Termination::TimeLimit));
+    }
+}
