@@ -286,9 +286,6 @@ pub enum ErrorKind {
         /// The length that was expected.
         expected: usize,
     },
-    /// Lowering was stopped by a limit or an interrupt.
-    #[error("lowering was stopped before it was finished; allow more time, or do not interrupt it")]
-    Stopped,
     /// The matrices of a program do not fit into memory.
     ///
     /// The source is the error of the matrix library.

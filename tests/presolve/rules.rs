@@ -22,6 +22,7 @@ fn compare(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
     let expected = optimum(case);
     let presolved = match presolve(&program, rules, &StopToken::default()).unwrap() {
         Presolve::Presolved(presolved) => presolved,
+        Presolve::Stopped => unreachable!("the default token never stops"),
         Presolve::Infeasible => {
             prop_assert_eq!(&expected, &Minimum::Infeasible);
             return Ok(());
