@@ -357,7 +357,7 @@ impl Solver for Enumeration {
         if !linear || model.variables().any(|v| v.kind() != VariableKind::Binary) {
             return Err(ErrorKind::Unsupported {
                 solver: self.name().into(),
-                what: "anything but pure binary linear programs".into(),
+                what: "programs that are not linear and purely binary".into(),
                 help: "use another solver".into(),
             }
             .into());
@@ -438,7 +438,8 @@ fn a_backend_from_outside() {
     mixed.continuous("x", 0.0, 1.0).unwrap();
     assert_eq!(
         solver.solve(&mixed).unwrap_err().to_string(),
-        "the solver broke its contract: enumeration is for pure binary linear programs"
+        "enumeration does not take programs that are not linear and purely binary; use another \
+         solver"
     );
 }
 
@@ -631,6 +632,6 @@ fn no_backend_can_vouch_for_itself() {
     assert_eq!(nothing.bound(), 1.0);
     assert_eq!(
         claim(&m, Termination::Optimal, Some(&[1.0])).unwrap_err().to_string(),
-        "the solver broke its contract: a point has 1 values for 2 variables"
+        "the length of the point is 1; it must be 2"
     );
 }
