@@ -1,19 +1,13 @@
 //! Whole solves of hybrid control programs, as plain rows; `tests/instances` holds their optima.
 
-#[path = "../tests/instances/generators.rs"]
-mod generators;
-#[path = "../tests/instances/random_miqp.rs"]
-mod random_miqp;
-#[path = "../tests/instances/riccati.rs"]
-mod riccati;
-#[path = "../tests/instances/suite.rs"]
-mod suite;
+#[path = "../tests/instances/mod.rs"]
+mod instances;
 
 use std::hint::black_box;
 
 use carom::prelude::*;
 use criterion::{Criterion, criterion_group, criterion_main};
-use suite::suite;
+use instances::suite::suite;
 
 fn whole_solves(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("instances");

@@ -2,14 +2,8 @@
 //! assembly, propagation, probing, reduction, one relaxation; and the search for the shortest
 //! horizon.
 
-#[path = "../tests/instances/generators.rs"]
-mod generators;
-#[path = "../tests/instances/random_miqp.rs"]
-mod random_miqp;
-#[path = "../tests/instances/riccati.rs"]
-mod riccati;
-#[path = "../tests/instances/suite.rs"]
-mod suite;
+#[path = "../tests/instances/mod.rs"]
+mod instances;
 
 use std::hint::black_box;
 
@@ -39,7 +33,7 @@ fn node(criterion: &mut Criterion) {
     criterion.bench_function("paper_457/build", |b| b.iter(|| paper(black_box(457))));
     parts(criterion, "paper_457", &paper(457));
     for (name, model, _) in
-        suite::suite(&["pendulum_40", "boxes_30q", "miqp_60"].map(str::to_owned))
+        instances::suite::suite(&["pendulum_40", "boxes_30q", "miqp_60"].map(str::to_owned))
     {
         parts(criterion, name, &model);
     }

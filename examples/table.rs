@@ -17,16 +17,8 @@
 //! are all of the process during the solve, lowering included. The exit status tells whether every
 //! answer was the listed one. `docs/benchmarks.md` says more.
 
-#[path = "../tests/instances/generators.rs"]
-mod generators;
-#[path = "../tests/instances/large.rs"]
-mod large;
-#[path = "../tests/instances/random_miqp.rs"]
-mod random_miqp;
-#[path = "../tests/instances/riccati.rs"]
-mod riccati;
-#[path = "../tests/instances/suite.rs"]
-mod suite;
+#[path = "../tests/instances/mod.rs"]
+mod instances;
 
 use std::alloc::System;
 use std::error::Error;
@@ -39,9 +31,9 @@ use carom::model::mps;
 use carom::prelude::{
     BranchAndBound, Control, Interrupt, Model, Options, Solution, Solver, Termination,
 };
-use large::large;
+use instances::large::large;
+use instances::suite::{Truth, suite};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-use suite::{Truth, suite};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;

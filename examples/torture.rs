@@ -17,14 +17,8 @@
 
 #[path = "../tests/common/mod.rs"]
 mod common;
-#[path = "../tests/torture/complementarity.rs"]
-mod complementarity;
-#[path = "../tests/torture/dyadic.rs"]
-mod dyadic;
-#[path = "../tests/torture/generator.rs"]
-mod generator;
-#[path = "../tests/torture/oracle.rs"]
-mod oracle;
+#[path = "../tests/torture/mod.rs"]
+mod torture;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -34,7 +28,8 @@ use std::time::Instant;
 
 use carom::model::mps;
 use carom::prelude::{BranchAndBound, Options, Solver};
-use oracle::{Truth, Verdict, judge, truth};
+use torture::generator;
+use torture::oracle::{Truth, Verdict, judge, truth};
 
 struct Arguments {
     cases: u64,

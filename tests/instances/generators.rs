@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use carom::prelude::*;
 
-use crate::riccati::{Matrix, riccati};
+use super::riccati::{Matrix, riccati};
 
 const INF: f64 = f64::INFINITY;
 

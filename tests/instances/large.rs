@@ -3,8 +3,8 @@
 use carom::collision_tolerant::{Objective, Program, Scenario};
 use carom::prelude::*;
 
-use crate::generators::{puck, wall};
-use crate::random_miqp::Random;
+use super::generators::{puck, wall};
+use super::random_miqp::Random;
 
 /// Large programs, or those whose name has one of the parts.
 pub(crate) fn large(parts: &[String]) -> Vec<(&'static str, Model)> {

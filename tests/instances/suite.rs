@@ -2,8 +2,8 @@
 
 use carom::prelude::*;
 
-use crate::generators::{beside, boxes, cartpole, pendulum, puck, wall};
-use crate::random_miqp::random_miqp;
+use super::generators::{beside, boxes, cartpole, pendulum, puck, wall};
+use super::random_miqp::random_miqp;
 
 /// What is true of an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]

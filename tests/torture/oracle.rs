@@ -24,9 +24,9 @@ use carom::prelude::*;
 use carom::tolerance::FREE_RADIUS;
 use num_rational::BigRational;
 
+use super::complementarity::{Answer, Whole, double};
+use super::dyadic::Dyadic;
 use crate::common::case::{Case, Line};
-use crate::complementarity::{Answer, Whole, double};
-use crate::dyadic::Dyadic;
 
 /// The tolerance that points are promised to keep, in the row's unit.
 pub(crate) const FEASIBILITY: f64 = 1e-6;

@@ -1,0 +1,197 @@
+//! Damaged files: every error with its line and column.
+
+use super::{error, with};
+
+#[test]
+fn errors_name_line_and_column() {
+    let cases = [
+        ("", "line 1, column 1: the file ends without ENDATA; it may have been cut off"),
+        (
+            "ROWS\n N c\nCOLUMNS\n x c",
+            "line 4, column 4: expected a column name and pairs of row name and value (names \
+             cannot contain spaces)",
+        ),
+        (
+            "ROWS\n N c\n",
+            "line 2, column 5: the file ends without ENDATA; it may have been cut off",
+        ),
+        (
+            "COLS\nENDATA\n",
+            "line 1, column 1: section `COLS` is not known; expected NAME, OBJSENSE, ROWS, \
+             COLUMNS, RHS, RANGES, BOUNDS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines \
+             begin with a space)",
+        ),
+        (
+            "RHS RHS c 1\n",
+            "line 1, column 5: nothing can follow the section name `RHS` (data lines begin with a \
+             space)",
+        ),
+        (" x c 1\n", "line 1, column 2: a data line before any section"),
+        ("OBJSENSE\n UP\n", "line 2, column 2: expected MIN or MAX, found `UP`"),
+        (
+            "OBJSENSE MAX\nOBJSENSE MIN\n",
+            "line 2, column 10: the direction of the objective is given twice",
+        ),
+        (
+            "SOS2\n",
+            "line 1, column 1: section `SOS2` cannot be read: special ordered sets have no place in \
+             a model; write them with binaries and indicators",
+        ),
+        (
+            "qcmatrix r\n",
+            "line 1, column 1: section `qcmatrix` cannot be read: rows must be linear; only the \
+             objective can be quadratic",
+        ),
+        (
+            "LAZYCONS\n",
+            "line 1, column 1: section `LAZYCONS` cannot be read: move its rows to ROWS, where they \
+             always hold",
+        ),
+        ("ROWS\n Q r\n", "line 2, column 2: row kind `Q` is not one of N, L, G and E"),
+        ("ROWS\n L\n", "line 2, column 2: expected a row kind (N, L, G or E) and a row name"),
+        ("ROWS\n L a b\n", "line 2, column 6: expected a row kind (N, L, G or E) and a row name"),
+        ("ROWS\n L r\n G  r\n", "line 3, column 5: row `r` was already declared in line 2"),
+        (
+            "ROWS\n L a\u{7}\n",
+            "line 2, column 4: `a\u{7}` cannot be a name: it is empty or contains white space or \
+             control characters",
+        ),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(error(text), expected, "{text}");
+    }
+}
+
+#[test]
+fn errors_in_columns() {
+    let columns = |lines: &str| error(&format!("ROWS\n N c\n L r\nCOLUMNS\n{lines}ENDATA\n"));
+    assert_eq!(columns(" x q 1\n"), "line 5, column 4: row `q` was not declared in ROWS");
+    assert_eq!(columns(" x r 1x\n"), "line 5, column 6: `1x` is not a number");
+    assert_eq!(columns(" x r NaN\n"), "line 5, column 6: `NaN` is not a number");
+    assert_eq!(
+        columns(" x r 1e400\n"),
+        "line 5, column 6: `1e400` counts as infinite (1e20 and beyond do); a finite number is \
+         needed here"
+    );
+    assert_eq!(
+        columns(" x r 1 r 2\n"),
+        "line 5, column 8: column `x` has a second entry in row `r`"
+    );
+    assert_eq!(
+        columns(" x r 1\n x c 1 \n x r 1\n"),
+        "line 7, column 4: column `x` has a second entry in row `r`"
+    );
+    assert_eq!(
+        columns(" x r 1\n y r 1\n x c 1\n"),
+        "line 7, column 2: column `x` already began in line 5; its entries must stand together"
+    );
+    assert_eq!(
+        columns(" M 'MARKER' 'SOSORG'\n"),
+        "line 5, column 13: marker 'SOSORG' is not known; expected 'INTORG' or 'INTEND'"
+    );
+    assert_eq!(columns(" M 'MARKER' 'INTEND'\n"), "line 5, column 13: 'INTEND' without 'INTORG'");
+    assert_eq!(
+        columns(" M 'MARKER' 'INTORG'\n M 'MARKER' 'INTORG'\n"),
+        "line 6, column 13: 'INTORG' of line 5 is still open"
+    );
+}
+
+#[test]
+fn errors_in_later_sections() {
+    let cases = [
+        ("RHS\n B nowhere 1\n", "line 15, column 4: row `nowhere` was not declared in ROWS"),
+        ("RHS\n B most nan\n", "line 15, column 9: `nan` is not a number"),
+        (
+            "RHS\n B cost 1e30\n",
+            "line 15, column 9: `1e30` counts as infinite (1e20 and beyond do); a finite number is needed here",
+        ),
+        ("RHS\n B\n", "line 15, column 2: expected pairs of row name and value"),
+        (
+            "RHS\n B most 1\n B most 2\n",
+            "line 16, column 4: row `most` already has a right-hand side, given in line 15",
+        ),
+        (
+            "RHS\n B most 1\n C least 2\n",
+            "line 16, column 2: a second set `C` beside `B`; only one set can be read",
+        ),
+        ("RHS\n B most -inf\n", "line 15, column 9: no point can satisfy row `most`"),
+        ("RHS\n B same 1e30\n", "line 15, column 9: no point can satisfy row `same`"),
+        (
+            "RANGES\n R most 1 most 1\n",
+            "line 15, column 11: row `most` already has a range, given in line 15",
+        ),
+        ("RANGES\n R cost 1\n", "line 15, column 9: the objective row cannot have a range"),
+        (
+            "RHS\n B least -inf\nRANGES\n R least 1\n",
+            "line 15, column 10: row `least` has a range, so its right-hand side must be finite",
+        ),
+        (
+            "BOUNDS\n XX B x 1\n",
+            "line 15, column 2: `XX` is not a bound kind; expected LO, UP, FX, FR, MI, PL, BV, LI or UI",
+        ),
+        (
+            "BOUNDS\n SC B x 1\n",
+            "line 15, column 2: bound kind `SC` declares a semi-continuous column, which a model cannot hold; write it with a binary and an indicator",
+        ),
+        ("BOUNDS\n UP B q 1\n", "line 15, column 7: column `q` is not in COLUMNS"),
+        ("BOUNDS\n UP B x\n", "line 15, column 5: column `B` is not in COLUMNS"),
+        ("BOUNDS\n UP x\n", "line 15, column 5: bound kind `UP` needs a number"),
+        (
+            "BOUNDS\n UP\n",
+            "line 15, column 2: expected a bound kind, an optional set name, a column name and a value",
+        ),
+        ("BOUNDS\n UP B x nan\n", "line 15, column 9: `nan` is not a number"),
+        ("BOUNDS\n UP B x -1e30\n", "line 15, column 9: an upper bound cannot be -infinity"),
+        ("BOUNDS\n LO B x 1e30\n", "line 15, column 9: a lower bound cannot be +infinity"),
+        ("BOUNDS\n FX B x Inf\n", "line 15, column 9: a lower bound cannot be +infinity"),
+        ("BOUNDS\n LO B x 2\n UP B x 1\n", "line 16, column 7: bounds of `x` are crossed: 2 > 1"),
+        ("BOUNDS\n LO B x 0\n UP B x -1\n", "line 16, column 7: bounds of `x` are crossed: 0 > -1"),
+        (
+            "BOUNDS\n UP B x 1\n UP B x 2\n",
+            "line 16, column 7: the upper bound of `x` was 1 before and is 2 now; keep one of them",
+        ),
+        (
+            "BOUNDS\n UP B x 1\n UP C y 2\n",
+            "line 16, column 5: a second set `C` beside `B`; only one set can be read",
+        ),
+        ("QUADOBJ\n x x\n", "line 15, column 4: expected two column names and a value"),
+        ("QUADOBJ\n x q 1\n", "line 15, column 4: column `q` is not in COLUMNS"),
+        (
+            "QUADOBJ\n x y 1e20\n",
+            "line 15, column 6: `1e20` counts as infinite (1e20 and beyond do); a finite number is needed here",
+        ),
+        (
+            "QUADOBJ\n x y 1\n y x 1\n",
+            "line 16, column 2: a second entry for `y` and `x` (QUADOBJ takes one triangle only)",
+        ),
+        (
+            "QSECTION most\n x x 2\n",
+            "line 14, column 10: row `most` is quadratic; only the objective can be, rows must be linear",
+        ),
+        (
+            "QMATRIX\n x x 2\n x y 1\n y y 2\n",
+            "line 16, column 2: QMATRIX is not symmetric: the entry for `y` and `x` differs or is missing",
+        ),
+        (
+            "QUADOBJ\n x x 2\nQMATRIX\n x x 2\n",
+            "line 16, column 1: QUADOBJ and QMATRIX cannot both be given",
+        ),
+        (
+            "INDICATORS\n IF most x 1\n",
+            "line 15, column 10: `x` is not binary; only binary variables can stand in the condition or logic of `most`",
+        ),
+        ("INDICATORS\n IF most k 2\n", "line 15, column 12: expected 0 or 1, found `2`"),
+        (
+            "INDICATORS\n IF cost k 1\n",
+            "line 15, column 5: row `cost` is an N row; only L, G and E rows can be switched",
+        ),
+        ("INDICATORS\n ON most k 1\n", "line 15, column 2: expected IF, found `ON`"),
+        (
+            "INDICATORS\n IF most k 1\n IF most k 0\n",
+            "line 16, column 5: row `most` already has a condition, given in line 15",
+        ),
+    ];
+    for (sections, expected) in cases {
+        assert_eq!(error(&with(sections)), expected, "{sections}");
+    }
+}

@@ -1,0 +1,31 @@
+//! MPS files: what each section means, what damaged files say, and exact round trips.
+
+mod damaged;
+mod fixed;
+mod random;
+mod sections;
+mod written;
+
+use carom::model::mps;
+use carom::prelude::*;
+
+fn read(text: &str) -> Model {
+    mps::read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn error(text: &str) -> String {
+    match mps::read(text) {
+        Ok(model) => panic!("was read:\n{model}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// A file with one objective row, rows of all kinds and the columns `x`, `y` (continuous) and `k`
+/// (integer), followed by the given sections.
+fn with(sections: &str) -> String {
+    format!(
+        "NAME small\nROWS\n N cost\n L most\n G least\n E same\nCOLUMNS\n x cost 1 most 1\n \
+         x least 1\n y most 2 same 1\n M1 'MARKER' 'INTORG'\n k cost -1 least 3\n \
+         M2 'MARKER' 'INTEND'\n{sections}ENDATA\n"
+    )
+}

@@ -1,0 +1,117 @@
+//! Each rule alone, and all of them: the optimum by enumeration, and its point by the way back.
+
+use carom::prelude::*;
+use carom::presolve::root::{Presolve, Rule, presolve};
+use carom::program::Program;
+use carom::solver::StopToken;
+use proptest::prelude::*;
+
+use super::programs::program;
+use super::search_alone;
+use crate::common::case::Case;
+use crate::common::config;
+use crate::common::enumeration::optimum;
+use crate::common::quadratic_program::Minimum;
+
+const REGRESSIONS: &str = "tests/regressions/presolve.txt";
+
+/// The optimum of a case when presolved by some rules, searched, and restored.
+fn compare(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
+    let (model, _) = case.build();
+    let program = Program::assemble(&model).unwrap();
+    let expected = optimum(case);
+    let presolved = match presolve(&program, rules, &StopToken::default()).unwrap() {
+        Presolve::Presolved(presolved) => presolved,
+        Presolve::Stopped => unreachable!("the default token never stops"),
+        Presolve::Infeasible => {
+            prop_assert_eq!(&expected, &Minimum::Infeasible);
+            return Ok(());
+        }
+    };
+    let accept = |x: &[f64]| case.violation(&presolved.postsolve.point(x), 1e-6).is_none();
+    let found = search_alone(&presolved.program, &accept);
+    match expected {
+        Minimum::Infeasible => {
+            // With free columns the search may be unable to prove it, and says so.
+            let open = found.termination == Termination::Stalled && found.points.is_empty();
+            prop_assert!(open || found.termination == Termination::Infeasible);
+        }
+        Minimum::Unbounded => prop_assert_eq!(found.termination, Termination::Unbounded),
+        Minimum::Attained { value, .. } => {
+            prop_assert_eq!(found.termination, Termination::Optimal);
+            let x = found.points.first().expect("a point").clone();
+            let tolerance = 1e-5 * value.abs().max(1.0);
+            let restored = presolved.postsolve.point(&x);
+            let here = presolved.program.objective(&x);
+            prop_assert!((here - value).abs() <= tolerance, "{here} instead of {value}");
+            prop_assert!((here - case.cost(&restored)).abs() <= tolerance);
+            prop_assert!(found.bound <= value + tolerance);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config(200, REGRESSIONS))]
+
+    #[test]
+    fn fixed_columns(case in program(true)) {
+        compare(&case, &[Rule::SingletonRows, Rule::FixedColumns])?;
+    }
+
+    #[test]
+    fn singleton_rows(case in program(true)) {
+        compare(&case, &[Rule::SingletonRows])?;
+    }
+
+    #[test]
+    fn redundant_rows(case in program(true)) {
+        compare(&case, &[Rule::RedundantRows])?;
+    }
+
+    #[test]
+    fn parallel_rows(case in program(true)) {
+        compare(&case, &[Rule::ParallelRows])?;
+    }
+
+    #[test]
+    fn doubletons(case in program(true)) {
+        compare(&case, &[Rule::Doubletons])?;
+        compare(&case, &[Rule::Doubletons, Rule::SingletonRows])?;
+    }
+
+    #[test]
+    fn slack_columns(case in program(false)) {
+        compare(&case, &[Rule::SlackColumns])?;
+    }
+
+    #[test]
+    fn implied_free(case in program(false)) {
+        compare(&case, &[Rule::ImpliedFree])?;
+    }
+
+    #[test]
+    fn dominated_columns(case in program(false)) {
+        compare(&case, &[Rule::DominatedColumns])?;
+    }
+
+    #[test]
+    fn parallel_columns(case in program(false)) {
+        compare(&case, &[Rule::ParallelColumns])?;
+    }
+
+    #[test]
+    fn coefficients(case in program(true)) {
+        compare(&case, &[Rule::Coefficients])?;
+    }
+
+    #[test]
+    fn all_rules_on_linear_programs(case in program(false)) {
+        compare(&case, &Rule::ALL)?;
+    }
+
+    #[test]
+    fn all_rules_on_curved_programs(case in program(true)) {
+        compare(&case, &Rule::ALL)?;
+    }
+}

@@ -1,0 +1,14 @@
+//! The modelling language and its reformulations: what statements mean, what they become, and
+//! what is refused.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod big_m;
+mod disjunctions;
+mod functions;
+mod logic;
+mod reify;
+#[cfg(feature = "serde")]
+mod serde;

@@ -1,0 +1,600 @@
+//! Linear steps, contact laws as text and as implications, damage rows, the shortest horizon.
+
+use std::cell::RefCell;
+use std::time::Duration;
+
+use crate::common::config;
+use carom::hybrid::{
+    Contact, ContactLaw, ContactStep, Damage, DamageLimits, FreeSide, Horizon, HorizonEvent,
+    HorizonModel, LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus,
+    Verdict, Waiting, Wall, shortest_horizon, shortest_horizon_with,
+};
+use carom::interval::Interval;
+use carom::prelude::*;
+use carom::solution::{Outcome, Point};
+use proptest::prelude::*;
+
+// -- linear systems -----------------------------------------------------------------------------
+
+fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Mat<f64> {
+    Mat::from_fn(R, C, |i, j| rows[i][j])
+}
+
+fn assert_close(found: &Mat<f64>, wanted: &Mat<f64>, allowed: f64) {
+    for i in 0..wanted.nrows() {
+        for j in 0..wanted.ncols() {
+            let (a, b) = (found[(i, j)], wanted[(i, j)]);
+            assert!((a - b).abs() <= allowed, "entry ({i}, {j}): {a} instead of {b}");
+        }
+    }
+}
+
+#[test]
+fn zero_order_hold_of_a_mass_is_the_double_integrator() {
+    let (a, b) = (matrix([[0.0, 1.0], [0.0, 0.0]]), matrix([[0.0], [1.0]]));
+    for dt in [0.005, 0.05, 1.0, 7.0] {
+        let held = LinearSystem::zero_order_hold(&a, &b, &[0.0, 0.0], dt).unwrap();
+        let exact = LinearSystem::double_integrator(dt).unwrap();
+        assert_close(held.a(), exact.a(), 1e-14 * dt.max(1.0));
+        assert_close(held.b(), exact.b(), 1e-14 * (dt * dt).max(1.0));
+    }
+}
+
+#[test]
+fn zero_order_hold_of_an_oscillator_rotates() {
+    // x'' = -ω² x + u.
+    let omega = 3.0_f64;
+    let (a, b) = (matrix([[0.0, 1.0], [-omega * omega, 0.0]]), matrix([[0.0], [1.0]]));
+    for dt in [0.01, 0.4, 2.5] {
+        let held = LinearSystem::zero_order_hold(&a, &b, &[0.0, 0.0], dt).unwrap();
+        let (sin, cos) = (omega * dt).sin_cos();
+        assert_close(held.a(), &matrix([[cos, sin / omega], [-omega * sin, cos]]), 5e-14);
+        assert_close(held.b(), &matrix([[(1.0 - cos) / omega.powi(2)], [sin / omega]]), 5e-14);
+    }
+}
+
+#[test]
+fn zero_order_hold_of_an_unstable_pole_grows() {
+    for (pole, drift) in [(2.0_f64, 0.5), (-4.0, 1.0), (9.0, 0.0)] {
+        let (a, b) = (matrix([[pole]]), matrix([[3.0]]));
+        let held = LinearSystem::zero_order_hold(&a, &b, &[drift], 0.7).unwrap();
+        let growth = (0.7 * pole).exp();
+        let integral = (0.7 * pole).exp_m1() / pole;
+        let allowed = 1e-14 * growth.max(1.0);
+        assert_close(held.a(), &matrix([[growth]]), 4.0 * allowed);
+        assert_close(held.b(), &matrix([[3.0 * integral]]), 4.0 * allowed);
+        assert!((held.c()[0] - drift * integral).abs() <= 4.0 * allowed);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(256, "tests/regressions/hybrid.txt"))]
+
+    /// Two holds of h are one hold of 2h, when the input stays the same.
+    #[test]
+    fn zero_order_holds_compose(
+        entries in prop::collection::vec(-3.0..3.0_f64, 9),
+        inputs in prop::collection::vec(-3.0..3.0_f64, 3),
+        offset in prop::collection::vec(-3.0..3.0_f64, 3),
+        state in prop::collection::vec(-1.0..1.0_f64, 3),
+        dt in 0.01..0.6_f64,
+    ) {
+        let a = Mat::from_fn(3, 3, |i, j| entries[3 * i + j]);
+        let b = Mat::from_fn(3, 1, |i, _| inputs[i]);
+        let once = LinearSystem::zero_order_hold(&a, &b, &offset, dt).unwrap();
+        let twice = LinearSystem::zero_order_hold(&a, &b, &offset, 2.0 * dt).unwrap();
+        let half_way = once.step(&state, &[0.7]).unwrap();
+        let there = once.step(&half_way, &[0.7]).unwrap();
+        for (left, right) in there.iter().zip(twice.step(&state, &[0.7]).unwrap()) {
+            prop_assert!((left - right).abs() <= 1e-11 * (1.0 + right.abs()));
+        }
+    }
+}
+
+#[test]
+fn predictions_as_expressions_are_steps_in_numbers() {
+    let system = LinearSystem::new(
+        matrix([[1.0, 0.5], [-2.0, 3.0]]),
+        matrix([[0.25], [4.0]]),
+        vec![7.0, -1.0],
+    )
+    .unwrap();
+    let mut model = Model::new("m");
+    let x = model.continuous_family("x", 2, -9.0, 9.0).unwrap();
+    let u = model.continuous("u", -9.0, 9.0).unwrap();
+    let predicted = system.predict(x.as_slice(), &[u]).unwrap();
+    let point = Point::new(&model, vec![1.5, -2.0, 0.5]).unwrap();
+    let values: Vec<f64> = predicted.iter().map(|e| point.value(e).unwrap()).collect();
+    assert_eq!(values, system.step(&[1.5, -2.0], &[0.5]).unwrap());
+}
+
+#[test]
+fn linear_systems_refuse_bad_shapes_and_numbers() {
+    let square = Mat::<f64>::identity(2, 2);
+    let text = |result: Result<LinearSystem, Error>| result.unwrap_err().to_string();
+    assert_eq!(
+        text(LinearSystem::new(Mat::zeros(2, 3), Mat::zeros(2, 1), vec![0.0; 2])),
+        "the state matrix A has shape 2x3; expected square, at least 1x1"
+    );
+    assert_eq!(
+        text(LinearSystem::new(square.clone(), Mat::zeros(3, 1), vec![0.0; 2])),
+        "the input matrix B has shape 3x1; expected 2 rows"
+    );
+    assert_eq!(
+        text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0])),
+        "the length of the constant part c is 1; it must be 2"
+    );
+    assert_eq!(
+        text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0, f64::NAN])),
+        "an entry of `the linear system` is NaN; give a finite number"
+    );
+    assert_eq!(
+        text(LinearSystem::double_integrator(f64::NAN)),
+        "the time step (s) is NaN; it must be finite and positive"
+    );
+    let fast = Mat::from_fn(1, 1, |_, _| 1e3);
+    assert_eq!(
+        text(LinearSystem::zero_order_hold(&fast, &Mat::zeros(1, 0), &[0.0], 10.0)),
+        "the time step of the zero-order hold is 10; it must be short enough for the discrete \
+         system to stay finite"
+    );
+    let vehicle = LinearSystem::double_integrator(1.0).unwrap();
+    assert_eq!(
+        vehicle.step(&[1.0], &[0.0]).unwrap_err().to_string(),
+        "the length of the state is 1; it must be 2"
+    );
+}
+
+#[test]
+fn horizons_out_of_range_are_refused_before_anything_is_built() {
+    for (steps, shown) in [(0, "0"), (1_000_000, "1000000")] {
+        assert_eq!(
+            Horizon::new(steps, 0.1).unwrap_err().to_string(),
+            format!("the number of steps is {shown}; it must be from 1 to 100000")
+        );
+    }
+    for time_step in [0.0, -1.0, f64::INFINITY] {
+        assert!(Horizon::new(5, time_step).is_err());
+    }
+}
+
+// -- contact laws -------------------------------------------------------------------------------
+
+/// One step of a double integrator beside a wall, as a model with variables x, v, a, x⁺, v⁺, ζ.
+struct OneStep {
+    model: Model,
+    contact: Contact,
+}
+
+fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> OneStep {
+    let contact = Contact::new(wall, Restitution::new(restitution).unwrap()).with_law(law);
+    let mut model = Model::new("step");
+    let (low, high) = match wall.free() {
+        FreeSide::Above => (wall.position() - 20.0, wall.position() + 50.0),
+        _ => (wall.position() - 50.0, wall.position() + 20.0),
+    };
+    let x = model.continuous("x", low, high).unwrap();
+    let v = model.continuous("v", -8.0, 8.0).unwrap();
+    let a = model.continuous("a", -40.0, 40.0).unwrap();
+    let next_x = model.continuous("next_x", low, high).unwrap();
+    let next_v = model.continuous("next_v", -30.0, 30.0).unwrap();
+    let zeta = model.binary("zeta").unwrap();
+    let vehicle = LinearSystem::double_integrator(time_step).unwrap();
+    let predicted = vehicle.predict(&[x, v], &[a]).unwrap();
+    let step = ContactStep {
+        step: 4,
+        time_step,
+        position: x.into(),
+        velocity: v.into(),
+        acceleration: a.into(),
+        acceleration_limits: Interval::new(-3.0, 3.0),
+        predicted_position: predicted[0].clone(),
+        predicted_velocity: predicted[1].clone(),
+        next_position: next_x.into(),
+        next_velocity: next_v.into(),
+        contact: zeta,
+    };
+    contact.add_step(&mut model, &step).unwrap();
+    OneStep { model, contact }
+}
+
+fn statements(model: &Model) -> String {
+    let text = model.to_string();
+    let (_, rest) = text.split_once("subject to\n").unwrap();
+    rest.split_once("where\n").unwrap().0.to_owned()
+}
+
+#[test]
+fn the_reflecting_law_reads_like_the_law() {
+    let step = one_step(Wall::above(1.0).unwrap(), 0.5, ContactLaw::Reflecting, 2.0);
+    assert_eq!(
+        statements(&step.model),
+        "  position[4]: -x - 2 v - 2 a + next_x - 1.5 penetration[4] = 0
+  velocity[4]: -v - 2 a + next_v - 1.5 impact_speed[4] = 0
+  outside[4]: x + 2 v + 2 a + penetration[4] >= 1
+  free_position[4]: zeta = 0 implies penetration[4] <= 0
+  free_velocity[4]: zeta = 0 implies impact_speed[4] <= 0
+  impact_position[4]: zeta = 1 implies 0.5 x + v + a + next_x <= 1.5
+  impact_velocity[4]: zeta = 1 implies 0.5 v + a + next_v = 0
+"
+    );
+}
+
+#[test]
+fn the_reflecting_law_faces_either_way() {
+    let step = one_step(Wall::below(3.0).unwrap(), 0.0, ContactLaw::Reflecting, 2.0);
+    assert_eq!(
+        statements(&step.model),
+        "  position[4]: x + 2 v + 2 a - next_x - penetration[4] = 0
+  velocity[4]: v + 2 a - next_v - impact_speed[4] = 0
+  outside[4]: -x - 2 v - 2 a + penetration[4] >= -3
+  free_position[4]: zeta = 0 implies penetration[4] <= 0
+  free_velocity[4]: zeta = 0 implies impact_speed[4] <= 0
+  impact_position[4]: zeta = 1 implies -next_x <= -3
+  impact_velocity[4]: zeta = 1 implies -next_v = 0
+"
+    );
+}
+
+#[test]
+fn the_literal_law_reads_like_the_paper() {
+    let step = one_step(Wall::above(1.0).unwrap(), 0.5, ContactLaw::Literal, 2.0);
+    assert_eq!(
+        statements(&step.model),
+        "  dynamics_x[4]: -x - 2 v - 2 a + next_x = 0
+  dynamics_v[4]: -v - 2 a + next_v = 0
+  free_gap[4]: zeta = 0 implies x >= 1
+  contact_gap[4]: zeta = 1 implies x <= 1
+  free_acceleration[4]: zeta = 0 implies -3 <= a <= 3
+  contact_acceleration[4]: zeta = 1 implies 0.75 v + a = 0
+"
+    );
+}
+
+impl OneStep {
+    /// Whether the model allows a point; the auxiliary variables take their best values.
+    fn allows(&self, x: f64, v: f64, a: f64, next_x: f64, next_v: f64, zeta: bool) -> bool {
+        let dt = 0.5;
+        let wall = self.contact.wall;
+        let (p, w) = (x + dt * v + 0.5 * dt * dt * a, v + dt * a);
+        let mut values = vec![x, v, a, next_x, next_v, f64::from(u8::from(zeta))];
+        if self.contact.law == ContactLaw::Reflecting {
+            let (h, f) = if zeta { (-wall.gap(p), -wall.rate(w)) } else { (0.0, 0.0) };
+            values.extend([h, f]);
+        }
+        let point = Point::new(&self.model, values).unwrap();
+        Verification::of(&self.model, &point, 1e-7).holds()
+    }
+}
+
+proptest! {
+    #![proptest_config(config(256, "tests/regressions/hybrid.txt"))]
+
+    /// The statements of the reflecting law allow exactly what the law says, on both sides of a
+    /// wall anywhere.
+    #[test]
+    fn the_reflecting_law_means_the_law(
+        above in any::<bool>(),
+        at in -5.0..5.0_f64,
+        e in 0.0..=1.0_f64,
+        gap in 0.0..4.0_f64,
+        v in -8.0..8.0_f64,
+        a in -3.0..3.0_f64,
+        miss in prop_oneof![Just(0.0), -1.0..-1e-3_f64, 1e-3..1.0_f64],
+    ) {
+        let wall = if above { Wall::above(at) } else { Wall::below(at) }.unwrap();
+        let step = one_step(wall, e, ContactLaw::Reflecting, 0.5);
+        let x = wall.at_gap(gap);
+        let (p, w) = (x + 0.5 * v + 0.125 * a, v + 0.5 * a);
+        let (depth, rate) = (wall.gap(p), wall.rate(w));
+        prop_assume!(depth.abs() > 1e-3 && rate.abs() > 1e-3);
+        let hits = depth < 0.0;
+
+        // Flight.
+        prop_assert_eq!(step.allows(x, v, a, p, w, false), !hits);
+        // Contact: only behind the wall, and only on the way in.
+        let (mirrored, rebound) = (wall.at_gap(-e * depth), -e * w);
+        prop_assert_eq!(step.allows(x, v, a, mirrored, rebound, true), hits && rate < 0.0);
+        // Nothing near it.
+        if miss != 0.0 {
+            prop_assert!(!step.allows(x, v, a, p + miss, w, false));
+            prop_assert!(!step.allows(x, v, a, p, w + miss, false));
+            prop_assert!(!step.allows(x, v, a, mirrored + miss, rebound, true));
+            prop_assert!(!step.allows(x, v, a, mirrored, rebound + miss, true));
+        }
+    }
+
+    /// The same for the literal law.
+    #[test]
+    fn the_literal_law_means_the_paper(
+        above in any::<bool>(),
+        at in -5.0..5.0_f64,
+        e in 0.0..=1.0_f64,
+        gap in -3.0..3.0_f64,
+        v in -8.0..8.0_f64,
+        a in -6.0..6.0_f64,
+    ) {
+        prop_assume!(gap.abs() > 1e-3 && (a.abs() - 3.0).abs() > 1e-3);
+        let wall = if above { Wall::above(at) } else { Wall::below(at) }.unwrap();
+        let step = one_step(wall, e, ContactLaw::Literal, 0.5);
+        let x = wall.at_gap(gap);
+        let next = |a: f64| (x + 0.5 * v + 0.125 * a, v + 0.5 * a);
+        let (free_x, free_v) = next(a);
+        prop_assert_eq!(step.allows(x, v, a, free_x, free_v, false), gap > 0.0 && a.abs() < 3.0);
+        let forced = -(1.0 + e) * v / 0.5;
+        let (next_x, next_v) = next(forced);
+        prop_assert!((next_v + e * v).abs() < 1e-12);
+        prop_assert_eq!(step.allows(x, v, forced, next_x, next_v, true), gap < 0.0);
+    }
+}
+
+#[test]
+fn restitution_outside_its_range_is_refused() {
+    for value in [-0.1, 1.1, f64::NAN] {
+        let text = Restitution::new(value).unwrap_err().to_string();
+        assert_eq!(text, format!("the restitution is {value}; it must be within [0, 1]"));
+    }
+    assert_eq!(
+        Wall::above(f64::INFINITY).unwrap_err().to_string(),
+        "the position of `wall` is inf; give a finite number"
+    );
+}
+
+// -- damage -------------------------------------------------------------------------------------
+
+#[test]
+fn damage_states_follow_the_papers_rows() {
+    let mut model = Model::new("damage");
+    let v = model.continuous_family("v", 2, -3.0, 5.0).unwrap();
+    let zeta = model.binary_family("zeta", 2).unwrap();
+    let speed = |t: usize| carom::hybrid::ImpactSpeed { speed: -v[t], zero_in_flight: false };
+    let contacts = [(zeta[0], speed(0)), (zeta[1], speed(1))];
+    let limits = DamageLimits::default().with_per_impact(2.0).with_cumulative(2.5).with_weight(0.5);
+    let damage = Damage::add(&mut model, &contacts, &limits).unwrap();
+    model.minimize(&damage.cost).unwrap();
+    assert!(model.to_string().starts_with("minimize 0.5 D_total\n"));
+    assert_eq!(
+        statements(&model),
+        "  damage_total: -D[0] - D[1] + D_total = 0
+  damage_off[0]: zeta[0] = 0 implies D[0] = 0
+  damage_on[0]: zeta[0] = 1 implies v[0] + D[0] = 0
+  damage_off[1]: zeta[1] = 0 implies D[1] = 0
+  damage_on[1]: zeta[1] = 1 implies v[1] + D[1] = 0
+"
+    );
+    // The range of -v, cut off at the limit; outward rounding may widen the other end.
+    let single = model.variable_ref(damage.values[0]).unwrap().bounds();
+    assert!((single.lower + 5.0).abs() < 1e-9 && single.upper == 2.0);
+    assert_eq!(model.variable_ref(damage.total).unwrap().bounds().upper, 2.5);
+}
+
+#[test]
+fn damage_needs_no_switch_where_the_law_has_one() {
+    let mut model = Model::new("damage");
+    let f = model.continuous("f", 0.0, 5.0).unwrap();
+    let zeta = model.binary("zeta").unwrap();
+    let speed = carom::hybrid::ImpactSpeed { speed: f.into(), zero_in_flight: true };
+    Damage::add(&mut model, &[(zeta, speed)], &DamageLimits::default()).unwrap();
+    assert_eq!(
+        statements(&model),
+        "  damage_on[0]: -f + D[0] = 0
+  damage_total: -D[0] + D_total = 0
+  damage_off[0]: zeta = 0 implies D[0] = 0
+"
+    );
+}
+
+#[test]
+fn bad_damage_limits_are_refused_by_name() {
+    let text = |limits: DamageLimits| limits.check().unwrap_err().to_string();
+    let limits = DamageLimits::default();
+    assert_eq!(
+        text(limits.with_per_impact(-1.0)),
+        "the damage limit per impact is -1; it must be finite and not negative"
+    );
+    assert_eq!(
+        text(limits.with_cumulative(f64::NAN)),
+        "the cumulative damage limit is NaN; it must be finite and not negative"
+    );
+    assert_eq!(
+        text(limits.with_weight(f64::INFINITY)),
+        "the damage weight is inf; it must be finite and not negative"
+    );
+}
+
+// -- shortest horizon ---------------------------------------------------------------------------
+
+/// Programs whose feasibility is told to a scripted solver by their names.
+struct Scripted {
+    waiting: Waiting,
+    lower_hint: usize,
+    upper_hint: Option<usize>,
+}
+
+impl Scripted {
+    fn free() -> Self {
+        Scripted { waiting: Waiting::Free("test".into()), lower_hint: 1, upper_hint: None }
+    }
+
+    fn not_free() -> Self {
+        Scripted { waiting: Waiting::NotFree("test".into()), ..Scripted::free() }
+    }
+}
+
+impl HorizonModel for Scripted {
+    type Program = Model;
+
+    fn build(&self, steps: usize) -> Result<Model, Error> {
+        let mut model = Model::new(steps.to_string());
+        model.continuous("x", 0.0, 1.0)?;
+        Ok(model)
+    }
+
+    fn waiting(&self) -> Waiting {
+        self.waiting.clone()
+    }
+
+    fn lower_hint(&self) -> usize {
+        self.lower_hint
+    }
+
+    fn upper_hint(&self) -> Option<usize> {
+        self.upper_hint
+    }
+}
+
+/// A solver that answers by a script and keeps a list of what it was asked.
+struct Script<F> {
+    options: Options,
+    answer: F,
+    asked: RefCell<Vec<usize>>,
+}
+
+impl<F: Fn(usize) -> Termination> Script<F> {
+    fn new(answer: F) -> Self {
+        Script { options: Options::default(), answer, asked: RefCell::default() }
+    }
+}
+
+impl<F: Fn(usize) -> Termination> Solver for Script<F> {
+    fn name(&self) -> &str {
+        "script"
+    }
+
+    fn options(&self) -> &Options {
+        &self.options
+    }
+
+    fn options_mut(&mut self) -> &mut Options {
+        &mut self.options
+    }
+
+    fn solve_with(&mut self, model: &Model, _: &mut Control<'_>) -> Result<Solution, Error> {
+        let steps: usize = model.name().parse().unwrap();
+        self.asked.borrow_mut().push(steps);
+        let termination = (self.answer)(steps);
+        let values = (termination == Termination::Optimal).then(|| vec![0.5]);
+        let mut statistics = Statistics::default();
+        statistics.nodes = 2;
+        statistics.relaxations = u64::from(steps % 2 == 1);
+        Solution::new(model, Outcome { termination, values, bound: 0.0, statistics }, 1e-6)
+    }
+}
+
+fn from(threshold: usize) -> impl Fn(usize) -> Termination {
+    move |steps| if steps >= threshold { Termination::Optimal } else { Termination::Infeasible }
+}
+
+#[test]
+fn bisection_finds_every_threshold_with_its_neighbour_refuted() {
+    for threshold in 1..=40 {
+        for (lower_hint, upper_hint) in
+            [(1, None), (7, None), (50, None), (1, Some(40)), (20, Some(25)), (90, Some(5))]
+        {
+            let builder = Scripted { lower_hint, upper_hint, ..Scripted::free() };
+            let mut solver = Script::new(from(threshold));
+            let options = ShortestOptions::default().with_max_steps(100);
+            let found = shortest_horizon(&builder, &options, &mut solver).unwrap();
+            assert_eq!(found.status, ShortestStatus::Found);
+            assert_eq!(found.steps, Some(threshold));
+            assert_eq!(found.refuted_steps, (threshold > 1).then_some(threshold - 1));
+            let asked = solver.asked.borrow();
+            assert!(asked.contains(&threshold));
+            assert!(threshold == 1 || asked.contains(&(threshold - 1)), "not assumed");
+            assert!(asked.len() <= 20, "{asked:?}");
+            let distinct: std::collections::BTreeSet<_> = asked.iter().collect();
+            assert_eq!(distinct.len(), asked.len(), "nothing is solved twice: {asked:?}");
+            assert_eq!(found.nodes(), 2 * asked.len() as u64);
+        }
+    }
+}
+
+#[test]
+fn without_free_waiting_every_smaller_horizon_is_refuted() {
+    // Feasible at 6 and from 11 on: bisection could not tell.
+    let feasible = |steps| steps == 6 || steps >= 11;
+    let answer = move |steps| {
+        if feasible(steps) { Termination::Optimal } else { Termination::Infeasible }
+    };
+    let mut solver = Script::new(answer);
+    let found =
+        shortest_horizon(&Scripted::not_free(), &ShortestOptions::default(), &mut solver).unwrap();
+    assert_eq!((found.steps, found.refuted_steps), (Some(6), Some(5)));
+    assert_eq!(*solver.asked.borrow(), [1, 2, 3, 4, 5, 6]);
+    let refutations: Vec<_> = found.refutations().map(|a| (a.steps, a.verdict)).collect();
+    assert_eq!(refutations[0], (1, Verdict::Refuted(Refutation::Relaxation)));
+    assert_eq!(refutations[1], (2, Verdict::Refuted(Refutation::Propagation)));
+}
+
+#[test]
+fn an_undecided_horizon_is_neither_feasible_nor_refuted() {
+    for builder in [Scripted::free(), Scripted::not_free()] {
+        let answer = |steps| match steps {
+            0..=8 => Termination::Infeasible,
+            9 | 10 => Termination::Stalled,
+            _ => Termination::Optimal,
+        };
+        let mut solver = Script::new(answer);
+        let found = shortest_horizon(&builder, &ShortestOptions::default(), &mut solver).unwrap();
+        assert_eq!(found.status, ShortestStatus::Stopped(Termination::Stalled));
+        assert_eq!((found.steps, found.refuted_steps), (Some(11), Some(8)));
+    }
+}
+
+#[test]
+fn a_search_that_learns_nothing_gives_up() {
+    for builder in [Scripted::free(), Scripted::not_free()] {
+        let mut solver = Script::new(|_| Termination::NodeLimit);
+        let found = shortest_horizon(&builder, &ShortestOptions::default(), &mut solver).unwrap();
+        assert_eq!(found.status, ShortestStatus::Stopped(Termination::NodeLimit));
+        assert_eq!((found.steps, found.refuted_steps), (None, None));
+        assert_eq!(solver.asked.borrow().len(), 8);
+    }
+}
+
+#[test]
+fn no_horizon_up_to_the_limit_is_an_answer() {
+    for builder in [Scripted::free(), Scripted::not_free()] {
+        let mut solver = Script::new(from(1000));
+        let options = ShortestOptions::default().with_max_steps(37);
+        let found = shortest_horizon(&builder, &options, &mut solver).unwrap();
+        assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 37 });
+        assert_eq!((found.steps, found.refuted_steps), (None, Some(37)));
+        assert_eq!(found.status.to_string(), "no feasible horizon up to 37 steps");
+    }
+}
+
+#[test]
+fn limits_and_interrupts_stop_a_search_with_what_it_knows() {
+    let interrupt = Interrupt::new();
+    let options = ShortestOptions::default().with_interrupt(&interrupt);
+    let mut solver = Script::new(from(20));
+    let mut decided = 0;
+    let mut progress = |event: &HorizonEvent| {
+        if let HorizonEvent::Decided(_) = event {
+            decided += 1;
+            if decided == 4 {
+                interrupt.trigger();
+            }
+        }
+    };
+    let found =
+        shortest_horizon_with(&Scripted::free(), &options, &mut solver, &mut progress).unwrap();
+    assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
+    assert_eq!(solver.asked.borrow().len(), 4);
+    assert!(found.refuted_steps.is_some() && found.steps.is_none());
+
+    let options = ShortestOptions::default().with_time_limit(Duration::ZERO);
+    let found = shortest_horizon(&Scripted::free(), &options, &mut solver).unwrap();
+    assert_eq!(found.status, ShortestStatus::Stopped(Termination::TimeLimit));
+    assert_eq!(solver.options().time_limit, None);
+
+    for max_steps in [0, 1_000_000] {
+        let options = ShortestOptions::default().with_max_steps(max_steps);
+        let error = shortest_horizon(&Scripted::free(), &options, &mut solver).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!("the largest number of steps is {max_steps}; it must be from 1 to 100000")
+        );
+    }
+}

@@ -1,0 +1,10 @@
+//! Planning: hybrid parts, contact laws, reach sets, the paper's planner, the shortest horizon.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod collision_tolerant;
+mod hybrid;
+mod physics;
+mod reach;
+mod shortest;

@@ -1,0 +1,302 @@
+//! The two replays against closed forms, conservation laws and the discretisation bounds.
+
+use crate::common::config;
+use carom::collision_tolerant::{Objective, Scenario, plan};
+use carom::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
+use carom::hybrid::{
+    Contact, ContactLaw, Restitution, Samples, Wall, replay_continuous, replay_discrete,
+};
+use carom::prelude::*;
+use proptest::prelude::*;
+
+fn contact(wall: Wall, e: f64) -> Contact {
+    Contact::new(wall, Restitution::new(e).unwrap())
+}
+
+// -- continuous contact -------------------------------------------------------------------------
+
+#[test]
+fn a_dropped_ball_rebounds_to_e_squared_of_its_height() {
+    for e in [0.0, 0.3, 0.5, 0.9, 1.0] {
+        let (height, gravity): (f64, f64) = (2.0, 10.0);
+        let fall = (2.0 * height / gravity).sqrt();
+        let rise = e * fall;
+        let apex = advance(height, 0.0, -gravity, fall + rise, e);
+        assert!((apex.gap - e * e * height).abs() < 1e-9, "e = {e}: {apex:?}");
+        assert!(apex.rate.abs() < 1e-9);
+        let (time, speed) = apex.impacts[0];
+        assert!((time - fall).abs() < 1e-12 && (speed - gravity * fall).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn bounces_that_pile_up_end_in_rest() {
+    // All bounces of an e = 1/2 ball are over after fall (1 + 2 e / (1 - e)) = 3 falls.
+    let fall = (2.0_f64 * 2.0 / 10.0).sqrt();
+    let before = advance(2.0, 0.0, -10.0, 2.99 * fall, 0.5);
+    assert!(!before.rested);
+    let after = advance(2.0, 0.0, -10.0, 3.0 * fall + 1.0, 0.5);
+    assert!(after.rested && after.gap == 0.0 && after.rate == 0.0);
+    assert!(after.impacts.len() < 60);
+    assert!((after.impacts.last().unwrap().0 - 3.0 * fall).abs() < 1e-6);
+}
+
+#[test]
+fn an_elastic_ball_keeps_its_energy_through_many_bounces() {
+    let energy = |gap: f64, rate: f64| 0.5 * rate * rate + 10.0 * gap;
+    let ball = advance(1.0, -2.0, -10.0, 50.0, 1.0);
+    assert!(ball.impacts.len() > 20);
+    assert!((energy(ball.gap, ball.rate) - energy(1.0, -2.0)).abs() < 1e-9);
+}
+
+#[test]
+fn huge_accelerations_cost_bounded_work() {
+    let ball = advance(1e-9, 0.0, -1e12, 1.0, 1.0);
+    assert!(ball.rested && ball.impacts.len() <= carom::tolerance::MAX_BOUNCES);
+}
+
+#[test]
+fn grazing_and_leaving_are_no_impacts() {
+    assert!(advance(1.0, -2.0, 2.0, 5.0, 0.5).impacts.is_empty()); // turns exactly at the wall
+    assert!(advance(0.0, 0.0, 2.0, 1.0, 0.5).impacts.is_empty()); // pulled away
+    assert!(advance(0.0, 3.0, 0.0, 1.0, 0.5).impacts.is_empty()); // leaves
+    assert!(advance(0.0, 0.0, 0.0, 1.0, 0.5).impacts.is_empty()); // stays
+    let pressed = advance(0.0, 0.0, -1.0, 1.0, 0.5);
+    assert!(pressed.rested && pressed.impacts.is_empty());
+}
+
+proptest! {
+    #![proptest_config(config(256, "tests/regressions/physics.txt"))]
+
+    /// Never inside the wall, never more energy than before, however it bounces.
+    #[test]
+    fn continuous_contact_dissipates(
+        gap in 0.0..1.0_f64,
+        rate in -5.0..5.0_f64,
+        acceleration in -8.0..8.0_f64,
+        duration in 0.001..1.0_f64,
+        e in 0.0..=1.0_f64,
+    ) {
+        let end = advance(gap, rate, acceleration, duration, e);
+        let energy = |gap: f64, rate: f64| 0.5 * rate * rate - acceleration * gap;
+        let mut lost = 0.0;
+        for &(time, speed) in &end.impacts {
+            prop_assert!(time >= 0.0 && time <= duration && speed >= 0.0);
+            lost += 0.5 * (1.0 - e * e) * speed * speed;
+        }
+        prop_assert!(end.gap >= 0.0);
+        let expected = energy(gap, rate) - lost;
+        prop_assert!((energy(end.gap, end.rate) - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+    }
+
+    /// One step of the reflecting law against continuous contact: the speeds differ by at most
+    /// (1+e) a_max Δt, a step in flight dips by at most a_max Δt²/8.
+    #[test]
+    fn one_step_stays_within_the_theory(
+        above in any::<bool>(),
+        e in 0.0..=1.0_f64,
+        reach in 0.0..2.0_f64,
+        rate in -4.0..4.0_f64,
+        acceleration in -6.0..6.0_f64,
+        dt in 0.001..0.2_f64,
+    ) {
+        let wall = if above { Wall::above(1.5) } else { Wall::below(-0.5) }.unwrap();
+        let gap = reach * rate.abs() * dt;
+        let (p, w) = (gap + dt * rate + 0.5 * dt * dt * acceleration, rate + dt * acceleration);
+        prop_assume!(p >= 0.0 || w <= 0.0); // otherwise the law has no successor
+        let hit = p < 0.0;
+        let (next_gap, next_rate) = if hit { (-e * p, -e * w) } else { (p, w) };
+        let plan = Samples {
+            time_step: dt,
+            position: &[wall.at_gap(gap), wall.at_gap(next_gap)],
+            velocity: &[wall.rate(rate), wall.rate(next_rate)],
+            acceleration: &[wall.rate(acceleration)],
+            contact: &[hit],
+        };
+        let replay = replay_continuous(&contact(wall, e), &plan).unwrap();
+        let speed = speed_bound(6.0, dt, e);
+        prop_assert!(replay.max_penetration <= penetration_bound(6.0, dt) + 1e-12);
+        prop_assert!(replay.max_speed_error <= speed + 1e-5, "{replay:?} against {speed}");
+        prop_assert!(replay.max_position_error <= speed * dt + 1e-5, "{replay:?}");
+
+        let discrete = replay_discrete(&contact(wall, e), &plan).unwrap();
+        discrete.check(&plan, 1e-9).unwrap();
+    }
+}
+
+// -- discrete replay ----------------------------------------------------------------------------
+
+/// Runs the reflecting law in plain numbers from a start, in gap and rate, for any inputs.
+fn run(e: f64, dt: f64, start: (f64, f64), inputs: &[f64]) -> (Vec<f64>, Vec<f64>, Vec<bool>) {
+    let (mut gap, mut rate) = start;
+    let (mut gaps, mut rates, mut hits) = (vec![gap], vec![rate], vec![]);
+    for &a in inputs {
+        let (p, w) = (gap + dt * rate + 0.5 * dt * dt * a, rate + dt * a);
+        let hit = p < 0.0 && w <= 0.0;
+        // (Behind the wall on the way out: put it on the wall. Tests below avoid that case.)
+        (gap, rate) = if hit { (-e * p, -e * w) } else { (p.max(0.0), w) };
+        gaps.push(gap);
+        rates.push(rate);
+        hits.push(hit);
+    }
+    (gaps, rates, hits)
+}
+
+proptest! {
+    #![proptest_config(config(256, "tests/regressions/physics.txt"))]
+
+    /// Energy after an impact is e² of the energy before, the impulse is (1+e) times the speed,
+    /// and the replay finds exactly the impacts of the run.
+    #[test]
+    fn impacts_obey_restitution(
+        e in 0.0..=1.0_f64,
+        gap in 0.1..2.0_f64,
+        rate in -4.0..0.0_f64,
+        inputs in prop::collection::vec(-3.0..-0.1_f64, 1..40),
+    ) {
+        let dt = 0.1;
+        let (position, velocity, hits) = run(e, dt, (gap, rate), &inputs);
+        let plan = Samples {
+            time_step: dt,
+            position: &position,
+            velocity: &velocity,
+            acceleration: &inputs,
+            contact: &hits,
+        };
+        let replay = replay_discrete(&contact(Wall::default(), e), &plan).unwrap();
+        replay.check(&plan, 1e-6).unwrap();
+        prop_assert_eq!(replay.impacts.len(), hits.iter().filter(|&&hit| hit).count());
+        for impact in &replay.impacts {
+            prop_assert!(hits[impact.step] && impact.speed_before >= 0.0);
+            let t = impact.step;
+            let w = velocity[t] + dt * inputs[t];
+            prop_assert!((impact.speed_before + w).abs() < 1e-9);
+            prop_assert!((impact.impulse - (velocity[t + 1] - w)).abs() < 1e-9);
+            prop_assert!((impact.energy_after - e * e * impact.energy_before).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn the_replay_decides_impacts_by_itself() {
+    // The plan claims to fly on at -2 m/s through the floor.
+    let floor = contact(Wall::default(), 0.5);
+    let plan = Samples {
+        time_step: 1.0,
+        position: &[1.0, -1.0],
+        velocity: &[-2.0, -2.0],
+        acceleration: &[0.0],
+        contact: &[false],
+    };
+    let replay = replay_discrete(&floor, &plan).unwrap();
+    assert_eq!(replay.contact_mismatch, Some(0));
+    assert_eq!((replay.position[1], replay.velocity[1]), (0.5, 1.0));
+    assert_eq!(
+        replay.check(&plan, 1e-6).unwrap_err().to_string(),
+        "the plan is not certified: its replay disagrees about contact in step 0; tighten the \
+         solver's feasibility tolerance"
+    );
+}
+
+#[test]
+fn at_the_wall_the_plan_has_its_say() {
+    for hit in [false, true] {
+        let velocity = if hit { [-2.0, 1.0] } else { [-2.0, -2.0] };
+        let plan = Samples {
+            time_step: 1.0,
+            position: &[2.0, 0.0],
+            velocity: &velocity,
+            acceleration: &[0.0],
+            contact: &[hit],
+        };
+        let replay = replay_discrete(&contact(Wall::default(), 0.5), &plan).unwrap();
+        replay.check(&plan, 1e-9).unwrap();
+        assert_eq!((replay.ties, replay.impacts.len()), (1, usize::from(hit)));
+    }
+}
+
+#[test]
+fn a_parabola_that_ends_behind_the_wall_on_the_way_out_has_no_successor() {
+    let plan = Samples {
+        time_step: 1.0,
+        position: &[0.5, 0.0],
+        velocity: &[-3.0, 0.0],
+        acceleration: &[4.0],
+        contact: &[true],
+    };
+    let replay = replay_discrete(&contact(Wall::default(), 1.0), &plan).unwrap();
+    assert_eq!(replay.blocked, Some(0));
+    assert!(replay.check(&plan, 1e-6).is_err());
+}
+
+#[test]
+fn the_literal_law_sinks_into_the_wall() {
+    // It turns the velocity round while the vehicle moves Δt |v| (1-e)/2 farther in, again and
+    // again: with e = 0 it never comes out.
+    let law = contact(Wall::default(), 0.0).with_law(ContactLaw::Literal);
+    let plan = Samples {
+        time_step: 0.1,
+        position: &[-0.1, -0.2, -0.2],
+        velocity: &[-2.0, 0.0, 0.0],
+        acceleration: &[20.0, 0.0],
+        contact: &[true, true],
+    };
+    let replay = replay_discrete(&law, &plan).unwrap();
+    replay.check(&plan, 1e-12).unwrap();
+    assert_eq!(replay.position, [-0.1, -0.2, -0.2]);
+}
+
+#[test]
+fn bad_samples_are_refused() {
+    let good = Samples {
+        time_step: 1.0,
+        position: &[2.0, 2.0],
+        velocity: &[0.0, 0.0],
+        acceleration: &[0.0],
+        contact: &[false],
+    };
+    let floor = contact(Wall::default(), 0.5);
+    let text = |plan: Samples<'_>| replay_discrete(&floor, &plan).unwrap_err().to_string();
+    assert_eq!(
+        text(Samples { position: &[2.0], ..good }),
+        "the length of the positions is 1; it must be 2"
+    );
+    assert_eq!(
+        text(Samples { velocity: &[0.0, f64::NAN], ..good }),
+        "a velocity of `the plan` is NaN; give a finite number"
+    );
+    assert_eq!(
+        text(Samples { time_step: 0.0, ..good }),
+        "the time step (s) is 0; it must be finite and positive"
+    );
+}
+
+// -- whole plans --------------------------------------------------------------------------------
+
+/// What the discretisation leaves out of real plans shrinks as the theory says.
+#[test]
+fn plans_meet_continuous_time_as_the_step_shrinks() {
+    for e in [0.0, 0.5] {
+        for (dt, steps) in [(0.1, 26), (0.05, 52), (0.025, 104)] {
+            let scenario = Scenario::paper().with_time_step(dt).with_restitution(e).unwrap();
+            // 2.6 s leave time; the cheapest plan uses the wall as a brake.
+            let mut solver = BranchAndBound::default();
+            let outcome = plan(&scenario, steps, Objective::Effort, &mut solver).unwrap();
+            let plan = outcome.plan().expect("feasible");
+            assert!(!plan.trajectory.impacts.is_empty());
+            let report = plan.certificate.continuous;
+            assert!(report.max_penetration <= penetration_bound(6.0, dt) + 1e-6);
+            assert!(report.max_speed_error <= speed_bound(6.0, dt, e) + 1e-6);
+            assert!(report.max_position_error <= speed_bound(6.0, dt, e) * dt + 1e-6);
+            for (impact, replayed) in
+                plan.trajectory.impacts.iter().zip(&plan.certificate.discrete.impacts)
+            {
+                assert_eq!(impact.step, replayed.step);
+                assert!((impact.impulse - replayed.impulse).abs() < 1e-5);
+                let lost = replayed.energy_before - replayed.energy_after;
+                assert!((impact.energy_lost - lost).abs() < 1e-4);
+                assert!((replayed.energy_after - e * e * replayed.energy_before).abs() < 1e-9);
+            }
+        }
+    }
+}

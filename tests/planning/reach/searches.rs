@@ -1,0 +1,337 @@
+//! Shortest-horizon searches with reach sets: the same answers, every refutation named.
+
+use std::time::Duration;
+
+use crate::common::config;
+use carom::collision_tolerant::{
+    Endpoint, PlanningOptions, Scenario, ShortestPlan, shortest_plan, shortest_plan_with,
+};
+use carom::hybrid::reach::{
+    Halfspace, HorizonVariables, HybridSystem, ReachSets, SetOptions, Transition,
+};
+use carom::hybrid::{
+    Contact, ContactStep, DamageLimits, HorizonEvent, HorizonModel, LinearSystem, Mat, Refutation,
+    Restitution, ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
+};
+use carom::interval::Interval;
+use carom::prelude::*;
+use carom::solution::Termination;
+use proptest::prelude::*;
+
+fn search(scenario: &Scenario, sets: bool, max_steps: usize) -> ShortestPlan {
+    let search = ShortestOptions::default().with_max_steps(max_steps).with_reach_sets(sets);
+    let options = PlanningOptions::default().with_search(search);
+    shortest_plan(scenario, &options, &mut BranchAndBound::default()).unwrap()
+}
+
+fn scenario() -> impl Strategy<Value = Scenario> {
+    let ends = (0.0..6.0_f64, -3.0..3.0_f64, 0.0..2.0_f64, -1.0..1.0_f64);
+    let restitution = prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64];
+    let limits = (prop::option::of(0.5..4.0_f64), prop::option::of(0.5..4.0_f64));
+    (ends, any::<[bool; 3]>(), restitution, limits, 0.1..0.4_f64, 2.0..8.0_f64).prop_map(
+        |((from, speed, to, end_speed), [above, resting, stopping], e, limits, dt, fastest)| {
+            let wall = if above { Wall::above(-3.0) } else { Wall::below(7.0) }.unwrap();
+            let speed = if resting { 0.0 } else { speed.clamp(-fastest, fastest) };
+            let end_speed = if stopping { 0.0 } else { end_speed };
+            let mut damage = DamageLimits::default();
+            (damage.per_impact, damage.cumulative) = limits;
+            Scenario::paper()
+                .with_wall(wall)
+                .with_start(Endpoint::at_rest(wall.at_gap(from)).with_velocity(speed))
+                .with_goal(Endpoint::at_rest(wall.at_gap(to)).with_velocity(end_speed))
+                .with_time_step(dt)
+                .with_max_speed(fastest)
+                .with_damage(damage)
+                .with_restitution(e)
+                .unwrap()
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(config(24, "tests/regressions/reach.txt"))]
+
+    #[test]
+    fn sets_change_nothing_but_the_time(scenario in scenario()) {
+        let (with, without) = (search(&scenario, true, 25), search(&scenario, false, 25));
+        prop_assert_eq!(with.status, without.status);
+        prop_assert_eq!(with.steps, without.steps);
+        prop_assert_eq!(with.refuted_steps, without.refuted_steps);
+        let impacts = |found: &ShortestPlan| found.plan.as_ref().map(|p| p.trajectory.impacts.len());
+        prop_assert_eq!(impacts(&with), impacts(&without));
+        prop_assert_eq!(with.fewest_impacts, without.fewest_impacts);
+        prop_assert!(with.nodes() <= without.nodes());
+    }
+}
+
+#[test]
+fn every_smaller_horizon_is_refuted_by_name() {
+    let scenario = Scenario::paper().with_time_step(0.05);
+    let found = search(&scenario, true, 10_000);
+    let steps = found.steps.unwrap();
+    assert!(found.is_found() && found.fewest_impacts);
+    let refuted: Vec<usize> = found
+        .attempts
+        .iter()
+        .filter(|attempt| attempt.verdict == Verdict::Refuted(Refutation::Sets))
+        .map(|attempt| attempt.steps)
+        .collect();
+    assert_eq!(refuted, (1..steps).collect::<Vec<_>>());
+    let solves: Vec<_> = found.attempts.iter().filter(|attempt| attempt.is_solve()).collect();
+    assert_eq!(solves.len(), 1);
+    assert_eq!(solves[0].statistics.nodes, 1);
+    // The sets show that an impact is needed, so that nothing is left to minimise.
+    assert!(found.refinements.is_empty());
+    assert_eq!(found.tube.unwrap().fewest_events(), Some(1));
+}
+
+#[test]
+fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
+    // One event layer, very coarse polygons and a wide margin make blunt sets.
+    struct Blunt(Scenario);
+    impl HorizonModel for Blunt {
+        type Program = carom::collision_tolerant::Program;
+        fn build(&self, steps: usize) -> Result<Self::Program, Error> {
+            let feasible = carom::collision_tolerant::Objective::Feasibility;
+            carom::collision_tolerant::Program::build(&self.0, steps, feasible)
+        }
+        fn waiting(&self) -> Waiting {
+            self.0.waiting()
+        }
+        fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+            let system = self.0.hybrid_system()?;
+            let at = |x| [Interval::point(x), Interval::point(0.0)];
+            let options = SetOptions::default().with_events(0).with_vertices(8).with_margin(0.05);
+            let (start, goal) = (at(self.0.start.position), at(self.0.goal.position));
+            ReachSets::new(&system, &start, &goal, options).map(Some)
+        }
+        fn variables(&self, program: &Self::Program) -> HorizonVariables {
+            program.horizon_variables(&self.0)
+        }
+    }
+    let scenario = Scenario::paper().with_time_step(0.05);
+    let options = ShortestOptions::default();
+    let mut solver = BranchAndBound::default();
+    let found = shortest_horizon(&Blunt(scenario), &options, &mut solver).unwrap();
+    assert_eq!(found.steps, search(&scenario, true, 10_000).steps);
+    let by = |refutation| {
+        found.refutations().filter(|a| a.verdict == Verdict::Refuted(refutation)).count()
+    };
+    let solved = by(Refutation::Propagation) + by(Refutation::Relaxation);
+    assert!(by(Refutation::Sets) > 20 && solved > 0, "{} and {solved}", by(Refutation::Sets));
+}
+
+#[test]
+fn limits_and_interrupts_keep_what_the_sets_refuted() {
+    let scenario = Scenario::paper();
+    let interrupt = Interrupt::new();
+    let search = ShortestOptions::default().with_interrupt(&interrupt);
+    let options = PlanningOptions::default().with_search(search);
+    let mut progress = |event: &HorizonEvent| {
+        if let HorizonEvent::Decided(attempt) = event
+            && attempt.steps == 100
+        {
+            interrupt.trigger();
+        }
+    };
+    let mut solver = BranchAndBound::default();
+    let found = shortest_plan_with(&scenario, &options, &mut solver, &mut progress).unwrap();
+    assert_eq!(found.status, ShortestStatus::Stopped(Termination::Interrupted));
+    assert_eq!((found.steps, found.refuted_steps), (None, Some(100)));
+
+    let search = ShortestOptions::default().with_time_limit(Duration::ZERO);
+    let options = PlanningOptions::default().with_search(search);
+    let found = shortest_plan(&scenario, &options, &mut solver).unwrap();
+    assert_eq!(found.status, ShortestStatus::Stopped(Termination::TimeLimit));
+    assert!(found.steps.is_none());
+}
+
+#[test]
+fn a_task_without_any_plan_is_refuted_without_a_solve() {
+    // Nothing can push it: the sets settle at once, whatever the horizon.
+    let stuck = Scenario::paper().with_acceleration(0.0, 0.0);
+    let found = search(&stuck, true, 100_000);
+    assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 100_000 });
+    assert!(found.attempts.iter().all(|attempt| !attempt.is_solve()));
+    let text = carom::collision_tolerant::explain(&stuck, 500).unwrap().unwrap().to_string();
+    assert!(text.contains("x can only be between 9.99997 and 10.00003, and 0.3"), "{text}");
+}
+
+#[test]
+fn an_explanation_names_sets_and_ranges() {
+    let scenario = Scenario::paper().with_restitution(0.5).unwrap();
+    let explanation = carom::collision_tolerant::explain(&scenario, 484).unwrap().unwrap();
+    assert_eq!((explanation.steps, explanation.sample), (484, 484));
+    assert_eq!(explanation.remedies, ["with twice the range of a"]);
+    let text = explanation.to_string();
+    assert!(text.starts_with("no plan has 484 steps: at the end, without an event, "), "{text}");
+    assert!(text.contains("; with 1 event, where x is 0.3, v can only be between 0.00"), "{text}");
+    // What limits it is named when it is a wish.
+    let gentle = DamageLimits::default().with_per_impact(3.0);
+    let text = carom::collision_tolerant::explain(&scenario.with_damage(gentle), 486);
+    let text = text.unwrap().unwrap().to_string();
+    assert!(text.ends_with("or without the limit on the impact speed (3)"), "{text}");
+    assert_eq!(carom::collision_tolerant::explain(&scenario, 485).unwrap(), None);
+}
+
+#[test]
+fn a_goal_a_hair_beside_the_wall_is_on_the_wall() {
+    // A plastic impact ends at 0 m; the solver cannot tell that from the goal.
+    let goal = Endpoint::at_rest(6.938893903907228e-18);
+    let scenario =
+        Scenario::paper().with_time_step(0.1).with_start(Endpoint::at_rest(0.02)).with_goal(goal);
+    for sets in [true, false] {
+        let found = search(&scenario, sets, 10);
+        assert_eq!((found.is_found(), found.steps), (true, Some(1)), "sets: {sets}");
+    }
+}
+
+#[test]
+fn a_coarser_plan_guesses_the_contacts() {
+    let scenario = Scenario::paper().with_time_step(0.01);
+    let find = |coarse| {
+        let search = ShortestOptions::default().with_reach_sets(false).with_coarse_guess(coarse);
+        let options = PlanningOptions::default().with_search(search).with_upper_hint(255);
+        shortest_plan(&scenario, &options, &mut BranchAndBound::default()).unwrap()
+    };
+    let (guessed, blind) = (find(true), find(false));
+    assert_eq!((guessed.steps, guessed.refuted_steps), (Some(229), Some(228)));
+    assert_eq!((blind.steps, blind.refuted_steps), (Some(229), Some(228)));
+    let helped = |found: &ShortestPlan| {
+        let feasible = |a: &&carom::hybrid::Attempt| a.verdict == Verdict::Feasible;
+        found.attempts.iter().filter(feasible).any(|attempt| attempt.restricted)
+    };
+    assert!(helped(&guessed) && !helped(&blind));
+}
+
+/// A vehicle in the plane that may bounce off a wall at x = 0, by a user of the library.
+struct Planar {
+    dt: f64,
+    sets: bool,
+}
+
+impl Planar {
+    const PUSH: Interval = Interval { lower: -2.0, upper: 2.0 };
+
+    fn contact() -> Contact {
+        Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.3).unwrap())
+    }
+
+    fn axes(&self) -> Result<LinearSystem, Error> {
+        let line = LinearSystem::double_integrator(self.dt)?;
+        let a =
+            Mat::from_fn(4, 4, |i, j| if i / 2 == j / 2 { line.a()[(i % 2, j % 2)] } else { 0.0 });
+        let b = Mat::from_fn(4, 2, |i, j| if i / 2 == j { line.b()[(i % 2, 0)] } else { 0.0 });
+        LinearSystem::new(a, b, vec![0.0; 4])
+    }
+}
+
+impl HorizonModel for Planar {
+    type Program = Model;
+
+    fn build(&self, steps: usize) -> Result<Model, Error> {
+        let line = LinearSystem::double_integrator(self.dt)?;
+        let mut model = Model::new("planar");
+        let families = ["x", "vx", "y", "vy"];
+        let states: Vec<_> = families
+            .iter()
+            .map(|name| {
+                let low = if *name == "x" { 0.0 } else { -8.0 };
+                model.continuous_family(name, steps + 1, low, 8.0)
+            })
+            .collect::<Result<_, _>>()?;
+        let ax = model.continuous_family("ax", steps, -2.0, 2.0)?;
+        let ay = model.continuous_family("ay", steps, -2.0, 2.0)?;
+        let hit = model.binary_family("hit", steps)?;
+        for t in 0..steps {
+            let now: Vec<_> = states.iter().map(|family| family[t]).collect();
+            let next: Vec<_> = states.iter().map(|family| family[t + 1]).collect();
+            line.add_dynamics(&mut model, &["y", "vy"], t, &now[2..], &[ay[t]], &next[2..])?;
+            let predicted = line.predict(&now[..2], &[ax[t]])?;
+            Planar::contact().add_step(
+                &mut model,
+                &ContactStep {
+                    step: t,
+                    time_step: self.dt,
+                    position: now[0].into(),
+                    velocity: now[1].into(),
+                    acceleration: ax[t].into(),
+                    acceleration_limits: Planar::PUSH,
+                    predicted_position: predicted[0].clone(),
+                    predicted_velocity: predicted[1].clone(),
+                    next_position: next[0].into(),
+                    next_velocity: next[1].into(),
+                    contact: hit[t],
+                },
+            )?;
+        }
+        for (family, (from, to)) in
+            states.iter().zip([(3.0, 0.2), (0.0, 0.0), (0.0, 1.0), (0.0, 0.0)])
+        {
+            model.fix(family[0], from)?;
+            model.fix(family[steps], to)?;
+        }
+        Ok(model)
+    }
+
+    fn waiting(&self) -> Waiting {
+        Waiting::Free("it can rest where it starts".into())
+    }
+
+    fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+        if !self.sets {
+            return Ok(None);
+        }
+        let flow = self.axes()?;
+        let outside = Halfspace::new("outside the wall", [-1.0, 0.0, 0.0, 0.0], 0.0);
+        let inside = Halfspace::new("behind the wall", [1.0, 0.0, 0.0, 0.0], 0.0);
+        let inward = Halfspace::new("moving inward", [0.0, 1.0, 0.0, 0.0], 0.0);
+        let rebound = Mat::from_fn(4, 4, |i, j| match (i == j, i < 2) {
+            (true, true) => -0.3,
+            (true, false) => 1.0,
+            _ => 0.0,
+        });
+        let system = HybridSystem::new()
+            .with_state("x", Interval::new(0.0, 8.0))
+            .with_state("vx", Interval::new(-8.0, 8.0))
+            .with_state("y", Interval::new(-8.0, 8.0))
+            .with_state("vy", Interval::new(-8.0, 8.0))
+            .with_input("ax", Planar::PUSH)
+            .with_input("ay", Planar::PUSH)
+            .with_transition(Transition::new("flight", flow.clone()).with_prediction_guard(outside))
+            .with_transition(
+                Transition::event("impact", flow)
+                    .with_prediction_guard(inside)
+                    .with_prediction_guard(inward)
+                    .with_reset(rebound, vec![0.0; 4]),
+            );
+        let at = |state: [f64; 4]| state.map(Interval::point);
+        let (start, goal) = (at([3.0, 0.0, 0.0, 0.0]), at([0.2, 0.0, 1.0, 0.0]));
+        ReachSets::new(&system, &start, &goal, SetOptions::default()).map(Some)
+    }
+
+    fn variables(&self, model: &Model) -> HorizonVariables {
+        let family = |name: &str| {
+            let member = |t| model.variable_by_name((name, t)).ok();
+            (0..).map_while(member).collect()
+        };
+        let states: Vec<_> = ["x", "vx", "y", "vy"].map(family).into();
+        HorizonVariables::new(states).with_transition(1, family("hit"))
+    }
+}
+
+#[test]
+fn a_users_own_planner_profits_as_well() {
+    let mut solver = BranchAndBound::default();
+    let options = ShortestOptions::default();
+    let mut find =
+        |sets| shortest_horizon(&Planar { dt: 0.1, sets }, &options, &mut solver).unwrap();
+    let (with, without) = (find(true), find(false));
+    assert!(with.is_found() && without.is_found());
+    assert_eq!((with.steps, with.refuted_steps), (without.steps, without.refuted_steps));
+    assert!(with.attempts.iter().filter(|attempt| attempt.is_solve()).count() <= 2);
+    assert!(with.nodes() <= without.nodes());
+    let tube = with.tube.unwrap();
+    let hits = (0..tube.steps()).filter(|&t| tube.is_possible(t, 1)).count();
+    assert!((1..=3).contains(&hits), "{hits} steps for the impact");
+}

@@ -1,0 +1,8 @@
+//! Asking back: why a model has no solution, what would have to give, what a point violates.
+
+mod elastic;
+mod groups;
+mod limits;
+mod random;
+mod violations;
+mod wall;

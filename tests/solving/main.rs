@@ -1,0 +1,23 @@
+//! Whole solves: answers against enumeration and known optima, limits, seeds, explanations.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../instances/mod.rs"]
+mod instances;
+#[path = "../torture/mod.rs"]
+mod torture;
+
+mod benchmark_programs;
+mod branching_rules;
+mod conformance;
+mod explain;
+mod guidance;
+mod invariance;
+mod limits;
+mod oracle;
+mod search;
+mod symmetry;
+mod torture_programs;
+#[cfg(feature = "tracing")]
+mod tracing;
+mod trust;

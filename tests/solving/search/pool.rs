@@ -1,0 +1,116 @@
+//! Pools of points, against enumeration.
+
+use carom::ErrorKind;
+use carom::prelude::*;
+use carom::solver::PoolMode;
+use proptest::prelude::*;
+
+use super::knapsack;
+use crate::common::config;
+use crate::common::enumeration::all_optima;
+use crate::common::generate::{Shape, case};
+
+/// The values of the integer variables.
+fn integers(model: &Model, values: &[f64]) -> Vec<i64> {
+    let all = model.variables().zip(values);
+    all.filter(|(v, _)| v.kind().is_integral()).map(|(_, x)| x.round() as i64).collect()
+}
+
+proptest! {
+    #![proptest_config(config(150, "tests/regressions/pool.txt"))]
+
+    /// The proved pool is what enumeration finds; and so it is on two threads and in rounds.
+    #[test]
+    fn the_best_points_are_the_best_ones(
+        case in case(Shape::BOUNDED),
+        size in 1..=7_usize,
+        threads in 1..=2_usize,
+        deterministic in any::<bool>(),
+    ) {
+        let (model, _) = case.build();
+        let options = Options::default()
+            .with_pool(size, PoolMode::Best)
+            .with_threads(threads)
+            .with_deterministic(deterministic);
+        let solution = BranchAndBound::new(options).solve(&model).unwrap();
+        let wanted = all_optima(&case);
+        let pool = solution.pool();
+        prop_assert_eq!(pool.len(), size.min(wanted.len()), "{:?}", wanted);
+        prop_assert!(pool.is_complete() || size == 1);
+        let mut seen = Vec::new();
+        for (found, (_, value)) in pool.iter().zip(&wanted) {
+            prop_assert!(found.verification().holds());
+            let cost = case.sign() * found.objective();
+            let near = |value: f64| (cost - value).abs() < 1e-5 * value.abs().max(1.0);
+            prop_assert!(near(*value), "{} instead of {}", cost, value);
+            let key = integers(&model, found.point().as_slice());
+            let own = wanted.iter().find(|(integers, _)| *integers == key);
+            prop_assert!(own.is_some_and(|(_, value)| near(*value)), "{:?}", key);
+            prop_assert!(!seen.contains(&key), "{:?} twice", key);
+            seen.push(key);
+        }
+        if let (Some(first), Some(point)) = (pool.iter().next(), solution.point()) {
+            prop_assert_eq!(first.point(), point);
+        }
+    }
+
+    /// Points that were met are verified, distinct and in order, and change nothing of the answer.
+    #[test]
+    fn points_that_were_met_are_points(case in case(Shape::BOUNDED), size in 2..=5_usize) {
+        let (model, _) = case.build();
+        // Pools are searched for in the program as it is.
+        let mut options = Options::default();
+        options.presolve = false;
+        let plain = BranchAndBound::new(options.clone()).solve(&model).unwrap();
+        let options = options.with_pool(size, PoolMode::Found);
+        let solution = BranchAndBound::new(options).solve(&model).unwrap();
+        prop_assert_eq!(solution.termination(), plain.termination());
+        if let (Some(found), Some(best)) = (solution.objective(), plain.objective()) {
+            prop_assert!((found - best).abs() < 1e-5 * best.abs().max(1.0));
+        }
+        let pool = solution.pool();
+        prop_assert!(pool.len() <= size && (!pool.is_complete() || pool.is_empty()));
+        prop_assert!(pool.iter().all(|p| p.verification().holds()));
+        let costs: Vec<f64> = pool.iter().map(|p| case.sign() * p.objective()).collect();
+        prop_assert!(costs.windows(2).all(|w| w[0] <= w[1]));
+        let mut keys: Vec<_> =
+            pool.iter().map(|p| integers(&model, p.point().as_slice())).collect();
+        keys.sort();
+        keys.dedup();
+        prop_assert_eq!(keys.len(), pool.len());
+    }
+}
+
+#[test]
+fn the_gap_of_a_pool_is_kept() {
+    let model = knapsack(10, 5);
+    let all = Options::default().with_pool(1000, PoolMode::Best);
+    let all = BranchAndBound::new(all).solve(&model).unwrap();
+    assert!(all.pool().is_complete() && all.pool().len() > 20);
+    let best = all.objective().unwrap();
+    let options = Options::default().with_pool(1000, PoolMode::Best).with_pool_gap(0.05);
+    let near = BranchAndBound::new(options).solve(&model).unwrap();
+    let wanted = all.pool().iter().filter(|p| p.objective() >= best - 0.05 * best).count();
+    assert!(wanted > 1 && wanted < all.pool().len());
+    assert_eq!(near.pool().len(), wanted);
+    assert!(near.pool().is_complete());
+    assert!(near.statistics().nodes < all.statistics().nodes);
+}
+
+#[test]
+fn a_stopped_search_proves_no_pool() {
+    let options = Options::default().with_pool(50, PoolMode::Best).with_node_limit(10);
+    let solution = BranchAndBound::new(options).solve(&knapsack(20, 2)).unwrap();
+    assert!(!solution.pool().is_complete());
+}
+
+#[test]
+fn sizes_out_of_range_are_refused() {
+    for options in [
+        Options::default().with_pool(0, PoolMode::Found),
+        Options::default().with_pool(2, PoolMode::Best).with_pool_gap(f64::NAN),
+    ] {
+        let refused = BranchAndBound::new(options).solve(&knapsack(3, 0));
+        assert!(matches!(refused.unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
+    }
+}

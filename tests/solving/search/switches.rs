@@ -1,0 +1,68 @@
+//! Parts of the search on and off: no combination changes an answer, and each switch does switch.
+
+use carom::prelude::*;
+use proptest::prelude::*;
+
+use crate::common::config;
+use crate::common::generate::{Shape, case};
+use crate::common::judge::is_right;
+use crate::instances::generators::{pendulum, wall};
+
+/// The parts whose bits are set.
+fn options(bits: u8) -> Options {
+    let on = |bit: u8| bits & (1 << bit) != 0;
+    Options::default()
+        .with_presolve(on(0))
+        .with_probing(on(1))
+        .with_cuts(on(2))
+        .with_blocks(on(3))
+        .with_symmetry(on(4))
+        .with_conflicts(on(5))
+}
+
+fn solve(options: Options, model: &Model) -> Solution {
+    BranchAndBound::new(options).solve(model).unwrap()
+}
+
+proptest! {
+    #![proptest_config(config(200, "tests/regressions/switches.txt"))]
+
+    #[test]
+    fn any_combination_finds_the_optimum(
+        case in case(Shape::QUADRATIC),
+        bits in 0..64_u8,
+        threads in 1..=2_usize,
+        deterministic in any::<bool>(),
+    ) {
+        let (model, _) = case.build();
+        let options = options(bits).with_threads(threads).with_deterministic(deterministic);
+        let solution = solve(options, &model);
+        is_right(&case, &solution)?;
+    }
+}
+
+/// A horizon a step too short is refuted with probing and without it, in far more nodes.
+#[test]
+fn probing_spares_nodes() {
+    let model = wall(122, 0.02, 0.5, false);
+    let [with, without] = [true, false].map(|on| {
+        let solution = solve(Options::default().with_probing(on), &model);
+        assert!(solution.is_infeasible(), "{on}");
+        *solution.statistics()
+    });
+    assert!(2 * with.nodes < without.nodes, "{} {}", with.nodes, without.nodes);
+    assert!(without.times.probing.is_zero() && !with.times.probing.is_zero());
+}
+
+/// Horizons with an objective, with any single part left out.
+#[test]
+fn no_part_is_needed_for_an_answer() {
+    let model = pendulum(12, [0.0, 0.8], false);
+    let all = solve(Options::default(), &model);
+    for bit in 0..4 {
+        let solution = solve(options(0b1111 & !(1 << bit)), &model);
+        assert!(solution.is_optimal());
+        let (one, other) = (solution.objective().unwrap(), all.objective().unwrap());
+        assert!((one - other).abs() < 2e-6 * other.abs(), "{bit}: {one} {other}");
+    }
+}

@@ -1,0 +1,9 @@
+//! Small programs that are meant to hurt, and their exact answers; for tests and an example.
+
+// Each of these uses a part of this module.
+#![allow(dead_code)]
+
+mod complementarity;
+mod dyadic;
+pub(crate) mod generator;
+pub(crate) mod oracle;
