@@ -1,10 +1,10 @@
-//! Whether the switching can be trusted, before anything is solved.
+//! The audit: which big-M rows can leak within tolerances, before anything is solved.
 //!
-//! A solver takes a binary for whole within a tolerance, and a row for satisfied within another.
-//! Where the first times M exceeds the second, a binary that counts as off can let its row give
-//! way: a plan trickles through a wall and is called feasible. This crate rounds the binaries of
-//! every point that it accepts and checks what statements mean, so it refuses such plans; other
-//! backends do not, and rows with a large M are weak for all of them.
+//! A solver accepts a binary as integral within one tolerance and a row as satisfied within
+//! another. If the first times M exceeds the second, a binary that is nearly 0 can relax its row
+//! noticeably, and a plan may pass through a wall ("trickle flow"). This crate rounds the binaries
+//! of every point that it accepts and checks the statements themselves, so it refuses such plans.
+//! Other backends do not, and a large M makes a weak relaxation for all of them.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -14,28 +14,28 @@ use super::{BigMReport, Lowered};
 use crate::model::{ConstraintRef, Model, VariableKind};
 
 /// What to do about a row of the model itself.
-const BY_HAND: &str = "say it as an indicator, so that its M comes from the bounds, or tighten the \
-                       bounds it comes from";
+const BY_HAND: &str = "write it as an indicator, so that its M comes from the bounds, or tighten \
+                       the bounds that it comes from";
 
 /// What to do about a row of a function or a hull.
 const WITHOUT_M: &str = "tighten the bounds of the continuous variables in it, from which its \
                          coefficients come";
 
-/// A row through which something may trickle.
+/// A row that can leak.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trickle {
     /// The row of the lowered model.
     pub row: String,
-    /// The statement that it comes from, if it has a big-M of its own; else the row was written
-    /// by hand, or belongs to a function or a hull.
+    /// The statement that it comes from, if that has a big-M. `None` if the row was written by hand
+    /// or belongs to a function or a hull.
     pub statement: Option<String>,
     /// The integer variable with the largest coefficient.
     pub switch: String,
     /// That coefficient's magnitude, in the row's unit.
     pub big_m: f64,
-    /// Integrality tolerance times `big_m`: by how much the row may give way, in its unit.
+    /// Integrality tolerance times `big_m`: how much the row can be violated, in its unit.
     pub leak: f64,
     /// The feasibility tolerance of the row, in its unit.
     pub allowed: f64,
@@ -44,7 +44,7 @@ pub struct Trickle {
 }
 
 impl Trickle {
-    /// How many times more leaks than is allowed.
+    /// The leak divided by the feasibility tolerance (no unit).
     pub fn ratio(&self) -> f64 {
         self.leak / self.allowed
     }
@@ -65,7 +65,7 @@ impl Audit {
         &self.leaks
     }
 
-    /// Number of rows with a switch that were looked at.
+    /// Number of switched rows that were checked.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -77,14 +77,14 @@ impl Audit {
 }
 
 impl fmt::Display for Audit {
-    /// One line a leak, worst first, with advice.
+    /// One line per leak, worst first, with advice.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for leak in &self.leaks {
             let Trickle { row, switch, big_m, leak, allowed, advice, .. } = leak;
             writeln!(
                 f,
-                "{row}: {switch} may let it give way by {leak:.1e} (M = {big_m}), {allowed:.0e} \
-                 is allowed; {advice}"
+                "{row}: `{switch}` can relax it by {leak:.1e} (M = {big_m}), but the tolerance is \
+                 {allowed:.0e}; {advice}"
             )?;
         }
         Ok(())
@@ -92,8 +92,8 @@ impl fmt::Display for Audit {
 }
 
 impl Lowered {
-    /// Audits every row of the lowered model that an integer variable switches: its integrality
-    /// tolerance times M against its feasibility tolerance.
+    /// Compares, for every row of the lowered model that an integer variable switches, the
+    /// integrality tolerance times M with the feasibility tolerance.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -107,17 +107,17 @@ impl Lowered {
     /// let audit = lowered.audit(1e-6, 1e-6);
     /// assert_eq!(
     ///     audit.to_string(),
-    ///     "wall_lower: open may let it give way by 5.0e-2 (M = 50000), 1e-6 is allowed; raise the \
-    ///      lower bound of `x` from -50000 to at least -1\n"
+    ///     "wall_lower: `open` can relax it by 5.0e-2 (M = 50000), but the tolerance is 1e-6; raise \
+    ///      the lower bound of `x` from -50000 to at least -1\n"
     /// );
     /// # Ok::<(), carom::Error>(())
     /// ```
     ///
     /// # Arguments
     ///
-    /// * `integrality`: how far from a whole number a value may be for the backend in mind (no
-    ///   unit); see [`tolerance::INTEGRALITY`](crate::tolerance::INTEGRALITY).
-    /// * `feasibility`: how far rows may be missed, in their units; see
+    /// * `integrality`: the integrality tolerance of the backend (no unit); see
+    ///   [`tolerance::INTEGRALITY`](crate::tolerance::INTEGRALITY).
+    /// * `feasibility`: the feasibility tolerance of the backend, in the unit of each row; see
     ///   [`tolerance::FEASIBILITY`](crate::tolerance::FEASIBILITY).
     pub fn audit(&self, integrality: f64, feasibility: f64) -> Audit {
         let sources = by_row(self.report());
@@ -154,8 +154,8 @@ fn by_row(report: &BigMReport) -> HashMap<&str, &BigMEntry> {
     report.entries().iter().filter_map(|entry| Some((entry.row.as_deref()?, entry))).collect()
 }
 
-/// The integer variable with the largest coefficient in a row that continuous ones take part in, or,
-/// where the row has a big-M, integers that are no binaries.
+/// The integer variable with the largest coefficient, in a row that also has continuous variables
+/// or, if the row has a big-M, integers that are not binary.
 fn switch(model: &Model, row: &ConstraintRef<'_>, has_m: bool) -> Option<(String, f64)> {
     let (mut switched, mut largest) = (false, None::<(String, f64)>);
     for &(variable, coefficient) in row.terms() {
@@ -170,13 +170,13 @@ fn switch(model: &Model, row: &ConstraintRef<'_>, has_m: bool) -> Option<(String
     largest.filter(|_| switched)
 }
 
-/// What would bring an M down to `most`.
+/// Advice that would reduce an M to `most`.
 fn advice(model: &Model, entry: &BigMEntry, most: f64) -> String {
     if matches!(entry.source, BigMSource::Given | BigMSource::Assumed) && entry.needed < entry.value
     {
-        return format!("leave its M out: the bounds prove {}", entry.needed);
+        return format!("omit its M: the bounds prove {}", entry.needed);
     }
-    // Which bound, and how far, if it alone shall do.
+    // Which bound to change, and how far, if it is the only one.
     let spread = |part: f64| if part.is_finite() { part } else { f64::INFINITY };
     let widest = entry.shares.iter().max_by(|a, b| spread(a.part).total_cmp(&spread(b.part)));
     if let Some((share, bound)) =
@@ -202,15 +202,15 @@ fn advice(model: &Model, entry: &BigMEntry, most: f64) -> String {
             )
         }
         Some(name) => format!(
-            "tighten the bounds of `{name}` and its neighbours, or ask for linear programs \
+            "tighten the bounds of `{name}` and its neighbours, or use linear programs \
              (`Reformulation::with_linear_programs`)"
         ),
-        None => "ask for linear programs (`Reformulation::with_linear_programs`)".into(),
+        None => "use linear programs (`Reformulation::with_linear_programs`)".into(),
     }
 }
 
-/// Where a bound has to be so that its share shrinks by `excess`; none where the share is smaller,
-/// or where that would cross the variable's other bound.
+/// The value of a bound that reduces its share by `excess`. `None` if the share is smaller or if
+/// that value would cross the variable's other bound.
 fn moved(model: &Model, share: &Share, excess: f64) -> Option<f64> {
     let variable =
         model.variable_ref(model.variable_by_name(share.variable.as_str()).ok()?).ok()?;

@@ -1,13 +1,13 @@
 //! Indicator to big-M rows.
 //!
-//! For `z = 1 => a'x <= u` and any `M >= max a'x - u` over the bounds, the row
-//! `a'x + M z <= u + M` says the same for `z` in {0, 1}; for `z = 0 => a'x <= u` it is
-//! `a'x - M z <= u`. Lower sides mirror this. M comes from interval arithmetic over the current
-//! bounds, rounded outward, a side at a time.
+//! For `z = 1 => a'x <= u` and any `M >= max a'x - u` over the bounds, the row `a'x + M z <= u + M`
+//! is equivalent for `z` in {0, 1}; for `z = 0 => a'x <= u` it is `a'x - M z <= u`. Lower sides
+//! mirror this. M comes from interval arithmetic over the current bounds, rounded outward,
+//! separately for each side.
 //!
-//! A compound condition fails when all of some clauses hold, see `reformulate/logic.rs`. For each
-//! clause `g1 or g2 or ...` there is one row a side, `a'x <= u + M (g1 + g2 + ...)`; a plain
-//! condition is the case of one clause with one literal.
+//! A compound condition becomes clauses of which at least one is false if the condition holds, see
+//! `reformulate/logic.rs`. For each clause `g1 or g2 or ...` there is one row per side,
+//! `a'x <= u + M (g1 + g2 + ...)`; a plain condition is one clause with one literal.
 
 use super::linear_program::tidy;
 use super::lowering::Lowering;
@@ -17,16 +17,16 @@ use crate::interval::{Interval, add_down, add_up};
 use crate::model::{BigM, IndicatorRef, Literal, Model, Name, Variable};
 use crate::tolerance;
 
-/// A row that must hold wherever its condition does.
+/// A row that must hold if its condition does.
 pub(super) struct Implied<'a> {
-    /// What it is called in the report.
+    /// Its name in the report.
     pub(super) name: &'a Name,
     pub(super) terms: &'a [(Variable, f64)],
     pub(super) limits: Interval,
     pub(super) big_m: BigM,
 }
 
-/// Adds the rows of one indicator and notes them in the report.
+/// Adds the rows of one indicator and records them in the report.
 pub(super) fn apply(
     indicator: &IndicatorRef<'_>,
     lowering: &mut Lowering<'_>,
@@ -51,7 +51,7 @@ pub(super) fn apply_unless(
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
     let (mut open, mut fails) = (Vec::new(), false);
-    // Where the row mentions its own condition, the condition's value is known.
+    // If the row contains its own condition, the condition's value is known.
     let mut terms = row.terms.to_vec();
     let mut limits = row.limits;
     for &literal in guard {
@@ -90,7 +90,7 @@ pub(super) fn apply_unless(
             push(lowering, side, terms.clone(), limit)?;
             entry.row = lowering.newest_row();
         } else {
-            // A row without variables keeps its guard: what is fixed is cheap.
+            // A row without variables keeps its guard, because a fixed binary costs nothing.
             let guard = if terms.is_empty() { guard } else { &open };
             need.tighten(&terms, limit, side, guard, lowering);
             (entry.value, entry.source) = choose(row, &lowering.model, side, &need)?;
@@ -103,15 +103,15 @@ pub(super) fn apply_unless(
     Ok(())
 }
 
-/// How far the bounds let a side be missed.
+/// How much the bounds allow a side to be violated.
 struct Need {
-    /// The largest possible miss, rounded up; infinite when a bound is missing.
+    /// The largest possible violation, rounded up; infinite if a bound is missing.
     value: f64,
-    /// Whether a linear program says less than the bounds.
+    /// Whether a linear program proved a smaller value than the bounds.
     by_program: bool,
-    /// The variable with the largest share in it.
+    /// The variable that contributes most.
     largest: Option<Variable>,
-    /// The variable without the bound that is needed, and which bound.
+    /// The variable whose bound is missing, and which bound.
     unbounded: Option<(Variable, &'static str)>,
 }
 
@@ -131,7 +131,7 @@ fn need(model: &Model, terms: &[(Variable, f64)], limit: f64, side: Side) -> Res
         }
         total = total + part;
     }
-    // Bounds whose M counts as infinite are as good as none.
+    // Bounds whose M is treated as infinite are as good as none.
     if total.upper >= tolerance::INFINITE {
         unbounded = unbounded.or(largest);
     }
@@ -140,7 +140,7 @@ fn need(model: &Model, terms: &[(Variable, f64)], limit: f64, side: Side) -> Res
 }
 
 impl Need {
-    /// Tightens the miss by a linear program, where one was asked for.
+    /// Tightens the violation by a linear program, if requested.
     fn tighten(
         &mut self,
         terms: &[(Variable, f64)],
@@ -156,7 +156,7 @@ impl Need {
         }
         let sign = if side == Side::Upper { 1.0 } else { -1.0 };
         let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
-        // The M counts only where the guard is true.
+        // The M is used only if the guard is true.
         let when = match guard {
             [only] if only.variable().index() < original => guard,
             _ => &[],

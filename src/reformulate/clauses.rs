@@ -1,13 +1,13 @@
-//! Small formulas as clauses, without any auxiliary variable.
+//! Small formulas as clauses, without auxiliary variables.
 
 use crate::model::{Formula, Literal};
 
 /// A disjunction of literals.
 pub(super) type Clause = Vec<Literal>;
 
-/// The clauses whose conjunction is the formula, if they are at most `limit` and no count is
-/// among its parts (a count is one row, and many clauses). Clauses that are always true are left
-/// out; a constant `false` is one empty clause.
+/// The clauses whose conjunction is the formula. `None` if there are more than `limit`, or if the
+/// formula contains a count (which is one row but many clauses). Clauses that are always true are
+/// omitted; a constant `false` is one empty clause.
 pub(super) fn clauses(formula: &Formula, limit: usize) -> Option<Vec<Clause>> {
     let found = match formula {
         Formula::Constant(true) => Vec::new(),
@@ -33,7 +33,7 @@ pub(super) fn clauses(formula: &Formula, limit: usize) -> Option<Vec<Clause>> {
     (found.len() <= limit).then_some(found)
 }
 
-/// If the first member is true, the rest has the other parity; if not, the same.
+/// If the first member is true, the rest has the opposite parity, otherwise the same.
 fn parity_clauses(odd: bool, of: &[Formula], limit: usize) -> Option<Vec<Clause>> {
     let Some((first, rest)) = of.split_first() else {
         return Some(if odd { vec![Vec::new()] } else { Vec::new() });
@@ -50,7 +50,7 @@ fn parity_clauses(odd: bool, of: &[Formula], limit: usize) -> Option<Vec<Clause>
     (all.len() <= limit).then_some(all)
 }
 
-/// The clauses of "these or those".
+/// The clauses of the disjunction of two formulas.
 pub(super) fn product(left: &[Clause], right: &[Clause], limit: usize) -> Option<Vec<Clause>> {
     let mut all = Vec::new();
     for a in left {

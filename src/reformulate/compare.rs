@@ -1,4 +1,4 @@
-//! What each method of lowering disjunctions costs and proves, side by side.
+//! A comparison of the methods for lowering disjunctions: sizes and root bounds.
 
 use std::fmt;
 
@@ -20,8 +20,8 @@ pub struct MethodSize {
     pub columns: usize,
     /// Non-zero coefficients of its rows.
     pub nonzeros: usize,
-    /// Proved bound of the relaxation, in which integers may be fractions; infinite where it has
-    /// no point (or no bound).
+    /// Proved bound of the continuous relaxation, in the objective's unit; infinite if the
+    /// relaxation is infeasible or unbounded.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub root_bound: f64,
 }
@@ -34,14 +34,14 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// One entry a method, in the order of [`Method::ALL`].
+    /// One entry per method, in the order of [`Method::ALL`].
     pub fn entries(&self) -> &[MethodSize] {
         &self.entries
     }
 }
 
 impl fmt::Display for Comparison {
-    /// A table with one line a method.
+    /// A table with one line per method.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "method     rows  columns  non-zeros  root bound")?;
         for entry in &self.entries {
@@ -67,7 +67,7 @@ impl fmt::Display for Comparison {
 /// model.maximize(y - x)?;
 /// let table = reformulate::compare(&model, &mut BranchAndBound::default())?;
 /// let bounds: Vec<f64> = table.entries().iter().map(|entry| entry.root_bound.round()).collect();
-/// // The best point has 1; an M over the whole box does not see it.
+/// // The optimum is 1, which an M over the whole box does not prove.
 /// assert_eq!(bounds, [2.0, 1.0, 1.0]);
 /// # Ok::<(), carom::Error>(())
 /// ```

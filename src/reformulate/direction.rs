@@ -1,11 +1,11 @@
-//! Which functions may be relaxed to one side, and how a point is brought back.
+//! Which functions can be relaxed to one side, and how a point is moved back onto them.
 //!
-//! A variable `w = f(...)` with `f` convex may be relaxed to `w >= f(...)` where lowering `w`
-//! alone never harms: the objective does not get worse, and no row, indicator or other function is
-//! violated by it. Every point of the relaxed model then leads, by lowering `w` to `f(...)`, to
-//! one of the original that is at least as good, so optimum, infeasibility and unboundedness are
-//! the same. Mirrored for concave functions. Nothing is promised by the user, and nothing can be
-//! promised wrongly: the whole model is read each time it is lowered.
+//! A variable `w = f(...)` with `f` convex can be relaxed to `w >= f(...)` if decreasing `w` alone
+//! never harms: it does not worsen the objective and violates no row, indicator or other function.
+//! Then decreasing `w` to `f(...)` turns every point of the relaxed model into a point of the
+//! original that is at least as good, so optimum, infeasibility and unboundedness are the same.
+//! Concave functions are the mirror image. Each lowering checks this on the whole model, so users
+//! cannot declare it wrongly.
 
 use crate::error::Error;
 use crate::interval::Interval;
@@ -22,7 +22,7 @@ pub(super) enum Tie {
     Below,
 }
 
-/// Whether moving a variable alone can violate a statement or make the objective worse.
+/// Whether moving a variable alone can violate a statement or worsen the objective.
 struct Harm {
     lowering: Vec<bool>,
     raising: Vec<bool>,
@@ -34,7 +34,7 @@ impl Harm {
         self.raising[variable.index()] = true;
     }
 
-    /// The statement needs `coefficient * variable` not to rise.
+    /// The statement requires that `coefficient * variable` does not increase.
     fn rise(&mut self, variable: Variable, coefficient: f64) {
         let harm = if coefficient > 0.0 { &mut self.raising } else { &mut self.lowering };
         harm[variable.index()] = true;
@@ -72,7 +72,7 @@ pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
     for term in model.disjunctions().flat_map(|disjunction| disjunction.stored_terms()) {
         term.for_each_row(&mut |row| harm.row(&row.terms, Interval::new(row.lower, row.upper)));
     }
-    // A function's variable occurs in younger functions only.
+    // A function's variable occurs only in functions added later.
     let functions: Vec<FunctionRef<'_>> = model.functions().collect();
     let mut ties = vec![Tie::Exact; functions.len()];
     for (k, function) in functions.iter().enumerate().rev() {
@@ -95,7 +95,7 @@ fn tie(model: &Model, function: &FunctionRef<'_>, harm: &Harm) -> Result<Tie, Er
     };
     let bounds = model.variable_ref(result)?.bounds();
     let range = range(model, function.function())?;
-    // The way back to the function must not leave the variable's own bounds.
+    // Moving back onto the function must not violate the variable's own bounds.
     let down = !harm.lowering[result.index()] && bounds.lower <= range.lower;
     let up = !harm.raising[result.index()] && range.upper <= bounds.upper;
     Ok(match () {
@@ -105,7 +105,7 @@ fn tie(model: &Model, function: &FunctionRef<'_>, harm: &Harm) -> Result<Tie, Er
     })
 }
 
-/// Notes what a function asks of its arguments.
+/// Records what a function requires of its arguments.
 fn mark(function: &Function, tie: Tie, harm: &mut Harm) {
     let monotone = matches!(function, Function::Maximum(_) | Function::Minimum(_));
     function.factor().into_iter().for_each(|factor| harm.any(factor));
@@ -154,7 +154,7 @@ pub(super) fn range(model: &Model, function: &Function) -> Result<Interval, Erro
     })
 }
 
-/// Brings the variable of a function back to it where that harms nothing.
+/// Moves the variable of a relaxed function back onto the function.
 pub(super) fn restore(variable: Variable, function: &Function, tie: Tie, values: &mut [f64]) {
     let exact = function.evaluate(|v| values[v.index()]);
     let value = &mut values[variable.index()];

@@ -1,9 +1,9 @@
-//! Disjunctions to rows: the selectors, and big-M.
+//! Disjunctions as rows: the selectors, and big-M.
 //!
-//! Exactly one selector of a disjunction is true; of one inside a term, exactly one where the
-//! term's own selector is true and none elsewhere: `s1 + ... + sn = s`. So a selector alone
-//! implies the rows of its term, and with big-M each of them is an indicator. The other methods
-//! are `reformulate/multi_m.rs` and `reformulate/hull.rs`.
+//! Exactly one selector of a disjunction is true. In a disjunction inside a term, exactly one is
+//! true if the term's selector is, and none otherwise: `s1 + ... + sn = s`. So a selector alone
+//! implies the rows of its term, and with big-M each of them is an indicator. The other methods are
+//! `reformulate/multi_m.rs` and `reformulate/hull.rs`.
 
 use super::big_m::{Implied, apply_unless};
 use super::lowering::Lowering;
@@ -28,7 +28,7 @@ pub(super) fn apply(
     }
 }
 
-/// A literal as an expression: 1 where it is true, 0 where it is false.
+/// A literal as an expression: 1 if it is true, 0 if it is false.
 pub(super) fn value(literal: Literal) -> Affine {
     match literal.is_on() {
         true => literal.variable().into(),

@@ -1,11 +1,11 @@
-//! Absolute values, maxima and minima to rows.
+//! Absolute values, maxima and minima as rows.
 //!
 //! `w = max(e1, ..., en)` is `w >= ei` for all of them and `w <= ei + Mi (1 - zi)` for one, chosen
 //! by binaries with `z1 + ... + zn = 1` (one binary for two expressions). `Mi` is the largest
-//! `ej - ei` over the bounds. Expressions that the bounds show never to be the largest are left
-//! out, so the maximum of expressions whose order is known is one equation. Where the model only
-//! pushes `w` down, the first rows are enough, see `reformulate/direction.rs`; they need no
-//! bounds. A minimum is a maximum with all signs changed (`sign` = -1).
+//! `ej - ei` over the bounds. Expressions that are never the largest according to the bounds are
+//! omitted, so the maximum of expressions in a known order is one equation. If the model pushes `w`
+//! only down, the first rows suffice, see `reformulate/direction.rs`; they need no bounds. A
+//! minimum is a maximum with all signs changed (`sign` = -1).
 
 use super::direction::Tie;
 use super::lowering::Lowering;
@@ -66,7 +66,7 @@ pub(super) fn apply(
     Ok(())
 }
 
-/// The expressions that can be the largest (times `sign`); of equal ones the first.
+/// The expressions that can be the largest (times `sign`); among equal ones, the first.
 fn undominated<'a>(
     of: &'a [Affine],
     sign: f64,
@@ -74,7 +74,7 @@ fn undominated<'a>(
 ) -> Result<Vec<&'a Affine>, Error> {
     let mut kept: Vec<&Affine> = of.iter().collect();
     let mut k = kept.len();
-    // From the back, so that the first of equal ones stays.
+    // In reverse, to keep the first of equal ones.
     while k > 0 && kept.len() > 1 {
         k -= 1;
         for j in (0..kept.len()).filter(|&j| j != k) {
@@ -88,7 +88,7 @@ fn undominated<'a>(
     Ok(kept)
 }
 
-/// How far the extremum can be ahead of one of its expressions, as an entry of the report.
+/// How much the extremum can exceed one of its expressions, as an entry of the report.
 fn miss(
     expression: &Affine,
     kept: &[&Affine],

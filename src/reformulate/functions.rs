@@ -1,4 +1,5 @@
-//! Functions of variables to rows: bounds of their variables, and one file a kind.
+//! Functions of variables as rows: the bounds of their variables; each kind of function has its own
+//! file.
 
 use super::direction::{self, Tie};
 use super::lowering::Lowering;
@@ -28,8 +29,8 @@ pub(super) fn apply(
 }
 
 impl Lowering<'_> {
-    /// Intersects a variable's bounds with what a function's range allows. Where nothing is left,
-    /// the bound next to the range stays alone, and the rows say that there is no point.
+    /// Intersects a variable's bounds with a function's range. If the intersection is empty, only
+    /// the bound nearest to the range stays, and the rows are infeasible.
     fn tighten(&mut self, variable: Variable, range: Interval) -> Result<(), Error> {
         let own = self.model.variable_ref(variable)?.bounds();
         let common = own.intersection(range);
@@ -41,7 +42,7 @@ impl Lowering<'_> {
         self.model.set_bounds(variable, lower, upper)
     }
 
-    /// The range of an expression, or the error that names the variable without a bound.
+    /// The range of an expression, or an error that names a variable without a bound.
     pub(super) fn bounded_range(&self, of: &Affine) -> Result<Interval, Error> {
         let range = self.model.range(of)?;
         for (missing, sign) in [(range.upper, 1.0), (range.lower, -1.0)] {
@@ -52,7 +53,7 @@ impl Lowering<'_> {
         Ok(range)
     }
 
-    /// The error that names the variable because of which `sign * of` is unbounded above.
+    /// The error that names the variable that makes `sign * of` unbounded above.
     pub(super) fn unbounded(&self, of: &Affine, sign: f64) -> Result<Error, Error> {
         for (variable, coefficient) in of.terms() {
             let bounds = self.model.variable_ref(variable)?.bounds();

@@ -1,12 +1,11 @@
 //! Disjunctions by the convex hull of their terms.
 //!
 //! Every variable `x` of a disjunction gets a copy `x_i` for each term `i` with selector `s_i`:
-//! `x = x_1 + ... + x_n`, `l s_i <= x_i <= u s_i` over the bounds that the term leaves, and a row `a'x <= b` of term
-//! `i` becomes `a'x_i <= b s_i` (Balas 1979; Grossmann and Lee 2003 for the use in modelling).
-//! The relaxation is the convex hull of the disjunction alone over the bounds. A disjunction
-//! inside a term is the hull of the term's copies, and takes the rows of the terms around it
-//! along. There is no big-M in it, but bounds are needed
-//! all the same.
+//! `x = x_1 + ... + x_n`, `l s_i <= x_i <= u s_i` with the bounds that the term implies, and a row
+//! `a'x <= b` of term `i` becomes `a'x_i <= b s_i` (Balas 1979; Grossmann and Lee 2003 for the use
+//! in modelling). The relaxation is the convex hull of the disjunction alone over the bounds. A
+//! disjunction inside a term is the hull of the term's copies, with the rows of the terms around
+//! it. The hull has no big-M, but still needs bounds.
 
 use std::collections::BTreeMap;
 
@@ -16,10 +15,10 @@ use super::lowering::Lowering;
 use crate::error::Error;
 use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable, VariableKind};
 
-/// What each variable of the model is called at the present level.
+/// The column of each variable of the model at the current level.
 type Copies = BTreeMap<Variable, Variable>;
 
-/// Adds the rows of a disjunction whose selectors have theirs.
+/// Adds the rows of a disjunction whose selectors already have rows.
 pub(super) fn apply(
     name: &Name,
     terms: &[StoredTerm],
@@ -66,8 +65,8 @@ fn split(
     for (&variable, &column) in &own {
         let mut rest = Affine::from(column);
         for ((term, copies), (range, renamed)) in terms.iter().zip(&mut copies).zip(&ranges) {
-            // The bounds of the variable itself, and what the rows of the term leave of them;
-            // those of a copy above hold only where it is selected.
+            // The bounds of the variable itself, tightened by the rows of the term. Bounds of an
+            // outer copy hold only if that copy is selected.
             let mut bounds = lowering.model.variable_ref(variable)?.bounds();
             if !range.is_empty() {
                 bounds = bounds.intersection(range.bounds(renamed[&variable]));
@@ -87,8 +86,8 @@ fn split(
     }
     for (k, ((term, copies), rows)) in terms.iter().zip(&copies).zip(&inside).enumerate() {
         let name = name.suffixed(&format!("_{}", k + 1));
-        // Where disjunctions are inside, their copies carry the rows of all terms around them,
-        // which is tighter than rows on the sums of the copies.
+        // Copies of inner disjunctions carry the rows of all terms around them, which is tighter
+        // than rows on the sums of the copies.
         for (r, row) in rows.iter().enumerate().filter(|_| term.nested.is_empty()) {
             lowering.begin(&row_name(&name, r));
             let mut of = Affine::zero();

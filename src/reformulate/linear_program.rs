@@ -1,8 +1,8 @@
-//! How large an expression can be over rows and bounds: linear programs with proved answers.
+//! Proved upper bounds of expressions over rows and bounds, from linear programs.
 //!
 //! The answer is the *dual* bound, recomputed from the multipliers
-//! ([`lower_bound`](crate::relaxation::lower_bound)), so an inaccurate solve makes an M larger than
-//! it need be, never too small. Bounds are propagated first, which alone often says enough.
+//! ([`lower_bound`](crate::relaxation::lower_bound)), so an inaccurate solve gives an M that is
+//! larger than necessary but never too small. Bounds are propagated first, which is often enough.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -20,21 +20,21 @@ use crate::solver::StopToken;
 const ITERATIONS: u32 = 100;
 const TOLERANCE: f64 = 1e-9;
 
-/// By how much a bound on an expression is raised, relative to its size (at least 1), for what
-/// propagation and reduction may have rounded.
+/// How much a bound on an expression is raised, relative to its size (at least 1), to cover
+/// rounding in propagation and reduction.
 const MARGIN: f64 = 1e-9;
 
-/// Ms of at most this magnitude, in the row's unit, are taken for 0: coefficients like 1e-9 next
-/// to 1 cost an interior-point method its accuracy, and what is lost is a hundredth of the
-/// default feasibility tolerance.
+/// Ms of at most this magnitude, in the row's unit, become 0, because coefficients like 1e-9 next
+/// to 1 ruin the accuracy of an interior-point method. The error is a hundredth of the default
+/// feasibility tolerance.
 const NEGLIGIBLE: f64 = 1e-8;
 
-/// An M that has come from a linear program, without the noise of one.
+/// An M from a linear program, without its numerical noise.
 pub(super) fn tidy(m: f64) -> f64 {
     if m.abs() <= NEGLIGIBLE { 0.0 } else { m }
 }
 
-/// Maximises expressions over one set of rows, bounds and whole numbers.
+/// Maximises expressions over one set of rows, bounds and integrality conditions.
 pub(super) struct Maximizer<'a> {
     /// Once it is over, nothing is solved any more.
     token: &'a StopToken,
@@ -42,12 +42,12 @@ pub(super) struct Maximizer<'a> {
     domain: Domain,
     propagator: Propagator,
     relaxation: ClarabelRelaxation,
-    /// No point satisfies rows and bounds.
+    /// Rows and bounds are infeasible.
     empty: bool,
 }
 
 impl<'a> Maximizer<'a> {
-    /// Over a model of rows only; its objective is left aside.
+    /// Over a model with only rows; its objective is ignored.
     pub(super) fn of(model: &Model, token: &'a StopToken) -> Result<Self, Error> {
         let mut program = Program::assemble(model)?;
         program.make_feasibility_problem();
@@ -57,8 +57,8 @@ impl<'a> Maximizer<'a> {
         Ok(Maximizer { token, program, domain, propagator, relaxation, empty })
     }
 
-    /// Over some rows and the bounds that their variables have in a model. Variables are renamed:
-    /// the second part tells how.
+    /// Over some rows and their variables' bounds in a model. Variables are renumbered; the second
+    /// part maps them.
     pub(super) fn of_rows(
         model: &Model,
         rows: &[&StoredRow],
@@ -84,19 +84,19 @@ impl<'a> Maximizer<'a> {
         Ok((Maximizer::of(&small, token)?, renamed))
     }
 
-    /// Whether rows, bounds and whole numbers are proved to contradict each other.
+    /// Whether rows, bounds and integrality are proved to be infeasible.
     pub(super) fn is_empty(&self) -> bool {
         self.empty
     }
 
-    /// What propagation leaves of a variable's bounds.
+    /// A variable's bounds after propagation.
     pub(super) fn bounds(&self, variable: Variable) -> Interval {
         let column = variable.index();
         Interval::new(self.domain.lower(column), self.domain.upper(column))
     }
 
-    /// A proved upper bound on `terms` where all of `when` are true; `-inf` where that is proved
-    /// impossible, `+inf` where nothing is proved.
+    /// A proved upper bound on `terms` if all of `when` are true: `-inf` if that is proved
+    /// impossible, `+inf` if there is no proof.
     pub(super) fn most(&mut self, terms: &[(Variable, f64)], when: &[Literal]) -> f64 {
         if self.empty {
             return f64::NEG_INFINITY;
@@ -113,7 +113,7 @@ impl<'a> Maximizer<'a> {
         }
         let most = self.most_in_domain(terms, mark);
         self.domain.undo_to(mark);
-        // Infinities stay as they are.
+        // Infinities are unchanged.
         if most.is_finite() { most + MARGIN * most.abs().max(1.0) } else { most }
     }
 
@@ -151,7 +151,7 @@ impl<'a> Maximizer<'a> {
             Claim::Infeasible | Claim::Unknown if proves_infeasible(&reduced, &answer.y) => {
                 f64::NEG_INFINITY
             }
-            // A bound that leans on far columns is no proof for Ms.
+            // A bound that relies on the radius of free columns does not prove an M.
             _ if !range.is_bounded() => range.upper,
             _ => range.upper.min(-lower_bound(&reduced, &answer.x, &answer.y)),
         }

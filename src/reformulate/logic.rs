@@ -1,4 +1,4 @@
-//! Logic to rows.
+//! Logic as rows.
 //!
 //! With `l = z` for a literal "on" and `l = 1 - z` for one "off", over binaries:
 //!
@@ -13,8 +13,8 @@
 //! | disjunction of literals `g` and one formula | the formula's rows, each relaxed by a multiple of the sum of `g` |
 //! | disjunction of several formulas | up to eight rows by distribution; else all but one of them get an auxiliary binary |
 //!
-//! An auxiliary binary stands for a formula on the side that is needed only: where it occurs
-//! positively it implies the formula, where negatively the formula implies it (Plaisted and
+//! An auxiliary binary represents a formula only in the direction that is needed: if the formula
+//! occurs positively, the binary implies it; if negatively, it implies the binary (Plaisted and
 //! Greenbaum 1986). Equal formulas share one, across statements.
 
 use super::clauses::{Clause, clauses, product, tidy};
@@ -22,13 +22,13 @@ use super::lowering::Lowering;
 use crate::error::Error;
 use crate::model::{Formula, Literal, Logic, LogicalConstraintRef, Variable, VariableKind, merge};
 
-/// Up to so many clauses are written out instead of making an auxiliary variable.
+/// Up to this many clauses are written out instead of adding an auxiliary variable.
 const CLAUSES: usize = 8;
 
-/// Up to so many clauses are written out for the condition of a row, each with its own big-M.
+/// Up to this many clauses are written out for the condition of a row, each with its own big-M.
 const CONDITION_CLAUSES: usize = 4;
 
-/// The auxiliary binary of a formula, and which of its sides have rows.
+/// The auxiliary binary of a formula, and which directions have rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     variable: Variable,
@@ -38,7 +38,7 @@ pub(super) struct Part {
     implied: bool,
 }
 
-/// Which side of an auxiliary binary is needed.
+/// Which direction of an auxiliary binary is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Needed {
     Implies,
@@ -66,8 +66,8 @@ pub(super) fn apply(
 }
 
 impl Lowering<'_> {
-    /// Clauses of which one is false wherever the condition holds: a row that follows from the
-    /// condition must hold wherever one of them is false.
+    /// Clauses of which one is false whenever the condition holds. A row that follows from the
+    /// condition must hold whenever one of them is false.
     pub(super) fn unless(&mut self, condition: &Logic) -> Result<Vec<Clause>, Error> {
         if let Some(literal) = condition.as_literal() {
             return Ok(vec![vec![!literal]]);
@@ -79,7 +79,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Adds rows that say "`formula`, or one of `guard`".
+    /// Adds rows for "`formula`, or one of `guard`".
     fn assert(&mut self, guard: &[Literal], formula: &Formula) -> Result<(), Error> {
         match formula {
             Formula::Constant(true) => Ok(()),
@@ -111,7 +111,8 @@ impl Lowering<'_> {
         let mut guard = guard.to_vec();
         guard.extend(of.iter().filter_map(Formula::as_literal));
         let mut rest: Vec<&Formula> = of.iter().filter(|f| f.as_literal().is_none()).collect();
-        // The body's rows are relaxed by the others; best so the one with most of them.
+        // The rows of the body are relaxed by the other members, so the body is the member with
+        // most rows.
         let rows = |f: &Formula| clauses(f, CLAUSES).map_or(usize::MAX, |c| c.len().max(1));
         let Some(body) = (0..rest.len()).max_by_key(|&k| rows(rest[k])) else {
             return self.clause(guard);
@@ -150,12 +151,12 @@ impl Lowering<'_> {
             return clauses.into_iter().try_for_each(|c| self.clause([guard, &c].concat()));
         }
         if let [first, second] = of {
-            // The literal, if there is one, decides which way the other one must be.
+            // The literal, if any, decides the direction of the other member.
             let (one, other) =
                 if second.as_literal().is_some() { (second, first) } else { (first, second) };
             let one = self.part(one, Needed::Both)?;
-            // Both of its sides are written out here; what would do so again gets a binary, or
-            // the number of rows doubled at every level.
+            // Both directions are written out here. A nested formula of this kind gets a binary,
+            // because otherwise the number of rows doubles at every level.
             let same = match other.is_two_sided() {
                 true => Formula::Literal(self.part(other, Needed::Both)?),
                 false => other.clone(),
@@ -213,12 +214,12 @@ impl Lowering<'_> {
         Ok(())
     }
 
-    /// Each formula as a literal, through an auxiliary binary where it is none.
+    /// Each formula as a literal, through an auxiliary binary if it is not one.
     fn literals(&mut self, of: &[Formula], needed: Needed) -> Result<Vec<Literal>, Error> {
         of.iter().map(|formula| self.part(formula, needed)).collect()
     }
 
-    /// A literal that stands for a formula on the needed side.
+    /// A literal that represents a formula in the needed direction.
     fn part(&mut self, formula: &Formula, needed: Needed) -> Result<Literal, Error> {
         if let Some(literal) = formula.as_literal() {
             return Ok(literal);
@@ -263,8 +264,8 @@ impl Lowering<'_> {
         self.linear_with(sum, None, lower, upper)
     }
 
-    /// The row `lower <= sum of literals (+ one more term) <= upper`. Coefficients are whole
-    /// numbers, so nothing is rounded.
+    /// The row `lower <= sum of literals (+ one more term) <= upper`. Coefficients are integers, so
+    /// nothing is rounded.
     fn linear_with(
         &mut self,
         sum: &[(Literal, f64)],

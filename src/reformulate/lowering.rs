@@ -1,4 +1,4 @@
-//! The lowered model while it is made: its rows, their names, the auxiliary columns.
+//! The lowered model under construction: its rows, their names, the auxiliary columns.
 
 use std::collections::BTreeMap;
 
@@ -9,21 +9,21 @@ use crate::error::{Error, ErrorKind};
 use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
 use crate::solver::StopToken;
 
-/// What the reformulations share.
+/// State shared by the reformulations.
 pub(super) struct Lowering<'a> {
     /// The model so far.
     pub(super) model: Model,
     /// The big-Ms so far.
     pub(super) report: BigMReport,
-    /// Says how large expressions can be, where that was asked for.
+    /// Bounds expressions by linear programs, if requested.
     pub(super) maximizer: Option<Maximizer<'a>>,
     /// Ends the linear programs.
     pub(super) token: &'a StopToken,
-    /// Number of variables of the model itself.
+    /// Number of variables of the original model.
     pub(super) original: usize,
     /// Auxiliary binaries of formulas; shared by all statements.
     pub(super) parts: BTreeMap<Formula, Part>,
-    /// The statement that is being lowered, and how many names were made from its own.
+    /// The statement that is being lowered, and how many names were derived from its name.
     statement: Name,
     named: usize,
 }
@@ -46,7 +46,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// From here on, rows and columns are named after this statement.
+    /// From now on, rows and columns are named after this statement.
     pub(super) fn begin(&mut self, statement: &Name) {
         self.statement = statement.clone();
         self.named = 0;
@@ -83,7 +83,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Adds a row under the statement's name with a suffix, and underscores where that is taken.
+    /// Adds a row under the statement's name with a suffix, and underscores if that is taken.
     pub(super) fn row_named(
         &mut self,
         suffix: &str,

@@ -1,9 +1,9 @@
-//! From what is meant to plain rows: a model with indicators, logic and functions becomes one
-//! without.
+//! Lowering: turns a model with indicators, disjunctions, logic and functions into one with only
+//! rows.
 //!
-//! Each reformulation is a file of its own. Together they make an equivalent model over the same
-//! variables, and auxiliary ones after them, so handles carry over; text forms before and after
-//! can be compared, and the lowered model can be written as MPS for any other solver.
+//! The lowered model is equivalent. It has the same variables, followed by auxiliary ones, so
+//! handles carry over. You can compare the text forms of both models, and write the lowered one as
+//! an MPS file for any other solver. Each reformulation has its own file.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -48,14 +48,14 @@ use direction::Tie;
 use linear_program::Maximizer;
 use lowering::Lowering;
 
-/// A model of rows only, and where its big-Ms come from.
+/// A model with only rows, and the origin of its big-Ms.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct Lowered {
     model: Model,
     report: BigMReport,
     original: usize,
-    /// Number of rows that the model had itself; they come first.
+    /// Number of rows of the original model; they come first.
     written: usize,
     relaxed: Vec<(Variable, Function, Tie)>,
     /// The state of the model that this was made from.
@@ -69,18 +69,18 @@ impl Lowered {
         &self.model
     }
 
-    /// Every big-M with its source.
+    /// Every big-M with its origin.
     pub fn report(&self) -> &BigMReport {
         &self.report
     }
 
-    /// Solves the lowered model for the present values of the parameters of `model`, the one it
-    /// was made from; nothing is lowered again.
+    /// Solves the lowered model for the current parameter values of `model`, from which it was
+    /// made, without lowering it again.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Stale`] when anything but values of parameters was changed since, so that no
-    /// big-M outlives the bounds that it came from; those of the solver.
+    /// [`ErrorKind::Stale`] if anything but values of parameters has changed since, because a big-M
+    /// must not outlive its bounds; and the errors of the solver.
     pub fn solve<S: Solver + ?Sized>(
         &self,
         model: &Model,
@@ -108,20 +108,21 @@ impl Lowered {
         solution.with_pool(model, others, complete, feasibility)
     }
 
-    /// From a point of the lowered model, one value per variable, to the point of the original
-    /// that it stands for: auxiliary variables are dropped, and the variables of functions that
-    /// were relaxed to one side are moved onto them, which harms nothing.
+    /// Maps a point of the lowered model, one value per variable, to a point of the original: drops
+    /// auxiliary variables, and moves variables of one-sided functions back onto them, which
+    /// neither violates anything nor worsens the objective.
     pub fn restore(&self, values: &[f64]) -> Vec<f64> {
         restore(self.original, &self.relaxed, values)
     }
 
-    /// Only the way back: all the rest is as large as the model, and a solve has no use for it.
+    /// Keeps only what `restore` needs. The rest is as large as the model, and a solve does not
+    /// need it.
     pub(crate) fn into_way_back(self) -> WayBack {
         WayBack { original: self.original, relaxed: self.relaxed }
     }
 }
 
-/// What [`Lowered::restore`] needs.
+/// The part of a lowered model that [`Lowered::restore`] needs.
 #[derive(Debug)]
 pub(crate) struct WayBack {
     original: usize,
@@ -129,7 +130,7 @@ pub(crate) struct WayBack {
 }
 
 impl WayBack {
-    /// As [`Lowered::restore`].
+    /// Same as [`Lowered::restore`].
     pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
         restore(self.original, &self.relaxed, values)
     }
@@ -149,8 +150,9 @@ fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64
 /// from their declared ranges), and every disjunction, logic statement and function by its rows,
 /// as the model's [`Reformulation`](crate::model::Reformulation) asks for.
 ///
-/// A function whose variable the model only pushes towards its convex (or concave) side is
-/// relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`] leads back.
+/// If the model pushes the variable of a function only towards its convex (or concave) side, the
+/// function is relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`]
+/// moves points back.
 ///
 /// # Errors
 ///
@@ -197,7 +199,7 @@ pub(crate) fn lower_until(
     Ok(Some(lowered))
 }
 
-/// What lowering a statement costs, in visited entries.
+/// The cost of lowering a statement, in visited entries.
 const STATEMENT: usize = 500;
 
 fn lower_with<'a>(
@@ -208,7 +210,8 @@ fn lower_with<'a>(
 ) -> Result<Option<Lowered>, Error> {
     let mut lowering = Lowering::new(model, maximizer, token);
     let mut relaxed = Vec::new();
-    // First, for they bound their variables; and in this order, for younger ones build on older.
+    // Functions come first because they bound their variables, and in this order because later ones
+    // depend on earlier ones.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
         if token.spend(STATEMENT) {
             return Ok(None);

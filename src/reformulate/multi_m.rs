@@ -1,11 +1,11 @@
-//! Disjunctions by an M for each pair of terms.
+//! Disjunctions as rows with an M for each pair of terms.
 //!
-//! Where term `k` is selected instead of term `i`, a row `a'x <= b` of term `i` can be missed by
-//! at most `M_ik = max a'x - b` over the rows of term `k`. Since exactly one selector is true,
-//! `a'x <= b + sum M_ik s_k` over the other terms says the same as big-M with the largest of them,
-//! and its relaxation is never weaker (Trespalacios and Grossmann 2015). An `M_ik` may be negative:
-//! then term `k` asks for more than the row. Inside a term of an outer disjunction, the terms that
-//! stand beside it are others as well: of all of them together exactly one is selected.
+//! If term `k` is selected instead of term `i`, a row `a'x <= b` of term `i` can be violated by at
+//! most `M_ik = max a'x - b` over the rows of term `k`. Since exactly one selector is true,
+//! `a'x <= b + sum M_ik s_k` over the other terms is equivalent to big-M with the largest of them,
+//! and its relaxation is never weaker (Trespalacios and Grossmann 2015). `M_ik` is negative if term
+//! `k` implies more than the row. Inside a term of an outer disjunction, the siblings of that term
+//! are other terms as well, because exactly one of all of them is selected.
 
 use super::disjunction::{nested_name, row_name, value};
 use super::linear_program::{Maximizer, tidy};
@@ -23,7 +23,7 @@ struct Other<'a> {
     rows: Vec<&'a StoredRow>,
 }
 
-/// Adds the rows of a disjunction whose selectors have theirs.
+/// Adds the rows of a disjunction whose selectors already have rows.
 pub(super) fn apply(
     name: &Name,
     terms: &[StoredTerm],
@@ -32,8 +32,7 @@ pub(super) fn apply(
     level(name, terms, &[], &[], lowering)
 }
 
-/// The terms of one level: `above` are the rows of the terms around it, `beside` the terms that
-/// stand beside those.
+/// The terms of one level: `above` are the rows of the terms around it, `beside` their siblings.
 fn level(
     name: &Name,
     terms: &[StoredTerm],
@@ -92,7 +91,7 @@ fn relaxed(
             return Err(lowering.unbounded(&row, 1.0)?);
         }
         if most == f64::NEG_INFINITY {
-            // That term cannot be selected at all; any M is right.
+            // That term can never be selected, so any M is valid.
             continue;
         }
         let m = tidy(add_up(most, -limit).min(from_bounds));
@@ -105,8 +104,8 @@ fn relaxed(
     Ok(())
 }
 
-/// The largest value of an expression where another term is selected; infinite where neither the
-/// bounds nor that term's rows limit it.
+/// The largest value of an expression if another term is selected; infinite if neither the bounds
+/// nor that term's rows limit it.
 fn most(
     up: &[(Variable, f64)],
     other: &Other<'_>,

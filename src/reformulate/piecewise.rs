@@ -1,8 +1,8 @@
-//! Piecewise-affine functions to rows.
+//! Piecewise-affine functions as rows.
 //!
 //! The function is first restricted to the range of its argument, and breakpoints without a bend
-//! are dropped. One piece is an equation. A convex function that the model only pushes down
-//! (`reformulate/direction.rs`) is one inequality a piece. All others take the incremental
+//! are dropped. One piece is an equation. A convex function that the model pushes only down
+//! (`reformulate/direction.rs`) is one inequality per piece. All others use the incremental
 //! formulation over `n` pieces `(x0, y0), ..., (xn, yn)`:
 //!
 //! * `e = x0 + (x1 - x0) d1 + ... + (xn - x(n-1)) dn`, and the same for `w` with the `y`;

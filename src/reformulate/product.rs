@@ -1,4 +1,4 @@
-//! Products with binary and integer variables to rows.
+//! Products with binary and integer variables as rows.
 //!
 //! For a binary `b` and `l <= e <= u`, `w = b e` is
 //! `l b <= w <= u b` and `e - u (1 - b) <= w <= e - l (1 - b)`: the convex hull of both cases.
@@ -52,7 +52,7 @@ pub(super) fn apply(
     let range = lowering.bounded_range(of)?.hull(Interval::point(0.0));
     let (mut number, mut sum) = (Affine::constant(low), low * of);
     let mut weight = 1.0;
-    // Empty ranges (no whole number between the bounds) leave the rows without a point.
+    // An empty range (no integer between the bounds) makes the rows infeasible.
     while weight <= width {
         let bit = lowering.column("bit", VariableKind::Binary, 0.0, 1.0)?;
         let part = lowering.column("part", VariableKind::Continuous, range.lower, range.upper)?;
@@ -72,8 +72,8 @@ fn binary(
     of: &Affine,
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
-    // Where the factor is on, it is 1 in the expression as well; where it is off, nothing of the
-    // expression is left.
+    // If the factor is 1, it is 1 in the expression as well; if it is 0, the expression does not
+    // matter.
     let (terms, constant) = of.clone().into_parts();
     let mut expression = Affine::constant(constant);
     for (variable, coefficient) in terms {

@@ -1,4 +1,4 @@
-//! The provenance of every big-M.
+//! The report: the origin of every big-M.
 
 use std::fmt;
 
@@ -24,7 +24,7 @@ impl Side {
     }
 }
 
-/// Where the treatment of one side of an indicator comes from.
+/// How one side of an indicator is lowered, and where its M comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -36,11 +36,11 @@ pub enum BigMSource {
     LinearProgram,
     /// The user's M, proved by the bounds.
     Given,
-    /// The user's M, taken on trust.
+    /// The user's M, used without proof.
     Assumed,
     /// No row: the bounds alone imply this side.
     Implied,
-    /// The row without any M: the condition is fixed to hold.
+    /// The row without an M: the condition is fixed to hold.
     ConditionHolds,
     /// No row: the condition is fixed not to hold.
     ConditionFails,
@@ -58,8 +58,8 @@ pub struct Share {
     /// The bound, in the variable's unit.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub value: f64,
-    /// What it contributes to the miss: coefficient times bound, in the row's unit, with the sign
-    /// that makes a miss of this side positive.
+    /// Its contribution to the violation: coefficient times bound, in the row's unit, positive if
+    /// it increases the violation of this side.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub part: f64,
 }
@@ -75,10 +75,10 @@ pub struct BigMEntry {
     pub side: Side,
     /// How the side was treated.
     pub source: BigMSource,
-    /// The M in the lowered row, in the unit of the indicator's row; 0 where there is none.
+    /// The M in the lowered row, in the unit of the indicator's row; 0 if there is none.
     pub value: f64,
-    /// The smallest M that the bounds prove (linear programs may prove a smaller one); infinite
-    /// where a bound is missing.
+    /// The smallest M that the bounds prove, in the row's unit (linear programs may prove a smaller
+    /// one); infinite if a bound is missing.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub needed: f64,
     /// The variable that contributes most to `needed`.
@@ -104,7 +104,8 @@ impl BigMEntry {
         }
     }
 
-    /// Notes from which bounds the miss of a side comes, and which variable makes it large.
+    /// Records which bounds the violation of a side comes from, and which variable contributes
+    /// most.
     pub(super) fn note_shares(
         &mut self,
         model: &Model,
@@ -133,7 +134,7 @@ impl BigMEntry {
         Ok(())
     }
 
-    /// By how much linear programs made the M smaller than the bounds alone, as a fraction.
+    /// The reduction of the M by linear programs, as a fraction of the M from bounds alone.
     pub fn gain(&self) -> f64 {
         match self.source {
             BigMSource::LinearProgram if self.needed > 0.0 && self.needed.is_finite() => {
@@ -144,8 +145,9 @@ impl BigMEntry {
     }
 }
 
-/// Every side of every indicator and of every row of a disjunction, in the order of the model;
-/// before them the functions that need an M. A compound condition may need several rows a side, with an entry each.
+/// Every function that needs an M, and then every side of every indicator and of every row of a
+/// disjunction, in the order of the model. A compound condition may need several rows per side,
+/// each with an entry.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMReport {
@@ -154,12 +156,12 @@ pub struct BigMReport {
 
 impl BigMReport {
     /// All entries: functions in the order of the model, then its indicators, then the rows of its
-    /// disjunctions (but by hulls, which have no M), lower side first.
+    /// disjunctions (except hulls, which have no M), lower side first.
     pub fn entries(&self) -> &[BigMEntry] {
         &self.entries
     }
 
-    /// The entries whose M was taken on trust.
+    /// The entries whose M is used without proof.
     pub fn assumed(&self) -> impl Iterator<Item = &BigMEntry> {
         self.entries.iter().filter(|e| e.source == BigMSource::Assumed)
     }
@@ -179,7 +181,7 @@ impl BigMReport {
 }
 
 impl fmt::Display for BigMReport {
-    /// One line a side: `contact upper: M = 10 from bounds (largest share: x)`.
+    /// One line per side: `contact upper: M = 10 from bounds (largest share: x)`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for entry in &self.entries {
             write!(f, "{} {}: ", entry.indicator, entry.side.word())?;
