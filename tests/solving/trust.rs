@@ -361,11 +361,11 @@ fn leaks_are_listed_worst_first_with_advice() {
     assert_eq!(
         lines,
         [
-            ("given_upper", "leave its M out: the bounds prove 0.25"),
+            ("given_upper", "omit its M: the bounds prove 0.25"),
             (
                 "by_hand",
-                "say it as an indicator, so that its M comes from the bounds, or tighten the \
-                 bounds it comes from"
+                "write it as an indicator, so that its M comes from the bounds, or tighten \
+                 the bounds that it comes from"
             ),
             ("large_upper", "lower the upper bound of `x` from 100000 to at most 1.5"),
         ]
@@ -409,7 +409,7 @@ fn advice_can_be_followed() {
             ("few_upper", "lower the upper bound of `n` from 100000 to at most 4"),
             (
                 "never_lower",
-                "tighten the bounds of `low` and its neighbours, or ask for linear programs \
+                "tighten the bounds of `low` and its neighbours, or use linear programs \
                  (`Reformulation::with_linear_programs`)"
             ),
             (
