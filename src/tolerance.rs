@@ -12,8 +12,8 @@ pub const INFINITE: f64 = 1e20;
 
 /// Default feasibility tolerance of rows and bounds, in the row's own unit, absolute.
 ///
-/// A point satisfies `l <= a'x <= u` when it misses by no more than this times the row's
-/// [scale](crate::tolerance::row_scale), which is 1 for rows of ordinary size. Range `1e-9..=1e-3`.
+/// A point satisfies `l <= a'x <= u` when it misses by no more than this and the rounding of its
+/// values, see [`allowed_miss`]. Range `1e-9..=1e-3`.
 pub const FEASIBILITY: f64 = 1e-6;
 
 /// Default distance to the nearest integer at which a relaxed value counts as integral
@@ -80,25 +80,51 @@ pub const REST_SPEED: f64 = 1e-7;
 /// wall rests there as well: a guard against endless work at huge accelerations (no unit).
 pub const MAX_BOUNCES: usize = 100_000;
 
-/// Default margin of reach sets, in SI units, per unit of the row's [scale](row_scale): by how much
-/// a plan may miss limits, guards and ends and still lie in the sets. A plan that is accepted is
-/// known to [`FEASIBILITY`] row by row and to [`REPLAY`] as a whole; this is twice their sum.
+/// Default margin of reach sets, in SI units: by how much a plan may miss limits, guards and ends and
+/// still lie in the sets. A plan that is accepted is known to [`FEASIBILITY`] row by row and to
+/// [`REPLAY`] as a whole; this is twice their sum. Beyond a magnitude of 1000 it grows in proportion.
 pub const REACH: f64 = 4e-6;
 
 /// Longest horizon, in steps, for which a model is built. A longer one is refused with an error
 /// before anything is allocated.
 pub const MAX_STEPS: usize = 100_000;
 
-/// The scale by which the feasibility tolerance of a row is multiplied: the largest magnitude of
-/// its terms `|a_j x_j|` and finite limits, but at least 1.
+/// What rounding may add to the miss of a row, relative to the sum of the magnitudes of its terms and
+/// its limit (no unit).
+///
+/// Every value of a point is the result of some arithmetic: half an epsilon for the last rounding,
+/// and as much again for each product, sum and quotient of the equality that presolve expressed a
+/// column by. Eight halves cover an equality of a few terms. The evaluation itself adds nothing,
+/// because [`Verification`](crate::solution::Verification) sums with twice the digits.
+pub const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// By how much an accepted point may miss a row, a bound or a function, in its unit: the absolute
+/// tolerance, and the rounding of the point's values. Nothing else is proportional to the terms.
 ///
 /// # Arguments
 ///
-/// * `largest_term`: the largest `|a_j x_j|` of the row at the point in question, in the row's
-///   unit.
-/// * `limit`: the violated limit, in the row's unit.
-pub fn row_scale(largest_term: f64, limit: f64) -> f64 {
+/// * `feasibility`: the absolute tolerance, in the row's unit.
+/// * `magnitude`: the sum of `|a_j x_j|` and of the limit's magnitude, in the row's unit; 0 for a
+///   row of integers with whole coefficients, which has no rounding.
+///
+/// ```
+/// use carom::tolerance::{FEASIBILITY, allowed_miss};
+///
+/// assert!(allowed_miss(FEASIBILITY, 1e6) < 1.001 * FEASIBILITY);
+/// assert!(allowed_miss(FEASIBILITY, 1e11) < 1e-4);
+/// ```
+pub fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
+    feasibility + ROUNDING * magnitude
+}
+
+/// The factor by which margins grow where only a loosening is meant: one thousandth of the largest
+/// magnitude, but at least 1. It is far above [`allowed_miss`], so reach sets hold every accepted plan.
+///
+/// # Arguments
+///
+/// * `largest_term`: the largest `|a_j x_j|`, in the row's unit.
+/// * `limit`: the limit, in the row's unit; infinite ones do not count.
+pub(crate) fn margin_scale(largest_term: f64, limit: f64) -> f64 {
     let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
-    // Up to 1e3 the tolerance is absolute; beyond it, one millionth of it is absolute noise.
     (largest_term.max(limit) * 1e-3).max(1.0)
 }

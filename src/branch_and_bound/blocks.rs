@@ -15,6 +15,7 @@ use crate::program::Program;
 use crate::search::Found;
 use crate::solution::{Statistics, Termination};
 use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
+use crate::sum::Sum;
 use crate::tolerance;
 
 /// A block and what is known of it.
@@ -353,19 +354,24 @@ impl Parts<'_> {
 
 /// Whether a point satisfies bounds and rows of a program as a model's verification wants it.
 fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
-    let within = |value: f64, lower: f64, upper: f64, largest: f64| {
-        let miss = (lower - value).max(value - upper);
-        let limit = if lower - value > value - upper { lower } else { upper };
-        miss <= feasibility * tolerance::row_scale(largest, limit)
-    };
-    let column = |(j, &v): (usize, &f64)| within(v, program.lower[j], program.upper[j], v.abs());
-    let row = |row: usize| {
-        let (columns, values) = program.row(row);
-        let terms = || columns.iter().zip(values).map(|(&j, &a)| a * x[j]);
-        let largest = terms().fold(0.0_f64, |most, term| most.max(term.abs()));
-        within(terms().sum(), program.row_lower[row], program.row_upper[row], largest)
+    let within = |columns: &[usize], values: &[f64], limits: [f64; 2]| {
+        let (mut magnitude, mut whole) = (0.0, true);
+        let mut sums = limits.map(|limit| Sum::new(-limit));
+        for (&j, &a) in columns.iter().zip(values) {
+            sums.iter_mut().for_each(|sum| sum.add_product(a, x[j]));
+            magnitude += (a * x[j]).abs();
+            whole &= program.integral[j] && a == a.round();
+        }
+        let [below, above] = [-sums[0].value(), sums[1].value()];
+        let limit = if below > above { limits[0] } else { limits[1] };
+        let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
+        let rounded = if whole { 0.0 } else { magnitude + limit };
+        below.max(above) <= tolerance::allowed_miss(feasibility, rounded)
     };
     // Behind the program's own columns there may be windows of the search.
-    x.iter().enumerate().take(program.column_count()).all(column)
-        && (0..program.row_count()).all(row)
+    (0..program.column_count()).all(|j| within(&[j], &[1.0], [program.lower[j], program.upper[j]]))
+        && (0..program.row_count()).all(|row| {
+            let (columns, values) = program.row(row);
+            within(columns, values, [program.row_lower[row], program.row_upper[row]])
+        })
 }

@@ -325,7 +325,7 @@ impl Analysis {
         if !limit.is_finite() {
             return false;
         }
-        let (mut rest, mut size, mut scale, mut largest) = (0.0, 0.0, 0.0_f64, 0.0_f64);
+        let (mut rest, mut size, mut scale) = (0.0, 0.0, 0.0_f64);
         let mut uses: Vec<Use> = Vec::new();
         for entry in entries {
             let column = entry.column();
@@ -341,7 +341,6 @@ impl Analysis {
             }
             rest += low;
             size += low.abs();
-            largest = largest.max(low.abs());
             scale += low.abs().max(if high.is_finite() { high.abs() } else { 0.0 });
             let cost = low - slope * self.root[column][side];
             if cost > 0.0 {
@@ -369,7 +368,7 @@ impl Analysis {
         if surplus.is_nan() || surplus < 0.0 {
             return false;
         }
-        let tolerance = tolerance::FEASIBILITY * tolerance::row_scale(largest, limit);
+        let tolerance = tolerance::allowed_miss(tolerance::FEASIBILITY, size + limit.abs());
         self.give_back(sources, uses, surplus - tolerance);
         true
     }

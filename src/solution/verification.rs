@@ -9,6 +9,7 @@ use std::fmt;
 
 use crate::interval::Interval;
 use crate::model::{Affine, BigM, Function, Model, Name, TermRef, Variable};
+use crate::sum::Sum;
 use crate::tolerance;
 
 use super::point::Point;
@@ -105,10 +106,11 @@ impl Verification {
     ///
     /// # Arguments
     ///
-    /// * `feasibility`: the tolerance of rows and bounds, multiplied by
-    ///   [`tolerance::row_scale`]. Integer variables must be whole within 1e-9.
+    /// * `feasibility`: the absolute tolerance of rows, bounds and functions, in their units. Rounding
+    ///   is forgiven as well, see [`tolerance::allowed_miss`], but not in rows of integers with
+    ///   whole coefficients. Integer variables must be whole within 1e-9.
     pub fn of(model: &Model, point: &Point, feasibility: f64) -> Self {
-        let values = point.as_slice();
+        let at = Evaluation::new(model, point.as_slice(), feasibility);
         let mut check = Verification {
             violations: Vec::new(),
             largest_residual: 0.0,
@@ -116,29 +118,28 @@ impl Verification {
             assumed: Vec::new(),
         };
         for variable in model.variables() {
-            let value = values[variable.id().index()];
-            let miss = excess(value, variable.bounds(), value.abs());
-            check.note(ViolationKind::Bound, miss, feasibility, || variable.name().to_string());
+            let name = || variable.name().to_string();
+            let miss = at.row(&[(variable.id(), 1.0)], variable.bounds());
+            check.note(ViolationKind::Bound, miss, name);
             if variable.kind().is_integral() {
-                let miss = Miss::new((value - value.round()).abs(), 0.0);
-                check.note(ViolationKind::Integrality, miss, 1e-9, || variable.name().to_string());
+                let value = at.value(variable.id());
+                let miss = Miss::beyond((value - value.round()).abs(), 1e-9);
+                check.note(ViolationKind::Integrality, miss, name);
             }
         }
         for row in model.constraints() {
-            let miss = residual(row.terms(), row.limits(), values);
-            check.note(ViolationKind::Row, miss, feasibility, || row.name().to_string());
+            let miss = at.row(row.terms(), row.limits());
+            check.note(ViolationKind::Row, miss, || row.name().to_string());
         }
         for function in model.functions() {
-            let result = function.result();
-            let miss = distance(function.function(), result, values, feasibility);
-            let name = || function.name().to_string();
-            check.note(ViolationKind::Function, miss, feasibility, name);
+            let miss = at.function(function.function(), function.result());
+            check.note(ViolationKind::Function, miss, || function.name().to_string());
         }
-        let on = |variable: Variable| values[variable.index()].round() == 1.0;
+        let on = |variable: Variable| at.is_on(variable);
         for logical in model.logical_constraints() {
             let amount = f64::from(u8::from(!logical.logic().evaluate(on)));
             let name = || logical.name().to_string();
-            check.note(ViolationKind::Logic, Miss::new(amount, 0.0), 0.0, name);
+            check.note(ViolationKind::Logic, Miss::beyond(amount, 0.0), name);
         }
         for indicator in model.indicators() {
             let name = || indicator.name().to_string();
@@ -147,12 +148,12 @@ impl Verification {
             }
             if indicator.condition().evaluate(on) {
                 check.checked.active_implications += 1;
-                let miss = residual(indicator.terms(), indicator.limits(), values);
-                check.note(ViolationKind::Implication, miss, feasibility, name);
+                let miss = at.row(indicator.terms(), indicator.limits());
+                check.note(ViolationKind::Implication, miss, name);
             }
         }
         for disjunction in model.disjunctions() {
-            check.one_of(disjunction.name(), disjunction.terms(), true, values, feasibility);
+            check.one_of(disjunction.name(), disjunction.terms(), true, &at);
         }
         check.checked = Checked {
             variables: model.variable_count(),
@@ -173,24 +174,23 @@ impl Verification {
         name: &Name,
         terms: impl Iterator<Item = TermRef<'a>>,
         active: bool,
-        values: &[f64],
-        feasibility: f64,
+        at: &Evaluation<'_>,
     ) {
         let mut selected = 0;
         for term in terms {
             let selector = term.selector();
-            let on = (values[selector.variable().index()].round() == 1.0) == selector.is_on();
+            let on = at.is_on(selector.variable()) == selector.is_on();
             selected += usize::from(on);
             for (terms, limits) in term.rows().filter(|_| on) {
-                let (miss, name) = (residual(terms, limits, values), || name.to_string());
-                self.note(ViolationKind::Disjunction, miss, feasibility, name);
+                let miss = at.row(terms, limits);
+                self.note(ViolationKind::Disjunction, miss, || name.to_string());
             }
             for inner in term.nested() {
-                self.one_of(name, inner.into_iter(), on, values, feasibility);
+                self.one_of(name, inner.into_iter(), on, at);
             }
         }
         let wrong = f64::from(u8::from(selected != usize::from(active)));
-        self.note(ViolationKind::Disjunction, Miss::new(wrong, 0.0), 0.0, || name.to_string());
+        self.note(ViolationKind::Disjunction, Miss::beyond(wrong, 0.0), || name.to_string());
     }
 
     /// Whether nothing is violated beyond the tolerance.
@@ -224,15 +224,10 @@ impl Verification {
         &self.assumed
     }
 
-    fn note(
-        &mut self,
-        kind: ViolationKind,
-        Miss { amount, size, scale }: Miss,
-        tolerance: f64,
-        name: impl FnOnce() -> String,
-    ) {
+    fn note(&mut self, kind: ViolationKind, miss: Miss, name: impl FnOnce() -> String) {
+        let Miss { amount, size, allowed } = miss;
         // NaN is a violation.
-        if amount.is_nan() || amount > tolerance * scale {
+        if amount.is_nan() || amount > allowed {
             let relative = amount / size.max(1.0);
             self.violations.push(Violation { kind, name: name(), amount, relative });
         }
@@ -247,60 +242,122 @@ pub(crate) fn for_reading(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// By how much a statement is missed, the largest number in it, and the scale of its tolerance.
+/// By how much a statement is missed, the largest number in it, and how much may be missed.
 struct Miss {
     amount: f64,
     size: f64,
-    scale: f64,
+    allowed: f64,
 }
 
 impl Miss {
-    fn new(amount: f64, size: f64) -> Self {
-        Miss { amount, size, scale: tolerance::row_scale(size, 0.0) }
+    /// A miss of something without terms.
+    fn beyond(amount: f64, allowed: f64) -> Self {
+        Miss { amount, size: 0.0, allowed }
     }
 }
 
-/// How far a variable is from the function it should be.
-fn distance(function: &Function, result: Variable, values: &[f64], feasibility: f64) -> Miss {
-    let (value, at) = (values[result.index()], |v: Variable| values[v.index()]);
-    let terms = function.expressions().iter().flat_map(Affine::terms);
-    let largest = terms.map(|(v, a)| (a * at(v)).abs()).fold(value.abs(), f64::max);
-    let scale = tolerance::row_scale(largest, 0.0);
-    match function {
-        Function::Piecewise { of, graph } => {
-            // The argument is known up to a tolerance of its own, which a steep piece enlarges.
-            let (x, slack) = (of.evaluate(at), feasibility * scale);
-            let near = graph.values_within(x - slack, x + slack);
-            let amount = excess(value, near, 0.0).amount + excess(x, graph.domain(), 0.0).amount;
-            Miss::new(amount, largest)
+/// The value of an expression.
+struct Value {
+    sum: Sum,
+    /// The sum of the magnitudes of its terms.
+    magnitude: f64,
+    largest: f64,
+    /// Whether it is a whole number wherever its variables are, so that nothing was rounded.
+    whole: bool,
+}
+
+/// Statements evaluated at a point, with sums of twice the digits.
+struct Evaluation<'a> {
+    values: &'a [f64],
+    integral: Vec<bool>,
+    feasibility: f64,
+}
+
+impl<'a> Evaluation<'a> {
+    fn new(model: &Model, values: &'a [f64], feasibility: f64) -> Self {
+        let integral = model.variables().map(|variable| variable.kind().is_integral()).collect();
+        Evaluation { values, integral, feasibility }
+    }
+
+    fn is_on(&self, variable: Variable) -> bool {
+        self.value(variable).round() == 1.0
+    }
+
+    fn value(&self, variable: Variable) -> f64 {
+        self.values[variable.index()]
+    }
+
+    fn terms(&self, terms: impl Iterator<Item = (Variable, f64)>, constant: f64) -> Value {
+        let (magnitude, whole) = (constant.abs(), constant == constant.round());
+        let mut value = Value { sum: Sum::new(constant), magnitude, largest: magnitude, whole };
+        for (variable, a) in terms {
+            let x = self.value(variable);
+            value.sum.add_product(a, x);
+            value.magnitude += (a * x).abs();
+            value.largest = value.largest.max((a * x).abs());
+            value.whole &= self.integral[variable.index()] && a == a.round();
         }
-        // The expression is known up to a tolerance of its own, which the factor enlarges.
-        Function::Product { factor, .. } => {
-            let miss = Miss::new((value - function.evaluate(at)).abs(), largest);
-            Miss { scale: scale * at(*factor).abs().max(1.0), ..miss }
+        value
+    }
+
+    /// By how much a row misses its limits, and by how much it may.
+    ///
+    /// A whole number misses a limit by at most the tolerance exactly if it does not miss the limit
+    /// rounded, within the tolerance, to a whole number; so rows of whole numbers are compared
+    /// exactly.
+    fn row(&self, terms: &[(Variable, f64)], limits: Interval) -> Miss {
+        let value = self.terms(terms.iter().copied(), 0.0);
+        if !value.magnitude.is_finite() {
+            return Miss::beyond(value.magnitude, 0.0);
         }
-        _ => Miss::new((value - function.evaluate(at)).abs(), largest),
+        let beyond = |limit: f64| {
+            let mut miss = value.sum;
+            miss.add(-limit);
+            miss.value()
+        };
+        let (below, above) = (-beyond(limits.lower), beyond(limits.upper));
+        let limit = if below > above { limits.lower } else { limits.upper };
+        let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
+        let rounded = if value.whole { 0.0 } else { value.magnitude + limit };
+        Miss {
+            amount: below.max(above).max(0.0),
+            size: value.largest.max(limit),
+            allowed: tolerance::allowed_miss(self.feasibility, rounded),
+        }
+    }
+
+    /// How far a variable is from the function it should be, and how far it may be: argument and
+    /// value may both be off the graph by the tolerance, unless they are whole numbers.
+    fn function(&self, function: &Function, result: Variable) -> Miss {
+        let at = |variable| self.value(variable);
+        let (own, factor) = (at(result), function.factor().map_or(1.0, at));
+        let of = |e: &Affine| self.terms(e.terms().into_iter(), e.offset());
+        let arguments: Vec<Value> = function.expressions().iter().map(of).collect();
+        let magnitude = arguments.iter().map(|e| e.magnitude).fold(0.0, f64::max);
+        let magnitude = own.abs() + magnitude * factor.abs();
+        if !magnitude.is_finite() {
+            return Miss::beyond(magnitude, 0.0);
+        }
+        let size = arguments.iter().map(|e| e.largest).fold(own.abs(), f64::max);
+        let allowed = tolerance::allowed_miss(self.feasibility, magnitude);
+        let amount = match function {
+            Function::Piecewise { of, graph } => {
+                let x = of.evaluate(at);
+                let near = graph.values_within(x - allowed, x + allowed);
+                excess(own, near) + excess(x, graph.domain())
+            }
+            _ => (own - function.evaluate(at)).abs(),
+        };
+        let allowed = match function {
+            Function::Product { .. } if arguments.iter().any(|e| !e.whole) => {
+                allowed + self.feasibility * (factor.abs() - 1.0).max(0.0)
+            }
+            _ => allowed,
+        };
+        Miss { amount, size, allowed }
     }
 }
 
-/// By how much a row misses its limits.
-fn residual(terms: &[(Variable, f64)], limits: Interval, values: &[f64]) -> Miss {
-    let (mut sum, mut largest) = (0.0, 0.0_f64);
-    for &(variable, coefficient) in terms {
-        let term = coefficient * values[variable.index()];
-        sum += term;
-        largest = largest.max(term.abs());
-    }
-    excess(sum, limits, largest)
-}
-
-fn excess(value: f64, limits: Interval, largest_term: f64) -> Miss {
-    if value.is_nan() {
-        return Miss::new(f64::NAN, 0.0);
-    }
-    let below = limits.lower - value;
-    let above = value - limits.upper;
-    let limit = if below > above { limits.lower } else { limits.upper };
-    let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
-    Miss::new(below.max(above).max(0.0), largest_term.max(limit))
+fn excess(value: f64, limits: Interval) -> f64 {
+    (limits.lower - value).max(value - limits.upper).max(0.0)
 }

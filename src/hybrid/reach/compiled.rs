@@ -8,7 +8,7 @@ use super::shape::{Geometry, Map, Matrix, Shape};
 use super::system::{Halfspace, HybridSystem};
 use super::template::Template;
 use crate::interval::Interval;
-use crate::tolerance::row_scale;
+use crate::tolerance::margin_scale;
 
 /// States whose sets are kept together: nothing links them to the others.
 #[derive(Debug, Clone)]
@@ -147,7 +147,7 @@ fn block(
         let normal = local(&halfspace.normal);
         let terms = halfspace.normal.iter().zip(sizes).map(|(n, size)| (n * size).abs());
         let largest = terms.fold(0.0, f64::max);
-        let limit = halfspace.limit + margin * row_scale(largest, halfspace.limit);
+        let limit = halfspace.limit + margin * margin_scale(largest, halfspace.limit);
         let touches = normal.iter().any(|&n| n != 0.0);
         let name = halfspace.name.clone();
         touches.then_some(Cut { name, normal, limit, given: halfspace.limit })
@@ -160,7 +160,7 @@ fn block(
         for (sign, limit, word) in [(1.0, domain.upper, "upper"), (-1.0, -domain.lower, "lower")] {
             let mut normal = vec![0.0; states.len()];
             normal[k] = sign;
-            let wide = limit + margin * row_scale(sizes[state], limit);
+            let wide = limit + margin * margin_scale(sizes[state], limit);
             let name = format!("the {word} limit of {name}");
             limits.push(Cut { name, normal, limit: wide, given: limit });
         }
@@ -186,7 +186,7 @@ fn block(
         for (j, range) in inputs.iter().enumerate() {
             let size = range.magnitude();
             let half = 0.5 * (range.upper - range.lower)
-                + margin * row_scale(size, 0.0)
+                + margin * margin_scale(size, 0.0)
                 + 4.0 * EPSILON * size;
             let middle = 0.5 * range.lower + 0.5 * range.upper;
             let generator: Vec<f64> = gains.iter().map(|row| row[j] * half).collect();
@@ -203,7 +203,7 @@ fn block(
             Map::new(part(&reset.matrix, states, states), local(&reset.offset), &geometry)
         });
         let size = |&i: &usize| match transition.reset {
-            Some(_) => margin * row_scale(sizes[i], 0.0),
+            Some(_) => margin * margin_scale(sizes[i], 0.0),
             None => 0.0,
         };
         let reset_slack = states.iter().map(size).collect();

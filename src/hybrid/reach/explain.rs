@@ -10,7 +10,7 @@ use super::system::{Halfspace, HybridSystem};
 use super::tube::Tube;
 use crate::error::Error;
 use crate::interval::Interval;
-use crate::tolerance::row_scale;
+use crate::tolerance::margin_scale;
 
 /// By how many widths a domain is enlarged to find out whether it stands in the way.
 const LIFTED_WIDTHS: f64 = 1e3;
@@ -257,7 +257,7 @@ fn number(value: f64) -> String {
 /// "0.3", or "between 0.2 and 0.4".
 fn range(range: &Interval) -> String {
     let middle = 0.5 * (range.lower + range.upper);
-    if range.upper - range.lower <= 2e-5 * row_scale(range.magnitude(), 0.0) {
+    if range.upper - range.lower <= 2e-5 * margin_scale(range.magnitude(), 0.0) {
         return number(middle);
     }
     format!("between {} and {}", number(range.lower), number(range.upper))

@@ -50,7 +50,7 @@ impl ReachSet {
         }
         let wide = |i: &usize| {
             let range = ranges[*i];
-            let margin = margin * crate::tolerance::row_scale(range.magnitude(), 0.0);
+            let margin = margin * crate::tolerance::margin_scale(range.magnitude(), 0.0);
             (range.lower - margin, range.upper + margin)
         };
         let mut shapes = Vec::with_capacity(system.blocks.len());

@@ -24,7 +24,7 @@ pub struct SetOptions {
     /// 512.
     pub vertices: usize,
     /// By how much a plan may miss its start, its goal, and every limit, guard and input range,
-    /// per unit of the [row's scale](tolerance::row_scale), and still lie in the sets;
+    /// and still lie in the sets; where numbers exceed 1000, times a thousandth of them;
     /// default [`tolerance::REACH`], from 0 to 1.
     pub margin: f64,
     /// Directions along which sets of other than two states are limited, beside the axes, the

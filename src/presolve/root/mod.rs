@@ -11,6 +11,7 @@
 //! * `redundant_rows` - sides that the bounds imply
 //! * `parallel_rows` - rows that are multiples of another one
 //! * `doubletons` - equalities over two columns
+//! * `lineality` - columns that can be shifted together without any row or cost noticing
 //! * `slack_columns` - continuous columns in a single row
 //! * `implied_free` - columns whose bounds an equality implies
 //! * `dominated_columns` - columns whose reduced cost has a known sign
@@ -25,6 +26,7 @@ mod dominated_columns;
 mod doubletons;
 mod fixed_columns;
 mod implied_free;
+mod lineality;
 mod parallel_columns;
 mod parallel_rows;
 mod postsolve;
@@ -56,6 +58,8 @@ pub enum Rule {
     ParallelRows,
     /// Equalities over two columns replace one of them.
     Doubletons,
+    /// Of columns that can be shifted together without any row or cost noticing, one is fixed.
+    Lineality,
     /// Continuous columns in one row only become part of its limits.
     SlackColumns,
     /// Columns whose bounds an equality implies are replaced by it.
@@ -70,12 +74,13 @@ pub enum Rule {
 
 impl Rule {
     /// All rules, in the order of their application.
-    pub const ALL: [Rule; 10] = [
+    pub const ALL: [Rule; 11] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
         Rule::RedundantRows,
         Rule::ParallelRows,
         Rule::Doubletons,
+        Rule::Lineality,
         Rule::SlackColumns,
         Rule::ImpliedFree,
         Rule::DominatedColumns,
@@ -103,6 +108,7 @@ impl Rule {
             Rule::RedundantRows => redundant_rows::apply(work),
             Rule::ParallelRows => parallel_rows::apply(work),
             Rule::Doubletons => Ok(doubletons::apply(work)),
+            Rule::Lineality => Ok(lineality::apply(work)),
             Rule::SlackColumns => Ok(slack_columns::apply(work)),
             Rule::ImpliedFree => Ok(implied_free::apply(work)),
             Rule::DominatedColumns => Ok(dominated_columns::apply(work)),

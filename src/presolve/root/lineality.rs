@@ -1,0 +1,260 @@
+//! Columns that can be shifted together without any row or cost noticing: one of them is fixed.
+//!
+//! Rows over potentials of a tour, or over start times of a schedule, see differences only. With a
+//! direction `d` for which `Ad = 0`, `q'd = 0` and `Pd = 0` (the lineality space), a point remains a
+//! point of the same objective wherever it is shifted along `d`. Fixing one column of the direction
+//! at 0 takes nothing away, and propagation bounds the others; without it they take values of any
+//! size.
+//!
+//! The columns of a direction have no bounds, or only bounds that the same sense of the direction
+//! leaves behind, such as potentials that must not be negative: these bounds are dropped, and the
+//! way back shifts the point until they hold. Bounds on both sides of a direction would notice.
+//! Integral columns are shifted by whole steps.
+//!
+//! The directions come from an elimination without any rounding: where a result does not fit into a
+//! float, the columns behind it stay as they are.
+
+use std::collections::BTreeMap;
+
+use super::fixed_columns::fix;
+use super::postsolve::{Restored, Undo};
+use super::work::{Sparse, Work};
+use crate::sum::{exact_product, exact_sum};
+
+/// Most entries that the elimination looks at, as a multiple of those it begins with.
+const WORK: usize = 50;
+
+/// Bounds that were dropped, and the direction that leaves them behind.
+#[derive(Debug)]
+struct Shifted {
+    direction: Sparse,
+    /// Lower and upper bound of each column of the direction.
+    bounds: Vec<[f64; 2]>,
+    /// Whether only whole steps are allowed.
+    whole: bool,
+}
+
+pub(super) fn apply(work: &mut Work) -> usize {
+    let mut changes = 0;
+    // Free columns first: bounds on one side may hide what can be done without touching them.
+    for most in [0, 1] {
+        let count =
+            |j: usize| [work.lower[j], work.upper[j]].into_iter().filter(|b| b.is_finite()).count();
+        let open: Vec<bool> =
+            (0..work.uses.len()).map(|j| work.column_alive[j] && count(j) <= most).collect();
+        if !open.contains(&true) || work.is_late(0) {
+            continue;
+        }
+        for direction in Elimination::new(work, open).directions(work) {
+            changes += usize::from(fix_along(work, direction));
+        }
+    }
+    changes
+}
+
+/// Fixes the first column of a direction unless bounds notice a shift both ways.
+fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
+    let leaves = |j: usize, d: f64| {
+        let (lower, upper) = (work.lower[j].is_finite(), work.upper[j].is_finite());
+        (!lower || d > 0.0) && (!upper || d < 0.0)
+    };
+    let first = direction[0].0;
+    if !direction.iter().all(|&(j, d)| leaves(j, d)) {
+        direction.iter_mut().for_each(|(_, d)| *d = -*d);
+        if !direction.iter().all(|&(j, d)| leaves(j, d)) {
+            return false;
+        }
+    }
+    let bounds: Vec<[f64; 2]> =
+        direction.iter().map(|&(j, _)| [work.lower[j], work.upper[j]]).collect();
+    if bounds.iter().flatten().any(|bound| bound.is_finite()) {
+        for &(j, _) in &direction {
+            (work.lower[j], work.upper[j]) = (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        let whole = direction.iter().any(|&(j, _)| work.integral[j]);
+        work.push(Shifted { direction, bounds, whole });
+    }
+    fix(work, first, 0.0);
+    true
+}
+
+impl Undo for Shifted {
+    fn primal(&self, x: &mut [f64]) {
+        let mut step = 0.0_f64;
+        for (&(j, d), &[lower, upper]) in self.direction.iter().zip(&self.bounds) {
+            let bound = if d > 0.0 { lower } else { upper };
+            step = if bound.is_finite() { step.max((bound - x[j]) / d) } else { step };
+        }
+        let step = if self.whole { step.ceil() } else { step };
+        self.direction.iter().for_each(|&(j, d)| x[j] += step * d);
+    }
+
+    /// No column of the direction presses on a bound, and all reduced costs are 0.
+    fn dual(&self, _: &mut Restored) {}
+}
+
+/// The directions `d` over some columns along which no row changes.
+///
+/// Each row says `a'd = 0`. It expresses one column by the others, with which the column is replaced
+/// everywhere; columns that are not expressed are the parameters of the directions.
+struct Elimination {
+    /// Columns whose entry of `d` may be other than 0.
+    open: Vec<bool>,
+    /// Each expressed column as a combination of parameters.
+    expressed: Vec<Option<BTreeMap<usize, f64>>>,
+    /// Columns whose expressions may have a parameter.
+    users: Vec<Vec<usize>>,
+    /// Entries that may still be looked at.
+    left: usize,
+}
+
+impl Elimination {
+    fn new(work: &Work, open: Vec<bool>) -> Self {
+        let columns = (0..open.len()).filter(|&j| open[j]);
+        let entries: usize = columns.map(|j| work.uses[j].len()).sum();
+        Elimination {
+            expressed: vec![None; open.len()],
+            users: vec![Vec::new(); open.len()],
+            open,
+            left: WORK * (entries + 1),
+        }
+    }
+
+    /// A basis; in each direction the first column belongs to no other one, and has the entry 1.
+    fn directions(mut self, work: &mut Work) -> Vec<Sparse> {
+        let mut rows = self.rows(work);
+        // Short ones first: they express columns without filling the others.
+        rows.sort_by_key(Vec::len);
+        for row in rows {
+            if self.left == 0 || work.is_late(row.len()) {
+                return Vec::new();
+            }
+            self.eliminate(work, &row);
+        }
+        self.close_noticed(work);
+        let parameters = (0..self.open.len()).filter(|&j| self.open[j]);
+        let parameters = parameters.filter(|&j| self.expressed[j].is_none());
+        parameters.map(|j| self.direction(j)).collect()
+    }
+
+    /// The rows over open columns, less those that a row by itself keeps from moving.
+    fn rows(&mut self, work: &Work) -> Vec<Sparse> {
+        let open = |&(j, _): &(usize, f64)| self.open[j];
+        let count = |row: &Sparse| row.iter().filter(|entry| open(entry)).count();
+        let mut counts: Vec<usize> = work.rows.iter().map(count).collect();
+        let mut single: Vec<usize> = (0..counts.len()).filter(|&i| counts[i] == 1).collect();
+        while let Some(i) = single.pop() {
+            let Some(&(j, _)) = work.rows[i].iter().find(|(j, _)| self.open[*j]) else { continue };
+            self.open[j] = false;
+            for &i in &work.uses[j] {
+                counts[i] -= 1;
+                single.extend((counts[i] == 1).then_some(i));
+            }
+        }
+        let open = |&(j, _): &(usize, f64)| self.open[j];
+        let some = (0..counts.len()).filter(|&i| counts[i] > 0);
+        some.map(|i| work.rows[i].iter().copied().filter(open).collect()).collect()
+    }
+
+    /// What `a'd` is as a combination of parameters, and whether nothing was rounded.
+    fn expand(&mut self, row: &[(usize, f64)]) -> (BTreeMap<usize, f64>, bool) {
+        let (mut sum, mut exact) = (BTreeMap::new(), true);
+        for &(j, a) in row {
+            match &self.expressed[j] {
+                Some(terms) => {
+                    self.left = self.left.saturating_sub(terms.len());
+                    exact &= add(&mut sum, a, terms);
+                }
+                None => exact &= add(&mut sum, a, &BTreeMap::from([(j, 1.0)])),
+            }
+        }
+        sum.retain(|&j, value| self.open[j] && (*value != 0.0 || !exact));
+        (sum, exact)
+    }
+
+    /// Expresses a column by a row, or closes what the row keeps from moving.
+    fn eliminate(&mut self, work: &Work, row: &[(usize, f64)]) {
+        let (sum, exact) = self.expand(row);
+        self.left = self.left.saturating_sub(row.len() + sum.len());
+        let pivots = sum.iter().filter_map(|(&j, &a)| {
+            let terms = expression(work, &sum, j, a)?;
+            Some((work.integral[j], self.users[j].len(), j, terms))
+        });
+        // A continuous column where there is one: an integral one needs whole steps.
+        let best = pivots.min_by_key(|&(integral, users, j, _)| (integral, users, j));
+        let Some((_, _, column, terms)) = best.filter(|_| exact && sum.len() > 1) else {
+            sum.keys().for_each(|&j| self.open[j] = false);
+            return;
+        };
+        let mut users = std::mem::take(&mut self.users[column]);
+        users.sort_unstable();
+        users.dedup();
+        for &user in &users {
+            let Some(own) = &mut self.expressed[user] else { continue };
+            let Some(factor) = own.remove(&column) else { continue };
+            self.left = self.left.saturating_sub(terms.len());
+            if !add(own, factor, &terms) {
+                own.keys().for_each(|&j| self.open[j] = false);
+            }
+            own.retain(|_, value| *value != 0.0);
+        }
+        users.push(column);
+        terms.keys().for_each(|&j| self.users[j].extend(&users));
+        self.expressed[column] = Some(terms);
+    }
+
+    /// Closes the parameters that the objective notices.
+    fn close_noticed(&mut self, work: &Work) {
+        let is_open = |j: usize| self.open[j];
+        let cost: Sparse =
+            (0..self.open.len()).filter(|&j| is_open(j)).map(|j| (j, work.linear[j])).collect();
+        let curved = work.quadratic.iter().filter(|row| row.keys().any(|&j| is_open(j)));
+        let curved = curved.map(|row| {
+            row.iter().map(|(&j, &p)| (j, p)).filter(|&(j, _)| is_open(j)).collect::<Sparse>()
+        });
+        let noticing: Vec<Sparse> = curved.chain([cost]).collect();
+        for row in noticing {
+            let (sum, _) = self.expand(&row);
+            sum.keys().for_each(|&j| self.open[j] = false);
+        }
+    }
+
+    fn direction(&self, parameter: usize) -> Sparse {
+        let mut users = self.users[parameter].clone();
+        users.sort_unstable();
+        users.dedup();
+        let entry = |user: usize| Some((user, *self.expressed[user].as_ref()?.get(&parameter)?));
+        [(parameter, 1.0)].into_iter().chain(users.into_iter().filter_map(entry)).collect()
+    }
+}
+
+/// The column `j` with the coefficient `a`, expressed by the others of `sum = 0`; `None` if factors
+/// do not fit into a float, or if whole steps of integral columns would not be whole ones of `j`.
+fn expression(
+    work: &Work,
+    sum: &BTreeMap<usize, f64>,
+    j: usize,
+    a: f64,
+) -> Option<BTreeMap<usize, f64>> {
+    let others = sum.iter().filter(|(k, _)| **k != j);
+    let factor = |(&k, &b): (&usize, &f64)| {
+        let factor = -b / a;
+        let whole = !work.integral[j] || (work.integral[k] && factor == factor.round());
+        let exact = factor.is_finite() && exact_product(factor, a) == (-b, 0.0);
+        (whole && exact).then_some((k, factor))
+    };
+    others.map(factor).collect()
+}
+
+/// Adds `factor` times the terms to a sum; whether nothing was rounded.
+fn add(sum: &mut BTreeMap<usize, f64>, factor: f64, terms: &BTreeMap<usize, f64>) -> bool {
+    let mut exact = true;
+    for (&k, &b) in terms {
+        let entry = sum.entry(k).or_insert(0.0);
+        let (product, lost) = exact_product(factor, b);
+        let (total, rest) = exact_sum(*entry, product);
+        exact &= lost == 0.0 && rest == 0.0 && total.is_finite();
+        *entry = total;
+    }
+    exact
+}
