@@ -11,8 +11,10 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Col, Side};
 
-use crate::presolve::Reduced;
+use crate::presolve::{Compressed, Reduced};
+use crate::program::Program;
 use crate::solver::StopToken;
+use crate::sum::Sum;
 
 /// Most moves.
 const ROUNDS: usize = 8;
@@ -53,6 +55,44 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
     }
 }
 
+/// Polishes the continuous columns of a point of a program, the integral ones as they are.
+///
+/// A reduced program leaves out what it takes for fixed or implied. In a row of large coefficients
+/// such columns may be off by more than the row may be missed; here every column moves.
+pub fn polish_leaf(program: &Program, point: &mut [f64], token: &StopToken) {
+    let columns: Vec<usize> =
+        (0..program.column_count()).filter(|&j| !program.integral[j]).collect();
+    let mut position = vec![usize::MAX; program.column_count()];
+    columns.iter().enumerate().for_each(|(k, &j)| position[j] = k);
+    let pick = |from: &[f64]| columns.iter().map(|&j| from[j]).collect();
+    let mut reduced = Reduced {
+        lower: pick(&program.lower),
+        upper: pick(&program.upper),
+        rows: Compressed { start: vec![0], ..Compressed::default() },
+        ..Reduced::default()
+    };
+    for row in 0..program.row_count() {
+        let mut limits = [program.row_lower[row], program.row_upper[row]].map(Sum::new);
+        let (index, entries) = program.row(row);
+        for (&j, &a) in index.iter().zip(entries) {
+            if program.integral[j] {
+                limits.iter_mut().for_each(|limit| limit.add_product(-a, point[j]));
+            } else {
+                reduced.rows.index.push(position[j]);
+                reduced.rows.value.push(a);
+            }
+        }
+        if reduced.rows.index.len() > reduced.rows.start[reduced.rows.len()] {
+            reduced.row_lower.push(limits[0].value());
+            reduced.row_upper.push(limits[1].value());
+            reduced.rows.start.push(reduced.rows.index.len());
+        }
+    }
+    let mut x: Vec<f64> = pick(point);
+    polish(&reduced, &mut x, token);
+    columns.iter().zip(x).for_each(|(&j, v)| point[j] = v);
+}
+
 /// Moves `x` onto the limits of the given rows; `false` where that cannot be computed.
 fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut [f64]) -> bool {
     let weight = |(j, &v): (usize, &f64)| {
@@ -86,7 +126,9 @@ fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut 
 
 fn activity(program: &Reduced, row: usize, x: &[f64]) -> f64 {
     let (columns, values) = program.rows.vector(row);
-    columns.iter().zip(values).map(|(&j, &a)| a * x[j]).sum()
+    let mut sum = Sum::default();
+    columns.iter().zip(values).for_each(|(&j, &a)| sum.add_product(a, x[j]));
+    sum.value()
 }
 
 /// Clips `x` to the box and holds the columns that were outside; `true` when a new one was.

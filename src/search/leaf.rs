@@ -6,7 +6,7 @@ use super::clock::Activity;
 use super::node_relaxation::Verdict;
 use super::worker::Worker;
 use crate::presolve::{Reduced, Reduction};
-use crate::relaxation::polish;
+use crate::relaxation::{polish, polish_leaf};
 use crate::tolerance;
 
 impl Worker<'_> {
@@ -74,12 +74,23 @@ impl Worker<'_> {
             for &j in &self.program().integers {
                 point[j] = point[j].round();
             }
-            if (self.task.accept)(&point) {
-                let value = self.program().objective(&point);
-                self.tree.offer(value, point);
+            if self.offer_accepted(&point) {
+                return true;
+            }
+            // Columns that the reduction has fixed inside narrow bounds may have to move.
+            polish_leaf(self.task.exact.unwrap_or(self.program()), &mut point, &self.token);
+            if self.offer_accepted(&point) {
                 return true;
             }
         }
         false
+    }
+
+    fn offer_accepted(&mut self, point: &[f64]) -> bool {
+        let accepted = (self.task.accept)(point);
+        if accepted {
+            self.tree.offer(self.program().objective(point), point.to_vec());
+        }
+        accepted
     }
 }
