@@ -9,7 +9,7 @@
 use std::ops::RangeInclusive;
 
 use super::domain::Domain;
-use super::implications::{Bounds, changes};
+use super::implication_probing::{Bounds, changes};
 use super::propagation::{Conflict, Propagator};
 use super::root::{Presolve, Rule, presolve};
 use crate::program::Program;

@@ -2,7 +2,7 @@
 
 use super::disjunction::covers;
 use super::purify::{Group, groups, lone_binaries};
-use crate::presolve::{Conflict, Domain, Implications, Propagator, probe};
+use crate::presolve::{Conflict, Domain, Propagator, probe, probe_implications};
 use crate::program::Program;
 use crate::solver::StopToken;
 
@@ -35,7 +35,7 @@ impl Root {
             .propagate_all(program, &mut domain)
             .and_then(|()| probe(program, &mut domain, &mut propagator, &order, trials, token))
             .and_then(|()| {
-                Implications::probe(program, &mut domain, &mut propagator, &order, trials, token)
+                probe_implications(program, &mut domain, &mut propagator, &order, trials, token)
             })
             .map(|implications| propagator.set_implications(implications))
             .err();

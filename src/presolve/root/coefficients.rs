@@ -4,9 +4,8 @@
 //! rounded to what it can be. Where a row cannot bind at one value of a binary, the binary's
 //! coefficient and the row's limit move together until it just does not bind there.
 
-use super::Infeasible;
 use super::postsolve::{Restored, Undo};
-use super::work::{Sparse, Work, is_whole};
+use super::work::{Infeasible, Sparse, Work, is_whole};
 use crate::presolve::coefficients::{MARGIN, OneSided};
 
 /// Largest coefficient of an integer row that is divided.

@@ -37,12 +37,12 @@ mod substitute;
 mod work;
 
 pub use blocks::{Block, blocks};
-pub use postsolve::{Postsolve, Restored};
+pub use postsolve::{Postsolve, Presolved, Restored};
 
-use crate::error::{Error, check_length};
+use crate::error::Error;
 use crate::program::Program;
 use crate::solver::StopToken;
-use work::Work;
+use work::{Infeasible, Work};
 
 /// The rules of the presolve before the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,51 +128,6 @@ pub enum Presolve {
     /// The token was over before the rules came to their end.
     Stopped,
 }
-
-/// A presolved program and the way back.
-#[derive(Debug)]
-pub struct Presolved {
-    /// What is left; its optimum is that of the original.
-    pub program: Program,
-    /// From its points to those of the original.
-    pub postsolve: Postsolve,
-    /// How far rounding may have moved the objective, in its unit. What a bound on the presolved
-    /// program says of the original is less by this much: constants of 1e8 may cancel down to 1.
-    pub rounding: f64,
-}
-
-impl Presolved {
-    /// The original's point and multipliers from those of the presolved program.
-    ///
-    /// The pair satisfies the conditions of Karush, Kuhn and Tucker of the original with its integral
-    /// columns fixed where the given one satisfies those of the presolved program.
-    ///
-    /// # Arguments
-    ///
-    /// * `x`: one value a column of the presolved program.
-    /// * `y`: one multiplier a row; positive ones press on upper limits, negative ones on lower.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`](crate::ErrorKind::Length) when a length does not match.
-    pub fn restore(&self, x: &[f64], y: &[f64]) -> Result<Restored, Error> {
-        let program = &self.program;
-        check_length("the point", x.len(), program.column_count())?;
-        check_length("the multipliers", y.len(), program.row_count())?;
-        let reduced_cost = |j: usize| {
-            let dot = |(index, value): (&[usize], &[f64]), with: &[f64]| -> f64 {
-                index.iter().zip(value).map(|(&k, a)| a * with[k]).sum()
-            };
-            program.linear[j] + dot(program.quadratic_column(j), x) + dot(program.column(j), y)
-        };
-        let d: Vec<f64> = (0..x.len()).map(reduced_cost).collect();
-        Ok(self.postsolve.restore(x, y, &d))
-    }
-}
-
-/// Proof that no point satisfies rows and bounds.
-#[derive(Debug, Clone, Copy)]
-struct Infeasible;
 
 /// Most rounds of all rules; each is linear in the entries, and nearly all programs need fewer.
 const ROUNDS: usize = 30;

@@ -1,8 +1,7 @@
 //! Rows that are multiples of another one are merged into it.
 
-use super::Infeasible;
 use super::postsolve::{Restored, Undo};
-use super::work::Work;
+use super::work::{Infeasible, Work};
 use crate::presolve::parallel::{self, Patterns};
 
 /// A row that was `ratio` times another one.

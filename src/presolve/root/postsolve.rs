@@ -9,6 +9,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 
+use crate::error::{Error, check_length};
+use crate::program::Program;
+
 /// Undoes one reduction. Columns and rows have the numbers of the original program throughout.
 pub(super) trait Undo: Debug + Send + Sync {
     /// Gives values to the columns that the reduction took out.
@@ -32,6 +35,47 @@ pub struct Restored {
     /// Reduced costs `q + Px + A'y` of the columns: positive ones press on lower bounds, negative ones
     /// on upper bounds; those of integral columns may have any sign.
     pub d: Vec<f64>,
+}
+
+/// A presolved program and the way back.
+#[derive(Debug)]
+pub struct Presolved {
+    /// What is left; its optimum is that of the original.
+    pub program: Program,
+    /// From its points to those of the original.
+    pub postsolve: Postsolve,
+    /// How far rounding may have moved the objective, in its unit. What a bound on the presolved
+    /// program says of the original is less by this much: constants of 1e8 may cancel down to 1.
+    pub rounding: f64,
+}
+
+impl Presolved {
+    /// The original's point and multipliers from those of the presolved program.
+    ///
+    /// The pair satisfies the conditions of Karush, Kuhn and Tucker of the original with its integral
+    /// columns fixed where the given one satisfies those of the presolved program.
+    ///
+    /// # Arguments
+    ///
+    /// * `x`: one value a column of the presolved program.
+    /// * `y`: one multiplier a row; positive ones press on upper limits, negative ones on lower.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Length`](crate::ErrorKind::Length) when a length does not match.
+    pub fn restore(&self, x: &[f64], y: &[f64]) -> Result<Restored, Error> {
+        let program = &self.program;
+        check_length("the point", x.len(), program.column_count())?;
+        check_length("the multipliers", y.len(), program.row_count())?;
+        let reduced_cost = |j: usize| {
+            let dot = |(index, value): (&[usize], &[f64]), with: &[f64]| -> f64 {
+                index.iter().zip(value).map(|(&k, a)| a * with[k]).sum()
+            };
+            program.linear[j] + dot(program.quadratic_column(j), x) + dot(program.column(j), y)
+        };
+        let d: Vec<f64> = (0..x.len()).map(reduced_cost).collect();
+        Ok(self.postsolve.restore(x, y, &d))
+    }
 }
 
 /// From points of a presolved program to points of the original.
@@ -94,7 +138,7 @@ impl Postsolve {
     }
 
     /// The original's point with its multipliers, from values, multipliers and reduced costs.
-    pub(super) fn restore(&self, x: &[f64], y: &[f64], d: &[f64]) -> Restored {
+    fn restore(&self, x: &[f64], y: &[f64], d: &[f64]) -> Restored {
         let mut all = Restored {
             x: self.point(x),
             y: scatter(self.row_count, &self.rows, y),

@@ -1,9 +1,8 @@
 //! Sides of rows that the bounds imply are dropped; rows that the bounds only just allow force their
 //! columns to bounds.
 
-use super::Infeasible;
 use super::postsolve::{Restored, Undo};
-use super::work::{IMPLIED, Sparse, Work};
+use super::work::{IMPLIED, Infeasible, Sparse, Work};
 
 /// Excess of the least activity over a limit, relative, that proves infeasibility.
 const CROSSED: f64 = 1e-8;

@@ -1,8 +1,7 @@
 //! Rows over one column become bounds; rows over none are checked and dropped.
 
-use super::Infeasible;
 use super::postsolve::{Restored, Undo};
-use super::work::Work;
+use super::work::{Infeasible, Work};
 
 /// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
 const MISSED: f64 = 1e-8;

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 
 use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
-use super::postsolve::{Postsolve, Undo};
-use super::{Infeasible, Presolved};
+use super::postsolve::{Postsolve, Presolved, Undo};
 use crate::error::{Error, ErrorKind};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -17,6 +16,10 @@ const CROSSED: f64 = 1e-8;
 
 /// Limits and bounds implied up to this margin count as implied.
 pub(super) const IMPLIED: f64 = 1e-9;
+
+/// Proof that no point satisfies rows and bounds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Infeasible;
 
 /// A sparse vector, sorted by position.
 pub(super) type Sparse = Vec<(usize, f64)>;

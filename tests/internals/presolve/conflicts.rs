@@ -5,7 +5,7 @@
 //! fall and a table of implications, learns no-goods; every one is tried on every point.
 
 use carom::prelude::*;
-use carom::presolve::{Domain, Implications, Literal, Propagator, probe};
+use carom::presolve::{Domain, Literal, Propagator, probe, probe_implications};
 use carom::program::Program;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -102,7 +102,7 @@ fn walk(case: &Case) -> Result<Counts, TestCaseError> {
     }
     if case.implications {
         let half = &columns[..columns.len() / 2];
-        let found = Implications::probe(&program, &mut domain, &mut propagator, half, 100, &token);
+        let found = probe_implications(&program, &mut domain, &mut propagator, half, 100, &token);
         let Ok(table) = found else { return Ok(Counts::default()) };
         propagator.set_implications(table);
     }

@@ -5,7 +5,7 @@
 //! a program with cuts has the optimum that it had without.
 
 use carom::prelude::*;
-use carom::presolve::{Domain, Implications, Propagator};
+use carom::presolve::{Domain, Propagator, probe_implications};
 use carom::program::Program;
 use carom::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
 use carom::solver::StopToken;
@@ -90,7 +90,7 @@ proptest! {
         let columns: Vec<usize> = program.integers.clone();
         let found = propagator.propagate_all(&program, &mut domain).and_then(|()| {
             let token = &StopToken::default();
-            Implications::probe(&program, &mut domain, &mut propagator, &columns, 100, token)
+            probe_implications(&program, &mut domain, &mut propagator, &columns, 100, token)
         });
         let Ok(table) = found else {
             prop_assert!(points.is_empty());
@@ -165,7 +165,7 @@ fn what_both_values_of_a_binary_say_holds() {
     model.add("off", (k + 2.0 * z).ge(2.0)).unwrap();
     let program = Program::assemble(&model).unwrap();
     let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
-    Implications::probe(&program, &mut domain, &mut propagator, &[0], 10, &StopToken::default())
+    probe_implications(&program, &mut domain, &mut propagator, &[0], 10, &StopToken::default())
         .unwrap();
     assert_eq!(domain.lower(1), 2.0);
 }
