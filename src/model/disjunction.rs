@@ -5,19 +5,20 @@
 //! for one disjunction, decides how it becomes rows. Solutions are checked term by term, not
 //! through these rows.
 
-use super::Model;
 use super::ids::Disjunction;
-use super::indicator::Literal;
+use super::literal::Literal;
 use super::name::Name;
 use super::reformulation::Method;
 use super::refs::DisjunctionRef;
 use super::row::Row;
-use super::statement::{Statement, StoredRow, stored};
+use super::statement::{Sealed, Statement, stored};
+use super::store::Model;
+use super::stored::StoredTerm;
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 
 /// The largest depth of disjunctions inside terms.
-const DEEPEST: u32 = 16;
+pub(super) const DEEPEST: u32 = 16;
 
 /// One alternative of an [`Either`]: rows and nested disjunctions that must hold together if it is
 /// selected.
@@ -171,16 +172,7 @@ pub struct Selected {
     pub selectors: Vec<Literal>,
 }
 
-/// A term as a model stores it.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct StoredTerm {
-    pub(crate) selector: Literal,
-    pub(crate) rows: Vec<StoredRow>,
-    /// The terms of each nested disjunction. One of them is selected if and only if this term is.
-    pub(crate) nested: Vec<Vec<StoredTerm>>,
-}
-
+impl Sealed for Either {}
 impl Statement for Either {
     type Handle = Selected;
 
@@ -260,7 +252,7 @@ fn free_name(model: &Model, name: &Name, suffix: &str) -> Name {
     name
 }
 
-fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), Error> {
+pub(super) fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), Error> {
     model.check_variable(selector.variable, name)?;
     let variable = model.variable_ref(selector.variable)?;
     if variable.kind() != VariableKind::Binary {
@@ -268,43 +260,6 @@ fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), E
         return Err(ErrorKind::NotBinary { name, place }.into());
     }
     Ok(())
-}
-
-/// Checks the terms of a disjunction from a file, at a level from 1 on.
-#[cfg(feature = "serde")]
-pub(super) fn checked(
-    terms: Vec<StoredTerm>,
-    model: &Model,
-    name: &Name,
-    level: u32,
-) -> Result<Vec<StoredTerm>, Error> {
-    name.check()?;
-    let wrong = |what: &str, value: u32, range: String| {
-        let what = format!("the number of {what} of `{name}`");
-        Err(ErrorKind::OutOfRange { what, value: f64::from(value), range }.into())
-    };
-    if terms.is_empty() {
-        return wrong("terms", 0, "at least 1".into());
-    }
-    if level > DEEPEST {
-        return wrong("levels", level, format!("at most {DEEPEST}"));
-    }
-    let term = |StoredTerm { selector, rows, nested }| {
-        check_selector(selector, model, name)?;
-        let rows = rows.into_iter().map(|row: StoredRow| row.checked(model, name));
-        let nested = nested.into_iter().map(|inner| checked(inner, model, name, level + 1));
-        let (rows, nested) = (rows.collect::<Result<_, _>>()?, nested.collect::<Result<_, _>>()?);
-        Ok(StoredTerm { selector, rows, nested })
-    };
-    terms.into_iter().map(term).collect()
-}
-
-impl StoredTerm {
-    /// Calls `visit` with every row of the term and of the terms inside it.
-    pub(crate) fn for_each_row(&self, visit: &mut dyn FnMut(&StoredRow)) {
-        self.rows.iter().for_each(&mut *visit);
-        self.nested.iter().flatten().for_each(|term| term.for_each_row(visit));
-    }
 }
 
 impl Model {

@@ -3,10 +3,10 @@
 use std::fmt;
 
 use super::affine::write_terms;
-use super::disjunction::StoredTerm;
 use super::ids::Variable;
-use super::indicator::Literal;
+use super::literal::Literal;
 use super::store::Model;
+use super::stored::StoredTerm;
 use super::variable::VariableKind;
 use crate::interval::Interval;
 

@@ -7,12 +7,12 @@
 
 use super::Model;
 use super::affine::Affine;
+use super::checks::finite;
 use super::function::Function;
 use super::ids::Variable;
 use super::name::Name;
 use super::piecewise::PiecewiseAffine;
 use super::refs::FunctionRef;
-use super::statement::finite;
 use super::store::FunctionData;
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};

@@ -4,60 +4,18 @@
 //! [`Verification`](crate::solution::Verification) checks them as implications, not through these
 //! rows.
 
-use super::Model;
+use super::checks::limits;
 use super::ids::{Indicator, Variable};
+use super::literal::Literal;
 use super::logic::Logic;
 use super::name::Name;
+use super::reformulation::BigM;
 use super::row::Row;
-use super::statement::{StoredRow, limits, stored};
+use super::statement::{Sealed, Statement, stored};
+use super::store::{IndicatorData, Model, StatementIndex};
+use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
-
-/// A condition on a binary variable: it is on (1) or off (0).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Literal {
-    pub(crate) variable: Variable,
-    pub(crate) on: bool,
-}
-
-impl Literal {
-    /// The binary variable.
-    pub fn variable(self) -> Variable {
-        self.variable
-    }
-
-    /// Whether the condition is "the variable is 1" (rather than 0).
-    pub fn is_on(self) -> bool {
-        self.on
-    }
-}
-
-impl Variable {
-    /// The condition "this binary is 1".
-    pub fn on(self) -> Literal {
-        Literal { variable: self, on: true }
-    }
-
-    /// The condition "this binary is 0".
-    pub fn off(self) -> Literal {
-        Literal { variable: self, on: false }
-    }
-}
-
-/// Where the big-M of an indicator comes from. Values are in the unit of the indicator's row.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum BigM {
-    /// Derived per side from the current bounds of the row's variables.
-    #[default]
-    Automatic,
-    /// The user's value, refused unless the current bounds prove it.
-    Given(f64),
-    /// The user's value, used without proof; the report lists it.
-    Assumed(f64),
-}
 
 /// The consequence of a condition: a [`Row`] or logic. Sealed.
 pub trait Consequent: sealed::Sealed {
@@ -146,8 +104,21 @@ pub struct Reified {
     pub above: Option<Variable>,
 }
 
-impl Implications {
-    pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
+impl Sealed for Implication {}
+impl Statement for Implication {
+    type Handle = Indicator;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Indicator, Error> {
+        let row = stored(self.row, model, &name)?;
+        model.push_indicator(name, self.condition, row, self.big_m)
+    }
+}
+
+impl Sealed for Implications {}
+impl Statement for Implications {
+    type Handle = Vec<Indicator>;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
         if self.rows.is_empty() {
             return Err(ErrorKind::EmptyRow { name: name.to_string() }.into());
         }
@@ -164,8 +135,11 @@ impl Implications {
     }
 }
 
-impl Reification {
-    pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
+impl Sealed for Reification {}
+impl Statement for Reification {
+    type Handle = Reified;
+
+    fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
         let Reification { condition, row, margin } = self;
         if !(margin > 0.0 && margin < tolerance::INFINITE) {
             return Err(ErrorKind::OutOfRange {
@@ -240,5 +214,33 @@ impl Implication {
             self.big_m = BigM::Assumed(value);
         }
         self
+    }
+}
+
+impl Model {
+    /// Adds an indicator after checking its condition and its big-M.
+    pub(crate) fn push_indicator(
+        &mut self,
+        name: Name,
+        condition: impl Into<Logic>,
+        row: StoredRow,
+        big_m: BigM,
+    ) -> Result<Indicator, Error> {
+        let condition = condition.into();
+        condition.check(self, &name)?;
+        if let BigM::Given(value) | BigM::Assumed(value) = big_m
+            && !(0.0..tolerance::INFINITE).contains(&value)
+        {
+            return Err(ErrorKind::OutOfRange {
+                what: format!("the big-M of `{name}`"),
+                value,
+                range: "finite and not negative".into(),
+            }
+            .into());
+        }
+        let id = Indicator::new(self.stored.indicators.len(), self.stored.tag);
+        self.claim_statement(&name, StatementIndex::Indicator(id.index))?;
+        self.stored.indicators.push(IndicatorData { name, condition, row, big_m });
+        Ok(id)
     }
 }

@@ -79,6 +79,7 @@
 
 mod affine;
 mod background;
+mod checks;
 mod convexity;
 mod disjunction;
 mod display;
@@ -86,6 +87,7 @@ mod function;
 mod functions;
 mod ids;
 mod indicator;
+mod literal;
 mod logic;
 pub mod lp;
 pub mod mps;
@@ -99,9 +101,13 @@ mod quadratic;
 mod reformulation;
 mod refs;
 mod row;
+mod sense;
+#[cfg(feature = "serde")]
+mod serialized;
 mod statement;
 mod statements;
 mod store;
+mod stored;
 mod subset;
 mod text;
 mod variable;
@@ -111,25 +117,25 @@ pub use affine::Affine;
 pub use disjunction::{Either, Selected, Term, either};
 pub use function::Function;
 pub use ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
-pub use indicator::{BigM, Consequent, Implication, Implications, Literal, Reification, Reified};
+pub use indicator::{Consequent, Implication, Implications, Reification, Reified};
+pub use literal::Literal;
 pub use logic::{Logic, at_least, at_most, exactly};
 pub use name::Name;
-pub use objective::Sense;
 pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;
-pub use reformulation::{Method, Reformulation};
+pub use reformulation::{BigM, Method, Reformulation};
 pub use refs::{
     ConstraintRef, DisjunctionRef, FunctionRef, IndicatorRef, LogicalConstraintRef, TermRef,
     VariableRef,
 };
 pub use row::Row;
+pub use sense::Sense;
 pub use statement::Statement;
 pub use store::Model;
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;
-pub(crate) use disjunction::StoredTerm;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
-pub(crate) use statement::StoredRow;
+pub(crate) use stored::{StoredRow, StoredTerm};
 pub(crate) use subset::AnyStatement;

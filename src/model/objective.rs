@@ -1,38 +1,12 @@
-//! The objective: sense, expression and the check that it is convex in that sense.
+//! The objective: setting it, and the check that it is convex in its sense.
 
-use super::Model;
+use super::checks::finite;
 use super::convexity;
 use super::name::Name;
 use super::quadratic::Quadratic;
-use super::statement::finite;
+use super::sense::Sense;
+use super::store::Model;
 use crate::error::{Error, ErrorKind};
-
-/// Direction of optimisation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Sense {
-    /// Smaller is better.
-    Minimize,
-    /// Larger is better.
-    Maximize,
-}
-
-impl Sense {
-    /// `+1` for minimising, `-1` for maximising: multiplying by it turns either into minimising.
-    pub fn sign(self) -> f64 {
-        match self {
-            Sense::Minimize => 1.0,
-            Sense::Maximize => -1.0,
-        }
-    }
-
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Sense::Minimize => "minimize",
-            Sense::Maximize => "maximize",
-        }
-    }
-}
 
 impl Model {
     /// Minimises an affine or convex quadratic expression, replacing any earlier objective.

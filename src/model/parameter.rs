@@ -6,9 +6,9 @@
 //! any value.
 
 use super::Model;
+use super::checks::{bounds, finite};
 use super::ids::Variable;
 use super::name::Name;
-use super::statement::{bounds, finite};
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;

@@ -1,7 +1,5 @@
 //! How a model prefers to be lowered to rows. Preferences never change which points are feasible.
 
-use super::Model;
-
 /// How a disjunction becomes rows. All methods have the same solutions. They differ in size and in
 /// the tightness of the relaxation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -70,29 +68,16 @@ impl Reformulation {
     }
 }
 
-impl Model {
-    /// How the model is to be lowered.
-    pub fn reformulation(&self) -> Reformulation {
-        self.stored.reformulation
-    }
-
-    /// Chooses how the model is to be lowered.
-    ///
-    /// ```
-    /// use carom::model::{Method, Reformulation};
-    /// use carom::prelude::*;
-    ///
-    /// let mut model = Model::new("m");
-    /// let x = model.continuous("x", 0.0, 10.0)?;
-    /// model.add("side", either(x.le(2.0)).or(x.ge(7.0)))?;
-    /// model.set_reformulation(Reformulation::default().with_method(Method::Hull));
-    /// model.minimize((x - 3.0).square())?;
-    /// let solution = BranchAndBound::default().solve(&model)?;
-    /// assert!((solution.value(x)? - 2.0).abs() < 1e-6);
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    pub fn set_reformulation(&mut self, reformulation: Reformulation) {
-        self.touch();
-        self.stored.reformulation = reformulation;
-    }
+/// Where the big-M of an indicator comes from. Values are in the unit of the indicator's row.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum BigM {
+    /// Derived per side from the current bounds of the row's variables.
+    #[default]
+    Automatic,
+    /// The user's value, refused unless the current bounds prove it.
+    Given(f64),
+    /// The user's value, used without proof; the report lists it.
+    Assumed(f64),
 }

@@ -1,15 +1,15 @@
 //! Views of a model's variables and statements, for reading.
 
-use super::disjunction::StoredTerm;
 use super::function::Function;
 use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
-use super::indicator::{BigM, Literal};
+use super::literal::Literal;
 use super::logic::Logic;
 use super::name::Name;
-use super::reformulation::Method;
+use super::reformulation::{BigM, Method};
 use super::store::{
     ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, VariableData,
 };
+use super::stored::StoredTerm;
 use super::variable::VariableKind;
 use crate::interval::Interval;
 

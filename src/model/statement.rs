@@ -1,19 +1,17 @@
-//! What can be added to a model: rows, implications, logic.
+//! What can be added to a model: the trait of all statements, and rows.
 
-use super::Model;
-#[cfg(feature = "serde")]
-use super::affine::merge;
-use super::disjunction::Either;
-use super::ids::{Constraint, Indicator, LogicalConstraint, Variable};
-use super::indicator::{Implication, Implications, Literal, Reification, Reified};
-use super::logic::Logic;
+use super::checks::{finite, limits};
+use super::ids::Constraint;
 use super::name::Name;
 use super::row::Row;
+use super::store::Model;
+use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 
-/// Something [`Model::add`] accepts: a [`Row`], an [`Implication`] or several, a [`Reification`],
-/// a disjunction ([`Either`]), a [`Logic`] formula or a [`Literal`]. Sealed.
-pub trait Statement: sealed::Sealed {
+/// Something [`Model::add`] accepts: a [`Row`], an [`Implication`](super::Implication) or several, a
+/// [`Reification`](super::Reification), a disjunction ([`Either`](super::Either)), a
+/// [`Logic`](super::Logic) formula or a [`Literal`](super::Literal). Sealed.
+pub trait Statement: Sealed {
     /// The handle that adding returns.
     type Handle;
 
@@ -21,92 +19,16 @@ pub trait Statement: sealed::Sealed {
     fn add_to(self, model: &mut Model, name: Name) -> Result<Self::Handle, Error>;
 }
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for super::Row {}
-    impl Sealed for super::Implication {}
-    impl Sealed for super::Implications {}
-    impl Sealed for super::Reification {}
-    impl Sealed for super::Logic {}
-    impl Sealed for super::Literal {}
-    impl Sealed for super::Either {}
-}
+/// Keeps [`Statement`] to the types of this crate.
+pub trait Sealed {}
 
-/// A row as a model stores it: merged terms, the constant moved into the limits.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct StoredRow {
-    pub(crate) terms: Vec<(Variable, f64)>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
-    pub(crate) lower: f64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
-    pub(crate) upper: f64,
-}
-
-#[cfg(feature = "serde")]
-impl StoredRow {
-    /// Checks a row from a file; unlike a new one it may be empty.
-    pub(crate) fn checked(mut self, model: &Model, name: &Name) -> Result<Self, Error> {
-        name.check()?;
-        for &(variable, _) in &self.terms {
-            model.check_variable(variable, name)?;
-        }
-        merge(&mut self.terms);
-        for &(_, coefficient) in &self.terms {
-            finite(coefficient, "a coefficient", name)?;
-        }
-        (self.lower, self.upper) = limits(self.lower, self.upper, name)?;
-        Ok(self)
-    }
-}
-
+impl Sealed for Row {}
 impl Statement for Row {
     type Handle = Constraint;
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<Constraint, Error> {
         let row = stored(self, model, &name)?;
         model.push_constraint(name, row)
-    }
-}
-
-impl Statement for Implication {
-    type Handle = Indicator;
-
-    fn add_to(self, model: &mut Model, name: Name) -> Result<Indicator, Error> {
-        let row = stored(self.row, model, &name)?;
-        model.push_indicator(name, self.condition, row, self.big_m)
-    }
-}
-
-impl Statement for Implications {
-    type Handle = Vec<Indicator>;
-
-    fn add_to(self, model: &mut Model, name: Name) -> Result<Vec<Indicator>, Error> {
-        self.add_to(model, name)
-    }
-}
-
-impl Statement for Reification {
-    type Handle = Reified;
-
-    fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
-        self.add_to(model, name)
-    }
-}
-
-impl Statement for Logic {
-    type Handle = LogicalConstraint;
-
-    fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
-        self.add_to(model, name)
-    }
-}
-
-impl Statement for Literal {
-    type Handle = LogicalConstraint;
-
-    fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
-        Logic::from(self).add_to(model, name)
     }
 }
 
@@ -124,41 +46,4 @@ pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, 
     let (lower, upper) = limits(row.lower, row.upper, name)?;
     let moved = |limit: f64| if limit.is_finite() { limit - constant } else { limit };
     Ok(StoredRow { terms, lower: moved(lower), upper: moved(upper) })
-}
-
-/// Checks a pair of row limits; magnitudes from [`tolerance::INFINITE`](crate::tolerance::INFINITE)
-/// on become infinite.
-pub(crate) fn limits(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), Error> {
-    let (lower, upper) = bounds(lower, upper, name)?;
-    if lower.is_infinite() && upper.is_infinite() {
-        return Err(ErrorKind::UnlimitedRow { name: name.to_string() }.into());
-    }
-    Ok((lower, upper))
-}
-
-/// Checks a pair of bounds; one or both may be infinite.
-pub(crate) fn bounds(lower: f64, upper: f64, name: &Name) -> Result<(f64, f64), Error> {
-    let not_finite =
-        |what, value| Err(ErrorKind::NotFinite { name: name.to_string(), what, value }.into());
-    if lower.is_nan() || lower >= crate::tolerance::INFINITE {
-        return not_finite("the lower limit", lower);
-    }
-    if upper.is_nan() || upper <= -crate::tolerance::INFINITE {
-        return not_finite("the upper limit", upper);
-    }
-    if lower > upper {
-        return Err(ErrorKind::CrossedBounds { name: name.to_string(), lower, upper }.into());
-    }
-    let lower = if lower <= -crate::tolerance::INFINITE { f64::NEG_INFINITY } else { lower };
-    let upper = if upper >= crate::tolerance::INFINITE { f64::INFINITY } else { upper };
-    Ok((lower, upper))
-}
-
-/// Refuses NaN, infinities and magnitudes that are treated as infinite.
-pub(crate) fn finite(value: f64, what: &'static str, name: &Name) -> Result<(), Error> {
-    if value.abs() < crate::tolerance::INFINITE {
-        Ok(())
-    } else {
-        Err(ErrorKind::NotFinite { name: name.to_string(), what, value }.into())
-    }
 }

@@ -1,10 +1,11 @@
 //! Adding, finding and changing rows, indicators and logic.
 
 use super::Model;
+use super::checks::limits;
 use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint};
 use super::name::Name;
 use super::refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef};
-use super::statement::{Statement, limits};
+use super::statement::Statement;
 use super::store::{StatementIndex, foreign};
 use crate::error::{Error, ErrorKind};
 

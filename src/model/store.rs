@@ -3,22 +3,17 @@
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::affine::Affine;
-use super::disjunction::StoredTerm;
 use super::function::Function;
-use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint, ModelTag, Variable};
-use super::indicator::BigM;
+use super::ids::{Constraint, Disjunction, LogicalConstraint, ModelTag, Variable};
 use super::logic::Logic;
 use super::name::Name;
 use super::name_table::NameTable;
-use super::objective::Sense;
 use super::quadratic::Quadratic;
-use super::reformulation::{Method, Reformulation};
-use super::statement::StoredRow;
+use super::reformulation::{BigM, Method, Reformulation};
+use super::sense::Sense;
+use super::stored::{StoredRow, StoredTerm};
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
-use crate::interval::Interval;
-use crate::tolerance;
 
 /// A mixed-integer program with indicators, disjunctions and logic; see the [module page](super).
 ///
@@ -116,53 +111,6 @@ pub(super) enum StatementIndex {
     Disjunction(u32),
 }
 
-/// A model from a file is checked like one that is written by hand.
-#[cfg(feature = "serde")]
-impl TryFrom<Stored> for Model {
-    type Error = Error;
-
-    fn try_from(stored: Stored) -> Result<Self, Error> {
-        let mut model = Model::empty(stored.name, stored.tag);
-        for VariableData { name, kind, lower, upper, range } in stored.variables {
-            match range {
-                Some(range) => model.push_stored_parameter(name, kind, (lower, upper), range)?,
-                None => model.variable(name, kind, lower, upper)?,
-            };
-        }
-        for ConstraintData { name, row } in stored.constraints {
-            let row = row.checked(&model, &name)?;
-            model.push_constraint(name, row)?;
-        }
-        for IndicatorData { name, condition, row, big_m } in stored.indicators {
-            let row = row.checked(&model, &name)?;
-            model.push_indicator(name, condition, row, big_m)?;
-        }
-        for LogicalData { name, logic } in stored.logic {
-            model.add(name, logic)?;
-        }
-        for DisjunctionData { name, method, terms } in stored.disjunctions {
-            let terms = super::disjunction::checked(terms, &model, &name, 1)?;
-            model.push_disjunction(name, method, terms)?;
-        }
-        model.set_reformulation(stored.reformulation);
-        for FunctionData { result, function } in stored.functions {
-            model.push_stored_function(result, function)?;
-        }
-        model.set_objective(stored.sense, stored.objective)?;
-        for family in stored.background {
-            model.set_background(&family)?;
-        }
-        Ok(model)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl From<Model> for Stored {
-    fn from(model: Model) -> Self {
-        model.stored
-    }
-}
-
 impl Model {
     /// An empty model: no variables, no rows, objective "minimise 0".
     pub fn new(name: impl Into<String>) -> Self {
@@ -205,19 +153,29 @@ impl Model {
         &self.stored.objective
     }
 
-    // -- expressions over this model ------------------------------------------------------------
+    /// How the model is to be lowered.
+    pub fn reformulation(&self) -> Reformulation {
+        self.stored.reformulation
+    }
 
-    /// Range of an affine expression over the current bounds, rounded outward.
+    /// Chooses how the model is to be lowered.
     ///
-    /// # Errors
+    /// ```
+    /// use carom::model::{Method, Reformulation};
+    /// use carom::prelude::*;
     ///
-    /// [`ErrorKind::ForeignHandle`].
-    pub fn range(&self, expression: &Affine) -> Result<Interval, Error> {
-        let mut range = Interval::point(expression.offset());
-        for (variable, coefficient) in expression.terms() {
-            range = range + self.variable_ref(variable)?.bounds() * coefficient;
-        }
-        Ok(range)
+    /// let mut model = Model::new("m");
+    /// let x = model.continuous("x", 0.0, 10.0)?;
+    /// model.add("side", either(x.le(2.0)).or(x.ge(7.0)))?;
+    /// model.set_reformulation(Reformulation::default().with_method(Method::Hull));
+    /// model.minimize((x - 3.0).square())?;
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// assert!((solution.value(x)? - 2.0).abs() < 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn set_reformulation(&mut self, reformulation: Reformulation) {
+        self.touch();
+        self.stored.reformulation = reformulation;
     }
 
     // -- inside the crate -----------------------------------------------------------------------
@@ -263,31 +221,6 @@ impl Model {
         let id = Constraint::new(self.stored.constraints.len(), self.stored.tag);
         self.claim_statement(&name, StatementIndex::Constraint(id.index))?;
         self.stored.constraints.push(ConstraintData { name, row });
-        Ok(id)
-    }
-
-    pub(crate) fn push_indicator(
-        &mut self,
-        name: Name,
-        condition: impl Into<Logic>,
-        row: StoredRow,
-        big_m: BigM,
-    ) -> Result<Indicator, Error> {
-        let condition = condition.into();
-        condition.check(self, &name)?;
-        if let BigM::Given(value) | BigM::Assumed(value) = big_m
-            && !(0.0..tolerance::INFINITE).contains(&value)
-        {
-            return Err(ErrorKind::OutOfRange {
-                what: format!("the big-M of `{name}`"),
-                value,
-                range: "finite and not negative".into(),
-            }
-            .into());
-        }
-        let id = Indicator::new(self.stored.indicators.len(), self.stored.tag);
-        self.claim_statement(&name, StatementIndex::Indicator(id.index))?;
-        self.stored.indicators.push(IndicatorData { name, condition, row, big_m });
         Ok(id)
     }
 
@@ -372,7 +305,11 @@ impl Model {
         self.statement_names.get(name).is_some()
     }
 
-    fn claim_statement(&mut self, name: &Name, index: StatementIndex) -> Result<(), Error> {
+    pub(super) fn claim_statement(
+        &mut self,
+        name: &Name,
+        index: StatementIndex,
+    ) -> Result<(), Error> {
         if !self.statement_names.claim(name, index) {
             return Err(
                 ErrorKind::DuplicateName { name: name.to_string(), kind: "statement" }.into()

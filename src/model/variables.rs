@@ -1,15 +1,30 @@
 //! Adding, finding and changing variables.
 
 use super::Model;
+use super::affine::Affine;
+use super::checks::bounds;
 use super::ids::Variable;
 use super::name::Name;
 use super::refs::VariableRef;
-use super::statement::bounds;
 use super::store::VariableData;
 use super::variable::{Family, VariableKind};
 use crate::error::{Error, ErrorKind};
+use crate::interval::Interval;
 
 impl Model {
+    /// Range of an affine expression over the current bounds, rounded outward.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::ForeignHandle`].
+    pub fn range(&self, expression: &Affine) -> Result<Interval, Error> {
+        let mut range = Interval::point(expression.offset());
+        for (variable, coefficient) in expression.terms() {
+            range = range + self.variable_ref(variable)?.bounds() * coefficient;
+        }
+        Ok(range)
+    }
+
     /// Adds a continuous variable with bounds, either of which may be infinite.
     ///
     /// # Errors

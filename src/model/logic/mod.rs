@@ -15,18 +15,15 @@
 //! | `a.implies(b)` | `b` is true or `a` is not |
 //! | [`at_most`]`(k, of)`, [`at_least`], [`exactly`] | that many are true |
 
+mod adding;
 mod display;
 mod normal;
 mod operators;
 
 pub(crate) use normal::Formula;
 
-use super::Model;
-use super::ids::{LogicalConstraint, Variable};
-use super::indicator::Literal;
-use super::name::Name;
-use super::variable::VariableKind;
-use crate::error::{Error, ErrorKind};
+use super::ids::Variable;
+use super::literal::Literal;
 
 /// Formulas nested deeper than this are refused.
 const DEEPEST: u32 = 100;
@@ -188,34 +185,6 @@ impl Logic {
             other => other.members().iter().any(Logic::is_too_deep),
         }
     }
-
-    /// Refuses a formula that the model cannot hold under this name.
-    pub(super) fn check(&self, model: &Model, name: &Name) -> Result<(), Error> {
-        if self.is_too_deep() {
-            return Err(ErrorKind::TooDeep { name: name.to_string(), limit: DEEPEST }.into());
-        }
-        let variables = self.variables();
-        if variables.is_empty() {
-            return Err(ErrorKind::EmptyLogic { name: name.to_string() }.into());
-        }
-        for variable in variables {
-            model.check_variable(variable, name)?;
-            let variable = model.variable_ref(variable)?;
-            if variable.kind() != VariableKind::Binary {
-                let (name, place) = (variable.name().to_string(), name.to_string());
-                return Err(ErrorKind::NotBinary { name, place }.into());
-            }
-        }
-        Ok(())
-    }
-
-    pub(super) fn add_to(self, model: &mut Model, name: Name) -> Result<LogicalConstraint, Error> {
-        self.check(model, &name)?;
-        if Formula::of(&self, true) == Formula::Constant(false) {
-            return Err(ErrorKind::NeverTrue { name: name.to_string() }.into());
-        }
-        model.push_logical(name, self)
-    }
 }
 
 /// At most `count` of these are true. This is always true if `count` is at least their number.
@@ -238,6 +207,8 @@ pub fn exactly<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::{Error, ErrorKind};
+    use crate::model::Model;
 
     #[test]
     fn chains_stay_flat_and_deep_formulas_are_refused() {

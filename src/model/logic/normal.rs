@@ -4,7 +4,7 @@
 //! lowered.
 
 use super::{Logic, Node};
-use crate::model::indicator::Literal;
+use crate::model::literal::Literal;
 
 /// A formula in negation normal form. Members are sorted, and no member is a constant or, in a
 /// conjunction (disjunction), a conjunction (disjunction) itself.

@@ -4,7 +4,8 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use super::{Logic, Node};
 use crate::model::ids::Variable;
-use crate::model::indicator::{Consequent, Implications, Literal, Reification};
+use crate::model::indicator::{Consequent, Implications, Reification};
+use crate::model::literal::Literal;
 use crate::model::row::Row;
 
 impl From<Literal> for Logic {

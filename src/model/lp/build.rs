@@ -7,12 +7,14 @@ use super::read::{Column, File};
 use super::rows::Row;
 use crate::error::{Error, ErrorKind};
 use crate::model::affine::{Affine, merge};
+use crate::model::checks::finite;
 use crate::model::ids::Variable;
-use crate::model::indicator::{BigM, Literal};
+use crate::model::literal::Literal;
 use crate::model::name::Name;
 use crate::model::quadratic::Quadratic;
-use crate::model::statement::{StoredRow, finite};
+use crate::model::reformulation::BigM;
 use crate::model::store::Model;
+use crate::model::stored::StoredRow;
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
 

@@ -6,7 +6,7 @@ use super::rows::Row;
 use super::section::{self, Section};
 use crate::error::Error;
 use crate::model::name::Name;
-use crate::model::objective::Sense;
+use crate::model::sense::Sense;
 use crate::model::text::ends::Ends;
 use crate::model::text::names::Names;
 use crate::model::text::token::Token;

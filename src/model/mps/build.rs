@@ -8,12 +8,13 @@ use super::read::{File, Row, RowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
-use crate::model::indicator::{BigM, Literal};
+use crate::model::literal::Literal;
 use crate::model::name::Name;
-use crate::model::objective::Sense;
 use crate::model::quadratic::Quadratic;
-use crate::model::statement::StoredRow;
+use crate::model::reformulation::BigM;
+use crate::model::sense::Sense;
 use crate::model::store::Model;
+use crate::model::stored::StoredRow;
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
 

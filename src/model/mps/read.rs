@@ -4,7 +4,7 @@ use super::bounds::{self, Bounds};
 use super::section::Section;
 use crate::error::{Error, ErrorKind};
 use crate::model::name::Name;
-use crate::model::objective::Sense;
+use crate::model::sense::Sense;
 use crate::model::text::names::Names;
 use crate::model::text::token::{self, Token};
 

@@ -4,7 +4,7 @@ use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::Model;
 use crate::model::ids::Variable;
-use crate::model::indicator::Literal;
+use crate::model::literal::Literal;
 use crate::model::name::Name;
 
 /// A row of a file: a linear row or the row of an indicator.

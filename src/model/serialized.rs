@@ -1,0 +1,100 @@
+//! Models from and to `serde`: a model that is read is checked like one that is written by hand.
+
+use super::affine::merge;
+use super::checks::{finite, limits};
+use super::disjunction::{DEEPEST, check_selector};
+use super::name::Name;
+use super::store::{
+    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model, Stored,
+    VariableData,
+};
+use super::stored::{StoredRow, StoredTerm};
+use crate::error::{Error, ErrorKind};
+
+impl TryFrom<Stored> for Model {
+    type Error = Error;
+
+    fn try_from(stored: Stored) -> Result<Self, Error> {
+        let mut model = Model::empty(stored.name, stored.tag);
+        for VariableData { name, kind, lower, upper, range } in stored.variables {
+            match range {
+                Some(range) => model.push_stored_parameter(name, kind, (lower, upper), range)?,
+                None => model.variable(name, kind, lower, upper)?,
+            };
+        }
+        for ConstraintData { name, row } in stored.constraints {
+            let row = row.checked(&model, &name)?;
+            model.push_constraint(name, row)?;
+        }
+        for IndicatorData { name, condition, row, big_m } in stored.indicators {
+            let row = row.checked(&model, &name)?;
+            model.push_indicator(name, condition, row, big_m)?;
+        }
+        for LogicalData { name, logic } in stored.logic {
+            model.add(name, logic)?;
+        }
+        for DisjunctionData { name, method, terms } in stored.disjunctions {
+            let terms = checked(terms, &model, &name, 1)?;
+            model.push_disjunction(name, method, terms)?;
+        }
+        model.set_reformulation(stored.reformulation);
+        for FunctionData { result, function } in stored.functions {
+            model.push_stored_function(result, function)?;
+        }
+        model.set_objective(stored.sense, stored.objective)?;
+        for family in stored.background {
+            model.set_background(&family)?;
+        }
+        Ok(model)
+    }
+}
+
+impl From<Model> for Stored {
+    fn from(model: Model) -> Self {
+        model.stored
+    }
+}
+
+impl StoredRow {
+    /// Checks a row from a file; unlike a new one it may be empty.
+    fn checked(mut self, model: &Model, name: &Name) -> Result<Self, Error> {
+        name.check()?;
+        for &(variable, _) in &self.terms {
+            model.check_variable(variable, name)?;
+        }
+        merge(&mut self.terms);
+        for &(_, coefficient) in &self.terms {
+            finite(coefficient, "a coefficient", name)?;
+        }
+        (self.lower, self.upper) = limits(self.lower, self.upper, name)?;
+        Ok(self)
+    }
+}
+
+/// Checks the terms of a disjunction from a file, at a level from 1 on.
+fn checked(
+    terms: Vec<StoredTerm>,
+    model: &Model,
+    name: &Name,
+    level: u32,
+) -> Result<Vec<StoredTerm>, Error> {
+    name.check()?;
+    let wrong = |what: &str, value: u32, range: String| {
+        let what = format!("the number of {what} of `{name}`");
+        Err(ErrorKind::OutOfRange { what, value: f64::from(value), range }.into())
+    };
+    if terms.is_empty() {
+        return wrong("terms", 0, "at least 1".into());
+    }
+    if level > DEEPEST {
+        return wrong("levels", level, format!("at most {DEEPEST}"));
+    }
+    let term = |StoredTerm { selector, rows, nested }| {
+        check_selector(selector, model, name)?;
+        let rows = rows.into_iter().map(|row: StoredRow| row.checked(model, name));
+        let nested = nested.into_iter().map(|inner| checked(inner, model, name, level + 1));
+        let (rows, nested) = (rows.collect::<Result<_, _>>()?, nested.collect::<Result<_, _>>()?);
+        Ok(StoredTerm { selector, rows, nested })
+    };
+    terms.into_iter().map(term).collect()
+}
