@@ -1,20 +1,20 @@
-//! Damage states: what each contact costs, and limits on it; the paper's equations (14)-(20).
+//! Damage of contacts, and limits on it; the paper's equations (14)-(20).
 
 use super::contact::ImpactSpeed;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Affine, Family, Model, Variable};
 
-/// What counts as the damage of one contact: the paper's `F_d`.
+/// How the damage of one contact is measured: the paper's `F_d`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DamageFunction {
-    /// The speed into the wall, in m/s.
+    /// The speed towards the wall at impact, in m/s.
     #[default]
     ImpactSpeed,
 }
 
-/// What is asked of the damage. All numbers are in the damage function's unit (m/s for
+/// Limits and cost of damage, in the damage function's unit (m/s for
 /// [`DamageFunction::ImpactSpeed`]).
 ///
 /// ```
@@ -28,11 +28,12 @@ pub enum DamageFunction {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DamageLimits {
-    /// What counts as damage.
+    /// The measure of damage.
     pub function: DamageFunction,
-    /// `D_max` of (19), finite and not negative; none when absent.
+    /// `D_max` of (19), in the damage function's unit, finite and not negative; no limit if `None`.
     pub per_impact: Option<f64>,
-    /// `D_total,max` of (20), finite and not negative; none when absent.
+    /// `D_total,max` of (20), in the damage function's unit, finite and not negative; no limit if
+    /// `None`.
     pub cumulative: Option<f64>,
     /// Weight of `D_total` in the objective, in the objective's unit per unit of damage, finite
     /// and not negative; default 0.
@@ -40,28 +41,29 @@ pub struct DamageLimits {
 }
 
 impl DamageLimits {
-    /// Limits each contact's damage.
+    /// Limits the damage of each contact, in the damage function's unit.
     #[must_use]
     pub fn with_per_impact(mut self, limit: f64) -> Self {
         self.per_impact = Some(limit);
         self
     }
 
-    /// Limits the sum over the horizon.
+    /// Limits the total damage over the horizon, in the damage function's unit.
     #[must_use]
     pub fn with_cumulative(mut self, limit: f64) -> Self {
         self.cumulative = Some(limit);
         self
     }
 
-    /// Charges the sum in the objective.
+    /// Adds the total damage to the objective, with a weight in the objective's unit per unit of
+    /// damage.
     #[must_use]
     pub fn with_weight(mut self, weight: f64) -> Self {
         self.weight = weight;
         self
     }
 
-    /// Whether anything is asked, so that damage states are needed.
+    /// Whether there is a limit or a weight, so that damage states are needed.
     pub fn is_active(&self) -> bool {
         self.per_impact.is_some() || self.cumulative.is_some() || self.weight != 0.0
     }
@@ -104,7 +106,7 @@ pub struct Damage {
 impl Damage {
     /// Adds the damage states `D[t]` and `D_total` of a horizon to a model.
     ///
-    /// | statement | says | paper |
+    /// | statement | meaning | paper |
     /// | --- | --- | --- |
     /// | `damage_off[t]` | ζ(t) = 0 implies D(t) = 0 | (14), (15) |
     /// | `damage_on[t]` | ζ(t) = 1 implies D(t) = F_d(t) | (16), (17) |
@@ -112,15 +114,14 @@ impl Damage {
     /// | upper bound of `D[t]` | D(t) <= D_max | (19), closed |
     /// | upper bound of `D_total` | D_total <= D_total,max | (20) |
     ///
-    /// The statements are [background](Model::set_background): they say what damage is, not what is
-    /// allowed. The limits are bounds, which no [explanation](crate::explain) questions; where one
-    /// should, leave them out here and add `D[t].le(limit)` as statements.
+    /// The statements are [background](Model::set_background), because they define damage. The
+    /// limits are bounds, which no [explanation](crate::explain) questions. If it should, omit them
+    /// here and add `D[t].le(limit)` as statements.
     ///
-    /// A law whose impact speed is 0 in flight needs no switch for (16), (17): they hold in both
-    /// modes and are rows.
+    /// If the law's impact speed is 0 in flight, (16) and (17) hold in both modes and are plain
+    /// rows.
     ///
-    /// (The paper's source gives the label of (14) to (18) as well.) The strict `>` of (17) and
-    /// its -ε are an equality here: the damage *is* F_d.
+    /// The strict `>` of (17) and its -ε become an equality here: the damage *is* F_d.
     ///
     /// # Arguments
     ///
@@ -129,8 +130,8 @@ impl Damage {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for bad limits, [`ErrorKind::NotFinite`] when an impact speed has
-    /// no finite range over the model's bounds, and the errors of [`Model::add`].
+    /// [`ErrorKind::OutOfRange`] for bad limits, [`ErrorKind::NotFinite`] if an impact speed has no
+    /// finite range over the model's bounds, and the errors of [`Model::add`].
     pub fn add(
         model: &mut Model,
         contacts: &[(Variable, ImpactSpeed)],

@@ -1,10 +1,10 @@
 //! The matrix exponential, for exact discretisation.
 //!
 //! Scaling and squaring around a Taylor polynomial: `exp(M) = (exp(M / 2^s))^(2^s)`, with `s`
-//! chosen so that the scaled matrix has 1-norm at most 1/2. There a polynomial of degree 18 is
-//! exact to the last bit (its remainder is below 1e-22), and nothing has to be inverted. See
-//! C. Moler and C. Van Loan, "Nineteen dubious ways to compute the exponential of a matrix,
-//! twenty-five years later", SIAM Review 45(1), 2003, method 3.
+//! chosen so that the scaled matrix has 1-norm at most 1/2. There the remainder of a polynomial of
+//! degree 18 is below 1e-22, and no matrix is inverted. See C. Moler and C. Van Loan, "Nineteen
+//! dubious ways to compute the exponential of a matrix, twenty-five years later", SIAM Review
+//! 45(1), 2003, method 3.
 
 use faer::Mat;
 

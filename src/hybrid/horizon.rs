@@ -1,4 +1,4 @@
-//! The planning horizon: how many steps, how long each.
+//! The planning horizon: number and length of steps.
 
 use super::linear::check_time_step;
 use crate::error::{Error, ErrorKind};
@@ -23,7 +23,7 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// A horizon, checked before anything is built for it.
+    /// A checked horizon.
     ///
     /// # Arguments
     ///

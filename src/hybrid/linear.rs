@@ -8,8 +8,8 @@ use crate::model::{Affine, Constraint, Model};
 
 /// A discrete linear time-invariant system `x⁺ = A x + B u + c`.
 ///
-/// With `n` states and `m` inputs, `A` is n x n, `B` is n x m and `c` has n entries. Units are
-/// the modeller's; states are in the frame the modeller chose.
+/// With `n` states and `m` inputs, `A` is n x n, `B` is n x m and `c` has n entries. Units and the
+/// frame of the states are up to you.
 ///
 /// ```
 /// use carom::hybrid::LinearSystem;
@@ -29,7 +29,7 @@ pub struct LinearSystem {
 }
 
 impl LinearSystem {
-    /// The system of given matrices.
+    /// The system with the given matrices.
     ///
     /// # Arguments
     ///
@@ -37,7 +37,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Shape`] and [`ErrorKind::Length`] when the shapes do not fit,
+    /// [`ErrorKind::Shape`] and [`ErrorKind::Length`] if the shapes do not fit,
     /// [`ErrorKind::NotFinite`] for a NaN or infinite entry.
     pub fn new(a: Mat<f64>, b: Mat<f64>, c: Vec<f64>) -> Result<Self, Error> {
         let system = LinearSystem { a, b, c };
@@ -148,7 +148,7 @@ impl LinearSystem {
         self.b.ncols()
     }
 
-    /// One step in plain numbers: `A x + B u + c`.
+    /// One step in numbers: `A x + B u + c`, in the units of the states.
     ///
     /// # Arguments
     ///
@@ -168,7 +168,7 @@ impl LinearSystem {
             .collect())
     }
 
-    /// One step in expressions: the state to which `state` and `input` lead in this mode.
+    /// One step in expressions: `A x + B u + c`.
     ///
     /// # Arguments
     ///
@@ -176,8 +176,8 @@ impl LinearSystem {
     ///
     /// # Returns
     ///
-    /// n expressions. With states that were themselves predicted this gives predictions over
-    /// several steps.
+    /// n expressions, in the units of the states. If `state` was itself predicted, they are
+    /// predictions over several steps.
     ///
     /// # Errors
     ///
@@ -207,7 +207,7 @@ impl LinearSystem {
     ///
     /// # Arguments
     ///
-    /// * `names`: the n states' names.
+    /// * `names`: the names of the n states.
     /// * `step`: t.
     /// * `state`, `next`: n variables or expressions at t and t+1; `input`: m of them at t.
     ///
@@ -295,7 +295,7 @@ pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {
     Err(ErrorKind::OutOfRange { what: "the time step (s)".into(), value: time_step, range }.into())
 }
 
-/// The form of a system in files: rows of numbers.
+/// The serialised form of a system: rows of numbers.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Stored {

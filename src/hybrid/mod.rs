@@ -1,11 +1,11 @@
-//! Parts for hybrid dynamics: linear steps, horizons, walls, contact laws, damage, replays, reach
-//! sets, and the search for the shortest horizon.
+//! Hybrid systems: linear dynamics, horizons, walls, contact laws, damage, replays, reach sets, and
+//! the search for the shortest horizon.
 //!
-//! Everything here writes ordinary statements into a [`Model`](crate::model::Model), tightens them
-//! ([`reach`]) or reads plain numbers; nothing knows how a model is solved. Facilities that need solves take a
-//! `&mut dyn` [`Solver`](crate::solver::Solver).
+//! The parts add ordinary statements to a [`Model`](crate::model::Model), tighten its bounds
+//! ([`reach`]) or work on plain numbers. None of them depends on how a model is solved; functions
+//! that need to solve one take a `&mut dyn` [`Solver`](crate::solver::Solver).
 //!
-//! A vehicle that may hit a wall, over three steps:
+//! A vehicle that may hit a wall, for three steps:
 //!
 //! ```
 //! use carom::hybrid::{Contact, ContactStep, LinearSystem, Restitution, Wall};

@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::model::Affine;
 
-/// On which side of its wall the vehicle lives.
+/// The side of the wall on which the vehicle moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -16,8 +16,8 @@ pub enum FreeSide {
 
 /// A wall on a line, at a position (m) and with one free side; the paper's `x_w`, equation (7).
 ///
-/// Contact laws are written once, in *gap* and *rate*: the gap is the distance to the wall
-/// (positive on the free side, m), the rate its time derivative (positive when moving away, m/s).
+/// Contact laws use *gap* and *rate*. The gap is the distance to the wall (m, positive on the free
+/// side), and the rate is its time derivative (m/s, positive when moving away).
 ///
 /// ```
 /// use carom::hybrid::Wall;
@@ -84,7 +84,7 @@ impl Wall {
         self.free
     }
 
-    /// The outward normal on the line: `+1` when the free side is above, `-1` when it is below.
+    /// The outward normal (no unit): `+1` if the free side is above, `-1` if it is below.
     pub fn normal(&self) -> f64 {
         match self.free {
             FreeSide::Above => 1.0,
@@ -92,12 +92,12 @@ impl Wall {
         }
     }
 
-    /// Distance of a position from the wall, negative inside it, in m.
+    /// Distance of a position (m) from the wall, in m, negative inside it.
     pub fn gap(&self, position: f64) -> f64 {
         self.normal() * (position - self.position)
     }
 
-    /// Speed away from the wall, in m/s; also turns accelerations, in m/s².
+    /// Speed away from the wall for a velocity, in m/s; also converts accelerations, in m/s².
     pub fn rate(&self, velocity: f64) -> f64 {
         self.normal() * velocity
     }

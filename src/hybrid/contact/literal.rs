@@ -4,14 +4,14 @@
 //!
 //! * (8) ζ(t) = 0 implies `g(t) >= 0`;
 //! * (9) ζ(t) = 1 implies `g(t) <= 0`. As printed, `-x(t) - M(1-ζ(t)) >= x_w`, the row is
-//!   infeasible whenever ζ(t) = 0, and its right side has the wrong sign for `x_w != 0`; meant is
-//!   `x(t) <= x_w + M(1-ζ(t))` (erratum 1);
+//!   infeasible whenever ζ(t) = 0, and its right side has the wrong sign if `x_w != 0`. It should
+//!   be `x(t) <= x_w + M(1-ζ(t))` (erratum 1);
 //! * (10), (11) ζ(t) = 0 implies `a_min <= a(t) <= a_max`;
 //! * (12), (13) ζ(t) = 1 implies `a(t) = F_col = -(1+e) v(t)/Δt`;
 //! * (3), (4) the double integrator's dynamics, always.
 //!
-//! The strict inequalities of the paper's other rows are closed ones here, without an ε: a solver
-//! cannot tell them apart (erratum 2).
+//! The strict inequalities of the paper's other rows are closed here, without an ε, because a
+//! solver cannot tell them apart (erratum 2).
 
 use super::{ContactStep, ImpactSpeed, Restitution};
 use crate::error::Error;
@@ -24,8 +24,8 @@ use crate::model::Model;
 /// `free_acceleration[t]` (10)-(11), `contact_acceleration[t]` (12)-(13), and the rows
 /// `dynamics_x[t]`, `dynamics_v[t]` (3)-(4).
 ///
-/// The acceleration's own bounds must reach to `(1+e) v_max/Δt`, and the position's must reach
-/// into the wall, or the law can never fire.
+/// The bounds of the acceleration must extend to `(1+e) v_max/Δt` and those of the position into
+/// the wall, or the law never applies.
 pub(super) fn add_step(
     model: &mut Model,
     wall: Wall,
@@ -47,7 +47,7 @@ pub(super) fn add_step(
     model.add(("dynamics_x", t), step.next_position.equals(&step.predicted_position))?;
     model.add(("dynamics_v", t), step.next_velocity.equals(&step.predicted_velocity))?;
 
-    // How the wall acts; the limits in flight are the vehicle's.
+    // The wall acts in contact; in flight the vehicle's own limits apply.
     let law = ["free_gap", "contact_gap", "contact_acceleration", "dynamics_x", "dynamics_v"];
     law.iter().try_for_each(|family| model.set_background(family))?;
 
@@ -65,7 +65,7 @@ pub(super) fn transitions(
     let outside = Halfspace::new("the step begins outside the wall", [-n, 0.0], -at);
     let flow = LinearSystem::double_integrator(time_step)?;
     let flight = Transition::new("flight", flow).with_guard(outside);
-    // a = -(1+e) v/Δt, whatever the input.
+    // a = -(1+e) v/Δt for every input.
     let a = faer::mat![[1.0, 0.5 * time_step * (1.0 - e)], [0.0, -e]];
     let forced = LinearSystem::new(a, faer::mat![[0.0], [0.0]], vec![0.0, 0.0])?;
     let inside = Halfspace::new("the step begins inside the wall", [n, 0.0], at);

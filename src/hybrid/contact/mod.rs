@@ -1,9 +1,9 @@
-//! Contact laws: what happens when the vehicle meets a wall, as statements of a model.
+//! Contact laws: what happens at a wall, as statements of a model.
 //!
-//! A law speaks about one step at a time. It is given the step's variables and the free-flight
-//! prediction, and adds rows and [indicators](crate::model::Implication) on the step's contact
-//! binary ζ(t); every big-M is derived later, from bounds. Laws are written in gap and rate (see
-//! [`Wall`]), so one text serves walls facing either way.
+//! A law covers one step. It takes the step's variables and the free-flight prediction, and adds
+//! rows and [indicators](crate::model::Implication) on the step's contact binary ζ(t). Big-Ms are
+//! derived from bounds at each solve. Laws use gap and rate (see [`Wall`]), so they apply to walls
+//! that face either way.
 //!
 //! | law | file | paper |
 //! | --- | --- | --- |
@@ -42,7 +42,7 @@ impl Restitution {
     /// The vehicle stops at the wall: e = 0.
     pub const PLASTIC: Restitution = Restitution(0.0);
 
-    /// The vehicle keeps its speed: e = 1.
+    /// The vehicle rebounds at full speed: e = 1.
     pub const ELASTIC: Restitution = Restitution(1.0);
 
     /// A coefficient of restitution within `[0, 1]`.
@@ -58,7 +58,7 @@ impl Restitution {
         Err(ErrorKind::OutOfRange { what, value, range }.into())
     }
 
-    /// The coefficient, within `[0, 1]`.
+    /// The coefficient, within `[0, 1]` (no unit).
     pub fn value(self) -> f64 {
         self.0
     }
@@ -78,28 +78,28 @@ impl From<Restitution> for f64 {
     }
 }
 
-/// Which equations describe a contact.
+/// The equations of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactLaw {
-    /// A step whose free flight would end behind the wall is reflected at it, with the rebound
-    /// scaled by the restitution. The vehicle never ends a step inside the wall.
+    /// If the free flight of a step ends behind the wall, the step is reflected at the wall, and
+    /// the rebound is scaled by the restitution. The vehicle never ends a step inside the wall.
     #[default]
     Reflecting,
-    /// The paper's equations (8)-(13) as printed, with their errata corrected: a vehicle that is
-    /// inside the wall has its acceleration replaced by `-(1+e) v/Δt`.
+    /// The paper's equations (8)-(13) with their errata corrected: while the vehicle is inside the
+    /// wall, its acceleration is `-(1+e) v/Δt`.
     ///
-    /// This law never pays off. It turns the velocity round, but during that very step the
-    /// vehicle moves a further `Δt |v| (1-e)/2` into the wall, where the law fires again. The
-    /// shortest plans under it are the collision-free ones; it is offered for fidelity.
+    /// This law never pays off. It reverses the velocity, but during that step the vehicle moves
+    /// another `Δt |v| (1-e)/2` into the wall, where the law applies again. The shortest plans
+    /// under it are collision-free. It is here for comparison with the paper.
     Literal,
 }
 
-/// One step of a vehicle beside a wall, in the terms a contact law speaks of.
+/// One step of a vehicle at a wall: the quantities that a contact law needs.
 ///
-/// The vehicle has a position (m), a velocity (m/s) and an acceleration (m/s²) along the line on
-/// which the wall stands. The prediction is where free flight would lead; see
+/// Positions (m), velocities (m/s) and accelerations (m/s²) are along a line that is normal to the
+/// wall. The prediction is the state after free flight; see
 /// [`LinearSystem::predict`](super::LinearSystem::predict).
 #[derive(Debug, Clone)]
 pub struct ContactStep {

@@ -6,17 +6,17 @@
 //! * ζ = 0 (flight): `p >= 0`, `g⁺ = p`, `s⁺ = w`;
 //! * ζ = 1 (impact): `p <= 0`, `w <= 0`, `g⁺ = -e p`, `s⁺ = -e w`.
 //!
-//! `w <= 0` rules out an impact on the way out. The gap is never negative at a sample.
+//! `w <= 0` excludes impacts while moving away. The gap is never negative at a sample.
 //!
-//! # How it is stated
+//! # Formulation
 //!
-//! Stated like that, the four equalities would each be switched by a big-M as large as the range
-//! of a position or velocity. Instead two variables carry what the wall does in the step: the
+//! If these four equalities were switched directly, each big-M would be as large as the range of a
+//! position or velocity. Instead, two variables describe what the wall does in a step: the
 //! penetration `h >= 0` (m) by which free flight would end behind the wall, and the impact speed
-//! `f >= 0` (m/s). Then `g⁺ = p + (1+e) h` and `s⁺ = w + (1+e) f` hold in both modes, and only
-//! `h` and `f` are switched: ζ = 0 makes them 0, ζ = 1 makes them `-p` and `-w`. Their bounds
-//! come from the ranges of `p` and `w`, so `h` is at most about one step long: the relaxation
-//! cannot teleport the vehicle for a small fraction of an impact.
+//! `f >= 0` (m/s). Then `g⁺ = p + (1+e) h` and `s⁺ = w + (1+e) f` hold in both modes, and only `h`
+//! and `f` are switched: ζ = 0 makes them 0, ζ = 1 makes them `-p` and `-w`. Their bounds come from
+//! the ranges of `p` and `w`, so `h` is at most about the distance travelled in one step. In the
+//! relaxation, a small fraction of an impact cannot carry the vehicle through the wall.
 
 use faer::Mat;
 
@@ -29,7 +29,7 @@ use crate::model::{Affine, Model, Variable};
 
 /// Adds the variables `penetration[t]` and `impact_speed[t]` and the statements of one step.
 ///
-/// | statement | says | in flight | in contact |
+/// | statement | meaning | in flight | in contact |
 /// | --- | --- | --- | --- |
 /// | `position[t]` | g⁺ = p + (1+e) h | g⁺ = p | g⁺ = -e p |
 /// | `velocity[t]` | s⁺ = w + (1+e) f | s⁺ = w | s⁺ = -e w |
@@ -69,7 +69,7 @@ pub(super) fn add_step(
     Ok(ImpactSpeed { speed: speed.into(), zero_in_flight: true })
 }
 
-/// A variable for how far an expression falls below 0: from 0 to what its range allows.
+/// A variable for how far an expression is below 0, bounded by the expression's range.
 fn add_shortfall(
     model: &mut Model,
     family: &str,

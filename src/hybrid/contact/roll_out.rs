@@ -1,13 +1,13 @@
-//! Which contacts a control leads to, by simulation: points for a solver to try.
+//! Contacts from a simulation, proposed as points for a solver to try.
 
 use super::{Contact, ContactLaw};
 use crate::model::{Family, Variable};
 use crate::solver::{NodeView, Proposal};
 
-/// Proposes the contacts that the accelerations of a node's relaxation lead to when they are rolled
-/// out from the start under the reflecting law; hand it over by
-/// [`Guidance::with_proposal`](crate::solver::Guidance::with_proposal). Contacts that are decided
-/// at the node keep their values. Under [`ContactLaw::Literal`] it proposes nothing.
+/// Simulates the accelerations of a node's relaxation from the start under the reflecting law and
+/// proposes the contacts that result. Pass it to
+/// [`Guidance::with_proposal`](crate::solver::Guidance::with_proposal). Contacts that are fixed at
+/// the node keep their values. Under [`ContactLaw::Literal`] there is no proposal.
 ///
 /// ```
 /// use carom::collision_tolerant::{Objective, Program, Scenario};
@@ -69,7 +69,7 @@ impl RollOut {
 }
 
 impl Proposal for RollOut {
-    /// The contacts first, then the steps without one.
+    /// Contacts first, then the steps without contact.
     fn propose(&self, node: &NodeView<'_>) -> Vec<(Variable, f64)> {
         if self.contact.law != ContactLaw::Reflecting {
             return Vec::new();

@@ -1,5 +1,5 @@
-//! A hybrid system taken apart: blocks of states that do not touch each other, and for each block
-//! the maps, generators and limits of every transition.
+//! A compiled hybrid system: blocks of unconnected states, and for each block the maps, generators
+//! and limits of every transition.
 
 use faer::Mat;
 
@@ -10,7 +10,7 @@ use super::template::Template;
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
-/// States whose sets are kept together: nothing links them to the others.
+/// A block of connected states, which share one set.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     /// Numbers of the states, ascending.
@@ -18,7 +18,7 @@ pub(super) struct Block {
     pub(super) geometry: Geometry,
     /// Domains and limits at every sample.
     pub(super) limits: Vec<Cut>,
-    /// The set that the limits leave.
+    /// The set within the limits.
     pub(super) domain: Shape,
     /// One per transition.
     pub(super) steps: Vec<Step>,
@@ -30,7 +30,7 @@ pub(super) struct Cut {
     pub(super) name: String,
     pub(super) normal: Vec<f64>,
     pub(super) limit: f64,
-    /// The limit as it was given, for reports.
+    /// The original limit, for reports.
     pub(super) given: f64,
 }
 
@@ -39,14 +39,14 @@ pub(super) struct Cut {
 pub(super) struct Step {
     pub(super) before: Vec<Cut>,
     pub(super) flow: Map,
-    /// What the inputs add: segments from `-g` to `g`.
+    /// Segments from `-g` to `g`, added by the inputs.
     pub(super) generators: Vec<Vec<f64>>,
-    /// What rounding of the inputs' middles may have lost.
+    /// The possible rounding error of the inputs' midpoints.
     pub(super) slack: Vec<f64>,
     pub(super) after: Vec<Cut>,
     pub(super) reset: Option<Map>,
-    /// The margin once more after a reset, which may have shrunk it: an accepted plan may miss the
-    /// reset itself as well.
+    /// The margin again after a reset, because the reset may shrink it and an accepted plan may
+    /// also miss the reset itself.
     pub(super) reset_slack: Vec<f64>,
     /// A bounded set that holds every prediction.
     pub(super) predictions: Shape,
@@ -62,14 +62,14 @@ pub(super) struct Compiled {
 }
 
 impl Compiled {
-    /// Takes a checked system apart.
+    /// Compiles a checked system.
     ///
     /// # Arguments
     ///
-    /// * `inputs`: their ranges.
-    /// * `margin`: by how much every limit may be missed, per unit of the row's scale.
+    /// * `inputs`: the ranges of the inputs.
+    /// * `margin`: how much every limit is loosened, per unit of the row's scale.
     /// * `sizes`: magnitudes of the states, for that scale.
-    /// * `further`: template directions beside the axes and the limits' own.
+    /// * `further`: template directions in addition to the axes and the normals of the limits.
     pub(super) fn new(
         system: &HybridSystem,
         inputs: &[Interval],
@@ -89,8 +89,9 @@ impl Compiled {
     }
 }
 
-/// The connected parts of the states under flows, resets, guards and limits. Inputs do not
-/// connect: where two blocks share one, each takes it as it likes, which can only enlarge sets.
+/// The connected components of the states under flows, resets, guards and limits. Inputs do not
+/// connect states: if two blocks share an input, each chooses it separately, which can only enlarge
+/// sets.
 fn groups(system: &HybridSystem) -> Vec<Vec<usize>> {
     let n = system.states.len();
     let mut parent: Vec<usize> = (0..n).collect();

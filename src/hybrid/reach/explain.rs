@@ -1,4 +1,4 @@
-//! Why there is no plan, in words.
+//! Explanations of why there is no plan, in words.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
-/// By how many widths a domain is enlarged to find out whether it stands in the way.
+/// The number of widths by which a domain is enlarged to find out whether it is to blame.
 const LIFTED_WIDTHS: f64 = 1e3;
 
-/// Why there is no plan over a horizon, as the reach sets see it.
+/// Why there is no plan over a horizon, according to the reach sets.
 ///
 /// ```
 /// use carom::collision_tolerant::{Endpoint, Scenario, explain};
@@ -34,21 +34,21 @@ pub struct Explanation {
     pub steps: usize,
     /// The sample at which no state is left.
     pub sample: usize,
-    /// What stands in the way, for every number of events that leads so far.
+    /// The obstacle for each number of events with which a plan can get that far.
     pub findings: Vec<Finding>,
-    /// What alone would make a plan possible, in words, as far as the sets tell.
+    /// Single changes that might make a plan possible, in words.
     pub remedies: Vec<String>,
 }
 
-/// What stands in the way of plans with a number of events.
+/// What excludes plans with a certain number of events.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Finding {
-    /// Events up to the sample; nothing where the number does not matter.
+    /// Events up to the sample, or `None` if the number does not matter.
     pub events: Option<usize>,
-    /// Whether more events than these are meant as well.
+    /// Whether this includes more events than these.
     pub or_more: bool,
-    /// What stands in the way.
+    /// The reason.
     pub obstacle: Obstacle,
 }
 
@@ -56,31 +56,31 @@ pub struct Finding {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Obstacle {
-    /// A limit that no state can keep.
+    /// A limit that no state satisfies.
     Limit {
         /// Its name.
         name: String,
-        /// The transition whose guard it is, where it is one.
+        /// The transition, if the limit is a guard.
         transition: Option<String>,
         /// The limit.
         limit: f64,
-        /// The smallest value that can be had.
+        /// The smallest value that can be reached.
         nearest: f64,
     },
-    /// The values that a state can have, and those that are needed.
+    /// The values that a state can have do not include those that are needed.
     Range {
         /// The state's name.
         state: String,
-        /// What can be reached.
+        /// The range that can be reached, in the state's unit.
         reached: Interval,
-        /// What is needed.
+        /// The range that is needed, in the state's unit.
         needed: Interval,
-        /// Other states that are as needed already.
+        /// Other states that already have the needed values.
         given: Vec<(String, Interval)>,
     },
-    /// A combination of states: none of them is out of range alone.
+    /// A combination of states is out of range, but none of them alone.
     Combination {
-        /// Names and factors.
+        /// Names and coefficients of the states.
         factors: Vec<(String, f64)>,
         /// The largest value that can be reached.
         reached: f64,
@@ -90,7 +90,7 @@ pub enum Obstacle {
 }
 
 impl ReachSets {
-    /// Why no plan has exactly `steps` steps; nothing where the sets do not exclude one.
+    /// Why no plan has exactly `steps` steps, or `None` if the sets do not exclude one.
     ///
     /// # Errors
     ///
@@ -119,7 +119,7 @@ impl ReachSets {
         })
     }
 
-    /// The obstacle behind an emptied set.
+    /// The obstacle that emptied a set.
     fn obstacle(&self, emptied: &Emptied) -> Option<Obstacle> {
         let block = &self.system.blocks[emptied.block];
         let (cut, transition) = match emptied.place {
@@ -138,7 +138,7 @@ impl ReachSets {
 
     fn findings(&self, tube: &Tube, sample: usize) -> (usize, Vec<Finding>) {
         if tube.reached(sample).next().is_none() {
-            // The forward sets died on their own.
+            // The forward sets became empty by themselves.
             let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
             let obstacle = self.obstacle(emptied);
             let finding = |obstacle| Finding { events: None, or_more: false, obstacle };
@@ -155,7 +155,7 @@ impl ReachSets {
         (sample, findings.collect())
     }
 
-    /// The sets that lead on to the goal from a sample at which no plan can be.
+    /// The sets from which the goal can be reached, at a sample that no plan passes.
     fn needed(&self, tube: &Tube, sample: usize) -> Vec<ReachSet> {
         let to_go = tube.steps() - sample;
         if to_go == 0 {
@@ -169,7 +169,7 @@ impl ReachSets {
         before.collect()
     }
 
-    /// Changes of the system that let the sets reach the goal, each on its own.
+    /// Changes of the system each of which alone lets the sets reach the goal.
     fn remedies(&self, steps: usize) -> Result<Vec<String>, Error> {
         let system = self.system();
         let mut changes: Vec<(String, HybridSystem)> = Vec::new();
@@ -220,7 +220,7 @@ impl ReachSets {
     }
 }
 
-/// What keeps two sets of one system apart.
+/// What separates two sets of one system.
 fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
     let system = Arc::clone(&reached.system);
     let mut rest = reached.clone();
@@ -247,7 +247,7 @@ fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
     })
 }
 
-/// A number as people write it.
+/// A number, rounded for people.
 fn number(value: f64) -> String {
     let text = format!("{value:.5}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,26 +1,26 @@
-//! Reach sets: which states can be reached from a start, and from which ones a goal can still be
-//! reached, before anything is solved.
+//! Reach sets: the states that can be reached from a start, and those from which a goal can still
+//! be reached, computed before anything is solved.
 //!
-//! A horizon model is a dynamical system, and that is knowledge which a solver cannot see in its
-//! rows. The states that can be reached in t steps and those from which the goal can be reached in
-//! the τ - t steps that are left must meet at every t, or no plan has τ steps. Where they meet in a
-//! small region, most of the plan's binaries are decided.
+//! A planning program describes a dynamical system, but a solver sees only rows. The states that
+//! can be reached in t steps and those from which the goal can be reached in the remaining τ - t
+//! steps must intersect at every t, or no plan has τ steps. If the intersection is small, most of
+//! the plan's binaries are decided.
 //!
-//! | step | here |
+//! | task | item |
 //! | --- | --- |
-//! | say what the system can do | [`HybridSystem`], [`Transition`], [`Halfspace`] |
+//! | describe the system | [`HybridSystem`], [`Transition`], [`Halfspace`] |
 //! | sets of states | [`ReachSets`], [`ReachSet`], [`SetOptions`] |
-//! | everything about one horizon | [`Tube`] |
-//! | write it into a program | [`Tube::tighten`], [`HorizonVariables`], [`TighteningReport`] |
+//! | the sets of one horizon | [`Tube`] |
+//! | tighten a program | [`Tube::tighten`], [`HorizonVariables`], [`TighteningReport`] |
 //! | why there is no plan | [`ReachSets::explain`], [`Explanation`] |
-//! | a picture, with a plan in it | [`Tube::to_svg`], [`ReachSet::outline`] |
+//! | a picture, with a plan | [`Tube::to_svg`], [`ReachSet::outline`] |
 //!
-//! [`shortest_horizon`](super::shortest_horizon()) uses all of it for a
+//! [`shortest_horizon`](super::shortest_horizon()) uses all of this for a
 //! [`HorizonModel`](super::HorizonModel) that offers its
 //! [`reach_sets`](super::HorizonModel::reach_sets), and
 //! [`collision_tolerant`](crate::collision_tolerant) does by default.
 //!
-//! # One call for a program of your own
+//! # A program of your own
 //!
 //! ```
 //! use carom::hybrid::{LinearSystem, Mat};
@@ -28,7 +28,7 @@
 //! use carom::interval::Interval;
 //! use carom::prelude::*;
 //!
-//! // A heater that is on or off: T⁺ = 0.9 T + 0.1 T_out, and 3 K more when it is on.
+//! // A heater that is on or off: T⁺ = 0.9 T + 0.1 T_out, plus 3 K if it is on.
 //! let (outside, steps) = (5.0, 8);
 //! let mut model = Model::new("heater");
 //! let temperature = model.continuous_family("T", steps + 1, 0.0, 40.0)?;
@@ -40,7 +40,7 @@
 //! model.fix(temperature[0], 10.0)?;
 //! model.set_bounds(temperature[steps], 22.5, 40.0)?;
 //!
-//! // The same in the terms of reach sets: two modes, the second one is an event.
+//! // The same as a hybrid system: two modes, of which the second is an event.
 //! let mode = |gain: f64| {
 //!     let (a, b) = (Mat::from_fn(1, 1, |_, _| 0.9), Mat::zeros(1, 0));
 //!     LinearSystem::new(a, b, vec![0.1 * outside + gain])
@@ -53,38 +53,38 @@
 //! let (start, goal) = ([Interval::point(10.0)], [Interval::new(22.5, 40.0)]);
 //! let mut sets = ReachSets::new(&system, &start, &goal, options)?;
 //!
-//! // One call: binaries are fixed, bounds tightened.
+//! // This fixes binaries and tightens bounds.
 //! let variables = HorizonVariables::new([temperature]).with_transition(1, on);
 //! let report = sets.tube(steps)?.tighten(&mut model, &variables)?;
 //! assert_eq!(report.to_string(), "8 steps: 6 binaries fixed, 2 open, 8 bounds tightened, 1 rows added");
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! # How sharp the sets are
+//! # Accuracy
 //!
-//! * States that no flow, reset, guard or limit links are kept in blocks of their own, so that each
-//!   axis of a decoupled vehicle is as sharp as if it were alone. (Inputs do not link: an input of
-//!   two blocks is chosen by each of them, which can only enlarge the sets.)
-//! * A block of two states has **exact convex polygons**; beyond [`SetOptions::vertices`] short
-//!   edges are merged outward.
-//! * A block of another number of states has limits along **template directions**: the axes, the
-//!   normals of its limits and guards, the diagonals where it has at most four states, and those of
-//!   [`SetOptions::directions`]. One state is exact.
-//! * States with the same number of events share one convex set, the hull; with
-//!   [`SetOptions::events`] events or more they all do. That covers any number of events.
+//! * States that no flow, reset, guard or limit links are in separate blocks, so each axis of a
+//!   decoupled vehicle is as accurate as if it were alone. Inputs do not link states: two blocks
+//!   choose a common input separately, which can only enlarge the sets.
+//! * A block of two states has **exact convex polygons**. If a polygon has more than
+//!   [`SetOptions::vertices`] vertices, short edges are merged outward.
+//! * Other blocks have limits along **template directions**: the axes, the normals of their limits
+//!   and guards, the diagonals if there are at most four states, and those of
+//!   [`SetOptions::directions`]. A block of one state is exact.
+//! * States with the same number of events share one convex set, their hull. States with
+//!   [`SetOptions::events`] events or more share another, so any number of events is covered.
 //!
 //! # Rounding and margin
 //!
-//! Every operation rounds outward: a polygon carries a margin to which each operation adds what its
-//! floating-point arithmetic may have lost, and so do template limits. On top of that starts, goals,
-//! limits, guards and input ranges are enlarged by [`SetOptions::margin`], so that a plan which is
-//! accepted with the solver's tolerances lies in the sets as well.
+//! Every operation rounds outward: polygons have a margin to which each operation adds its possible
+//! rounding error, and template limits include theirs. In addition, starts, goals, limits, guards
+//! and input ranges are enlarged by [`SetOptions::margin`], so that the sets also contain plans
+//! that are feasible only within the solver's tolerances.
 //!
 //! # Cost
 //!
-//! With V vertices a step of one layer and one transition takes O(V) time (O(V log V) with hulls
-//! of several parts); a sweep over τ steps is linear in τ. Combinations for templates are found once
-//! per system, in time that grows with the third power of the number of directions.
+//! With V vertices, a step of one layer and one transition takes O(V) time (O(V log V) with hulls
+//! of several parts), and a sweep over τ steps is linear in τ. Combinations for templates are found
+//! once per system, in time that grows with the cube of the number of directions.
 
 mod compiled;
 mod explain;

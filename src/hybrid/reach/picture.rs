@@ -1,4 +1,4 @@
-//! A tube and a plan in it as a picture.
+//! A picture of a tube and a plan.
 
 use std::fmt::Write as _;
 
@@ -11,13 +11,13 @@ use crate::interval::Interval;
 const SIZE: [f64; 2] = [860.0, 620.0];
 const MARGINS: [f64; 4] = [64.0, 24.0, 46.0, 40.0]; // left, right, bottom, top
 
-/// Samples whose sets are drawn, about.
+/// Approximate number of samples whose sets are drawn.
 const SAMPLES: usize = 12;
 
 const FORWARD: &str = "#1f77b4";
 const BACKWARD: &str = "#e67814";
 
-/// From the plane of two states to pixels.
+/// Maps the plane of two states to pixels.
 struct Frame {
     x: Interval,
     y: Interval,
@@ -38,7 +38,7 @@ impl Frame {
         let mut last = [f64::NAN; 2];
         for &corner in corners {
             let [x, y] = self.pixel(corner);
-            // Corners that fall on the same half pixel are one.
+            // Corners on the same half pixel are merged.
             if (x - last[0]).abs() < 0.5 && (y - last[1]).abs() < 0.5 {
                 continue;
             }
@@ -50,15 +50,15 @@ impl Frame {
 }
 
 impl Tube {
-    /// Draws the tube's shadow on two states as an SVG picture: the forward sets and the backward
-    /// sets of about a dozen samples, and a plan in them.
+    /// Draws the projection of the tube on two states as an SVG picture: the forward and backward
+    /// sets of about a dozen samples, and a plan.
     ///
     /// ```
     /// use carom::collision_tolerant::Scenario;
     ///
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let tube = scenario.reach_sets()?.tube(47)?;
-    /// // Without a plan; otherwise give the states of its samples, in order.
+    /// // Without a plan. To draw one, pass the states of its samples, in order.
     /// let svg = tube.to_svg(0, 1, &[])?;
     /// assert!(svg.starts_with("<svg") && svg.contains(">x</text>"));
     /// # Ok::<(), carom::Error>(())
@@ -66,14 +66,14 @@ impl Tube {
     ///
     /// # Arguments
     ///
-    /// * `first`, `second`: numbers of the states on the horizontal and the vertical axis.
-    /// * `plan`: its states, one vector of all states per sample; may be empty.
+    /// * `first`, `second`: indices of the states on the horizontal and the vertical axis.
+    /// * `plan`: one vector of all states per sample, in the units of the states; may be empty.
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for states that do not exist or are the same, [`ErrorKind::Length`]
-    /// for plans with other numbers of states, [`ErrorKind::NotFinite`] for values that are not
-    /// finite.
+    /// [`ErrorKind::OutOfRange`] for states that do not exist or are the same,
+    /// [`ErrorKind::Length`] for plans with a different number of states, [`ErrorKind::NotFinite`]
+    /// for values that are not finite.
     pub fn to_svg(&self, first: usize, second: usize, plan: &[Vec<f64>]) -> Result<String, Error> {
         let path = self.path(first, second, plan)?;
         let samples: Vec<usize> = (0..=self.steps()).step_by(1 + self.steps() / SAMPLES).collect();
@@ -123,7 +123,7 @@ impl Tube {
         Ok(svg)
     }
 
-    /// The plan in the plane of two states.
+    /// The plan, projected on two states.
     fn path(&self, first: usize, second: usize, plan: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, Error> {
         let states = self.system.states.len();
         if first >= states || second >= states || first == second {
@@ -145,7 +145,7 @@ impl Tube {
         plan.iter().map(point).collect()
     }
 
-    /// What is seen of the plane: the plan and the tube's bounds, or everything that is drawn.
+    /// The visible part of the plane: the plan and the tube's bounds, or everything that is drawn.
     fn frame(
         &self,
         first: usize,
@@ -229,7 +229,7 @@ fn ticks(range: &Interval) -> Vec<f64> {
     let (first, last) = ((range.lower / step).ceil(), (range.upper / step).floor());
     let count =
         if (last - first).is_finite() { (last - first).clamp(0.0, 20.0) as usize } else { 0 };
-    // Decimal ticks, free of the noise of multiplication.
+    // Decimal ticks, without rounding noise.
     let digits = (-power.log10().floor()).clamp(0.0, 12.0) as i32;
     let scale = 10.0_f64.powi(digits);
     (0..=count).map(|k| ((first + k as f64) * step * scale).round() / scale).collect()

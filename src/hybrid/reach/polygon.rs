@@ -1,7 +1,7 @@
 //! Convex polygons with outward rounding: exact sets of two states.
 //!
-//! A polygon stands for `hull(vertices) + [-r₀, r₀] x [-r₁, r₁]`. Every operation computes its
-//! vertices in floating point and adds what rounding may have lost to the margin `r`, so the set
+//! A polygon represents `hull(vertices) + [-r₀, r₀] x [-r₁, r₁]`. Every operation computes its
+//! vertices in floating point and adds the possible rounding error to the margin `r`, so the result
 //! always contains the exact result of the operation on the exact operands.
 
 use super::rounding::{EPSILON, magnitude};
@@ -9,12 +9,12 @@ use super::rounding::{EPSILON, magnitude};
 /// A point of the plane.
 pub(super) type Point = [f64; 2];
 
-/// A convex set of the plane: a polygon, a segment, a point, or nothing.
+/// A convex set of the plane: a polygon, a segment, a point, or the empty set.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Polygon {
     /// Counter-clockwise; empty for the empty set.
     vertices: Vec<Point>,
-    /// How far beyond the hull of the vertices the set may reach, along each axis.
+    /// How far the set may extend beyond the hull of the vertices, along each axis.
     margin: Point,
     /// Bounds of the vertices' magnitudes along each axis, for the size of rounding errors.
     size: Point,
@@ -26,7 +26,7 @@ const AXES: [Point; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
 /// The support of the empty set.
 const NOWHERE: f64 = f64::NEG_INFINITY;
 
-/// A line that leaves two sets on different sides.
+/// A line that separates two sets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Separation {
     /// Normal of the line.
@@ -49,19 +49,19 @@ fn plus(a: Point, b: Point) -> Point {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-/// Positive when `b` points to the left of `a`.
+/// Positive if `b` points to the left of `a`.
 fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
 impl Polygon {
-    /// The box `[low, high]`, whose sides may have no length.
+    /// The box `[low, high]`, whose sides may have length 0.
     pub(super) fn from_box(low: Point, high: Point) -> Self {
         let corners = vec![low, [high[0], low[1]], high, [low[0], high[1]]];
         Polygon::hull_of(corners, [0.0, 0.0])
     }
 
-    /// The convex hull of points that already carry a margin.
+    /// The convex hull of points that already have a margin.
     pub(super) fn hull_of(mut points: Vec<Point>, margin: Point) -> Self {
         let size = sizes(&points);
         let mut polygon = Polygon { vertices: Vec::new(), margin, size };
@@ -106,7 +106,7 @@ impl Polygon {
         }
     }
 
-    /// Whether its margin is wider than another polygon, or no number any more.
+    /// Whether its margin is wider than another polygon, or NaN.
     pub(super) fn has_outgrown(&self, other: &Polygon) -> bool {
         AXES.chunks(2).zip(self.margin).zip(self.size).any(|((axis, margin), size)| {
             let width = other.support(axis[0]) + other.support(axis[1]);
@@ -135,7 +135,7 @@ impl Polygon {
         let determinant = cross(matrix[0], matrix[1]);
         let scale = dot(matrix[0], matrix[0]).max(dot(matrix[1], matrix[1]));
         if vertices.len() < 3 || determinant.abs() <= 1e-9 * scale {
-            // Flattened: the order of the vertices means nothing any more.
+            // Singular map: the order of the vertices is lost.
             return Polygon::hull_of(vertices, margin);
         }
         let mut image = Polygon { vertices, margin, size };
@@ -145,13 +145,14 @@ impl Polygon {
         if image.is_surely_convex() {
             return image;
         }
-        // Nearly flattened: rounding may have mixed up the order of the vertices.
+        // Nearly singular map: rounding may have changed the order of the vertices.
         let mut hull = Polygon::hull_of(image.vertices, margin);
         hull.size = size;
         hull
     }
 
-    /// Whether the vertices go round once and turn left at each of them, whatever rounding hides.
+    /// Whether the vertices certainly go round once and turn left at each of them, despite
+    /// rounding.
     fn is_surely_convex(&self) -> bool {
         let n = self.vertices.len();
         let mut edge = minus(self.vertices[0], self.vertices[n - 1]);
@@ -162,7 +163,7 @@ impl Polygon {
             if !is_left {
                 return false;
             }
-            // Where a way to the right ends.
+            // The end of a run to the right.
             let goes_right = |e: Point| e[0] > 0.0 || (e[0] == 0.0 && e[1] < 0.0);
             turns_back += usize::from(goes_right(edge) && !goes_right(next));
             edge = next;
@@ -183,7 +184,7 @@ impl Polygon {
             sum.loosen(8);
             return sum;
         }
-        // To the right of the generator everything moves with it, to the left against it.
+        // Vertices to the right of the generator move with it, those to the left against it.
         let sides: Vec<f64> = self.vertices.iter().map(|&v| cross(generator, v)).collect();
         let (mut right, mut left) = (0, 0);
         for k in 1..n {
@@ -197,7 +198,7 @@ impl Polygon {
         let noise = 16.0 * EPSILON * dot([generator[1].abs(), generator[0].abs()], self.size);
         let is_wide = sides[left] - sides[right] > noise;
         if !is_wide {
-            // A sliver along the generator: rounding hides which of its ends is which.
+            // A sliver along the generator: with rounding, its two ends cannot be told apart.
             let points = self.vertices.iter().flat_map(both).collect();
             return Polygon::hull_of(points, self.margin);
         }
@@ -223,8 +224,8 @@ impl Polygon {
         sum
     }
 
-    /// Keeps the part with `normal . z <= limit`. When nothing is left, returns the smallest value
-    /// that the left side had.
+    /// Keeps the part with `normal . z <= limit`. If that is empty, returns the smallest value of
+    /// the left side.
     pub(super) fn clip(&mut self, normal: Point, limit: f64) -> Option<f64> {
         if self.is_empty() {
             return None;
@@ -293,7 +294,7 @@ impl Polygon {
         (0..n).map(edge).filter(|(normal, _)| *normal != [0.0, 0.0])
     }
 
-    /// Limits `normal . z <= limit` whose common part is this set, with its margin.
+    /// Limits `normal . z <= limit` whose intersection is this set, with its margin.
     pub(super) fn halfplanes(&self) -> Vec<(Point, f64)> {
         let normals = self.edges().map(|(normal, _)| normal).chain(AXES);
         normals.map(|normal| (normal, self.support(normal))).collect()
@@ -306,12 +307,12 @@ impl Polygon {
         normals.all(|normal| other.support(normal) <= self.support(normal))
     }
 
-    /// A line between two sets that are not empty; nothing when none was found, which is certain
-    /// when they have a common point.
+    /// A line that separates two non-empty sets, or `None` if none was found. There is never one if
+    /// they have a common point.
     pub(super) fn separation(&self, other: &Polygon) -> Option<Separation> {
         let forward = one_sided(self, other);
         forward.or_else(|| {
-            // Seen from the other side.
+            // The same line, seen from the other set.
             one_sided(other, self).map(|s| Separation {
                 normal: [-s.normal[0], -s.normal[1]],
                 first: -s.second,
@@ -320,8 +321,8 @@ impl Polygon {
         })
     }
 
-    /// Replaces short edges by longer neighbours, outward, until at most `most` vertices are left
-    /// (where that is possible).
+    /// Replaces short edges by extending their neighbours, outward, until at most `most` vertices
+    /// are left, if possible.
     pub(super) fn simplify(&mut self, most: usize) {
         let most = most.max(8);
         while self.vertices.len() > most {
@@ -334,13 +335,13 @@ impl Polygon {
         }
     }
 
-    /// Drops up to `count` edges, no two of them neighbours, smallest added area first.
+    /// Drops up to `count` edges, no two of them adjacent, smallest added area first.
     fn drop_edges(&mut self, count: usize) {
         let n = self.vertices.len();
         let at = |k: usize| self.vertices[k % n];
         let mut candidates: Vec<(f64, usize, Point)> = Vec::with_capacity(n);
         for k in 0..n {
-            // The edge from b to c goes; the lines through a, b and through c, d meet in q.
+            // Drop the edge from b to c; the lines through a, b and through c, d meet in q.
             let (a, b, c, d) = (at(k + n - 1), at(k), at(k + 1), at(k + 2));
             let (before, edge, after) = (minus(b, a), minus(c, b), minus(d, c));
             let turn = cross(before, after);
@@ -351,7 +352,7 @@ impl Polygon {
             let reach = cross(edge, after) / turn;
             let q = plus(b, [reach * before[0], reach * before[1]]);
             let area = cross(minus(c, b), minus(b, q)).abs();
-            // What rounding made of q must still leave b and c inside.
+            // Despite rounding of q, b and c must be inside.
             let slack = |axis: usize| 4.0 * EPSILON * (q[axis].abs() + b[axis].abs());
             let covers = |from: Point, to: Point, p: Point| {
                 let side = minus(to, from);
@@ -366,7 +367,7 @@ impl Polygon {
         let mut apex: Vec<Option<Point>> = vec![None; n];
         let mut dropped = 0;
         for (_, k, q) in candidates {
-            // Not beside an edge that goes already: each apex needs its neighbours' lines.
+            // Not adjacent to a dropped edge, because each apex needs its neighbours' lines.
             let near = [k + n - 2, k + n - 1, k, k + 1, k + 2];
             if dropped < count && near.iter().all(|&i| apex[i % n].is_none()) {
                 apex[k] = Some(q);
@@ -393,9 +394,9 @@ fn sizes(points: &[Point]) -> Point {
     [along(0), along(1)]
 }
 
-/// Adds a sorted run to a hull, keeping turns only that are certainly to the left: one that is not
-/// would hide from the points behind it that the ones before it have to go. `lost` adds up how far
-/// the points that were dropped for that may lie outside, along the second axis.
+/// Adds a sorted run to a hull and keeps only turns that are certainly to the left, because an
+/// uncertain turn would hide that earlier points must be dropped. `lost` sums how far the dropped
+/// points may lie outside, along the second axis.
 fn extend_chain(
     hull: &mut Vec<Point>,
     points: impl Iterator<Item = Point>,
@@ -405,7 +406,8 @@ fn extend_chain(
     for point in points {
         while hull.len() >= base + 2 {
             let (a, b) = (hull[hull.len() - 2], hull[hull.len() - 1]);
-            // Edges from point to point: longer differences would hide short ones in their rounding.
+            // Edges between neighbouring points, because the rounding of longer differences would
+            // hide short ones.
             let (first, second) = (minus(b, a), minus(point, b));
             let turn = cross(first, second);
             let noise = 4.0 * EPSILON * turn_size(first, second);
@@ -439,8 +441,9 @@ fn one_sided(first: &Polygon, second: &Polygon) -> Option<Separation> {
     let count = second.vertices.len();
     let mut at = 0;
     for (normal, on_edge) in first.edges() {
-        // The vertex of the second set that is farthest against the normal moves round with the
-        // normals. Stopping too early could only find less; a find is checked on all vertices.
+        // The extreme vertex of the second set against the normal moves round with the normals.
+        // Stopping too early can only miss a line, because a line that is found is checked on all
+        // vertices.
         let value = |k: usize| dot(normal, second.vertices[k % count]);
         for _ in 0..count {
             if value(at + 1) > value(at) {

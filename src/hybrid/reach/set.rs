@@ -1,4 +1,4 @@
-//! Sets of states, for asking: support, containment, intersection, bounding box, outline.
+//! Sets of states: support, containment, intersection, bounding box, outline.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use crate::interval::Interval;
 
 /// A set of states: the product of its blocks' sets.
 ///
-/// The set is closed and contains every state it stands for; it may contain a little more (see
-/// [`SetOptions`](super::SetOptions) for the stated margin, and the module for what is exact).
+/// The set is closed and contains every state of the exact set, and possibly a little more; see
+/// [`SetOptions`](super::SetOptions) for the margin, and the module page for what is exact.
 #[derive(Debug, Clone)]
 pub struct ReachSet {
     pub(super) system: Arc<Compiled>,
@@ -19,12 +19,12 @@ pub struct ReachSet {
     pub(super) shapes: Vec<Shape>,
 }
 
-/// What emptied a set: the first limit that no state could keep.
+/// The limit that emptied a set: the first one that no state satisfies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Emptied {
     pub(super) block: usize,
     pub(super) place: Place,
-    /// The smallest value of the limit's left side that could be had.
+    /// The smallest value of the limit's left side.
     pub(super) nearest: f64,
 }
 
@@ -39,7 +39,7 @@ pub(super) enum Place {
 }
 
 impl ReachSet {
-    /// The box of given intervals, within the system's limits, or the limit that excludes it.
+    /// The box of the given intervals within the system's limits, or the limit that excludes it.
     pub(super) fn from_box(
         system: &Arc<Compiled>,
         ranges: &[Interval],
@@ -65,7 +65,7 @@ impl ReachSet {
         Ok(Ok(ReachSet { system: Arc::clone(system), shapes }))
     }
 
-    /// Keeps the states with one of them within a range; `false` when nothing is left.
+    /// Restricts one state to a range; `false` if the set becomes empty.
     pub(super) fn keep(&mut self, state: usize, range: Interval) -> bool {
         for (block, shape) in self.system.blocks.iter().zip(&mut self.shapes) {
             let Some(k) = block.states.iter().position(|&i| i == state) else { continue };
@@ -84,7 +84,7 @@ impl ReachSet {
     ///
     /// # Arguments
     ///
-    /// * `direction`: one factor per state.
+    /// * `direction`: one coefficient per state.
     ///
     /// # Errors
     ///
@@ -100,8 +100,8 @@ impl ReachSet {
             .fold(0.0, crate::interval::add_up))
     }
 
-    /// Whether a state lies in the set. States that do not lie in the exact set may be taken for
-    /// members when they are within the margin of it.
+    /// Whether a state lies in the set. States outside the exact set but within its margin may
+    /// count as members.
     ///
     /// # Errors
     ///
@@ -118,7 +118,7 @@ impl ReachSet {
         }))
     }
 
-    /// Whether the sets may have a common state: `false` is certain.
+    /// Whether the sets may have a common state; `false` is a proof that they have none.
     ///
     /// # Errors
     ///
@@ -135,7 +135,7 @@ impl ReachSet {
         Ok(self.meets(other))
     }
 
-    /// As [`intersects`](ReachSet::intersects), for sets of one system.
+    /// Same as [`intersects`](ReachSet::intersects), for sets of one system.
     pub(super) fn meets(&self, other: &ReachSet) -> bool {
         let pairs = self.shapes.iter().zip(&other.shapes).zip(&self.system.blocks);
         let mut pairs = pairs.map(|((a, b), block)| a.separation(&block.geometry, b));
@@ -160,8 +160,8 @@ impl ReachSet {
         bounding_box(&self.system, &self.shapes)
     }
 
-    /// How far rounding may have enlarged the set along each state, in the state's unit, where that
-    /// is known: for states in blocks of two. Template limits have their rounding in themselves.
+    /// How far rounding may have enlarged the set along each state, in the state's unit. This is
+    /// known for states in blocks of two; template limits already include their rounding.
     pub fn margin(&self) -> Vec<f64> {
         let mut margin = vec![0.0; self.system.states.len()];
         for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {
@@ -174,9 +174,9 @@ impl ReachSet {
         margin
     }
 
-    /// The corners of the set's shadow on two states, counter-clockwise, for drawing: the exact
-    /// polygon where the two states make up a block, their bounding box otherwise. One corner is a
-    /// point, two are a segment.
+    /// The corners of the set's projection on two states, counter-clockwise, in the states' units:
+    /// the exact polygon if the two states form a block, otherwise their bounding box. One corner
+    /// is a point, two are a segment.
     ///
     /// # Errors
     ///
@@ -206,7 +206,7 @@ impl ReachSet {
         Ok(vec![[x.lower, y.lower], [x.upper, y.lower], [x.upper, y.upper], [x.lower, y.upper]])
     }
 
-    /// The smallest set of its kind that holds both.
+    /// The smallest set of its kind that contains both.
     pub(super) fn join(&self, other: &ReachSet) -> ReachSet {
         let shapes = self.shapes.iter().zip(&other.shapes).map(|(a, b)| a.join(b)).collect();
         ReachSet { system: Arc::clone(&self.system), shapes }

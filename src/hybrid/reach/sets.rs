@@ -16,19 +16,19 @@ use crate::tolerance;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SetOptions {
-    /// Layers: states are kept apart by the number of events so far (or to come) up to this
-    /// number, and states with this many or more events share the last layer; `0..=64`,
+    /// Number of layers: states with different numbers of events so far (or to come) are in
+    /// different layers, and states with this many or more events share the last layer; `0..=64`,
     /// default 3.
     pub events: usize,
-    /// Vertices of a polygon beyond which short edges are merged outward; at least 8, default
-    /// 512.
+    /// Number of vertices of a polygon beyond which short edges are merged outward; at least 8,
+    /// default 512.
     pub vertices: usize,
     /// By how much a plan may miss its start, its goal, and every limit, guard and input range,
     /// and still lie in the sets; where numbers exceed 1000, times a thousandth of them;
     /// default [`tolerance::REACH`], from 0 to 1.
     pub margin: f64,
-    /// Directions along which sets of other than two states are limited, beside the axes, the
-    /// diagonals of small blocks and the normals of the limits; one factor per state.
+    /// Template directions of sets with other than two states, in addition to the axes, the
+    /// diagonals of small blocks and the normals of the limits; one coefficient per state.
     pub directions: Vec<Vec<f64>>,
 }
 
@@ -39,7 +39,7 @@ impl Default for SetOptions {
 }
 
 impl SetOptions {
-    /// Sets the number of events that are told apart.
+    /// Sets the number of events that are distinguished.
     #[must_use]
     pub fn with_events(mut self, events: usize) -> Self {
         self.events = events;
@@ -102,14 +102,14 @@ impl SetOptions {
 /// The sets of one sample, by the number of events; the last layer is "this many or more".
 pub(super) type Layers = Vec<Option<ReachSet>>;
 
-/// Layers that several holders read.
+/// Layers that are shared.
 pub(super) type Shared = Arc<Layers>;
 
 /// Reach sets of a hybrid system: forward from a set of starts, by the number of steps done, and
 /// backward from a set of goals, by the number of steps to go.
 ///
 /// Forward sets do not depend on the horizon and backward sets only on the time to go, so one
-/// object serves every horizon. Sets are computed when they are first asked for.
+/// object serves every horizon. Sets are computed on first use.
 ///
 /// ```
 /// use carom::hybrid::LinearSystem;
@@ -135,7 +135,7 @@ pub(super) type Shared = Arc<Layers>;
 #[derive(Debug, Clone)]
 pub struct ReachSets {
     pub(super) system: Arc<Compiled>,
-    /// The same with the first step's inputs, where they are special.
+    /// The same with the inputs of the first step, if these differ.
     first: Option<Arc<Compiled>>,
     source: HybridSystem,
     /// Magnitudes of the states at the start and the goal.
@@ -145,9 +145,9 @@ pub struct ReachSets {
     pub(super) options: SetOptions,
     forward: Vec<Shared>,
     backward: Vec<Shared>,
-    /// From this step on the forward sets grow no more.
+    /// From this step on, the forward sets no longer grow.
     settled: Option<usize>,
-    /// The step after which no forward set is left, and what emptied one of them.
+    /// The step after which all forward sets are empty, and what emptied one of them.
     pub(super) emptied: Option<(usize, Emptied)>,
 }
 
@@ -162,7 +162,7 @@ impl ReachSets {
     ///
     /// [`HybridSystem::check`]; [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
     /// [`ErrorKind::CrossedBounds`] for a bad start or goal; [`ErrorKind::OutOfRange`] for bad
-    /// options and for numbers that count as infinite.
+    /// options and for numbers of 1e20 and more in magnitude.
     pub fn new(
         system: &HybridSystem,
         start: &[Interval],
@@ -202,12 +202,13 @@ impl ReachSets {
         })
     }
 
-    /// Sets the inputs' ranges in the first step, for starts whose input is given.
+    /// Sets the ranges of the inputs in the first step, in the inputs' units, for a start with a
+    /// given input.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::Length`], [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`];
-    /// [`ErrorKind::OutOfRange`] for ranges whose ends count as infinite.
+    /// [`ErrorKind::OutOfRange`] for limits of 1e20 and more in magnitude.
     pub fn with_first_inputs(mut self, inputs: &[Interval]) -> Result<Self, Error> {
         check_length("the first step's inputs", inputs.len(), self.source.inputs.len())?;
         for ((name, _), range) in self.source.inputs.iter().zip(inputs) {
@@ -222,7 +223,7 @@ impl ReachSets {
         Ok(self)
     }
 
-    /// The system the sets belong to.
+    /// The system of the sets.
     pub fn system(&self) -> &HybridSystem {
         &self.source
     }
@@ -232,8 +233,8 @@ impl ReachSets {
         &self.options
     }
 
-    /// The states that can be reached in exactly `steps` steps, by the number of events on the
-    /// way; the last layer holds those with [`SetOptions::events`] or more. `None` is empty.
+    /// The states that can be reached in exactly `steps` steps, by the number of events on the way;
+    /// the last layer has those with [`SetOptions::events`] or more. `None` is the empty set.
     ///
     /// # Errors
     ///
@@ -252,8 +253,8 @@ impl ReachSets {
         Ok(self.backward_layers(steps)?.clone())
     }
 
-    /// Whether the goal may be reached in exactly `steps` steps, as far as the forward sets tell:
-    /// `false` is a proof.
+    /// Whether the goal may be reached in exactly `steps` steps, according to the forward sets;
+    /// `false` is a proof that it cannot.
     ///
     /// # Errors
     ///
@@ -265,8 +266,8 @@ impl ReachSets {
         Ok(layers.iter().flatten().any(|set| set.meets(&goal)))
     }
 
-    /// The number of steps from which on the forward sets are known to grow no more: what cannot
-    /// be reached in so many steps will never be.
+    /// The number of steps from which the forward sets are known not to grow: a state that cannot
+    /// be reached in that many steps can never be reached.
     pub fn settled(&self) -> Option<usize> {
         self.settled
     }
@@ -295,7 +296,7 @@ impl ReachSets {
         Ok((0..=steps).map(|t| Arc::clone(&self.forward[t.min(last)])).collect())
     }
 
-    /// The start and the goal, as they were given.
+    /// The start and the goal as given.
     pub(super) fn ends(&self) -> (&[Interval], &[Interval]) {
         (&self.ends.0, &self.ends.1)
     }
@@ -315,7 +316,7 @@ impl ReachSets {
         Arc::clone(&self.backward[0])
     }
 
-    /// The system of a step: the first one may have inputs of its own.
+    /// The system of a step; the first step may have different inputs.
     pub(super) fn system_at(&self, step: usize) -> &Arc<Compiled> {
         match &self.first {
             Some(first) if step == 0 => first,
@@ -347,7 +348,7 @@ impl ReachSets {
             (Some(_), None) => false,
         });
         if step > 0 && stands {
-            // Nothing new: by monotonicity nothing new will ever come.
+            // No growth, so by monotonicity the sets never grow again.
             self.settled = Some(step);
         }
         if next.iter().all(Option::is_none) && self.emptied.is_none() {
@@ -375,7 +376,7 @@ impl ReachSets {
     }
 }
 
-/// Joins a set to a layer.
+/// Joins a set with a layer.
 pub(super) fn add(layer: &mut Option<ReachSet>, set: ReachSet) {
     *layer = Some(match layer.take() {
         Some(present) => present.join(&set),

@@ -9,8 +9,8 @@ use super::template::{Combinations, Polyhedron, Template};
 pub(super) enum Geometry {
     /// Two states: exact polygons.
     Plane,
-    /// Another number of states: limits along fixed directions, and each direction's own
-    /// combinations.
+    /// Other numbers of states: limits along fixed directions, and the combinations of each
+    /// direction.
     Template(Template, Vec<Combinations>),
 }
 
@@ -24,7 +24,7 @@ pub(super) enum Shape {
 /// A dense matrix by rows.
 pub(super) type Matrix = Vec<Vec<f64>>;
 
-/// `z -> M z + c` with what the geometry needs to apply it, and to undo it.
+/// `z -> M z + c` with the data to apply and to invert it.
 #[derive(Debug, Clone)]
 pub(super) struct Map {
     matrix: Matrix,
@@ -86,7 +86,7 @@ fn pull_back(matrix: &Matrix, geometry: &Geometry) -> Vec<Combinations> {
     }
 }
 
-/// The inverse and a bound of its error, or nothing for a matrix too close to a singular one.
+/// The inverse and a bound of its error, or `None` if the matrix is nearly singular.
 fn invert(matrix: &Matrix) -> Option<(Matrix, Matrix)> {
     let n = matrix.len();
     let mut work: Matrix = (0..n)
@@ -148,7 +148,7 @@ impl Shape {
         }
     }
 
-    /// The largest coordinate of its points, or something that is no smaller.
+    /// An upper bound of the magnitude of its coordinates.
     pub(super) fn size(&self) -> f64 {
         let worse = |a: f64, b: f64| if a.is_nan() || a >= b { a } else { b };
         match self {
@@ -160,16 +160,15 @@ impl Shape {
         }
     }
 
-    /// Carries the limits of a template over to each other, after some of them were lowered.
+    /// Propagates the limits of a template to each other, after some of them were lowered.
     pub(super) fn settle(&mut self, geometry: &Geometry) {
         if let (Shape::Template(set), Geometry::Template(_, own)) = (self, geometry) {
             set.settle(own);
         }
     }
 
-    /// Keeps the part with `normal . z <= limit`. When nothing is left, returns the smallest value
-    /// that the left side had. Other limits of a template follow when it is
-    /// [settled](Shape::settle).
+    /// Keeps the part with `normal . z <= limit`. If that is empty, returns the smallest value of
+    /// the left side. [`settle`](Shape::settle) updates the other limits of a template.
     pub(super) fn clip(&mut self, geometry: &Geometry, normal: &[f64], limit: f64) -> Option<f64> {
         match (self, geometry) {
             (Shape::Planar(polygon), _) => polygon.clip([normal[0], normal[1]], limit),
@@ -204,7 +203,7 @@ impl Shape {
         }
     }
 
-    /// The part of `whole` that a map takes into this set.
+    /// The part of `whole` that a map sends into this set.
     pub(super) fn preimage(&self, geometry: &Geometry, map: &Map, whole: &Shape) -> Shape {
         if self.is_empty() {
             return self.clone();
@@ -253,10 +252,10 @@ impl Shape {
         }
     }
 
-    /// The preimage under a map that flattens: this set's limits, pulled back one by one.
+    /// The preimage under a singular map: this set's limits, pulled back one by one.
     fn restrict(&self, geometry: &Geometry, map: &Map, whole: &Shape) -> Shape {
         if map.matrix.iter().flatten().all(|&entry| entry == 0.0) {
-            // Everything goes to one point.
+            // Everything maps to one point.
             let point = Shape::from_box(geometry, &map.offset, &map.offset);
             let misses = self.separation(geometry, &point).is_some();
             return if misses { self.nothing() } else { whole.clone() };
@@ -322,8 +321,8 @@ impl Shape {
         sum
     }
 
-    /// Becomes `whole`, which holds everything that matters, where rounding has outgrown that: a map
-    /// that nearly flattens magnifies the margin whenever it is undone, and limits do not cut it.
+    /// Becomes `whole`, which contains everything that matters, if rounding has grown beyond it.
+    /// The inverse of a nearly singular map magnifies the margin, and limits do not cut it.
     pub(super) fn keep_within(&mut self, whole: &Shape) {
         if let (Shape::Planar(polygon), Shape::Planar(most)) = (&mut *self, whole)
             && !polygon.is_empty()
@@ -374,8 +373,8 @@ impl Shape {
         }
     }
 
-    /// A direction with the largest value over this set and the smallest over another, smaller
-    /// than it: the sets have no common point. Nothing when that is not certain.
+    /// A direction that separates this set from another, with the largest value over this set and
+    /// the larger smallest value over the other. `None` if separation is not certain.
     pub(super) fn separation(
         &self,
         geometry: &Geometry,

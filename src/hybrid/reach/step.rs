@@ -96,7 +96,7 @@ fn predecessors_in(
     predicted.keep_within(&step.predictions);
     check(&predicted, b)?;
     cut(&mut predicted, geometry, &step.after, b, |k| Place::Prediction(transition, k))?;
-    // Segments are symmetric, so adding them also undoes them.
+    // Segments are symmetric, so adding them also inverts the addition.
     let mut free = predicted.add_segments(geometry, &step.generators);
     free.widen(geometry, &step.slack);
     let mut start = free.preimage(geometry, &step.flow, &block.domain);
@@ -107,7 +107,7 @@ fn predecessors_in(
     settled(start, block, b)
 }
 
-/// The shape once its limits agree with each other.
+/// The shape with consistent limits.
 fn settled(mut shape: Shape, block: &Block, number: usize) -> Result<Shape, Emptied> {
     shape.settle(&block.geometry);
     check(&shape, number)?;

@@ -1,4 +1,4 @@
-//! Hybrid systems as reach sets see them: linear steps with bounded input, guards and resets.
+//! Hybrid systems for reach sets: linear steps with bounded inputs, guards and resets.
 
 use faer::Mat;
 
@@ -20,14 +20,14 @@ use crate::tolerance::INFINITE;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Halfspace {
-    /// What it stands for, in words: it is quoted when it empties a set.
+    /// Its description, which explanations quote if it empties a set.
     pub name: String,
-    /// One factor per state, in the limit's unit per unit of the state.
+    /// One coefficient per state, in the limit's unit per unit of the state.
     pub normal: Vec<f64>,
-    /// The limit.
+    /// The limit, in any unit you choose.
     pub limit: f64,
-    /// Whether it is a wish that could be given up, rather than the system's nature: an
-    /// [explanation](super::Explanation) then says whether giving it up would help.
+    /// Whether it could be dropped, unlike physics. An [explanation](super::Explanation) says
+    /// whether dropping it would help.
     pub is_limit: bool,
 }
 
@@ -37,20 +37,20 @@ impl Halfspace {
         Halfspace { name: name.into(), normal: normal.into(), limit, is_limit: false }
     }
 
-    /// `normal . state <= limit`, a wish that could be given up.
+    /// `normal . state <= limit`, which could be dropped.
     pub fn limit(name: impl Into<String>, normal: impl Into<Vec<f64>>, limit: f64) -> Self {
         Halfspace { is_limit: true, ..Halfspace::new(name, normal, limit) }
     }
 }
 
-/// What happens when a transition's flow has been followed: `x⁺ = R y + r`.
+/// The reset after a transition's flow: `x⁺ = R y + r`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reset {
     pub(super) matrix: Mat<f64>,
     pub(super) offset: Vec<f64>,
 }
 
-/// One way of getting from a sample to the next: a mode, a contact.
+/// One way to get from a sample to the next, such as a mode or a contact.
 ///
 /// A step in this transition starts in a state that satisfies its guards, follows the flow
 /// `y = A x + B u + c` under an admissible input, arrives at a prediction `y` that satisfies the
@@ -76,17 +76,17 @@ pub struct Transition {
     pub name: String,
     /// The flow.
     pub flow: LinearSystem,
-    /// Limits on the state at the step's start.
+    /// Limits on the state at the start of the step.
     pub guards: Vec<Halfspace>,
     /// Limits on the flow's result, before the reset.
     pub prediction_guards: Vec<Halfspace>,
     pub(super) reset: Option<Reset>,
-    /// Whether taking it counts as an event, for the layers of the sets.
+    /// Whether it counts as an event, for the layers of the sets.
     pub is_event: bool,
 }
 
 impl Transition {
-    /// A transition that is no event: a mode that may last.
+    /// A transition that is not an event: a mode that may last.
     pub fn new(name: impl Into<String>, flow: LinearSystem) -> Self {
         Transition {
             name: name.into(),
@@ -103,7 +103,7 @@ impl Transition {
         Transition { is_event: true, ..Transition::new(name, flow) }
     }
 
-    /// Limits the state at the step's start.
+    /// Limits the state at the start of the step.
     #[must_use]
     pub fn with_guard(mut self, guard: Halfspace) -> Self {
         self.guards.push(guard);
@@ -117,7 +117,8 @@ impl Transition {
         self
     }
 
-    /// Sets the reset `x⁺ = matrix . y + offset`, for n states n x n and n entries.
+    /// Sets the reset `x⁺ = matrix . y + offset`; with n states, `matrix` is n x n and `offset` has
+    /// n entries.
     #[must_use]
     pub fn with_reset(mut self, matrix: Mat<f64>, offset: Vec<f64>) -> Self {
         self.reset = Some(Reset { matrix, offset });
@@ -150,26 +151,26 @@ pub struct HybridSystem {
     pub states: Vec<(String, Interval)>,
     /// Names and ranges (finite) of the inputs.
     pub inputs: Vec<(String, Interval)>,
-    /// Limits at every sample, beside the domains.
+    /// Limits at every sample, in addition to the domains.
     pub limits: Vec<Halfspace>,
-    /// What a step can do, at least one.
+    /// The transitions of a step, at least one.
     pub transitions: Vec<Transition>,
 }
 
 impl HybridSystem {
-    /// A system without states, inputs and transitions; add them.
+    /// A system without states, inputs and transitions.
     pub fn new() -> Self {
         HybridSystem::default()
     }
 
-    /// Adds a state with its domain: it never leaves it.
+    /// Adds a state with its domain, in the state's unit.
     #[must_use]
     pub fn with_state(mut self, name: impl Into<String>, domain: Interval) -> Self {
         self.states.push((name.into(), domain));
         self
     }
 
-    /// Adds an input with its range.
+    /// Adds an input with its range, in the input's unit.
     #[must_use]
     pub fn with_input(mut self, name: impl Into<String>, range: Interval) -> Self {
         self.inputs.push((name.into(), range));
@@ -263,8 +264,8 @@ pub(super) fn check_ends(name: &str, range: Interval) -> Result<(), Error> {
     check_numbers(name, "a limit", [range.lower, range.upper].into_iter())
 }
 
-/// Refuses numbers that are not finite, and those that count as infinite: products of them could
-/// overflow, and a set with a corner nowhere contains nothing.
+/// Refuses numbers that are not finite or are 1e20 and more in magnitude, because products of them
+/// could overflow.
 fn check_numbers(
     name: &str,
     what: &'static str,

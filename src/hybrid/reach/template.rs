@@ -1,15 +1,14 @@
 //! Template polyhedra: outer approximations of sets of any number of states.
 //!
-//! A template is a fixed list of directions; a set is the list of its limits along them. The
-//! limit of an image along `d` is the set's support along `Mᵀ d`, and that is bounded by every
-//! way of writing `Mᵀ d` as a combination of template directions with factors that are not
-//! negative (linear programming duality). The combinations are found once for each map, so a
-//! step costs no linear program. For one state the sets are exact; so are boxes under diagonal
-//! maps.
+//! A template is a fixed list of directions; a set is the list of its limits along them. The limit
+//! of an image along `d` is the set's support along `Mᵀ d`, which is bounded by every way to write
+//! `Mᵀ d` as a non-negative combination of template directions (linear programming duality). The
+//! combinations are found once for each map, so a step needs no linear program. Sets of one state
+//! are exact, and so are boxes under diagonal maps.
 
 use super::rounding::{EPSILON, magnitude};
 
-/// Most template directions among which combinations of three are looked for.
+/// The largest number of template directions for which combinations of three are tried.
 const MOST_TRIPLES: usize = 20;
 
 /// The directions of a template; the axes' come first, `+` before `-`.
@@ -18,19 +17,19 @@ pub(super) struct Template {
     directions: Vec<Vec<f64>>,
 }
 
-/// A set: its limits along the template's directions; nothing at all when `limits` is empty.
+/// A set, by its limits along the template's directions; the empty set if `limits` is empty.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Polyhedron {
     pub(super) limits: Vec<f64>,
 }
 
-/// Ways of writing one direction as a combination of template directions.
+/// Ways to write one direction as a combination of template directions.
 #[derive(Debug, Clone)]
 pub(super) struct Combinations {
     ways: Vec<Vec<(usize, f64)>>,
-    /// What each way misses, times the state: bounded with the set's box.
+    /// The residual of each way, whose product with the state is bounded over the set's box.
     rests: Vec<Vec<f64>>,
-    /// How far the direction may be from the one that is meant, entry by entry.
+    /// Error bound of the direction, entry by entry.
     error: Vec<f64>,
 }
 
@@ -81,11 +80,11 @@ impl Template {
         })
     }
 
-    /// The combinations that give a direction, which is itself known up to an error per entry.
+    /// The combinations that give a direction, which is known up to an error per entry.
     pub(super) fn combinations(&self, target: &[f64], error: &[f64]) -> Combinations {
         let (ways, rests) = (Vec::new(), Vec::new());
         let mut found = Combinations { ways, rests, error: error.to_vec() };
-        // Along the axes: always there.
+        // Along the axes, which always works.
         let axes = target.iter().enumerate().filter(|(_, t)| **t != 0.0);
         let along = axes.map(|(i, t)| (2 * i + usize::from(*t < 0.0), t.abs())).collect();
         self.keep(&mut found, target, along);
@@ -115,7 +114,7 @@ impl Template {
         }
         let size = magnitude(target.iter().copied());
         if magnitude(rest.iter().copied()) <= 1e-12 * size && !found.ways.contains(&way) {
-            // The subtraction itself rounds, so the rest is taken a little larger.
+            // The subtraction itself rounds, so the rest is enlarged a little.
             let rounding = (8 + target.len()) as f64 * EPSILON * size;
             let errors = rest.iter().zip(&found.error);
             found.rests.push(errors.map(|(r, error)| r.abs() + error + rounding).collect());
@@ -123,7 +122,7 @@ impl Template {
         }
     }
 
-    /// Keeps the combination of a few directions, if there is one without negative factors.
+    /// Keeps the combination of a few directions, if it has no negative coefficient.
     fn solve(&self, found: &mut Combinations, target: &[f64], chosen: &[usize]) {
         // Normal equations of at most three unknowns, by elimination with pivots.
         let n = chosen.len();
@@ -203,8 +202,8 @@ impl Polyhedron {
         }
     }
 
-    /// Carries every limit over to the others; the empty set is recognised by crossed limits of
-    /// opposite directions.
+    /// Propagates every limit to the others. Crossed limits of opposite directions mean that the
+    /// set is empty.
     pub(super) fn settle(&mut self, own: &[Combinations]) {
         if self.is_empty() {
             return;
@@ -220,7 +219,7 @@ impl Polyhedron {
         }
     }
 
-    /// The smallest set of the template that holds both.
+    /// The smallest set of the template that contains both.
     pub(super) fn join(&self, other: &Polyhedron) -> Self {
         if self.is_empty() {
             return other.clone();

@@ -1,4 +1,4 @@
-//! Horizon presolve: what a tube says about the variables of a program.
+//! Tightening of planning programs: bounds and binaries from a tube.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Name, Variable};
 use crate::tolerance;
 
-/// Which variables of a program stand for what in the hybrid system of its reach sets.
+/// The variables of a program that represent the states and transitions of the hybrid system.
 ///
 /// ```
 /// use carom::hybrid::reach::HorizonVariables;
@@ -18,7 +18,7 @@ use crate::tolerance;
 /// let x = model.continuous_family("x", 11, 0.0, 9.0)?;
 /// let v = model.continuous_family("v", 11, -5.0, 5.0)?;
 /// let hit = model.binary_family("hit", 10)?;
-/// // States in the system's order; `hit` says whether transition 1 is taken.
+/// // States in the system's order; `hit` is 1 if transition 1 is taken.
 /// let variables = HorizonVariables::new([x, v]).with_transition(1, hit);
 /// assert_eq!(variables.states.len(), 2);
 /// # Ok::<(), carom::Error>(())
@@ -31,7 +31,7 @@ pub struct HorizonVariables {
     /// Transitions by number, with binaries over the steps 0, ..., τ-1 that are 1 exactly in the
     /// steps that take them.
     pub transitions: Vec<(usize, Family)>,
-    /// Variables that are functions of the predictions.
+    /// Variables that are affine functions of the predictions.
     pub quantities: Vec<Quantity>,
     /// Whether a row on the number of events may be added (default yes).
     pub event_row: bool,
@@ -44,7 +44,7 @@ pub struct HorizonVariables {
 pub struct Quantity {
     /// The variables over the steps 0, ..., τ-1.
     pub family: Family,
-    /// Per transition, one factor per state and a constant.
+    /// Per transition, one coefficient per state and a constant.
     pub values: Vec<(Vec<f64>, f64)>,
 }
 
@@ -61,15 +61,15 @@ impl HorizonVariables {
         HorizonVariables { states: states.into(), ..HorizonVariables::default() }
     }
 
-    /// Binaries that say in which steps a transition (by its number) is taken.
+    /// Adds the binaries that are 1 in the steps that take a transition (by its number).
     #[must_use]
     pub fn with_transition(mut self, transition: usize, binaries: Family) -> Self {
         self.transitions.push((transition, binaries));
         self
     }
 
-    /// Variables with a value that follows from the prediction: per transition, in the system's
-    /// order, factors for the states and a constant.
+    /// Adds variables that are affine functions of the prediction: for each transition, in the
+    /// system's order, one coefficient per state and a constant.
     #[must_use]
     pub fn with_quantity(
         mut self,
@@ -101,9 +101,9 @@ pub enum Reason {
     Impossible(usize),
     /// Every plan takes the transition in this step.
     OnlyWay(usize),
-    /// Every plan's state at this sample lies in the tube.
+    /// The states of every plan at this sample are bounded by the tube.
     Tube,
-    /// The predictions from which the quantity follows are bounded.
+    /// The quantity is bounded by the predictions.
     Predictions,
 }
 
@@ -117,30 +117,30 @@ pub struct Change {
     pub name: Name,
     /// The step or sample.
     pub step: usize,
-    /// Its bounds before.
+    /// Its bounds before, in its unit.
     pub from: Interval,
-    /// Its bounds now.
+    /// Its bounds after, in its unit.
     pub to: Interval,
     /// Why.
     pub reason: Reason,
 }
 
-/// What reach sets said about a program.
+/// The changes that reach sets made to a program.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct TighteningReport {
     /// The horizon, in steps.
     pub steps: usize,
-    /// Whether it is proved that the program has no solution; the model is then as it was.
+    /// Whether the program is proved infeasible; the model is then unchanged.
     pub infeasible: bool,
-    /// Binaries that were fixed.
+    /// Fixed binaries.
     pub fixed: Vec<Change>,
-    /// Bounds of other variables that were tightened.
+    /// Tightened bounds of other variables.
     pub tightened: Vec<Change>,
     /// Binaries of transitions that are still open.
     pub open: usize,
-    /// Names of the rows that were added.
+    /// Names of added rows.
     pub rows: Vec<Name>,
 }
 
@@ -162,13 +162,13 @@ impl fmt::Display for TighteningReport {
 }
 
 impl Tube {
-    /// Writes what the tube says into a program over the same horizon: binaries are fixed, bounds
-    /// tightened (so that the big-Ms of each step become its own), and, where the number of
-    /// events is limited, the row `events` added. No solution is lost.
+    /// Tightens a program over the same horizon: fixes binaries, tightens bounds (so that each step
+    /// gets smaller big-Ms), and, if the number of events is limited, adds the row `events`. No
+    /// solution is lost.
     ///
     /// # Arguments
     ///
-    /// * `model`: the program; it is left as it was when the tube is empty.
+    /// * `model`: the program; it stays unchanged if the tube is empty.
     /// * `variables`: its variables; see [`HorizonVariables`].
     ///
     /// # Errors
@@ -245,7 +245,7 @@ impl Tube {
         Ok(())
     }
 
-    /// All changes, or nothing when one of them leaves a variable no value.
+    /// All changes, or `None` if one of them leaves a variable no value.
     fn changes(
         &self,
         model: &Model,
@@ -286,7 +286,7 @@ impl Tube {
         Ok(Some(changes))
     }
 
-    /// The range of a quantity in a step, over the transitions that are possible there.
+    /// The range of a quantity in a step, over the possible transitions.
     fn quantity(&self, step: usize, quantity: &Quantity) -> Option<Interval> {
         let one = |(m, (factors, constant)): (usize, &(Vec<f64>, f64))| {
             let predictions = self.predictions(step, m)?;
@@ -296,7 +296,7 @@ impl Tube {
         quantity.values.iter().enumerate().filter_map(one).reduce(|a, b| a.hull(b))
     }
 
-    /// Limits the number of events, where every event has its binary and more than one is open.
+    /// Limits the number of events, if every event has a binary and more than one is open.
     fn limit_events(
         &self,
         model: &mut Model,
@@ -320,14 +320,14 @@ impl Tube {
         let name: Name = "events".into();
         match model.add(name.clone(), total.within(fewest as f64, most)) {
             Ok(_) => Ok(Some(name)),
-            // The user has a statement of this name; the row is only a help.
+            // The user has a statement with this name, and the row is not essential.
             Err(error) if matches!(error.kind(), ErrorKind::DuplicateName { .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }
 }
 
-/// Notes the part of a range that is new; `false` when it leaves the variable no value.
+/// Records the part of a range that is new; `false` if it leaves the variable no value.
 fn offer(
     model: &Model,
     changes: &mut Vec<Change>,
@@ -340,10 +340,10 @@ fn offer(
     let from = reference.bounds();
     let to = from.intersection(range);
     if to.lower > to.upper {
-        // Ranges carry the sets' margin, so bounds that miss them are not met by a hair.
+        // Ranges include the margin of the sets, so this is not a matter of rounding.
         return Ok(false);
     }
-    // Tiny gains are not worth a change, as in propagation.
+    // As in propagation, tiny gains are ignored.
     let width = if from.is_bounded() { from.upper - from.lower } else { 0.0 };
     let worth = tolerance::PROPAGATION_GAIN * width;
     if to.lower - from.lower > worth || from.upper - to.upper > worth {

@@ -1,4 +1,4 @@
-//! The tube of one horizon: what a plan of exactly so many steps can do at each of them.
+//! The tube of one horizon: what a plan with exactly that many steps can do at each of them.
 
 use std::sync::Arc;
 
@@ -12,17 +12,17 @@ use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
 use crate::solver::StopToken;
 
-/// Sweeps over the horizon, forward and backward in turn, while they still exclude something.
+/// The largest number of sweeps over the horizon, forward and backward alternately.
 const MOST_SWEEPS: usize = 4;
 
-/// Steps after which a sweep asks whether to give up.
+/// Number of steps after which a sweep checks the stop token.
 const STOP_EVERY: usize = 64;
 
-/// What a plan over exactly τ steps can do, as far as reach sets tell.
+/// What a plan over exactly τ steps can do, according to reach sets.
 ///
-/// Forward sets and backward sets are brought together at every step: a transition is possible in
-/// a step when it leads from a state that can be reached to one from which the goal can be
-/// reached in the steps that are left. What is excluded here is proved to be in no plan.
+/// A tube combines forward and backward sets: a transition is possible in a step if it leads from a
+/// state that can be reached to one from which the goal can be reached in the remaining steps. What
+/// a tube excludes is in no plan; this is a proof.
 ///
 /// ```
 /// use carom::hybrid::{Contact, Restitution, Wall};
@@ -53,20 +53,21 @@ pub struct Tube {
     steps: usize,
     /// Sets of the samples, by events so far.
     pub(super) forward: Vec<Shared>,
-    /// Sets by the steps to go, by events to come; as far as they were found before the tube died.
+    /// Sets by remaining steps and by events to come, as far as they were computed before the tube
+    /// became empty.
     pub(super) backward: Vec<Shared>,
     /// Per step and transition, whether it is possible.
     possible: Vec<Vec<bool>>,
-    /// Per step and transition, the box around its predictions, where it is possible.
+    /// Per step and transition, the box around its predictions, if it is possible.
     predictions: Vec<Vec<Option<Vec<Interval>>>>,
     /// Per sample, the box around the states.
     boxes: Vec<Vec<Interval>>,
-    /// The first sample that no plan can be at.
+    /// The first sample that no plan reaches.
     died: Option<usize>,
 }
 
-/// Which edges of the graph of (step, events so far, transition) are left; and the same by events
-/// to go.
+/// The remaining edges of the graph of (step, events so far, transition), and of the same graph by
+/// events to come.
 #[derive(Clone)]
 struct Edges {
     transitions: usize,
@@ -89,7 +90,7 @@ impl Edges {
         &self.alive[step * width..(step + 1) * width]
     }
 
-    /// Whether a transition is alive in a step, in any layer.
+    /// Whether a transition remains in a step, in any layer.
     fn any(&self, step: usize, transition: usize) -> bool {
         (0..self.layers).any(|layer| self.alive[self.at(step, layer, transition)])
     }
@@ -104,15 +105,14 @@ impl ReachSets {
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
         loop {
-            // It is never asked to give up, so it comes back with a tube.
+            // The token is never over, so there is a tube.
             if let Some(tube) = self.tube_until(steps, &StopToken::default())? {
                 return Ok(tube);
             }
         }
     }
 
-    /// As [`tube`](ReachSets::tube); `None` if the token, asked every few dozen steps, was over
-    /// before the end.
+    /// Same as [`tube`](ReachSets::tube), but `None` if the token is over before the end.
     pub(crate) fn tube_until(
         &mut self,
         steps: usize,
@@ -143,7 +143,7 @@ impl ReachSets {
             tube.died = Some(steps);
             return Ok(Some(tube));
         }
-        // A sweep begins at the first step that the other direction has changed since.
+        // A sweep begins at the first step that the sweep in the other direction changed.
         let mut to = steps;
         for sweep in 1..=MOST_SWEEPS {
             let before = back.clone();
@@ -161,7 +161,7 @@ impl ReachSets {
             };
             let before = ahead.clone();
             match self.sweep_forward(&mut tube, &mut ahead, &back, from, token) {
-                // A plan without a choice is what it is.
+                // A single transition leaves nothing to decide.
                 Some(true) if self.open_events(&ahead, steps) > 1 => {}
                 Some(_) => break,
                 None => return Ok(None),
@@ -182,9 +182,9 @@ impl ReachSets {
         (0..steps).filter(open).count()
     }
 
-    /// Carries the start forward along the living edges, keeping those that meet the backward
-    /// sets, from a step on before which nothing has changed. Returns whether the goal is reached;
-    /// `None` if the token was over.
+    /// Propagates the start forward along the remaining edges and keeps those that meet the
+    /// backward sets. Begins at the first changed step. Returns whether the goal is reached, or
+    /// `None` if the token is over.
     fn sweep_forward(
         &self,
         tube: &mut Tube,
@@ -237,9 +237,8 @@ impl ReachSets {
         Some(true)
     }
 
-    /// Carries the goal backward along the edges that are alive in both directions, through the
-    /// steps below one beyond which nothing has changed. Returns whether the start is reached;
-    /// `None` if the token was over.
+    /// Propagates the goal backward along the edges that remain in both directions. Begins at the
+    /// last changed step. Returns whether the start is reached, or `None` if the token is over.
     fn sweep_backward(
         &self,
         tube: &mut Tube,
@@ -287,7 +286,7 @@ impl ReachSets {
     }
 }
 
-/// Enlarges a box so that it holds some predictions.
+/// Enlarges a box to contain some predictions.
 fn widen(around: &mut Option<Vec<Interval>>, system: &Compiled, predicted: &[Shape]) {
     let found = bounding_box(system, predicted);
     *around = Some(match around.take() {
@@ -328,51 +327,51 @@ impl Tube {
         self.died.is_some()
     }
 
-    /// The first sample that no plan can be at, where the tube is empty.
+    /// The first sample that no plan reaches, if the tube is empty.
     pub fn died(&self) -> Option<usize> {
         self.died
     }
 
     /// Whether a plan may take a transition (by its number in the system) in a step; `false` is a
-    /// proof, also for numbers that do not exist.
+    /// proof that none does. `false` for numbers that do not exist.
     pub fn is_possible(&self, step: usize, transition: usize) -> bool {
         let row = self.possible.get(step).filter(|_| !self.is_empty());
         row.and_then(|row| row.get(transition)).copied().unwrap_or(false)
     }
 
-    /// The box around the states that plans can have at a sample, one interval per state; nothing
-    /// where the tube is empty or has no such sample.
+    /// The box around the states that plans can have at a sample, one interval per state, in the
+    /// states' units. `None` if the tube is empty or has no such sample.
     pub fn bounds(&self, sample: usize) -> Option<&[Interval]> {
         self.boxes.get(sample).filter(|_| !self.is_empty()).map(Vec::as_slice)
     }
 
-    /// The box around the predictions of a transition in a step, before its reset; nothing where
-    /// it is not possible.
+    /// The box around the predictions of a transition in a step, before its reset, in the states'
+    /// units. `None` if the transition is not possible.
     pub fn predictions(&self, step: usize, transition: usize) -> Option<&[Interval]> {
         let row = self.predictions.get(step).filter(|_| !self.is_empty())?;
         row.get(transition)?.as_deref()
     }
 
-    /// The states that can be reached from the start and may still lead to the goal, by events so
-    /// far, before they are cut with what leads to the goal; for drawing.
+    /// The states that can be reached from the start by transitions that may lead to the goal, by
+    /// events so far, for drawing. They are not intersected with the backward sets.
     pub fn reached(&self, sample: usize) -> impl Iterator<Item = &ReachSet> {
         self.forward.get(sample).into_iter().flat_map(|layers| layers.iter().flatten())
     }
 
-    /// The states at a sample from which the goal can be reached in the steps that are left.
+    /// The states at a sample from which the goal can be reached in the remaining steps.
     pub fn to_go(&self, sample: usize) -> impl Iterator<Item = &ReachSet> {
         let to_go = self.steps.checked_sub(sample).and_then(|s| self.backward.get(s));
         to_go.into_iter().flat_map(|layers| layers.iter().flatten())
     }
 
-    /// Fewest events of a plan: a proof that fewer are not enough. Nothing where the tube is
-    /// empty.
+    /// Proved lower bound of the number of events of a plan. `None` if the tube is empty.
     pub fn fewest_events(&self) -> Option<usize> {
         let last = self.forward.get(self.steps).filter(|_| !self.is_empty())?;
         last.iter().position(Option::is_some)
     }
 
-    /// Most events of a plan; nothing where that is not known (or the tube is empty).
+    /// Proved upper bound of the number of events of a plan. `None` if it is not known or the tube
+    /// is empty.
     pub fn most_events(&self) -> Option<usize> {
         let last = self.forward.get(self.steps).filter(|_| !self.is_empty())?;
         let most = last.iter().rposition(Option::is_some)?;

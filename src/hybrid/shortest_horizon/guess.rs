@@ -1,4 +1,4 @@
-//! Coarse to fine: the mode sequence of a plan on a coarser grid as a guess.
+//! Coarse to fine: the mode sequence of a plan on a coarser grid as a MIP start.
 
 use super::search::ShortestOptions;
 use super::{HorizonModel, shortest_horizon};
@@ -8,20 +8,20 @@ use crate::interval::Interval;
 use crate::model::{Model, Variable};
 use crate::solver::{Solver, StopToken};
 
-/// The share of what is left of a search's time that the coarser search may take.
+/// The share of the remaining time that the coarser search may take.
 const SHARE: u32 = 4;
 
-/// What is known from the coarser grid.
+/// The result on the coarser grid.
 pub(super) enum Guess {
     NotAsked,
-    /// There is no coarser grid, or nothing was found on it.
+    /// There is no coarser grid, or no plan was found on it.
     Nothing,
     /// Per family of binaries, their values over the coarser plan's steps.
     Modes(Vec<Vec<bool>>),
 }
 
 impl Guess {
-    /// Searches the coarser grid, if there is one, in a part of the time that is left.
+    /// Searches the coarser grid, if there is one, with a share of the remaining time.
     pub(super) fn ask<B: HorizonModel + ?Sized>(
         builder: &B,
         options: &ShortestOptions,
@@ -46,7 +46,7 @@ impl Guess {
 }
 
 /// Fixes the binaries at the coarser plan's values, except around its changes. Returns the bounds
-/// to put back; nothing when the guess does not fit the program.
+/// to restore, or `None` if the guess does not fit the program.
 pub(super) fn restricted(
     modes: &[Vec<bool>],
     model: &mut Model,

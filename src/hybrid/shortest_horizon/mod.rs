@@ -1,13 +1,13 @@
 //! The shortest horizon: the smallest number of steps for which a program is feasible, proved by
 //! refuting the smaller ones.
 //!
-//! The builder of the programs, a [`HorizonModel`], says whether waiting is free. Where it is,
-//! feasibility is monotone (a plan of τ steps gives one of τ+1), so the search gallops and
-//! bisects, and one refutation at τ-1 refutes everything below. Where it is not, every smaller
-//! horizon is refuted, in ascending order.
+//! A [`HorizonModel`] builds the programs and says whether waiting is free. If it is, feasibility
+//! is monotone (a plan of τ steps gives one of τ+1), so the search gallops and bisects, and one
+//! refutation at τ-1 refutes every smaller horizon. Otherwise every smaller horizon is refuted
+//! separately, in ascending order.
 //!
-//! The programs' own objectives are not used up to now: any verified point proves a horizon
-//! feasible. A constant objective is the fastest.
+//! The programs' objectives are ignored, because any verified point proves a horizon feasible.
+//! Programs without an objective are the fastest.
 //!
 //! ```
 //! use carom::hybrid::{LinearSystem, HorizonModel, Waiting, shortest_horizon, ShortestOptions};
@@ -59,9 +59,10 @@ use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
 use crate::model::Model;
 
-/// A family of programs over the number of steps.
+/// A family of programs, one for each number of steps.
 pub trait HorizonModel {
-    /// What is built for a horizon: a [`Model`], or something that holds one beside its handles.
+    /// The program of a horizon: a [`Model`], or a type that contains one together with its
+    /// handles.
     type Program: BorrowMut<Model>;
 
     /// Builds the program of a horizon.
@@ -73,69 +74,69 @@ pub trait HorizonModel {
     ///
     /// # Errors
     ///
-    /// Whatever building may meet; it ends the search.
+    /// Any error of building ends the search.
     fn build(&self, steps: usize) -> Result<Self::Program, Error>;
 
     /// Whether a feasible horizon makes every longer one feasible.
     fn waiting(&self) -> Waiting;
 
-    /// Where to begin looking, at least 1. A good guess saves solves; nothing is concluded from
-    /// it. Used only where waiting is free.
+    /// The number of steps at which to begin, at least 1. A good guess saves solves; a bad one only
+    /// costs time. Used only if waiting is free.
     fn lower_hint(&self) -> usize {
         1
     }
 
-    /// A number of steps believed feasible. A good guess saves solves; nothing is concluded from
-    /// it. Used only where waiting is free.
+    /// A number of steps that is probably feasible. A good guess saves solves; a bad one only costs
+    /// time. Used only if waiting is free.
     fn upper_hint(&self) -> Option<usize> {
         None
     }
 
-    /// Reach sets of the system that the programs describe, with the programs' start and goal;
-    /// none by default.
+    /// Reach sets of the system that the programs describe, with the same start and goal; `None` by
+    /// default.
     ///
-    /// They refute most horizons before a program is built, and fix binaries of the others. Every
+    /// They refute most horizons before a program is built, and fix binaries in the others. Every
     /// solution of a program must be a run of the system.
     ///
     /// # Errors
     ///
-    /// Whatever building them may meet; it ends the search.
+    /// Any error of building them ends the search.
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         Ok(None)
     }
 
-    /// Which of a program's variables stand for what: needed by [`reach_sets`](Self::reach_sets)
-    /// (states, transitions) and by [`coarser`](Self::coarser) (transitions); none by default.
+    /// The program's variables for states and transitions. [`reach_sets`](Self::reach_sets) needs
+    /// both and [`coarser`](Self::coarser) the transitions; `None` by default.
     fn variables(&self, program: &Self::Program) -> HorizonVariables {
         let _ = program;
         HorizonVariables::default()
     }
 
-    /// The same task on a coarser grid, if there is one: its shortest plan says around which steps
-    /// the binaries of [`variables`](Self::variables) may be needed. A guess that is right saves
-    /// most of a search; nothing is concluded from one that is wrong.
+    /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps
+    /// the binaries of [`variables`](Self::variables) may be needed. A good guess saves most of a
+    /// search; a bad one only costs time.
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Self::Program> + '_>> {
         None
     }
 }
 
-/// Whether waiting is free, with the reason in words.
+/// Whether waiting is free, with the reason as text.
 ///
-/// It is when a plan of τ steps can always be made one of τ+1: the vehicle can hold still where it
-/// starts or at its goal, there is no running cost, and no limit, window or obstacle depends on
-/// the step's number.
+/// Waiting is free if every plan of τ steps can be extended to τ+1: the vehicle can hold still at
+/// its start or at its goal, there is no running cost, and no limit, window or obstacle depends on
+/// the step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Waiting {
-    /// Feasibility is monotone in the horizon: bisection is sound.
+    /// Feasibility is monotone in the horizon, so bisection is valid.
     Free(String),
-    /// It may not be: every smaller horizon has to be refuted.
+    /// Feasibility may not be monotone, so every smaller horizon must be refuted.
     NotFree(String),
 }
 
 impl Waiting {
-    /// Whether bisection is sound.
+    /// Whether bisection is valid.
     pub fn is_free(&self) -> bool {
         matches!(self, Waiting::Free(_))
     }

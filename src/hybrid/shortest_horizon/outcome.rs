@@ -1,4 +1,4 @@
-//! What a shortest-horizon search found, and how it knows.
+//! The outcome of a search for the shortest horizon.
 
 use std::fmt;
 
@@ -12,40 +12,40 @@ use crate::solution::{Solution, Statistics, Termination};
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Refutation {
-    /// By reach sets: nothing was solved.
+    /// By reach sets, without a solve.
     Sets,
-    /// By bound propagation alone: no relaxation was solved.
+    /// By bound propagation alone, without a relaxation.
     Propagation,
-    /// With the help of relaxations.
+    /// With relaxations.
     Relaxation,
 }
 
-/// What one solve said about its horizon.
+/// The verdict on one horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Verdict {
     /// A verified point exists.
     Feasible,
-    /// The solver proved that there is none.
+    /// The solver proved infeasibility.
     Refuted(Refutation),
-    /// Neither: the solver stopped without a point and without a proof.
+    /// The solver stopped without a point and without a proof.
     Undecided(Termination),
 }
 
-/// What the search learned about one horizon: by reach sets, or by one solve.
+/// A decision about one horizon, by reach sets or by a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attempt {
     /// The horizon, in steps.
     pub steps: usize,
-    /// What was found.
+    /// The verdict.
     pub verdict: Verdict,
-    /// The solve's counts and time; all 0 when nothing was solved.
+    /// Counts and time of the solve; all 0 if nothing was solved.
     pub statistics: Statistics,
     /// Whether the program was restricted to the mode sequence of a coarser plan. A restricted
-    /// program proves only feasibility.
+    /// program can prove only feasibility.
     pub restricted: bool,
 }
 
@@ -61,7 +61,7 @@ impl Attempt {
         self.verdict != Verdict::Refuted(Refutation::Sets)
     }
 
-    /// Reads a solve's answer. A point decides whatever stopped the solver; so does a proof.
+    /// Interprets a solution. A point or a proof decides, whatever the reason for stopping.
     pub(super) fn of(steps: usize, solution: &Solution) -> Self {
         let statistics = *solution.statistics();
         let verdict = if solution.point().is_some() {
@@ -83,14 +83,14 @@ impl Attempt {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ShortestStatus {
-    /// The shortest horizon, every smaller one refuted.
+    /// The shortest horizon was found, and every smaller one is refuted.
     Found,
     /// Every horizon up to the largest allowed one is refuted.
     NoneWithin {
         /// The largest horizon allowed, in steps.
         max_steps: usize,
     },
-    /// Stopped before a proof; what is known so far is in the other fields.
+    /// The search stopped before a proof; the other fields have what is known so far.
     Stopped(Termination),
 }
 
@@ -113,30 +113,29 @@ impl fmt::Display for ShortestStatus {
 pub struct ShortestHorizon<P> {
     /// How the search ended.
     pub status: ShortestStatus,
-    /// The smallest horizon found feasible, in steps; the shortest one when the status is
+    /// The smallest horizon found feasible, in steps. It is the shortest one if the status is
     /// [`Found`](ShortestStatus::Found).
     pub steps: Option<usize>,
-    /// The largest horizon, in steps, that is proved infeasible together with every smaller one:
-    /// by reach sets or by a solver, the smaller ones one by one or (where waiting is free) by
-    /// monotonicity.
+    /// The largest horizon, in steps, that is proved infeasible together with every smaller one: by
+    /// reach sets or by a solver, each separately or (if waiting is free) by monotonicity.
     pub refuted_steps: Option<usize>,
     /// The program of `steps`, with the bounds that reach sets tightened.
     pub program: Option<P>,
     /// Its solution.
     pub solution: Option<Solution>,
-    /// The reach sets that were used, for asking further.
+    /// The reach sets that were used, for further questions.
     pub sets: Option<ReachSets>,
-    /// The tube of `steps`, where reach sets were used.
+    /// The tube of `steps`, if reach sets were used.
     pub tube: Option<Tube>,
-    /// What was learned, in order: every refuted horizon with how, and every solve; those of
-    /// restricted programs that found nothing are undecided.
+    /// Every refuted horizon and every solve, in order. Restricted programs without a point are
+    /// undecided.
     pub attempts: Vec<Attempt>,
     /// Wall-clock time of the search, building included.
     pub time: Duration,
 }
 
 impl<P> ShortestHorizon<P> {
-    /// Whether the shortest horizon is found and proved.
+    /// Whether the shortest horizon was found and proved.
     pub fn is_found(&self) -> bool {
         self.status == ShortestStatus::Found
     }

@@ -1,5 +1,5 @@
-//! The search: reach sets first, then gallop and bisect where waiting is free, or ascend where it
-//! is not.
+//! The search: reach sets first; then galloping and bisection if waiting is free, otherwise an
+//! ascent.
 
 use std::borrow::{Borrow, BorrowMut};
 
@@ -15,11 +15,11 @@ use crate::model::Model;
 use crate::solution::{Solution, Termination};
 use crate::solver::{Event, Interrupt, Progress, Solver, StopToken};
 
-/// Undecided horizons after which a search gives up: each further one would only repeat what
-/// stopped the others.
+/// Undecided horizons after which a search gives up, because others would probably stop for the
+/// same reason.
 const MAX_UNDECIDED: usize = 8;
 
-/// Open binaries beyond which a coarser grid is asked for a guess: with fewer, a solve is quick.
+/// Number of open binaries beyond which a coarser grid is tried. With fewer, a solve is quick.
 const MANY_OPEN: usize = 16;
 
 /// Options of a shortest-horizon search.
@@ -29,13 +29,13 @@ pub struct ShortestOptions {
     /// The largest horizon tried, in steps (`1..=`[`MAX_STEPS`](crate::tolerance::MAX_STEPS));
     /// default 10 000.
     pub max_steps: usize,
-    /// Wall-clock limit of the whole search; default none. Each solve gets what is left of it.
+    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time.
     pub time_limit: Option<Duration>,
-    /// Stops the search and the solve that is running.
+    /// Stops the search and the current solve.
     pub interrupt: Interrupt,
     /// Whether the builder's reach sets are used (default yes).
     pub reach_sets: bool,
-    /// Whether the builder's coarser grid is asked for a guess where binaries are left open
+    /// Whether a plan on the builder's coarser grid is used as a MIP start if binaries remain open
     /// (default yes).
     pub coarse_guess: bool,
 }
@@ -74,7 +74,7 @@ impl ShortestOptions {
         self
     }
 
-    /// Sets whether a coarser grid is asked for a guess.
+    /// Sets whether a coarser grid is used.
     #[must_use]
     pub fn with_coarse_guess(mut self, wanted: bool) -> Self {
         self.coarse_guess = wanted;
@@ -89,8 +89,8 @@ impl ShortestOptions {
     }
 }
 
-/// A progress event of a search.
-// One a horizon: the size of its largest variant, which holds statistics, does not matter.
+/// A progress event of a search. There is one per horizon, so the size of its largest variant,
+/// which holds statistics, does not matter.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -100,16 +100,16 @@ pub enum HorizonEvent {
     Started {
         /// The horizon, in steps.
         steps: usize,
-        /// The largest horizon refuted so far, with every smaller one; 0 when there is none.
+        /// The largest horizon refuted so far together with every smaller one; 0 if there is none.
         refuted: usize,
         /// The smallest horizon found feasible so far.
         feasible: Option<usize>,
     },
-    /// A sign of life of the solve that is running.
+    /// Progress of the current solve.
     Solving {
         /// The horizon, in steps.
         steps: usize,
-        /// The solver's figures.
+        /// The solver's progress.
         progress: Progress,
     },
     /// A horizon is decided, by reach sets or by a solve.
@@ -130,11 +130,10 @@ pub fn shortest_horizon<B: HorizonModel + ?Sized>(
     shortest_horizon_with(builder, options, solver, &mut |_| {})
 }
 
-/// As [`shortest_horizon`], with progress events on the calling thread.
+/// Same as [`shortest_horizon`], with progress events on the calling thread.
 ///
-/// A solve that ends without a point and without a proof decides nothing: the horizon counts
-/// neither as feasible nor as refuted, and the search goes on around it while there is something
-/// left to learn.
+/// A solve that ends without a point and without a proof leaves its horizon undecided. The search
+/// continues with other horizons while they can still narrow the result.
 ///
 /// # Errors
 ///
@@ -203,10 +202,10 @@ struct Search<'a, B: HorizonModel + ?Sized> {
     refuted: usize,
     /// The smallest horizon found feasible.
     best: Option<Feasible<B::Program>>,
-    /// Horizons that were tried in vain, with the reason.
+    /// Undecided horizons, with the reason.
     undecided: Vec<(usize, Termination)>,
     attempts: Vec<Attempt>,
-    /// How many of the attempts are the first ascent by forward sets.
+    /// How many of the attempts belong to the first ascent by forward sets.
     ascended: usize,
     sets: Option<ReachSets>,
     guess: Guess,
@@ -228,8 +227,8 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
     }
 
-    /// Refutes horizons in ascending order for as long as the forward sets alone do it. Returns
-    /// why it had to stop, if so.
+    /// Refutes horizons in ascending order while the forward sets alone suffice. Returns why the
+    /// search must stop, if it must.
     fn ascend_by_sets(&mut self) -> Result<Option<Termination>, Error> {
         let Some(sets) = &mut self.sets else { return Ok(None) };
         let mut steps = 1;
@@ -247,7 +246,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         Ok(None)
     }
 
-    /// What is known when nothing is left to try.
+    /// The status if no horizon is left to try.
     fn status(&self) -> ShortestStatus {
         match &self.best {
             Some(best) if best.steps == self.refuted + 1 => ShortestStatus::Found,
@@ -261,19 +260,19 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
     }
 
-    /// The horizon after the last one tried, until one is feasible.
+    /// The next horizon in ascending order, until one is feasible.
     fn next_ascending(&self) -> Option<usize> {
         let next = self.attempts.last().map_or(1, |attempt| attempt.steps + 1);
         (self.best.is_none() && next <= self.options.max_steps).then_some(next)
     }
 
-    /// The next horizon strictly between what is refuted and what is feasible: by galloping while
-    /// nothing is known to be feasible, by bisection afterwards; never one that is undecided.
+    /// The next horizon strictly between the refuted and the feasible ones: by galloping until one
+    /// is known to be feasible, then by bisection. Skips undecided horizons.
     fn next_probe(&self) -> Option<usize> {
         let max_steps = self.options.max_steps;
         let low = self.refuted + 1;
-        // A hint that is still above what is refuted stands in for a feasible horizon, and is
-        // solved only when nothing below it turned out to be feasible.
+        // A hint above the refuted horizons is treated as feasible, and is solved only if no
+        // horizon below it is feasible.
         let hint = self.builder.upper_hint().filter(|&hint| hint <= max_steps && hint >= low);
         let high = match (&self.best, hint) {
             (Some(best), _) => best.steps - 1,
@@ -293,15 +292,15 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         } else if known_above {
             low + (high - low) / 2
         } else {
-            // Galloping: double the distance from where it began.
+            // Galloping: double the distance from the first horizon.
             let start = started.unwrap_or(first);
             let reach = tried.map(|attempt| attempt.steps).fold(start, usize::max);
             (2 * reach - start + 1).clamp(low, high)
         };
         let free = |steps: &usize| !self.undecided.iter().any(|(tried, _)| tried == steps);
-        // Prefer the target, then what is above it, then what is below.
+        // Prefer the target, then larger horizons, then smaller ones.
         let found = (target..=high).find(free).or_else(|| (low..target).rev().find(free));
-        // The hint was tried in vain: look above it as well.
+        // The hint is undecided, so look above it as well.
         found.or_else(|| {
             let above = self.best.is_none() && hint.is_some();
             if above { (high + 1..=max_steps).find(free) } else { None }
@@ -314,7 +313,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         self.token.ended().or(tired)
     }
 
-    /// Decides one horizon, by its tube or by a solve, and files what that says.
+    /// Decides one horizon, by its tube or by a solve, and records the result.
     fn attempt(&mut self, steps: usize) -> Result<(), Error> {
         let feasible = self.best.as_ref().map(|best| best.steps);
         (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
@@ -322,7 +321,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         let tube = match &mut self.sets {
             Some(sets) => {
                 let tube = sets.tube_until(steps, token)?;
-                // The loop of the search notices why it was stopped.
+                // The loop of the search finds out why it was stopped.
                 let Some(tube) = tube else { return Ok(()) };
                 Some(tube)
             }
@@ -365,8 +364,8 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         self.token.solve(self.solver, model, &mut relay)
     }
 
-    /// Solves with the binaries restricted to the neighbourhood of a coarser plan's; returns a
-    /// solution only when it holds a point.
+    /// Solves with the binaries restricted to the neighbourhood of a coarser plan's. Returns a
+    /// solution only if it has a point.
     fn solve_restricted(
         &mut self,
         steps: usize,
@@ -388,7 +387,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         if solution.point().is_some() {
             return Ok(Some(solution));
         }
-        // It cost something, and showed only that the guess does not fit this horizon.
+        // This shows only that the guess does not fit this horizon.
         self.attempts.push(Attempt {
             restricted: true,
             verdict: Verdict::Undecided(solution.termination()),
@@ -397,14 +396,14 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         Ok(None)
     }
 
-    /// Files what is known about a horizon.
+    /// Records the result for a horizon.
     fn file(&mut self, attempt: Attempt, solved: Option<Feasible<B::Program>>) {
         let steps = attempt.steps;
         match attempt.verdict {
             Verdict::Feasible => self.best = solved,
             Verdict::Refuted(_) => {
-                // Where waiting is free, everything below is refuted with it; where it is not,
-                // only an unbroken chain from 1 counts.
+                // If waiting is free, every smaller horizon is refuted as well; otherwise only an
+                // unbroken chain from 1 counts.
                 if self.builder.waiting().is_free() || steps == self.refuted + 1 {
                     self.refuted = self.refuted.max(steps);
                 }

@@ -1,40 +1,40 @@
 //! The continuous replay: accelerations held over each step, impacts located inside it.
 //!
-//! The discrete law reflects the whole of a step at once; real contact happens somewhere inside
-//! it. For a plan under the reflecting law whose accelerations stay within `a_max` (m/s²):
+//! The discrete law reflects a whole step at once, but real contact happens inside the step. For a
+//! plan under the reflecting law with accelerations of at most `a_max` (m/s²):
 //!
-//! * between samples in flight, the plan's parabola dips into the wall by at most `a_max Δt²/8`;
-//! * over one step from a common state, speeds differ by at most `(1+e) a_max Δt`, because the law
-//!   also reflects the rest of the step's acceleration.
+//! * between samples in flight, the plan's parabola enters the wall by at most `a_max Δt²/8` (m);
+//! * over one step from a common state, speeds differ by at most `(1+e) a_max Δt` (m/s), because
+//!   the law also reflects the acceleration after the impact.
 //!
-//! [`penetration_bound`] and [`speed_bound`] give these figures; both shrink with Δt.
+//! [`penetration_bound`] and [`speed_bound`] compute these bounds, which shrink with Δt.
 
 use super::Samples;
 use crate::error::Error;
 use crate::hybrid::contact::{Contact, ContactLaw};
 use crate::tolerance;
 
-/// What a continuous replay found.
+/// The result of a continuous replay.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContinuousReplay {
-    /// How deep the plan's own path dips into the wall between its samples, in m, at most. Under
-    /// the reflecting law a step with a contact has no dip: its path is mirrored.
+    /// The largest depth of the plan's path inside the wall between samples, in m. Steps with a
+    /// contact under the reflecting law count as 0, because their path is mirrored.
     pub max_penetration: f64,
-    /// Largest position error at the end of a step that starts at the plan's sample, in m.
+    /// Largest position error at the end of a single step that starts at the plan's sample, in m.
     pub max_position_error: f64,
     /// Largest velocity error at the end of such a step, in m/s.
     pub max_speed_error: f64,
     /// Position error at the end of the whole plan, open loop from its first sample, in m.
     pub final_position_error: f64,
-    /// Velocity error at the end of the whole plan, open loop, in m/s.
+    /// Velocity error at the end of the whole plan, open loop from its first sample, in m/s.
     pub final_speed_error: f64,
-    /// Impacts of the open-loop run; resting counts once for each step.
+    /// Number of impacts of the open-loop run; resting counts once per step.
     pub impacts: usize,
 }
 
-/// Where a vehicle is after some time beside a wall, in gap and rate.
+/// The state of a vehicle at a wall after some time, in gap and rate.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Advance {
@@ -48,8 +48,8 @@ pub struct Advance {
     pub rested: bool,
 }
 
-/// Largest dip of a parabola with curvature `max_acceleration` (m/s²) between two samples
-/// `time_step` (s) apart that are both outside the wall: `a_max Δt²/8`, in m.
+/// Largest depth inside the wall, in m, of a parabola with acceleration `max_acceleration` (m/s²)
+/// between two samples outside the wall that are `time_step` (s) apart: `a_max Δt²/8`.
 pub fn penetration_bound(max_acceleration: f64, time_step: f64) -> f64 {
     max_acceleration * time_step * time_step / 8.0
 }
@@ -60,11 +60,11 @@ pub fn speed_bound(max_acceleration: f64, time_step: f64, restitution: f64) -> f
     (1.0 + restitution) * max_acceleration * time_step
 }
 
-/// Moves a vehicle beside a wall under a constant acceleration, through any number of bounces.
+/// Simulates a vehicle at a wall under a constant acceleration, through any number of bounces.
 ///
-/// Impacts are located by the closed-form roots of the gap's parabola. When it rebounds at less
-/// than [`tolerance::REST_SPEED`] while pressed against the wall, it rests there for the remaining
-/// time (also after [`tolerance::MAX_BOUNCES`] bounces), so the work is finite.
+/// Impacts are the roots of the gap's parabola. A vehicle that is pressed against the wall and
+/// rebounds at less than [`tolerance::REST_SPEED`], or has bounced [`tolerance::MAX_BOUNCES`]
+/// times, rests there for the remaining time.
 ///
 /// ```
 /// use carom::hybrid::simulate::continuous::advance;
@@ -77,7 +77,8 @@ pub fn speed_bound(max_acceleration: f64, time_step: f64, restitution: f64) -> f
 ///
 /// # Arguments
 ///
-/// * `gap`: m; a negative one counts as 0. `rate`: m/s. `acceleration`: away from the wall, m/s².
+/// * `gap`: m; negative values are treated as 0. `rate`: m/s. `acceleration`: away from the wall,
+///   m/s².
 /// * `duration`: s, not negative. `restitution`: e, within `[0, 1]`.
 pub fn advance(gap: f64, rate: f64, acceleration: f64, duration: f64, restitution: f64) -> Advance {
     let mut state = Advance { gap: gap.max(0.0), rate, impacts: Vec::new(), rested: false };
@@ -107,13 +108,13 @@ pub fn advance(gap: f64, rate: f64, acceleration: f64, duration: f64, restitutio
     }
 }
 
-/// Time to the next impact (s) and the speed into the wall then (m/s), if there is one.
+/// Time to the next impact (s) and the speed into the wall at that time (m/s), if there is one.
 fn next_impact(gap: f64, rate: f64, acceleration: f64) -> Option<(f64, f64)> {
     if gap == 0.0 {
         if rate < 0.0 {
             return Some((0.0, -rate));
         }
-        // Up and back again, if something pulls back.
+        // Away and back again, if the acceleration pulls back.
         return (acceleration < 0.0 && rate > 0.0).then(|| (-2.0 * rate / acceleration, rate));
     }
     // The first positive root of gap + rate t + acceleration t²/2, without cancellation.
@@ -134,11 +135,11 @@ fn next_impact(gap: f64, rate: f64, acceleration: f64) -> Option<(f64, f64)> {
 
 /// Replays a plan in continuous time; see the [module page](self).
 ///
-/// In the comparison step by step, impacts within [`tolerance::CONTACT_TIE`] of the wall happen in
+/// In the step-by-step comparison, impacts within [`tolerance::CONTACT_TIE`] of the wall happen in
 /// the step in which the plan has them.
 ///
-/// Under the literal law the accelerations of contact steps stand for the wall's force, which the
-/// replay exerts by itself; there the vehicle's own acceleration counts as 0.
+/// Under the literal law, the accelerations of contact steps represent the force of the wall, which
+/// the replay computes itself, so the vehicle's own acceleration is 0 there.
 ///
 /// # Errors
 ///
@@ -154,7 +155,7 @@ pub fn replay_continuous(contact: &Contact, plan: &Samples<'_>) -> Result<Contin
         let acceleration = if literal && touched { 0.0 } else { wall.rate(a) };
         let ((gap, rate), (next_gap, next_rate)) = (state(t), state(t + 1));
 
-        // An impact at the very end of a step belongs to it or to the next: the plan decides.
+        // The plan decides whether an impact at the end of a step belongs to it or to the next one.
         let tie = if touched { -tolerance::CONTACT_TIE } else { tolerance::CONTACT_TIE };
         let start = (gap + tie).max(0.0);
         let mut end = advance(start, rate, acceleration, dt, e);

@@ -1,4 +1,4 @@
-//! The discrete replay: the same law, open loop, with contacts decided by the replay itself.
+//! The discrete replay: the same law, open loop, with contacts decided by the replay.
 
 use super::Samples;
 use super::error::ReplayError;
@@ -13,8 +13,8 @@ use crate::tolerance;
 pub struct ReplayedImpact {
     /// The step t in which it happens.
     pub step: usize,
-    /// Speed into the wall before, in m/s; the literal law also fires on the way out, where this
-    /// is negative.
+    /// Speed into the wall before, in m/s. The literal law also applies while moving away, where
+    /// this is negative.
     pub speed_before: f64,
     /// Speed away from the wall after, in m/s.
     pub speed_after: f64,
@@ -26,22 +26,22 @@ pub struct ReplayedImpact {
     pub energy_after: f64,
 }
 
-/// What a discrete replay found.
+/// The result of a discrete replay.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DiscreteReplay {
-    /// x(0), ..., as replayed, in m; shorter than the plan when `blocked`.
+    /// x(0), ..., as replayed, in m; shorter than the plan if `blocked`.
     pub position: Vec<f64>,
     /// v(0), ..., as replayed, in m/s.
     pub velocity: Vec<f64>,
     /// The contacts, in order.
     pub impacts: Vec<ReplayedImpact>,
-    /// Steps in which the replay took the plan's word, being within
+    /// Steps in which the replay used the plan's ζ(t), because the vehicle was within
     /// [`tolerance::CONTACT_TIE`] of the wall.
     pub ties: usize,
-    /// The first step in which the law has no successor (its parabola ends behind the wall on the
-    /// way out); the replay stops there.
+    /// The first step in which the law has no successor, because the flight ends behind the wall
+    /// while moving away. The replay stops there.
     pub blocked: Option<usize>,
     /// The first step in which the replay and the plan disagree about contact.
     pub contact_mismatch: Option<usize>,
@@ -72,7 +72,7 @@ impl DiscreteReplay {
         ];
         for (what, replayed, planned) in groups {
             let errors = replayed.iter().zip(planned).map(|(a, b)| (a - b).abs());
-            // NaN fails.
+            // NaN fails as well.
             if let Some((step, residual)) =
                 errors.enumerate().find(|(_, e)| e.is_nan() || *e > allowed)
             {
@@ -83,7 +83,7 @@ impl DiscreteReplay {
     }
 }
 
-/// What a step of the discrete law does.
+/// The outcome of a step of the discrete law.
 enum Outcome {
     Flight,
     Contact,
@@ -117,10 +117,10 @@ pub fn replay_discrete(contact: &Contact, plan: &Samples<'_>) -> Result<Discrete
         let w = v + dt * a;
         let outcome = match contact.law {
             ContactLaw::Reflecting => {
-                // The law looks at where the step would end.
+                // This law depends on where the step would end.
                 decide(wall.gap(p), planned, wall.rate(w), &mut replay.ties)
             }
-            // The law looks at where the step begins, whatever the velocity.
+            // This law depends on where the step begins, at any velocity.
             ContactLaw::Literal => decide(wall.gap(x), planned, -1.0, &mut replay.ties),
         };
         let before = match contact.law {
@@ -136,7 +136,7 @@ pub fn replay_discrete(contact: &Contact, plan: &Samples<'_>) -> Result<Discrete
                 replay.impacts.push(impact(t, before, e));
                 (x, v) = match contact.law {
                     ContactLaw::Reflecting => (wall.at_gap(-e * wall.gap(p)), -e * w),
-                    // The acceleration that turns v into -e v within the step.
+                    // The acceleration that changes v to -e v within the step.
                     ContactLaw::Literal => (x + 0.5 * dt * (1.0 - e) * v, -e * v),
                 };
                 true

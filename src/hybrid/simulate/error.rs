@@ -1,4 +1,4 @@
-//! How a plan and its replay can disagree.
+//! The disagreement of a plan and its replay.
 
 use thiserror::Error;
 
@@ -9,8 +9,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// One of the two has a contact in a step in which the other has none, or the replay cannot
-    /// take the step.
+    /// Plan and replay disagree about a contact, or the replay has no successor for a step.
     #[error(
         "the plan is not certified: its replay disagrees about contact in step {step}; tighten the \
          solver's feasibility tolerance"
@@ -31,7 +30,7 @@ pub enum ReplayError {
         step: usize,
         /// The disagreement, in m or m/s.
         residual: f64,
-        /// What is allowed, in the same unit.
+        /// The largest allowed disagreement, in the same unit.
         allowed: f64,
     },
 }

@@ -1,12 +1,12 @@
-//! Plain simulators, for replaying plans.
+//! Simulators that replay plans.
 //!
-//! They work in `f64` and share no code with the rows of the contact laws, so that an agreement
-//! between a plan and its replay says something:
+//! They work in `f64` and share no code with the rows of the contact laws, so they check plans
+//! independently:
 //!
-//! * [`discrete`] runs the same discrete law open loop from the first sample, and decides for
-//!   itself where the contacts are;
-//! * [`continuous`] runs the physics the law stands for: accelerations held over each step, impacts
-//!   located inside it.
+//! * [`discrete`] runs the same discrete law open loop from the first sample and decides contacts
+//!   itself;
+//! * [`continuous`] runs the physics behind the law: accelerations are held over each step, and
+//!   impacts are located inside it.
 
 pub mod continuous;
 pub mod discrete;
@@ -19,7 +19,7 @@ pub use error::ReplayError;
 use super::horizon::Horizon;
 use crate::error::{Error, ErrorKind, check_length};
 
-/// The samples of a plan over τ steps, for replaying.
+/// The samples of a plan over τ steps, as input of a replay.
 ///
 /// ```
 /// use carom::hybrid::{Contact, Restitution, Samples, Wall, replay_discrete};
