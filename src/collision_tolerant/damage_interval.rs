@@ -1,15 +1,15 @@
-//! Which limits on the damage of one impact make a given horizon the shortest.
+//! The limits on the damage of one impact for which a given horizon is the shortest.
 //!
-//! Let `d(τ)` be the smallest value that the largest impact speed of a plan over τ steps can have
-//! (infinite when there is no plan). Where waiting is free, `d` does not grow with τ, and τ is the
-//! shortest horizon under the limit `D_max` of equation (19) exactly when
+//! Let `d(τ)` be the smallest possible largest impact speed of a plan over τ steps, in m/s
+//! (infinite if there is no plan). If waiting is free, `d` does not increase with τ, and τ is the
+//! shortest horizon under the limit `D_max` of equation (19) if and only if
 //! `d(τ) <= D_max < d(τ-1)`.
 //!
-//! Each end is enclosed between a plan and a refutation. A plan is softened as far as its own
-//! contacts allow (with the binaries fixed that is a linear program); then a limit a little below
-//! is tried, which either is refuted or gives a better plan. Minimising `max D(t)` over the
-//! binaries at once gives the same ends and takes many times longer: until the binaries are
-//! decided, a relaxation spreads one impact over many steps and its bound is far off.
+//! Each end is enclosed between a plan and a refutation. The largest impact speed of a plan is
+//! minimised with its contacts fixed, which is a linear program. Then a slightly lower limit is
+//! tried, which is either refuted or gives a better plan. Minimising `max D(t)` over the binaries
+//! directly gives the same ends but takes many times longer, because relaxations spread one impact
+//! over many steps and their bounds are weak.
 
 use web_time::Duration;
 
@@ -27,12 +27,12 @@ use crate::solver::{Interrupt, Solver, StopToken};
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct IntervalOptions {
-    /// How exactly each end is wanted, in m/s (`1e-5..=1e3`); default 1e-3. Finer ones would be
-    /// lost in the feasibility tolerance.
+    /// The resolution of each end, in m/s (`1e-5..=1e3`); default 1e-3. A finer one would be below
+    /// the feasibility tolerance.
     pub resolution: f64,
-    /// Wall-clock limit for everything; default none.
+    /// Wall-clock limit of the whole search; default none.
     pub time_limit: Option<Duration>,
-    /// Stops everything.
+    /// Stops the search.
     pub interrupt: Interrupt,
 }
 
@@ -43,7 +43,7 @@ impl Default for IntervalOptions {
 }
 
 impl IntervalOptions {
-    /// Sets how exactly each end is wanted, in m/s.
+    /// Sets the resolution of each end, in m/s.
     #[must_use]
     pub fn with_resolution(mut self, resolution: f64) -> Self {
         self.resolution = resolution;
@@ -70,17 +70,17 @@ impl IntervalOptions {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct End {
-    /// The horizon has no plan under this limit, in m/s; refuted by the program. Infinite when it
-    /// has no plan under any limit; 0 when nothing is refuted.
+    /// The horizon is proved to have no plan under this limit, in m/s. Infinite if it has no plan
+    /// under any limit; 0 if nothing is refuted.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub bound: f64,
-    /// Largest impact speed of the best plan found, in m/s; infinite when there is none.
+    /// Largest impact speed of the best plan found, in m/s; infinite if there is none.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub attained: f64,
 }
 
 impl End {
-    /// Width of the enclosure, in m/s: how exactly the end is known.
+    /// Width of the enclosure, in m/s.
     pub fn resolution(&self) -> f64 {
         if self.bound == self.attained { 0.0 } else { self.attained - self.bound }
     }
@@ -88,8 +88,8 @@ impl End {
 
 /// The limits on the impact speed for which a horizon is the shortest.
 ///
-/// Every limit in `[lower.attained, upper.bound]` makes it so; none up to `lower.bound` or from
-/// `upper.attained` on does. In between, the resolution of the ends leaves it open.
+/// The horizon is the shortest for every limit in `[lower.attained, upper.bound]`, and for no limit
+/// up to `lower.bound` or from `upper.attained` on. In between, it is unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -101,9 +101,9 @@ pub struct DamageInterval {
     pub lower: End,
     /// The upper end, `d(τ-1)`; infinite when τ-1 is infeasible under any limit.
     pub upper: End,
-    /// Why it ended before both ends were known to the resolution, if it did.
+    /// Why the search ended before both ends were known to the resolution, if it did.
     pub stopped: Option<Termination>,
-    /// Solves, those with fixed binaries included.
+    /// Number of solves, including those with fixed binaries.
     pub solves: usize,
     /// Nodes over all solves.
     pub nodes: u64,
@@ -112,8 +112,8 @@ pub struct DamageInterval {
 }
 
 impl DamageInterval {
-    /// The middle of the limits for which the horizon is certainly the shortest, in m/s; nothing
-    /// when there is none, or when they have no upper end.
+    /// The middle of the limits for which the horizon is certainly the shortest, in m/s. `None` if
+    /// there is no such limit, or if they have no upper end.
     pub fn middle(&self) -> Option<f64> {
         let (lower, upper) = (self.lower.attained, self.upper.bound);
         (lower <= upper && upper.is_finite()).then_some(0.5 * (lower + upper))
@@ -122,7 +122,7 @@ impl DamageInterval {
 
 /// Finds the limits on the impact speed for which a horizon is the shortest one.
 ///
-/// The scenario's own per-impact limit and damage weight are left out; its other limits stay.
+/// The scenario's per-impact limit and damage weight are ignored; its other limits apply.
 ///
 /// ```
 /// use carom::collision_tolerant::{IntervalOptions, Scenario, damage_interval};
@@ -142,9 +142,8 @@ impl DamageInterval {
 ///
 /// # Errors
 ///
-/// [`ScenarioError`] when collisions are forbidden or waiting is not free;
-/// [`ErrorKind::OutOfRange`] for a resolution out of its range; otherwise as for
-/// [`plan`](super::plan()).
+/// [`ScenarioError`] if collisions are forbidden or waiting is not free; [`ErrorKind::OutOfRange`]
+/// for a resolution out of its range; otherwise as for [`plan`](super::plan()).
 pub fn damage_interval(
     scenario: &Scenario,
     steps: usize,
@@ -194,7 +193,7 @@ struct Search<'a> {
     nodes: u64,
 }
 
-/// What a solve said.
+/// The verdict of a solve.
 enum Answer {
     Plan(Trajectory),
     Refuted,
@@ -210,7 +209,7 @@ impl Search<'_> {
             Answer::Refuted => end.bound = f64::INFINITY,
             Answer::Stopped => return Ok(end),
         }
-        // Just below the best plan first; farther below after each success.
+        // First just below the best plan, and further below after each success.
         let mut step = self.resolution;
         while end.resolution() > self.resolution * 1.000_001 {
             let below = end.attained - step;
@@ -219,7 +218,7 @@ impl Search<'_> {
                 Answer::Plan(plan) => {
                     let attained = self.soften(steps, &plan)?;
                     if attained >= end.attained {
-                        // The limit is within the solver's tolerance of what was attained.
+                        // The limit is within the solver's tolerance of the attained speed.
                         break;
                     }
                     end.attained = attained;
@@ -246,7 +245,7 @@ impl Search<'_> {
         }
     }
 
-    /// The smallest largest impact speed with the contacts of a plan, in m/s.
+    /// The smallest possible largest impact speed with the contacts of a plan, in m/s.
     fn soften(&mut self, steps: usize, plan: &Trajectory) -> Result<f64, Error> {
         let mut program = Program::build(&self.scenario, steps, Objective::LargestDamage)?;
         for (zeta, &contact) in program.contact.iter().flatten().zip(&plan.contact) {
@@ -255,7 +254,7 @@ impl Search<'_> {
         let found = plan.largest_damage();
         Ok(match self.solve(&program)? {
             Answer::Plan(softer) => softer.largest_damage().min(found),
-            // It has at least the plan it came from; that one stands.
+            // The original plan is feasible here, so keep it.
             Answer::Refuted | Answer::Stopped => found,
         })
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario.
+//! Errors of scenarios.
 
 use thiserror::Error;
 
@@ -34,10 +34,10 @@ pub enum ScenarioError {
         end: &'static str,
         /// Its position, in m.
         position: f64,
-        /// The wall.
+        /// The position of the wall, in m.
         wall: Wall,
     },
-    /// The vehicle starts or ends faster than it may ever be.
+    /// The vehicle starts or ends faster than the largest speed.
     #[error(
         "the scenario cannot be planned: the {end} speed of {speed} m/s is above the largest speed \
          of {limit} m/s; lower it, or raise the largest speed"

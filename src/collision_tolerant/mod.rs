@@ -1,22 +1,22 @@
-//! The paper on one page: planning that may hit the wall when it pays.
+//! The planner of the paper, which may hit a wall if that is faster.
 //!
 //! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
 //! planning of autonomous vehicles", arXiv:1611.07608. A vehicle on a line must go from a start to
 //! a goal near a wall; braking against the wall can be faster than braking in time.
 //!
-//! | step | here | built from |
+//! | task | item | built from |
 //! | --- | --- | --- |
-//! | what to plan | [`Scenario`] | |
-//! | the programs, (1)-(21) | [`Program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
-//! | a plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
-//! | the shortest plan, proved | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
-//! | what comes back | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
-//! | what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
-//! | which limits stand in the way | [`Program::stated`] | [`crate::explain`] |
-//! | limits on damage | [`damage_interval()`] | |
+//! | describe the task | [`Scenario`] | |
+//! | write the programs, (1)-(21) | [`Program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
+//! | plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
+//! | find the shortest plan, with a proof | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
+//! | read the result | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
+//! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
+//! | ask which limits prevent a plan | [`Program::stated`] | [`crate::explain`] |
+//! | find limits on damage | [`damage_interval()`] | |
 //!
-//! Every plan is replayed by two simulators that share no code with the programs' rows; one that
-//! disagrees with the discrete replay is not returned.
+//! Every plan is replayed by two simulators that share no code with the programs' rows. A plan that
+//! disagrees with the discrete replay is an error.
 //!
 //! ```
 //! use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};

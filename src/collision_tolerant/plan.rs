@@ -15,13 +15,13 @@ use crate::tolerance;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate {
-    /// The check of the solution against the program: bounds, rows, and every implication on the
+    /// The check of the solution against the program: bounds, rows, and every implication, with
     /// rounded binaries.
     pub verification: Verification,
     /// The replay through the same discrete law; it agrees with the plan at every sample within
     /// [`tolerance::REPLAY`].
     pub discrete: DiscreteReplay,
-    /// The replay in continuous time: what the discretisation leaves out.
+    /// The replay in continuous time, which measures the discretisation error.
     pub continuous: ContinuousReplay,
 }
 
@@ -34,9 +34,9 @@ pub struct Plan {
     pub trajectory: Trajectory,
     /// Why it can be trusted.
     pub certificate: Certificate,
-    /// Value of the objective, in its unit.
+    /// Value of the objective, in the unit of [`Objective`].
     pub objective: f64,
-    /// Proved bound: no plan over this horizon has a smaller objective.
+    /// Proved lower bound of the objective over this horizon, in the same unit.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub bound: f64,
     /// Why the solver stopped; [`Termination::Optimal`] when the plan is proved optimal.
@@ -45,14 +45,14 @@ pub struct Plan {
     pub statistics: Statistics,
 }
 
-/// The answer to a fixed-horizon planning task.
+/// The result of planning over a fixed horizon.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
 pub enum PlanOutcome {
     /// A certified plan; see [`Plan::termination`] for whether it is optimal.
     Planned(Box<Plan>),
-    /// It is proved that there is no plan over this horizon.
+    /// There is no plan over this horizon; this is proved.
     Infeasible(Statistics),
     /// Stopped without a plan and without a proof.
     Stopped {
@@ -88,8 +88,8 @@ impl PlanOutcome {
 
 /// Plans a scenario over a fixed horizon.
 ///
-/// Reach sets come first: they may prove that there is no plan, and they fix contacts and tighten
-/// bounds of the program before it is solved. ([`Program::build`] writes a program without them.)
+/// Reach sets come first. They may prove that there is no plan, and they fix contacts and tighten
+/// bounds of the program before it is solved. [`Program::build`] does not use them.
 ///
 /// ```
 /// use carom::collision_tolerant::{Objective, Scenario, plan};
@@ -110,8 +110,8 @@ impl PlanOutcome {
 /// # Errors
 ///
 /// Those of [`Scenario::check`], of [`Horizon::new`](crate::hybrid::Horizon::new) and of the
-/// solver; [`ReplayError`](crate::hybrid::ReplayError) when the solver's plan disagrees with its discrete replay, so that
-/// it cannot be certified.
+/// solver; [`ReplayError`](crate::hybrid::ReplayError) if the solver's plan disagrees with its
+/// discrete replay and cannot be certified.
 pub fn plan(
     scenario: &Scenario,
     steps: usize,
@@ -121,7 +121,7 @@ pub fn plan(
     plan_with(scenario, steps, objective, solver, &mut Control::default())
 }
 
-/// As [`plan`], with progress events and an interrupt.
+/// Same as [`plan`], with progress events and an interrupt.
 ///
 /// # Errors
 ///
@@ -160,7 +160,7 @@ pub(super) fn outcome(
 }
 
 impl Plan {
-    /// Replays a solution twice and packs it up, or says why it cannot be trusted.
+    /// Replays a solution twice and certifies it, or returns why it cannot be trusted.
     pub(super) fn certify(
         scenario: &Scenario,
         program: &Program,

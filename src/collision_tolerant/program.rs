@@ -7,15 +7,14 @@ use crate::error::Error;
 use crate::hybrid::{ContactLaw, ContactStep, Damage, Horizon, ImpactSpeed, LinearSystem};
 use crate::model::{Affine, Family, Model, Quadratic, Variable};
 
-/// What a fixed-horizon plan minimises.
+/// The objective of a plan over a fixed horizon.
 ///
-/// A damage weight of the scenario is charged on top, except by
-/// [`Feasibility`](Objective::Feasibility).
+/// A damage weight of the scenario is added, except with [`Feasibility`](Objective::Feasibility).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Objective {
-    /// Nothing: any plan will do. The paper's choice in its search for the shortest horizon.
+    /// No objective: any plan will do. The paper's choice in its search for the shortest horizon.
     Feasibility,
     /// The effort `Σ Δt a(t)²` over t = 0, ..., τ-1, in m²/s³.
     #[default]
@@ -26,7 +25,7 @@ pub enum Objective {
     LargestDamage,
 }
 
-/// Whether start and goal are written into the bounds of the first and the last sample.
+/// Whether start and goal are bounds of the first and the last sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ends {
     Fixed,
@@ -45,14 +44,13 @@ pub struct Program {
     pub position: Family,
     /// v(0), ..., v(τ), in m/s.
     pub velocity: Family,
-    /// a(0), ..., a(τ), in m/s²; the last one is in no other row.
+    /// a(0), ..., a(τ), in m/s²; a(τ) does not enter the dynamics.
     pub acceleration: Family,
-    /// ζ(0), ..., ζ(τ-1), where collisions are tolerated.
+    /// ζ(0), ..., ζ(τ-1), if collisions are tolerated.
     pub contact: Option<Family>,
-    /// Impact speed of each step, in m/s, meant where ζ(t) = 1; empty where collisions are
-    /// forbidden.
+    /// Impact speed of each step, in m/s, valid if ζ(t) = 1; empty if collisions are forbidden.
     pub impact_speed: Vec<Affine>,
-    /// The damage states, where the scenario or the objective asks for them.
+    /// The damage states, if the scenario or the objective needs them.
     pub damage: Option<Damage>,
 }
 
@@ -135,7 +133,7 @@ impl Program {
         Ok(())
     }
 
-    /// (8)-(13) or the reflecting law in their place, and (14)-(20).
+    /// (8)-(13) or the reflecting law instead, and (14)-(20).
     fn add_contacts(&mut self, scenario: &Scenario, objective: Objective) -> Result<(), Error> {
         let vehicle = LinearSystem::double_integrator(scenario.time_step)?;
         let (x, v, a) = (&self.position, &self.velocity, &self.acceleration);
@@ -203,8 +201,8 @@ impl Program {
         }
     }
 
-    /// Adds the row `contact_needed`, `Σ ζ(t) >= 1`: for a horizon whose collision-free program
-    /// is known to be infeasible. It gives the number of contacts its bound.
+    /// Adds the row `contact_needed`, `Σ ζ(t) >= 1`, for a horizon whose collision-free program is
+    /// known to be infeasible. This bounds the number of contacts from below.
     pub(super) fn require_contact(&mut self) -> Result<(), Error> {
         let contacts = self.contact.iter().flatten();
         let total: Affine = contacts.sum();
@@ -222,11 +220,11 @@ fn add_states(
 ) -> Result<[Family; 3], Error> {
     let samples = horizon.steps() + 1;
     let last = horizon.steps();
-    // (7), (21k): the wall is one end of the positions' domain.
+    // (7), (21k): the wall is one end of the domain of the positions.
     let positions = scenario.positions(horizon);
     let x = model.continuous_family("x", samples, positions.lower, positions.upper)?;
     let v = model.continuous_family("v", samples, -scenario.max_speed, scenario.max_speed)?;
-    // (5), (6), (21i), (21j). The literal law's forced acceleration goes beyond them.
+    // (5), (6), (21i), (21j). The forced acceleration of the literal law exceeds these limits.
     let limits = scenario.acceleration;
     let (lowest, highest) = match (scenario.contact.law, scenario.collisions) {
         (ContactLaw::Literal, Collisions::Tolerated) => {

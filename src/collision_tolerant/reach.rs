@@ -10,14 +10,15 @@ use crate::model::{Family, Model};
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// How much longer the steps of the coarser grid are, and from how many steps on it is worth it.
+/// How many times longer the steps of the coarser grid are, and the number of steps from which it
+/// pays.
 const COARSER: (f64, usize) = (8.0, 160);
 
 impl Scenario {
     /// The scenario as a hybrid system with the states `x` (m) and `v` (m/s), the input `a` (m/s²)
-    /// and the transitions 0, the flight, and 1, the contact, where collisions are tolerated.
+    /// and the transitions 0, the flight, and 1, the contact, if collisions are tolerated.
     ///
-    /// A limit on the cumulative damage counts as a limit on each contact.
+    /// A limit on the cumulative damage acts as a limit on each contact.
     ///
     /// # Errors
     ///
@@ -67,7 +68,7 @@ impl Scenario {
 }
 
 impl Program {
-    /// Which variables stand for what in [`Scenario::hybrid_system`].
+    /// The variables that represent the states and transitions of [`Scenario::hybrid_system`].
     pub fn horizon_variables(&self, scenario: &Scenario) -> HorizonVariables {
         let states = [self.position.clone(), self.velocity.clone()];
         let variables = HorizonVariables::new(states);
@@ -76,7 +77,7 @@ impl Program {
         if scenario.contact.law == ContactLaw::Literal {
             return variables;
         }
-        // What the wall does in a step is 0 in flight and the mirrored prediction in contact.
+        // Penetration and impact speed are 0 in flight and the mirrored prediction in contact.
         let wall = scenario.contact.wall;
         let n = wall.normal();
         let flight = (vec![0.0, 0.0], 0.0);
@@ -138,7 +139,7 @@ impl HorizonModel for Programs {
     }
 }
 
-/// Why no plan of a scenario has exactly `steps` steps, in words; nothing where reach sets do not
+/// Why no plan of a scenario has exactly `steps` steps, in words. `None` if reach sets do not
 /// exclude one.
 ///
 /// # Errors
@@ -148,8 +149,8 @@ pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<Explanation>,
     scenario.reach_sets()?.explain(steps)
 }
 
-/// Writes the tube of a program's horizon into it; `false` when the tube proves that there is no
-/// plan. If the token is over before that is known, the program stays as it is.
+/// Tightens a program with the tube of its horizon. `false` if the tube proves that there is no
+/// plan. If the token is over first, the program stays unchanged.
 pub(super) fn tighten(
     scenario: &Scenario,
     sets: &mut ReachSets,

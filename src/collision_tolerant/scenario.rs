@@ -1,4 +1,4 @@
-//! What is to be planned: start, goal, limits, wall, contact and damage.
+//! Scenarios: start, goal, limits, wall, contact and damage.
 
 use super::error::ScenarioError;
 use crate::error::{Error, ErrorKind};
@@ -10,10 +10,10 @@ use crate::interval::Interval;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Collisions {
-    /// It may, under the scenario's contact law and damage limits.
+    /// Collisions are allowed, under the scenario's contact law and damage limits.
     #[default]
     Tolerated,
-    /// It may not; it may touch the wall at a sample.
+    /// Collisions are forbidden, but the vehicle may touch the wall at a sample.
     Forbidden,
 }
 
@@ -26,8 +26,8 @@ pub struct Endpoint {
     pub position: f64,
     /// Velocity, in m/s.
     pub velocity: f64,
-    /// Acceleration, in m/s²; free when absent. At the start it is the one applied in step 0. At
-    /// the goal it is a(τ), which is never applied: the last one applied is a(τ-1).
+    /// Acceleration, in m/s²; free if `None`. At the start, it is applied in step 0. At the goal,
+    /// it is a(τ), which is never applied: the last one applied is a(τ-1).
     pub acceleration: Option<f64>,
 }
 
@@ -52,7 +52,8 @@ impl Endpoint {
     }
 }
 
-/// A vehicle on a line beside a wall: everything of the paper's sections 3 and 4 that is data.
+/// A vehicle on a line with a wall: the data of the paper's sections 3 and 4. All positions are in
+/// one frame, in m.
 ///
 /// ```
 /// use carom::collision_tolerant::{Endpoint, Scenario};
@@ -81,11 +82,10 @@ pub struct Scenario {
     pub contact: Contact,
     /// Whether the plan may hit the wall.
     pub collisions: Collisions,
-    /// Limits and weight of damage; equations (14)-(20). Without meaning where collisions are
-    /// forbidden.
+    /// Limits and weight of damage; equations (14)-(20). Ignored if collisions are forbidden.
     pub damage: DamageLimits,
-    /// Where the vehicle may be, in m. When absent, as far as it can go and still reach the goal
-    /// within the horizon: that excludes no plan.
+    /// Allowed positions, in m. If `None`, they extend as far as the vehicle can go and still reach
+    /// the goal within the horizon, which excludes no plan.
     pub domain: Option<Interval>,
 }
 
@@ -95,10 +95,10 @@ impl Scenario {
     /// # Arguments
     ///
     /// * `acceleration`: smallest and largest, in m/s².
-    /// * `max_speed`: m/s.
+    /// * `max_speed`: largest speed at a sample, in m/s.
     /// * `time_step`: Δt, in s.
     ///
-    /// Nothing is checked before [`check`](Scenario::check), which every planning function calls.
+    /// The data are checked by [`check`](Scenario::check), which every planning function calls.
     pub fn new(
         start: Endpoint,
         goal: Endpoint,
@@ -120,8 +120,8 @@ impl Scenario {
         }
     }
 
-    /// The paper's scenario: Tables 1 and 2, a plastic wall at 0 m, and the time step of 0.005 s
-    /// on whose grid its printed times lie.
+    /// The paper's scenario: Tables 1 and 2, a plastic wall at 0 m, and a time step of 0.005 s, of
+    /// which its printed times are multiples.
     pub fn paper() -> Self {
         let start = Endpoint::at_rest(10.0).with_acceleration(0.0);
         let goal = Endpoint::at_rest(0.3).with_acceleration(0.0);
@@ -143,7 +143,7 @@ impl Scenario {
         self
     }
 
-    /// Moves the goal to another position (m), its velocity and acceleration unchanged.
+    /// Moves the goal to another position (m) without changing its velocity and acceleration.
     #[must_use]
     pub fn with_goal_position(mut self, position: f64) -> Self {
         self.goal.position = position;
@@ -157,7 +157,7 @@ impl Scenario {
         self
     }
 
-    /// Sets the restitution e.
+    /// Sets the coefficient of restitution e (no unit).
     ///
     /// # Errors
     ///
@@ -209,14 +209,14 @@ impl Scenario {
         self
     }
 
-    /// Sets where the vehicle may be, in m.
+    /// Sets the allowed positions, in m.
     #[must_use]
     pub fn with_domain(mut self, lower: f64, upper: f64) -> Self {
         self.domain = Some(Interval::new(lower, upper));
         self
     }
 
-    /// Refuses scenarios that contradict themselves before any planning.
+    /// Refuses scenarios that contradict themselves.
     ///
     /// # Errors
     ///
@@ -277,11 +277,10 @@ impl Scenario {
 
     /// Whether waiting is free, so that the shortest horizon may be found by bisection.
     ///
-    /// The start lets the vehicle wait when it is at rest there, zero acceleration is admissible
-    /// and the first acceleration is free or 0; the goal does when the vehicle is to be at rest
-    /// there and zero acceleration is admissible (a(τ) is never applied, so its value does not
-    /// matter). Limits, wall and damage do not depend on the step, and the search has no running
-    /// cost.
+    /// The vehicle can wait at the start if it is at rest there, zero acceleration is admissible
+    /// and the first acceleration is free or 0. It can wait at the goal if it is at rest there and
+    /// zero acceleration is admissible (a(τ) is never applied, so its value does not matter).
+    /// Limits, wall and damage do not depend on the step, and the search has no running cost.
     pub fn waiting(&self) -> Waiting {
         let coasting = self.acceleration.contains(0.0);
         if !coasting {
@@ -301,17 +300,16 @@ impl Scenario {
         self.acceleration.magnitude()
     }
 
-    /// The positions (m) that the samples of a horizon may have: the domain, as far as the
-    /// vehicle can be anyway.
+    /// The domain of the positions (m) over a horizon, restricted to where the vehicle can be.
     ///
-    /// No step is longer than `l = Δt (v_max + a_max Δt/2)`: in flight it is Δt times the mean of
-    /// two admissible velocities, and in a contact it ends no farther from the wall than the
-    /// flight would have gone. So on the way from gap g₀ to gap g₁ in τ steps the vehicle is never
-    /// farther from the wall than `(g₀ + g₁ + τ l)/2`.
+    /// No step is longer than `l = Δt (v_max + a_max Δt/2)`: a flight is Δt times the mean of two
+    /// admissible velocities, and a contact ends no farther from the wall than that flight would.
+    /// So between gap g₀ and gap g₁ in τ steps, the vehicle is never farther from the wall than
+    /// `(g₀ + g₁ + τ l)/2`.
     ///
-    /// Under the literal law it may also be inside the wall: by the step that takes it there, and
-    /// by the `Δt v_max (1-e)/2` that the first contact adds; later contacts alternate and take
-    /// back more than they add.
+    /// Under the literal law it may also be inside the wall: by the step that takes it there, plus
+    /// the `Δt v_max (1-e)/2` of the first contact. Later contacts alternate in direction and undo
+    /// more than they add.
     pub(super) fn positions(&self, horizon: &Horizon) -> Interval {
         let (wall, dt) = (self.contact.wall, self.time_step);
         let longest_step = dt * (self.max_speed + 0.5 * dt * self.max_acceleration());
@@ -327,7 +325,7 @@ impl Scenario {
         if let Some(domain) = self.domain {
             let (one, other) = (wall.gap(domain.lower), wall.gap(domain.upper));
             farthest = farthest.min(one.max(other));
-            // A domain that reaches the wall leaves what happens there to the contact law.
+            // If the domain reaches the wall, the contact law decides what happens there.
             if one.min(other) > 0.0 {
                 nearest = one.min(other);
             }
@@ -336,8 +334,8 @@ impl Scenario {
         Interval::new(one.min(other), one.max(other))
     }
 
-    /// A number of steps (at least 1) to begin looking for the shortest horizon at: from the
-    /// start, at full acceleration without any need to stop. A guess, not a bound.
+    /// A number of steps (at least 1) at which to begin the search for the shortest horizon: full
+    /// acceleration from the start without stopping. A guess, not a bound.
     pub(super) fn lower_hint(&self) -> usize {
         let distance = (self.goal.position - self.start.position).abs();
         let (speed, acceleration) = (self.start.velocity.abs(), self.max_acceleration());

@@ -1,4 +1,4 @@
-//! The shortest plan: the smallest feasible horizon, proved, and on it the fewest impacts.
+//! The shortest plan: the smallest feasible horizon, with a proof, and the fewest impacts on it.
 
 use web_time::Duration;
 
@@ -20,11 +20,11 @@ use crate::solver::{Solver, StopToken};
 pub struct PlanningOptions {
     /// Limits and interrupt of the whole search.
     pub search: ShortestOptions,
-    /// A horizon believed feasible, in steps: the collision-free one for a tolerant search. It
-    /// saves solves; nothing is concluded from it.
+    /// A horizon that is probably feasible, in steps, such as the collision-free one for a tolerant
+    /// search. A good guess saves solves; a bad one only costs time.
     pub upper_hint: Option<usize>,
-    /// Whether to minimise the number of impacts on the shortest horizon (default yes). Without
-    /// it, a plan may hit without need.
+    /// Whether to minimise the number of impacts on the shortest horizon (default yes). Otherwise a
+    /// plan may have unnecessary impacts.
     pub fewest_impacts: bool,
 }
 
@@ -43,7 +43,7 @@ impl PlanningOptions {
         self
     }
 
-    /// Sets a horizon believed feasible.
+    /// Sets a horizon that is probably feasible, in steps.
     #[must_use]
     pub fn with_upper_hint(mut self, steps: usize) -> Self {
         self.upper_hint = Some(steps);
@@ -58,35 +58,35 @@ impl PlanningOptions {
     }
 }
 
-/// What a search for the shortest plan found.
+/// The result of a search for the shortest plan.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
 pub struct ShortestPlan {
     /// How the search ended.
     pub status: ShortestStatus,
-    /// The shortest horizon, or the smallest one found feasible before a stop, in steps.
+    /// The shortest horizon, in steps; if the search was stopped, the smallest one found feasible.
     pub steps: Option<usize>,
     /// The largest horizon proved infeasible together with every smaller one, in steps.
     pub refuted_steps: Option<usize>,
-    /// A plan over `steps`, with the fewest impacts when they were minimised.
+    /// A plan over `steps`, with the fewest impacts if they were minimised.
     pub plan: Option<Plan>,
-    /// Whether no plan over `steps` has fewer impacts (with a damage weight: a smaller sum of
-    /// impacts and weighted damage).
+    /// Whether it is proved that no plan over `steps` has fewer impacts (with a damage weight: a
+    /// smaller sum of impacts and weighted damage).
     pub fewest_impacts: bool,
-    /// The tube of `steps`: what any plan of that horizon can do at each step, where reach sets
-    /// were used.
+    /// The tube of `steps`, if reach sets were used: what any plan of that horizon can do at each
+    /// step.
     pub tube: Option<Tube>,
-    /// The horizons that the search decided, in order, each with how.
+    /// The horizons that the search decided, in order, and how.
     pub attempts: Vec<Attempt>,
-    /// The solves that came after it, to minimise the impacts.
+    /// The subsequent solves that minimised the impacts.
     pub refinements: Vec<Statistics>,
-    /// Wall-clock time of everything.
+    /// Wall-clock time of the search and of all solves.
     pub time: Duration,
 }
 
 impl ShortestPlan {
-    /// Whether the shortest horizon is found and proved.
+    /// Whether the shortest horizon was found and proved.
     pub fn is_found(&self) -> bool {
         self.status == ShortestStatus::Found
     }
@@ -132,7 +132,7 @@ pub fn shortest_plan(
     shortest_plan_with(scenario, options, solver, &mut |_| {})
 }
 
-/// As [`shortest_plan`], with progress events on the calling thread.
+/// Same as [`shortest_plan`], with progress events on the calling thread.
 ///
 /// # Errors
 ///
@@ -205,7 +205,7 @@ impl Refinement<'_> {
             shortest.fewest_impacts = true;
             return Ok(());
         }
-        // With as few as possible.
+        // As few as possible.
         let mut program = Program::build(self.scenario, steps, Objective::Impacts)?;
         if needed {
             program.require_contact()?;
@@ -223,7 +223,7 @@ impl Refinement<'_> {
         Ok(())
     }
 
-    /// Solves within what is left of the search's time; nothing when nothing is left.
+    /// Solves within the remaining time of the search; `None` if there is none.
     fn solve(&mut self, program: &Program) -> Result<Option<Solution>, Error> {
         if self.token.is_over() {
             return Ok(None);
@@ -232,7 +232,7 @@ impl Refinement<'_> {
     }
 }
 
-/// The same task without and with collisions.
+/// The shortest plans of a task without and with collisions.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
@@ -244,8 +244,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Whether hitting the wall pays: the tolerant plan is proved shorter. Nothing when a search
-    /// was stopped before that is known.
+    /// Whether hitting the wall pays off, that is, whether the tolerant plan is proved to be
+    /// shorter. `None` if a search was stopped before that was known.
     pub fn hitting_pays(&self) -> Option<bool> {
         match (self.free.refuted_steps, self.tolerant.steps) {
             // Every horizon up to `refuted` needs an impact.
@@ -256,8 +256,8 @@ impl Comparison {
     }
 }
 
-/// Finds the shortest plans of a scenario without and with collisions; the first is the hint for
-/// the second.
+/// Finds the shortest plans of a scenario without and with collisions. The first is a hint for the
+/// second.
 ///
 /// # Errors
 ///

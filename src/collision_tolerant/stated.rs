@@ -1,4 +1,4 @@
-//! The program with its limits as statements: the form in which one can ask why there is no plan.
+//! The program with its limits as statements, for explanations of why there is no plan.
 
 use super::program::{Ends, Objective, Program};
 use super::scenario::{Collisions, Scenario};
@@ -8,23 +8,23 @@ use crate::interval::Interval;
 use crate::model::Row;
 
 impl Program {
-    /// Writes the program of a scenario over a horizon for questions: start, goal and limits are
+    /// Writes the program of a scenario over a horizon for explanations: start, goal and limits are
     /// named statements over wider domains, so that [`explain`](mod@crate::explain) can name them.
     /// Everything else is background. The plans are the same as those of [`Program::build`], which
-    /// is much faster to solve; there is no objective.
+    /// is much faster to solve. There is no objective.
     ///
-    /// | statement | says | paper |
+    /// | statement | meaning | paper |
     /// | --- | --- | --- |
     /// | `start_position`, `start_velocity`, `start_acceleration` | x(0), v(0), a(0) | (1) |
     /// | `goal_position`, `goal_velocity` | x(τ), v(τ) | (2) |
     /// | `acceleration[t]` | a(t) within its limits, in flight | (5), (6) |
     /// | `speed[t]` | v(t) within its limits | |
-    /// | `wall[t]` | x(t) on the free side, where collisions are forbidden | (7) |
+    /// | `wall[t]` | x(t) on the free side, if collisions are forbidden | (7) |
     /// | `damage_limit[t]` | D(t) <= D_max | (19) |
     /// | `damage_budget` | D_total <= D_total,max | (20) |
     ///
     /// Domains are at least twice the limits, and wide enough to go from the start to the goal in
-    /// the time given. The goal's acceleration is never applied and can contradict nothing.
+    /// the given time. The goal's acceleration is never applied, so it contradicts nothing.
     ///
     /// ```
     /// use carom::collision_tolerant::{Program, Scenario};
@@ -70,7 +70,7 @@ impl Program {
         let literal = scenario.contact.law == ContactLaw::Literal;
         for (t, a) in self.acceleration.iter().enumerate().take(self.horizon.steps()) {
             let limited: Row = a.within(lower, upper);
-            // The literal law's forced acceleration is not the vehicle's.
+            // The forced acceleration of the literal law is not limited.
             if let Some(zeta) = self.contact.as_ref().filter(|_| literal) {
                 self.model.add(("acceleration", t), zeta[t].off().implies(limited))?;
             } else {
@@ -99,7 +99,7 @@ impl Program {
         Ok(())
     }
 
-    /// The wall as a statement; the domain reaches as far behind it as it does before it.
+    /// The wall as a statement; the domain extends as far behind it as in front of it.
     fn state_wall(&mut self, scenario: &Scenario) -> Result<(), Error> {
         let wall = scenario.contact.wall;
         for (t, x) in self.position.iter().enumerate() {
@@ -113,7 +113,7 @@ impl Program {
     }
 }
 
-/// The scenario with limits that no plan from its start to its goal has to come near.
+/// The scenario with limits so wide that a plan from start to goal need not reach them.
 fn widened(scenario: &Scenario, horizon: &Horizon) -> Scenario {
     let time = horizon.steps() as f64 * horizon.time_step();
     let distance = (scenario.goal.position - scenario.start.position).abs();

@@ -1,6 +1,6 @@
-//! Figures as the paper's tables give them.
+//! Percentages as in the paper's tables.
 
-/// How much less time one plan takes than another, on both bases.
+/// How much less time one plan takes than another, relative to either time.
 ///
 /// The paper's "13.59 %" in Table 3 is relative to the faster time, its "6.27 %" in Table 4 to the
 /// baseline.

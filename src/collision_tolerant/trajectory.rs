@@ -16,14 +16,14 @@ use crate::solution::Solution;
 pub struct Impact {
     /// The step t with ζ(t) = 1.
     pub step: usize,
-    /// When the wall is met, in s: inside the step, where the flight from its first sample meets
-    /// it; the step's end when it does not.
+    /// Time of the impact, in s: when the flight from the step's first sample meets the wall, or
+    /// the end of the step if it does not.
     pub time: f64,
-    /// Speed into the wall before, in m/s.
+    /// Speed into the wall before the impact, in m/s.
     pub speed_before: f64,
-    /// Speed away from the wall after, in m/s.
+    /// Speed away from the wall after the impact, in m/s.
     pub speed_after: f64,
-    /// Change of velocity, in m/s (that is, N s/kg).
+    /// Change of velocity, in m/s (impulse per unit of mass).
     pub impulse: f64,
     /// Kinetic energy lost, in J/kg.
     pub energy_lost: f64,
@@ -46,14 +46,14 @@ pub struct Trajectory {
     pub acceleration: Vec<f64>,
     /// ζ(t); the last one is always false.
     pub contact: Vec<bool>,
-    /// D(t), in m/s: the impact speed where there is a contact, otherwise 0.
+    /// D(t), in m/s: the impact speed if there is a contact, otherwise 0.
     pub damage: Vec<f64>,
     /// The contacts, in order.
     pub impacts: Vec<Impact>,
 }
 
 impl Trajectory {
-    /// Reads a trajectory out of a solution of a program.
+    /// Reads a trajectory from the solution of a program.
     pub(super) fn read(
         scenario: &Scenario,
         program: &Program,
@@ -90,7 +90,7 @@ impl Trajectory {
         let (wall, e) = (scenario.contact.wall, scenario.contact.restitution.value());
         let (gap, rate) = (wall.gap(self.position[step]), wall.rate(self.velocity[step]));
         let delay = match scenario.contact.law {
-            // The vehicle is at the wall, or in it, when the step begins.
+            // The vehicle is at or inside the wall when the step begins.
             ContactLaw::Literal => 0.0,
             _ => {
                 let acceleration = wall.rate(self.acceleration[step]);
@@ -147,8 +147,9 @@ impl Trajectory {
         }
     }
 
-    /// The samples as comma-separated text: a header `time,position,velocity,acceleration,
-    /// contact,damage` (s, m, m/s, m/s², 0 or 1, m/s) and one line a sample.
+    /// The samples as comma-separated text: a header
+    /// `time,position,velocity,acceleration, contact,damage` (s, m, m/s, m/s², 0 or 1, m/s) and one
+    /// line per sample.
     pub fn to_csv(&self) -> String {
         let mut text = String::from("time,position,velocity,acceleration,contact,damage\n");
         for t in 0..self.time.len() {

@@ -23,8 +23,8 @@ pub struct SetOptions {
     /// Number of vertices of a polygon beyond which short edges are merged outward; at least 8,
     /// default 512.
     pub vertices: usize,
-    /// By how much a plan may miss its start, its goal, and every limit, guard and input range,
-    /// and still lie in the sets; where numbers exceed 1000, times a thousandth of them;
+    /// How much a plan may miss its start, its goal, and every limit, guard and input range, and
+    /// still lie in the sets, in SI units; for numbers above 1000, times a thousandth of them;
     /// default [`tolerance::REACH`], from 0 to 1.
     pub margin: f64,
     /// Template directions of sets with other than two states, in addition to the axes, the

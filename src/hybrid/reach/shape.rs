@@ -174,7 +174,7 @@ impl Shape {
             (Shape::Planar(polygon), _) => polygon.clip([normal[0], normal[1]], limit),
             (Shape::Template(set), Geometry::Template(template, _)) => {
                 let (direction, factor) = template.multiple(normal)?;
-                // Opposite directions stand side by side.
+                // Opposite directions are adjacent.
                 let nearest = -set.limits.get(direction ^ 1)?;
                 let limit = limit / factor;
                 set.lower(direction, limit + 2.0 * EPSILON * limit.abs());
@@ -373,8 +373,8 @@ impl Shape {
         }
     }
 
-    /// A direction that separates this set from another, with the largest value over this set and
-    /// the larger smallest value over the other. `None` if separation is not certain.
+    /// A direction that separates this set from another, with its largest value over this set and
+    /// its smallest value over the other, which is larger. `None` if separation is not certain.
     pub(super) fn separation(
         &self,
         geometry: &Geometry,
@@ -389,7 +389,7 @@ impl Shape {
             }
             (Shape::Template(a), Shape::Template(b), Geometry::Template(template, _)) => {
                 (0..a.limits.len()).find_map(|k| {
-                    // Opposite directions stand side by side.
+                    // Opposite directions are adjacent.
                     let (high, low) = (a.limits[k], -b.limits[k ^ 1]);
                     (high < low).then(|| (template.directions()[k].clone(), high, low))
                 })

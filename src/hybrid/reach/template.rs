@@ -212,7 +212,7 @@ impl Polyhedron {
             let bound = combinations.bound(self);
             self.limits[k] = self.limits[k].min(bound);
         }
-        // Opposite directions stand side by side.
+        // Opposite directions are adjacent.
         let crossed = self.limits.chunks(2).any(|pair| pair.len() == 2 && pair[0] + pair[1] < 0.0);
         if crossed {
             self.limits.clear();

@@ -161,7 +161,7 @@ impl ReachSets {
             };
             let before = ahead.clone();
             match self.sweep_forward(&mut tube, &mut ahead, &back, from, token) {
-                // A single transition leaves nothing to decide.
+                // With at most one open event, another sweep gains nothing.
                 Some(true) if self.open_events(&ahead, steps) > 1 => {}
                 Some(_) => break,
                 None => return Ok(None),
