@@ -1,4 +1,5 @@
-//! Plan with a budget: the vehicle may hit the wall, but all impacts together may cost 4 m/s.
+//! A plan with a damage budget: the vehicle may hit the wall, but its impact speeds may sum to at
+//! most 4 m/s.
 //!
 //! Run with `cargo run --release --example damage_budget`.
 
@@ -7,7 +8,7 @@ use carom::hybrid::DamageLimits;
 use carom::prelude::*;
 
 fn main() -> Result<(), Error> {
-    // The paper's vehicle on a coarser grid, beside a wall that gives back a third of the speed.
+    // The paper's vehicle on a coarser grid, with a wall that returns a third of the speed.
     let scenario = Scenario::paper().with_time_step(0.05).with_restitution(1.0 / 3.0)?;
     let steps = 54; // 2.7 s
     let mut solver = BranchAndBound::default();

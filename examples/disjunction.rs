@@ -1,5 +1,5 @@
-//! Three ways to lower "these rows or those": sizes, root bounds, and what the search makes of
-//! them, for a flight around boxes and for stops in bounded regions.
+//! Three formulations of disjunctions: sizes, root bounds and nodes, for a flight around boxes and
+//! for stops in bounded regions.
 //!
 //! `cargo run --release --example disjunction`
 
@@ -7,8 +7,8 @@ use carom::model::{Method, Reformulation};
 use carom::prelude::*;
 use carom::reformulate;
 
-/// A flight of 8 s past two boxes at most effort 1 m/s^2 an axis: at every step outside each box,
-/// on one of four sides. Least squared effort.
+/// A flight of 8 s past two boxes with at most 1 m/s^2 per axis. At every step the vehicle is on
+/// one of the four sides of each box. Minimises the sum of squared accelerations.
 fn around_boxes() -> Result<Model, Error> {
     let (steps, dt) = (8, 1.0);
     let mut model = Model::new("around boxes");
@@ -41,7 +41,8 @@ fn around_boxes() -> Result<Model, Error> {
     Ok(model)
 }
 
-/// A tour of eight stops, each in one of three small regions; least squared way.
+/// A tour of eight stops, each in one of three small regions. Minimises the sum of squared
+/// distances.
 fn stops_in_regions() -> Result<Model, Error> {
     let mut model = Model::new("stops in regions");
     let x = model.continuous_family("x", 8, 0.0, 20.0)?; // m

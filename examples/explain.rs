@@ -1,4 +1,4 @@
-//! Why is there no plan? A vehicle has 40 steps to get beside a wall, and that is too few.
+//! Why is there no plan? A vehicle has 40 steps to reach a goal next to a wall, which is too few.
 //!
 //! Run with `cargo run --release --example explain`.
 
@@ -31,8 +31,8 @@ fn main() -> Result<(), Error> {
         }
     }
 
-    // Where the vehicle stays as it is: how far from the goal would it end, or how hard would it
-    // have to hit? A metre of the goal is as bad as 10 m/s of damage.
+    // If nothing else may change: how far from the goal would the vehicle end, or how hard would it
+    // have to hit? A metre from the goal costs as much as 10 m/s of damage.
     let options = ElasticOptions::default()
         .with_background(["start", "acceleration", "speed", "goal_velocity"])
         .with_weight("goal_position", 10.0);

@@ -1,4 +1,5 @@
-//! A first model: pass a post on its left or on its right, whichever is nearer to the wish.
+//! A first model: pass a post on its left or on its right, as close as possible to a preferred
+//! position.
 //!
 //! `cargo run --release --example first_model`
 

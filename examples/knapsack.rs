@@ -1,4 +1,4 @@
-//! The knapsack problem: which things to take when the bag holds 15 kg.
+//! The knapsack problem: which things to take if the bag holds 15 kg.
 //!
 //! `cargo run --release --example knapsack`
 

@@ -1,9 +1,9 @@
-//! Reach sets for a planner of one's own: a two-speed elevator that must be level with a floor.
+//! Reach sets for your own system: an elevator with two gears that must stop at a floor.
 //!
 //! `cargo run --release --example reach_sets [-- PICTURE.svg]`
 //!
-//! The motor is in low or in high gear: high gear is stronger, but is allowed only above 0.4 m/s.
-//! Shifting is a mode of each step, and how soon the cabin can stand at 12 m is asked.
+//! High gear is stronger but allowed only above 0.4 m/s. The gear is chosen in each step. How soon
+//! can the cabin be at rest at 12 m?
 
 use std::error::Error as StdError;
 
@@ -65,7 +65,7 @@ impl HorizonModel for Elevator {
         Waiting::Free("the cabin can rest where it starts".into())
     }
 
-    /// The same in the terms of reach sets.
+    /// The same as a hybrid system.
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         let fast = Halfspace::limit("the least speed of high gear", [0.0, -1.0], -SHIFT);
         let system = HybridSystem::new()
@@ -80,7 +80,7 @@ impl HorizonModel for Elevator {
         ReachSets::new(&system, &at(0.0), &at(FLOOR), SetOptions::default()).map(Some)
     }
 
-    /// Which variables stand for what: two states, and the binary of transition 1.
+    /// The variables of the two states, and the binaries of transition 1.
     fn variables(&self, model: &Model) -> HorizonVariables {
         let family = |name: &str| -> Family {
             (0..).map_while(|t| model.variable_by_name((name, t)).ok()).collect()

@@ -1,11 +1,12 @@
-//! A controller with a receding horizon: each solve starts from what the last one left.
+//! A controller with a receding horizon: each solve is warm-started from the previous one.
 //!
 //! `cargo run --release --example receding_horizon -- [STEPS] [MOVES]`
 //!
-//! An inverted pendulum beside an elastic wall is planned STEPS (20) steps ahead, MOVES (15) times; after
-//! each solve the first input is applied, the state is disturbed a little, and everything moves by
-//! one step. The table says how many nodes each solve took from nothing, from the shifted plan, and
-//! from the shifted plan and the shifted ends of the last tree.
+//! An inverted pendulum next to an elastic wall is planned STEPS (20) steps ahead, MOVES (15)
+//! times. After each solve the first input is applied, the state is disturbed a little, and the
+//! horizon moves by one step. The table shows the nodes of each solve without a warm start, with
+//! the shifted plan as a MIP start, and with the shifted plan and the shifted leaves of the
+//! previous tree.
 
 use carom::prelude::*;
 use carom::solution::GuessStatus;
@@ -64,7 +65,7 @@ fn main() -> Result<(), Error> {
         let mut nodes = [plain.statistics().nodes; 3];
         let mut guess = "-";
         if let Some(last) = &last {
-            // What was decided for a step is now a proposal for the step before it.
+            // The decision of each step is now a proposal for the step before it.
             let binaries: Vec<Variable> = touching.iter().collect();
             let earlier = |v: Variable| {
                 let place = binaries.iter().position(|&binary| binary == v)?;

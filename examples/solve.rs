@@ -4,10 +4,10 @@
 //! [--node-limit N] [--deterministic] [--with PART] [--without PART] [--symmetry] [--conflicts] [--log]
 //! [--pool K] [--write OUT] [--lowered OUT]`
 //!
-//! Files are MPS (free or fixed), LP, or JSON (with `--features serde`), by their extensions `.mps`,
-//! `.lp`, `.json`; other files by their contents.
+//! Files are MPS (free or fixed), LP, or JSON (with `--features serde`). The format follows from
+//! the extension `.mps`, `.lp` or `.json`, otherwise from the contents.
 //!
-//! * `--solution`: also print the values that are not zero (beyond 1e-9), `name = value`
+//! * `--solution`: also print the values with magnitudes above 1e-9, `name = value`
 //! * `--time-limit S`: stop after S seconds
 //! * `--node-limit N`: stop after N nodes
 //! * `--threads K`: threads of the tree search, 1 by default
@@ -15,19 +15,19 @@
 //! * `--deterministic`: the same search for any number of threads
 //! * `--without PART`: leave out `presolve`, `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`,
 //!   `diving`, `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
-//! * `--with PART`: take in a heuristic, or all `heuristics`
+//! * `--with PART`: add a heuristic, or all `heuristics`
 //! * `--symmetry`: order interchangeable columns
 //! * `--conflicts`: learn from conflicts
 //! * `--log`: progress and a summary on the standard error
-//! * `--pool K`: the objectives of the K best points with distinct integers, proved
-//! * `--write OUT`: write the model as it was read, and do not solve it
-//! * `--lowered OUT`: write the model with its indicators and logic as rows, and solve it
+//! * `--pool K`: print the proved objectives of the K best points with distinct integers
+//! * `--write OUT`: write the model without solving it
+//! * `--lowered OUT`: write the lowered model, with indicators and logic as rows, and solve it
 //!
 //! The first line is `rows=… columns=… integers=… nonzeros=…`, as read; rows include those of
 //! indicators. The second one is `status=… objective=… bound=… nodes=… seconds=…`. The status is
 //! `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
-//! optimal) or `limit` (stopped without a point); the objective is `-` where there is no point.
-//! Reading the file is not part of the seconds.
+//! optimal) or `limit` (stopped without a point). The objective is `-` if there is no point. The
+//! seconds exclude reading the file.
 
 use std::error::Error;
 use std::path::Path;
@@ -115,7 +115,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The text of a file; what is no text is named with its place.
+/// The text of a file. If it is not text, the error says where.
 fn text(path: &str) -> Result<String, String> {
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
     String::from_utf8(bytes).map_err(|error| {
@@ -127,7 +127,7 @@ fn text(path: &str) -> Result<String, String> {
     })
 }
 
-/// The format of a file: its extension, or what its text looks like.
+/// The format of a file, from its extension or its contents.
 fn format(path: &str, text: Option<&str>) -> Result<&'static str, Box<dyn Error>> {
     let extension = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
     match (extension.as_deref(), text) {

@@ -1,21 +1,22 @@
-//! Solves the programs of the benchmark and prints what each cost, or writes them as files.
+//! Solves the programs of the benchmark and prints nodes and times, or writes the programs as
+//! files.
 //!
 //! `cargo run --release --example table -- [NAME...] [--threads K] [--time-limit S] [--rounds N]
 //! [--write FOLDER] [--limits]`
 //!
-//! * `NAME...`: parts of names; without, all programs
+//! * `NAME...`: parts of names; all programs by default
 //! * `--threads K`: threads of the tree search, 1 by default
-//! * `--time-limit S`: seconds a solve, 60 by default
-//! * `--rounds N`: solves of each program, of which the median time counts; 3 by default
-//! * `--write FOLDER`: write each program there as an MPS file, and all answers as `answers.txt`
-//!   (name and optimum, or `infeasible`), and solve nothing; `benches/compare.py` reads them
+//! * `--time-limit S`: seconds per solve, 60 by default
+//! * `--rounds N`: solves of each program, whose median time is printed; 3 by default
+//! * `--write FOLDER`: write each program as an MPS file, and all answers as `answers.txt` (name
+//!   and optimum, or `infeasible`), for `benches/compare.py`, without solving
 //!
-//! * `--limits`: instead, stop solves of large programs at 16 moments from 2 ms to 3 s, every other one
-//!   by an interrupt from another thread, and print how long after the limit the answers came
+//! * `--limits`: instead, stop solves of large programs after 16 different times from 2 ms to 3 s,
+//!   half of them by an interrupt from another thread, and print the delays until they return
 //!
-//! Programs are solved from their MPS text, without knowledge of where they come from. Allocations
-//! are all of the process during the solve, lowering included. The exit status tells whether every
-//! answer was the listed one. `docs/benchmarks.md` says more.
+//! Programs are solved from their MPS text. Allocations are those of the process during the solve,
+//! including lowering. The exit status tells whether every answer was the listed one. See
+//! `docs/benchmarks.md`.
 
 #[path = "../tests/instances/mod.rs"]
 mod instances;
@@ -136,7 +137,7 @@ fn write(names: &[String], folder: &str) -> Result<(), Box<dyn Error>> {
     Ok(std::fs::write(format!("{folder}/answers.txt"), answers)?)
 }
 
-/// Prints by how much solves of large programs overshoot their limits.
+/// Prints how much solves of large programs overshoot their limits.
 fn overshoots(names: &[String], threads: usize) -> Result<(), Box<dyn Error>> {
     const MOMENTS: u32 = 16;
     const LIMITS: [f64; 2] = [0.002, 3.0];
@@ -168,7 +169,7 @@ fn overshoots(names: &[String], threads: usize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Solves until a moment; why it stopped, and after how long.
+/// Solves until a certain time. Returns why it stopped and when.
 fn stopped(
     model: &Model,
     limit: Duration,
@@ -184,7 +185,7 @@ fn stopped(
     let (solution, took) = thread::scope(|scope| {
         let other = interrupt.clone();
         if by_interrupt {
-            // Not beyond the end of a solve that is done before.
+            // Not beyond the end of a solve that finishes first.
             scope.spawn(move || match ended.recv_timeout(limit) {
                 Ok(()) => {}
                 Err(_) => other.trigger(),
@@ -193,7 +194,7 @@ fn stopped(
         let mut control = Control::default().with_interrupt(&interrupt);
         let solution = BranchAndBound::new(options).solve_with(model, &mut control);
         let took = start.elapsed();
-        // Nobody listens where the limit came first.
+        // Fails if the solve has already ended.
         let _ = done.send(());
         (solution, took)
     });

@@ -1,19 +1,19 @@
-//! Solves random programs that are meant to hurt, and compares every answer with the exact one.
+//! Solves random, numerically difficult programs and compares every answer with the exact one.
 //!
 //! `cargo run --release --example torture -- [--cases N] [--seed S] [--threads K]
 //! [--solver-threads T] [--conflicts] [--out FOLDER]`
 //!
-//! * `--cases N`: how many programs, 10000 by default
-//! * `--seed S`: the first program's seed, 0 by default; the others follow
-//! * `--threads K`: programs that are solved at once, 1 by default
+//! * `--cases N`: number of programs, 10000 by default
+//! * `--seed S`: seed of the first program, 0 by default; the others follow
+//! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
 //! * `--conflicts`: learn from conflicts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
 //!
-//! Each program that was answered wrongly, or not to the end, is written there as an MPS file with
-//! its seed as name, and a line says what is wrong. The last line counts the verdicts; the exit
-//! status tells whether any answer was wrong. `tests/torture` holds the generator and says what
-//! counts as wrong.
+//! Each program that was answered wrongly or not finished is written there as an MPS file named
+//! after its seed, and a line says what is wrong. The last line counts the verdicts. The exit
+//! status tells whether any answer was wrong. `tests/torture` has the generator and defines what is
+//! wrong.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

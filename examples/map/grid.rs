@@ -23,7 +23,7 @@ pub(crate) struct Cell {
 }
 
 impl Cell {
-    /// Both horizons, where both are proved.
+    /// Both horizons, if both are proved.
     fn proved(&self) -> Option<(usize, usize)> {
         self.free.zip(self.tolerant)
     }
@@ -43,7 +43,7 @@ impl Cell {
     }
 }
 
-/// What the searches cost, summed up.
+/// The total cost of the searches.
 #[derive(Default)]
 pub(crate) struct Effort {
     pub(crate) searches: usize,
@@ -114,7 +114,7 @@ impl Effort {
     }
 }
 
-/// What is kept of a search.
+/// The result of a search.
 #[derive(Default)]
 struct Found {
     /// The shortest horizon, in steps, where it is proved.
@@ -127,7 +127,7 @@ struct Found {
 }
 
 fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> {
-    // Only the horizon is wanted, so the impacts on it need not be as few as possible.
+    // Only the horizon matters, so impacts are not minimised.
     let options = PlanningOptions::default().with_fewest_impacts(false).with_search(search);
     let shortest = shortest_plan(scenario, &options, &mut BranchAndBound::default())?;
     let count = |wanted: fn(Refutation) -> bool| {
@@ -143,9 +143,9 @@ fn search(scenario: &Scenario, search: ShortestOptions) -> Result<Found, Error> 
     })
 }
 
-/// The search with collisions, beside the shortest horizon without them. A plan that avoids the
-/// wall is also a plan where it may be hit, so only shorter horizons are searched: one of them is
-/// the shortest, or all of them are refuted and hitting does not pay.
+/// The search with collisions, given the shortest horizon without them. A plan that avoids the wall
+/// is also a plan with collisions allowed, so only shorter horizons are searched: either one of
+/// them is the shortest, or all are refuted and hitting does not pay.
 fn search_below(scenario: &Scenario, free: Option<usize>) -> Result<Found, Error> {
     let options = ShortestOptions::default();
     let Some(free) = free else { return search(scenario, options) };
@@ -156,8 +156,8 @@ fn search_below(scenario: &Scenario, free: Option<usize>) -> Result<Found, Error
     Ok(if found.none { Found { steps: Some(free), ..found } } else { found })
 }
 
-/// Does `work` for the numbers from 0 to `count - 1`; the results are in that order. The first
-/// error ends the work of all threads.
+/// Calls `work` with the numbers from 0 to `count - 1` and returns the results in that order. The
+/// first error ends the work of all threads.
 fn in_parallel<T: Send>(
     threads: usize,
     count: usize,
@@ -189,7 +189,7 @@ fn in_parallel<T: Send>(
     Ok(all.into_iter().map(|(_, result)| result).collect())
 }
 
-/// A bar that shows itself on a terminal only.
+/// A progress bar, shown only on a terminal.
 fn bar(length: usize) -> ProgressBar {
     let bar = ProgressBar::new(length as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed} (left {eta})") {

@@ -1,5 +1,5 @@
-//! A map of when hitting the wall pays: the shortest horizon with and without collisions, proved,
-//! for every pair of a destination and a restitution. The other numbers are the paper's.
+//! A map of when hitting the wall pays: the shortest horizons with and without collisions, with
+//! proofs, for every pair of a destination and a restitution. The other data are the paper's.
 //!
 //! `cargo run --release --example map [-- --csv] [--out FOLDER] [--size N] [--time-step S]`
 //!
@@ -22,7 +22,7 @@ use grid::Map;
 
 const USAGE: &str = "usage: map [--csv] [--out FOLDER] [--size N] [--time-step S]";
 
-/// The sizes that a map can have: below there is nothing to see, above it would take hours.
+/// The allowed sizes of a map: smaller ones show nothing, larger ones take hours.
 const SIZES: std::ops::RangeInclusive<usize> = 2..=500;
 
 fn main() -> ExitCode {
@@ -52,7 +52,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     if !SIZES.contains(&size) {
         return Err(format!("--size is from {} to {}", SIZES.start(), SIZES.end()).into());
     }
-    // Whatever is wrong with the folder shows before the work, not after it.
+    // Problems with the folder show before the work, not after it.
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
 
     let start = Instant::now();
@@ -73,7 +73,7 @@ fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {
     text.parse().map_err(|_| format!("{option} cannot be `{text}`"))
 }
 
-/// The CSV file: one row a cell; a number that was not found is left out.
+/// The CSV file: one row per cell; unknown numbers are empty.
 fn rows(map: &Map) -> String {
     let mut text = String::from("goal,restitution,steps_free,steps_tolerant,hit\n");
     let number = |steps: Option<usize>| steps.map_or(String::new(), |steps| steps.to_string());

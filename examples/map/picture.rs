@@ -59,7 +59,7 @@ where
         }
     };
     for row in 0..rows {
-        // Neighbours of one colour are one rectangle, so that no seam is seen between them.
+        // Neighbours of the same colour are one rectangle, so that no seam is visible.
         let mut column = 0;
         while column < columns {
             let here = colour(row * columns + column);

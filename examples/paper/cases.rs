@@ -149,7 +149,7 @@ fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
     Ok(Solved { case, scenario, shortest, interval, without })
 }
 
-/// The shortest plan, with what is refuted and what is open shown on a line of its own.
+/// The shortest plan; refuted and open horizons are shown on their own line.
 fn search(
     scenario: &Scenario,
     label: String,

@@ -1,10 +1,10 @@
-//! The paper's experiments: solved, proved, plotted, beside the paper's figures.
+//! The paper's experiments: solved, proved, plotted, and compared with the paper's figures.
 //!
 //! `cargo run --release --example paper [-- --csv] [--out FOLDER] [--scaling]`
 //!
 //! * `--csv`: print the rows of a CSV file on standard output and nothing else
 //! * `--out FOLDER`: where the plots go, `plots` by default
-//! * `--scaling`: instead of the experiments, the time of one search over finer and finer steps
+//! * `--scaling`: instead, measure the time of one search with finer and finer steps
 //!
 //! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
 //! planning of autonomous vehicles", arXiv:1611.07608.

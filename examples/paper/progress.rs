@@ -1,10 +1,10 @@
-//! What is going on, on a terminal: a bar over all cases, and under it a line for each thread with
-//! the horizons that are refuted and those that are open.
+//! Progress on a terminal: a bar for all cases, and a line for each thread with its refuted and
+//! open horizons.
 
 use carom::hybrid::{HorizonEvent, Verdict};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-/// The bar and the lines; they show themselves on a terminal only.
+/// The bar and the lines, shown only on a terminal.
 pub(crate) struct Bars {
     all: MultiProgress,
     cases: ProgressBar,
@@ -33,7 +33,7 @@ impl Bars {
         self.cases.inc(1);
     }
 
-    /// Leaves the terminal as it was; a terminal that is gone is no harm.
+    /// Restores the terminal; errors are ignored.
     pub(crate) fn clear(&self) {
         let _ = self.all.clear();
     }
@@ -47,8 +47,7 @@ impl Line {
         self.0.set_message(what.to_owned());
     }
 
-    /// Begins to show a search. Where waiting is free, a refuted horizon refutes every smaller
-    /// one.
+    /// Begins to show a search. If waiting is free, a refuted horizon refutes every smaller one.
     pub(crate) fn search(&self, label: String, waiting_is_free: bool) -> Horizons<'_> {
         Horizons {
             line: self,
@@ -76,7 +75,7 @@ pub(crate) struct Horizons<'a> {
 }
 
 impl Horizons<'_> {
-    /// Takes an event in, and shows where the search is.
+    /// Processes an event and shows the state of the search.
     pub(crate) fn note(&mut self, event: &HorizonEvent) {
         match event {
             HorizonEvent::Started { refuted, feasible, .. } => {

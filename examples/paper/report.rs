@@ -5,7 +5,7 @@ use carom::hybrid::Refutation;
 
 use super::cases::{Case, FURTHER_RESTITUTIONS, LIMITED_STEPS, PAPER_RESTITUTIONS, Solved};
 
-/// Prints the CSV header and one row a case.
+/// Prints the CSV header and one row per case.
 pub(crate) fn print_csv(results: &[Solved]) {
     println!("case,restitution,impact_limit,goal,steps,refuted_steps,time_s,impacts,nodes,seconds");
     for solved in results {
@@ -39,7 +39,7 @@ pub(crate) fn print_csv(results: &[Solved]) {
     }
 }
 
-/// Prints Table 3, Table 4 and the destination study, ours beside the paper's figures.
+/// Prints Table 3, Table 4 and the destination study, our figures next to the paper's.
 pub(crate) fn print_tables(results: &[Solved]) {
     let find = |case: Case| results.iter().find(|solved| solved.case == case);
     let Some(free) = find(Case::CollisionFree) else { return };
@@ -120,7 +120,7 @@ pub(crate) fn print_tables(results: &[Solved]) {
     print_replays(results);
 }
 
-/// Walls that give back more of the speed than the paper's.
+/// Walls that return more of the speed than the paper's.
 fn print_further(free: &Solved, tolerant: &[Option<&Solved>]) {
     println!("\nFurther restitutions: where the wall gives back more");
     println!(
@@ -161,7 +161,7 @@ fn print_destinations(results: &[Solved]) {
     println!("  In continuous time a plastic stop at the wall pays for goals nearer than 0.67 m.");
 }
 
-/// How the shorter horizons were refuted, one by one.
+/// How each of the shorter horizons was refuted.
 fn print_proofs(results: &[Solved]) {
     println!("\nProofs: the shorter horizons, by what refuted them");
     println!(

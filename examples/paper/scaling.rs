@@ -1,4 +1,4 @@
-//! How the time of a whole search grows with finer steps: measured, on one thread.
+//! Measures how the time of a search grows with finer steps, on one thread.
 
 use std::error::Error;
 use std::path::Path;
@@ -13,7 +13,7 @@ const RESTITUTION: f64 = 0.5;
 /// Lengths of a step, in s.
 const TIME_STEPS: [f64; 8] = [0.05, 0.025, 0.0125, 0.01, 0.005, 0.0025, 0.002, 0.001];
 
-/// Searches for each length of a step, of which the median counts.
+/// Number of searches for each length of a step, whose median counts.
 const REPEATS: usize = 3;
 
 /// One length of a step.

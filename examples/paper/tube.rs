@@ -13,7 +13,7 @@ pub(crate) const RESTITUTION: f64 = 0.5;
 /// Steps between the sets that are drawn.
 const EVERY: usize = 40;
 
-/// What is drawn of the plane, in m and m/s.
+/// The visible part of the plane, in m and m/s.
 const VIEW: [std::ops::Range<f64>; 2] = [-0.4..13.0, -12.0..8.0];
 
 /// The size of the picture, in pixels.
@@ -24,7 +24,7 @@ const BACKWARD: RGBColor = RGBColor(230, 120, 20);
 const PLAN: RGBColor = BLACK;
 const IMPACT: RGBColor = RGBColor(214, 39, 40);
 
-/// Writes the picture into a folder; nothing where there is no tube or no plan.
+/// Writes the picture into a folder, if there is a tube and a plan.
 pub(crate) fn write(
     shortest: &ShortestPlan,
     folder: &Path,
@@ -76,7 +76,7 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
             };
             sets.extend(set.map(in_view).filter(|outline| outline.len() > 2));
         }
-        // All areas lie under all lines, so that many sets stay readable.
+        // All areas are below all lines, so that many sets stay readable.
         let fill = colour.mix(0.07).filled();
         chart.draw_series(sets.iter().map(|set| Polygon::new(set.clone(), fill)))?;
         let closed =
@@ -119,8 +119,8 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
     Ok(())
 }
 
-/// The outline of the first set that holds a state. Sets come by the number of impacts, so that is
-/// the one with as many as the plan has up to there, or from there on.
+/// The outline of the first set that contains a state. Sets are ordered by the number of impacts,
+/// so this is the set of the plan's own number.
 fn holding<'a>(
     sets: impl Iterator<Item = &'a ReachSet>,
     state: [f64; 2],
@@ -133,7 +133,7 @@ fn holding<'a>(
     Ok(None)
 }
 
-/// What is seen of an outline, without corners less than half a pixel from the one before.
+/// The visible part of an outline, without corners less than half a pixel from the previous one.
 fn in_view(outline: Vec<[f64; 2]>) -> Vec<(f64, f64)> {
     let mut seen = outline;
     let mut pixel = [0.0; 2];

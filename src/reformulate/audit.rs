@@ -25,7 +25,7 @@ const WITHOUT_M: &str = "tighten the bounds of the continuous variables in it, f
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Trickle {
+pub struct Leak {
     /// The row of the lowered model.
     pub row: String,
     /// The statement that it comes from, if that has a big-M. `None` if the row was written by hand
@@ -43,7 +43,7 @@ pub struct Trickle {
     pub advice: String,
 }
 
-impl Trickle {
+impl Leak {
     /// The leak divided by the feasibility tolerance (no unit).
     pub fn ratio(&self) -> f64 {
         self.leak / self.allowed
@@ -55,13 +55,13 @@ impl Trickle {
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Audit {
-    leaks: Vec<Trickle>,
+    leaks: Vec<Leak>,
     rows: usize,
 }
 
 impl Audit {
     /// The rows that leak, worst first.
-    pub fn leaks(&self) -> &[Trickle] {
+    pub fn leaks(&self) -> &[Leak] {
         &self.leaks
     }
 
@@ -80,7 +80,7 @@ impl fmt::Display for Audit {
     /// One line per leak, worst first, with advice.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for leak in &self.leaks {
-            let Trickle { row, switch, big_m, leak, allowed, advice, .. } = leak;
+            let Leak { row, switch, big_m, leak, allowed, advice, .. } = leak;
             writeln!(
                 f,
                 "{row}: `{switch}` can relax it by {leak:.1e} (M = {big_m}), but the tolerance is \
@@ -131,7 +131,7 @@ impl Lowered {
             if leak <= feasibility {
                 continue;
             }
-            audit.leaks.push(Trickle {
+            audit.leaks.push(Leak {
                 row: name,
                 statement: entry.map(|entry| entry.indicator.clone()),
                 switch,

@@ -36,7 +36,7 @@ mod piecewise;
 mod product;
 mod report;
 
-pub use audit::{Audit, Trickle};
+pub use audit::{Audit, Leak};
 pub use compare::{Comparison, MethodSize, compare};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
