@@ -12,7 +12,7 @@ mod stage;
 
 use crate::error::Error;
 use crate::model::Model;
-use crate::search::{Found, Guide};
+use crate::search::{ColumnGuidance, Found};
 use crate::solution::{Outcome, Solution};
 use crate::solver::{Control, Options, Solver, StopToken, TreeSeed};
 use pipeline::Pipeline;
@@ -71,10 +71,10 @@ impl Solver for BranchAndBound {
         let options = &self.options;
         let token = StopToken::new(options.time_limit, control.interrupt());
         options.check()?;
-        let guide = Guide::new(model, control.guidance())?;
+        let guidance = ColumnGuidance::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
-        let pipeline = Pipeline { model, options, token: &token, guide: &guide, seed };
+        let pipeline = Pipeline { model, options, token: &token, guidance: &guidance, seed };
         let mut found = pipeline.run(control)?;
         found.statistics.time = token.elapsed();
         let seed_report =

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::presolve::root::{Presolve, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate;
-use crate::search::{Found, GuessEnd, Guide, Seed};
+use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
 use crate::solution::{Point, Termination};
 use crate::solver::{Control, Options, StopToken};
 
@@ -18,7 +18,7 @@ pub(super) struct Pipeline<'a> {
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    pub(super) guide: &'a Guide<'a>,
+    pub(super) guidance: &'a ColumnGuidance<'a>,
     pub(super) seed: Option<&'a Seed>,
 }
 
@@ -35,7 +35,7 @@ impl Pipeline<'_> {
         let rules: &[Rule] = match self.options.presolve && !as_is {
             false => &[],
             // Nothing that is known may be reduced away.
-            true if self.seed.is_some() || self.guide.proposes() => &Rule::FAITHFUL,
+            true if self.seed.is_some() || self.guidance.proposes() => &Rule::FAITHFUL,
             true => &Rule::ALL,
         };
         let presolved = match presolve(&program, rules, self.token)? {
@@ -44,7 +44,7 @@ impl Pipeline<'_> {
             Presolve::Stopped => return Ok(self.stopped()),
         };
         let postsolve = &presolved.postsolve;
-        let guide = self.guide.presolved(postsolve, &program);
+        let guidance = self.guidance.presolved(postsolve, &program);
         let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..seed.clone() };
         let seed = self.seed.map(carried);
         drop(program);
@@ -53,7 +53,7 @@ impl Pipeline<'_> {
             model: self.model,
             options: self.options,
             token: self.token,
-            guide: &guide,
+            guidance: &guidance,
             program: &presolved.program,
             restore: &restore,
             as_is,
@@ -104,6 +104,6 @@ impl Pipeline<'_> {
     fn is_about_columns(&self) -> bool {
         let kept = self.options.pool > 1 || self.options.keep_leaves;
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
-        kept || boxes || self.guide.splits()
+        kept || boxes || self.guidance.splits()
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::model::{Model, Variable};
-use crate::search::{Closed, Found, GuessEnd, Seed, SeedBox};
+use crate::search::{ClosedNode, Found, GuessEnd, Seed, SeedBox};
 use crate::solution::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
 use crate::solver::TreeSeed;
 
@@ -74,7 +74,7 @@ pub(super) fn report(model: &Model, found: &Found, seed: &Seed, ignored: usize) 
 
 /// An end of the tree over the variables of the model; what it says about auxiliary columns is left
 /// out, which makes it larger.
-pub(super) fn leaf_of(model: &Model, closed: &Closed, sign: f64) -> LeafBox {
+pub(super) fn leaf_of(model: &Model, closed: &ClosedNode, sign: f64) -> LeafBox {
     let variables: Vec<Variable> = model.variables().map(|variable| variable.id()).collect();
     let mut bounds: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
     for &(column, is_upper, value) in &closed.decisions {

@@ -4,7 +4,7 @@ use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
 use crate::search::cuts::strengthen;
-use crate::search::{Accept, Found, Guide, Seed, Task, search};
+use crate::search::{Accept, ColumnGuidance, Found, Seed, Task, search};
 use crate::solution::{Point, Statistics, Verification};
 use crate::solver::{Control, Options, StopToken};
 
@@ -14,7 +14,7 @@ pub(super) struct Stage<'a> {
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
-    pub(super) guide: &'a Guide<'a>,
+    pub(super) guidance: &'a ColumnGuidance<'a>,
     pub(super) program: &'a Program,
     /// From values of the program's columns to values of the model's variables.
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
@@ -37,7 +37,7 @@ impl Stage<'_> {
     /// What is found of the program, in blocks where it has any.
     pub(super) fn run(&self, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
         if seed.is_none()
-            && self.guide.is_idle()
+            && self.guidance.is_idle()
             && let Some(found) = self.run_blocks(control)
         {
             return found;
@@ -98,8 +98,7 @@ impl Stage<'_> {
             accept,
             key: &key,
             describe,
-            windows: None,
-            guide: self.guide,
+            guidance: self.guidance,
             options,
             cutoff: f64::INFINITY,
             token,

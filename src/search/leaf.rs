@@ -3,94 +3,95 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::clock::Activity;
-use super::node_relaxation::Verdict;
-use super::worker::Worker;
+use super::context::Context;
+use super::local_bounds::propagate_since;
+use super::node_relaxation::{Purpose, Verdict, relax};
 use crate::presolve::{Reduced, Reduction};
 use crate::relaxation::{polish, polish_leaf};
 use crate::tolerance;
 
-impl Worker<'_> {
-    /// Fixes all integers to the rounded values of `point`, solves the rest and offers the
-    /// result; whether it was accepted. The domain is left as it was.
-    pub(super) fn try_assignment(&mut self, point: &[f64]) -> bool {
-        let mark = self.domain.mark();
-        for &j in self.own_integers() {
-            let value = point[j].round();
-            self.domain.apply(j, false, value.max(self.domain.lower(j)));
-            self.domain.apply(j, true, value.min(self.domain.upper(j)));
-        }
-        let found = self.solve_assignment(mark);
-        self.domain.undo_to(mark);
-        found
+/// Fixes all integers to the rounded values of `point`, solves the rest and offers the result.
+/// Returns whether it was accepted. The domain is left as it was.
+pub(super) fn try_assignment(ctx: &mut Context<'_>, point: &[f64]) -> bool {
+    let mark = ctx.node.domain.mark();
+    for &j in ctx.own_integers() {
+        let value = point[j].round();
+        ctx.node.domain.apply(j, false, value.max(ctx.node.domain.lower(j)));
+        ctx.node.domain.apply(j, true, value.min(ctx.node.domain.upper(j)));
     }
+    let found = solve_assignment(ctx, mark);
+    ctx.node.domain.undo_to(mark);
+    found
+}
 
-    /// Solves the leaf that the domain has become since `mark` and offers its point.
-    pub(super) fn solve_assignment(&mut self, mark: usize) -> bool {
-        if self.propagate_since(mark).is_err() {
-            return false;
-        }
-        // The same integers lead to the same point.
-        if !self.is_leaf() || !self.is_new_assignment() {
-            return false;
-        }
-        let program = self.task.exact.unwrap_or(self.program());
-        let Reduction::Reduced(reduced) = self.reducer.reduce(program, &self.domain) else {
-            return false;
-        };
-        match self.relax(&reduced, false) {
-            Verdict::Relaxed { x, .. } => self.offer_leaf(&reduced, &x),
-            _ => false,
-        }
+/// Solves the leaf that the domain has become since `mark` and offers its point. Returns whether it
+/// was accepted.
+pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
+    if propagate_since(ctx, mark).is_err() {
+        return false;
     }
+    // The same integers lead to the same point.
+    if !ctx.is_leaf() || !is_new_assignment(ctx) {
+        return false;
+    }
+    let program = ctx.shared.task.exact.unwrap_or(ctx.program());
+    let Reduction::Reduced(reduced) = ctx.reducer.reduce(program, &ctx.node.domain) else {
+        return false;
+    };
+    match relax(ctx, &reduced, Purpose::Node) {
+        Verdict::Relaxed { x, .. } => offer_leaf(ctx, &reduced, &x),
+        _ => false,
+    }
+}
 
-    /// Whether the integers of the domain, all fixed, were not seen here before.
-    fn is_new_assignment(&mut self) -> bool {
-        let mut hasher = DefaultHasher::new();
-        for &j in &self.program().integers {
-            self.domain.lower(j).to_bits().hash(&mut hasher);
-        }
-        self.accounts.assignments.insert(hasher.finish())
+/// Whether the integers of the domain, all fixed, were not seen here before.
+fn is_new_assignment(ctx: &mut Context<'_>) -> bool {
+    let mut hasher = DefaultHasher::new();
+    for &j in &ctx.program().integers {
+        ctx.node.domain.lower(j).to_bits().hash(&mut hasher);
     }
+    ctx.assignments.insert(hasher.finish())
+}
 
-    /// Polishes a leaf's point and offers it; `false` when the check refuses it.
-    pub(super) fn offer_leaf(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
-        let activity = self.clock.switch(Activity::Verification);
-        let found = self.offer_verified(reduced, x);
-        self.clock.switch(activity);
-        found
-    }
+/// Polishes a leaf's point and offers it. Returns `false` if the check refuses it.
+pub(super) fn offer_leaf(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
+    let activity = ctx.clock.switch(Activity::Verification);
+    let found = offer_verified(ctx, reduced, x);
+    ctx.clock.switch(activity);
+    found
+}
 
-    fn offer_verified(&mut self, reduced: &Reduced, x: &[f64]) -> bool {
-        let mut polished = x.to_vec();
-        polish(reduced, &mut polished, &self.token);
-        // Bounds are proved inside a radius only; a point outside must not be measured by them.
-        let open = |j: usize| reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite();
-        for candidate in [&polished[..], x] {
-            let far = |(j, v): (usize, &f64)| v.abs() > tolerance::FREE_RADIUS && open(j);
-            if candidate.iter().enumerate().any(far) {
-                continue;
-            }
-            let mut point = self.complete_point(reduced.lift(candidate));
-            for &j in &self.program().integers {
-                point[j] = point[j].round();
-            }
-            if self.offer_accepted(&point) {
-                return true;
-            }
-            // Columns that the reduction has fixed inside narrow bounds may have to move.
-            polish_leaf(self.task.exact.unwrap_or(self.program()), &mut point, &self.token);
-            if self.offer_accepted(&point) {
-                return true;
-            }
+fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
+    let mut polished = x.to_vec();
+    polish(reduced, &mut polished, &ctx.token);
+    // Bounds are proved inside a radius only; a point outside must not be measured by them.
+    let open = |j: usize| reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite();
+    for candidate in [&polished[..], x] {
+        let far = |(j, v): (usize, &f64)| v.abs() > tolerance::FREE_RADIUS && open(j);
+        if candidate.iter().enumerate().any(far) {
+            continue;
         }
-        false
+        let mut point = ctx.complete_point(reduced.lift(candidate));
+        for &j in &ctx.program().integers {
+            point[j] = point[j].round();
+        }
+        if offer_accepted(ctx, &point) {
+            return true;
+        }
+        // Columns that the reduction has fixed inside narrow bounds may have to move.
+        let program = ctx.shared.task.exact.unwrap_or(ctx.program());
+        polish_leaf(program, &mut point, &ctx.token);
+        if offer_accepted(ctx, &point) {
+            return true;
+        }
     }
+    false
+}
 
-    fn offer_accepted(&mut self, point: &[f64]) -> bool {
-        let accepted = (self.task.accept)(point);
-        if accepted {
-            self.tree.offer(self.program().objective(point), point.to_vec());
-        }
-        accepted
+fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {
+    let accepted = (ctx.shared.task.accept)(point);
+    if accepted {
+        ctx.tree.offer(ctx.program().objective(point), point.to_vec());
     }
+    accepted
 }

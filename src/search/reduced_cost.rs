@@ -4,35 +4,39 @@
 //! column leaves its bound. What would take it beyond the cutoff is cut off.
 
 use super::clock::Activity;
+use super::context::Context;
+use super::local_bounds::add_facts;
 use super::node::Decision;
-use super::worker::Worker;
 use crate::presolve::Reduced;
 use crate::relaxation::reduced_costs;
 
 /// A whole value is kept when it is missed by less than this (no unit).
 const KEPT: f64 = 1e-6;
 
-impl Worker<'_> {
-    /// Tightens integral columns at the current node; `false` when nothing is left of it.
-    pub(super) fn fix_by_reduced_costs(&mut self, reduced: &Reduced, x: &[f64], y: &[f64]) -> bool {
-        let cutoff = self.tree.cutoff();
-        if cutoff == f64::INFINITY || y.len() != reduced.rows.len() {
-            return true;
-        }
-        let activity = self.clock.switch(Activity::Proof);
-        let (bound, slopes) = reduced_costs(reduced, x, y);
-        self.clock.switch(activity);
-        if bound == f64::NEG_INFINITY {
-            return true;
-        }
-        let room = (cutoff - bound) + 1e-9 * cutoff.abs().max(1.0);
-        let facts = facts(reduced, &self.task.program.integral, &slopes, room);
-        if facts.is_empty() {
-            return true;
-        }
-        self.tree.close(self.tree.strengthen(cutoff));
-        self.note_facts(&facts).is_ok()
+/// Tightens integral columns at the current node; `false` when nothing is left of it.
+pub(super) fn fix_by_reduced_costs(
+    ctx: &mut Context<'_>,
+    reduced: &Reduced,
+    x: &[f64],
+    y: &[f64],
+) -> bool {
+    let cutoff = ctx.tree.cutoff();
+    if cutoff == f64::INFINITY || y.len() != reduced.rows.len() {
+        return true;
     }
+    let activity = ctx.clock.switch(Activity::Proof);
+    let (bound, slopes) = reduced_costs(reduced, x, y);
+    ctx.clock.switch(activity);
+    if bound == f64::NEG_INFINITY {
+        return true;
+    }
+    let room = (cutoff - bound) + 1e-9 * cutoff.abs().max(1.0);
+    let facts = facts(reduced, &ctx.program().integral, &slopes, room);
+    if facts.is_empty() {
+        return true;
+    }
+    ctx.tree.close(ctx.tree.strengthen(cutoff));
+    add_facts(ctx, &facts).is_ok()
 }
 
 /// The bounds of integral columns beyond which the objective has grown by more than `room`.

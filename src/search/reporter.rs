@@ -7,16 +7,16 @@ use crate::solution::Termination;
 use crate::solver::{Control, Event, Incumbent};
 
 /// Decides when to send events.
-pub(super) struct Watch<'w, 'c> {
+pub(super) struct Reporter<'w, 'c> {
     control: &'w mut Control<'c>,
     root_done: bool,
     incumbent: Option<f64>,
     last: Instant,
 }
 
-impl<'w, 'c> Watch<'w, 'c> {
+impl<'w, 'c> Reporter<'w, 'c> {
     pub(super) fn new(control: &'w mut Control<'c>) -> Self {
-        Watch { control, root_done: false, incumbent: None, last: Instant::now() }
+        Reporter { control, root_done: false, incumbent: None, last: Instant::now() }
     }
 
     pub(super) fn report(&mut self, tree: &Tree<'_>) {

@@ -1,8 +1,7 @@
 //! The root: propagated and probed once, the start of every worker.
 
-use super::disjunction::covers;
-use super::purify::{Group, groups, lone_binaries};
-use crate::presolve::{Conflict, Domain, Propagator, probe, probe_implications};
+use super::indifferent_binaries::{Group, groups, lone_binaries};
+use crate::presolve::{Conflict, Domain, Propagator, covering_rows, probe, probe_implications};
 use crate::program::Program;
 use crate::solver::StopToken;
 
@@ -10,12 +9,18 @@ use crate::solver::StopToken;
 /// a relaxation.
 const ROOT_TRIALS: usize = 4000;
 
+/// Numbers of sides of the disjunctions that are split at once.
+const SIDES: std::ops::RangeInclusive<usize> = 3..=8;
+
 /// The root after propagation and probing; every worker starts from it.
 pub(super) struct Root {
+    /// The columns of each covering row that can be split.
     pub(super) covers: Vec<Vec<usize>>,
     pub(super) groups: Vec<Group>,
     /// Binaries without a cost that are in no group.
     pub(super) lone: Vec<usize>,
+    /// The integers in the order of probing, the last one first; not those of event windows.
+    pub(super) late_first: Vec<usize>,
     pub(super) domain: Domain,
     /// With what is known about implications.
     pub(super) propagator: Propagator,
@@ -29,19 +34,26 @@ impl Root {
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);
         propagator.set_stop_token(token);
-        let order = late_first(program);
+        let late_first: Vec<usize> = program.integers.iter().rev().copied().collect();
         let trials = if probing { ROOT_TRIALS } else { 0 };
         let conflict = propagator
             .propagate_all(program, &mut domain)
-            .and_then(|()| probe(program, &mut domain, &mut propagator, &order, trials, token))
+            .and_then(|()| probe(program, &mut domain, &mut propagator, &late_first, trials, token))
             .and_then(|()| {
-                probe_implications(program, &mut domain, &mut propagator, &order, trials, token)
+                probe_implications(
+                    program,
+                    &mut domain,
+                    &mut propagator,
+                    &late_first,
+                    trials,
+                    token,
+                )
             })
             .map(|implications| propagator.set_implications(implications))
             .err();
-        let (covers, groups) = (covers(program), groups(program));
+        let (covers, groups) = (covering_rows(program, &SIDES), groups(program));
         let lone = lone_binaries(program, &groups);
-        Root { covers, groups, lone, domain, propagator, conflict }
+        Root { covers, groups, lone, late_first, domain, propagator, conflict }
     }
 
     /// Carries the root over to a program with further columns.
@@ -62,9 +74,4 @@ impl Root {
         self.conflict = propagator.propagate_all(program, &mut domain).err();
         (self.domain, self.propagator) = (domain, propagator);
     }
-}
-
-/// The integral columns, last one first: the order of probing.
-pub(super) fn late_first(program: &Program) -> Vec<usize> {
-    program.integers.iter().rev().copied().collect()
 }

@@ -40,6 +40,19 @@ pub struct Seeded {
     pub outside: usize,
 }
 
+/// What became of a guess, in columns and values of the program.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GuessEnd {
+    /// A verified point, with all guessed values or most of them.
+    Point(Vec<f64>),
+    /// Already propagation contradicts the value of this column, and no repair was found.
+    Contradiction(usize),
+    /// No point with these values was found.
+    Nothing,
+    /// A limit came first.
+    Stopped,
+}
+
 /// A part of the root.
 #[derive(Debug)]
 pub(super) struct Part {

@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::best_points::{Accepted, BestPoints};
-use super::guess::GuessEnd;
+use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::pseudocosts::Pseudocosts;
-use super::seed::{Seed, Seeded};
+use super::seed::{GuessEnd, Seed, Seeded};
+use super::task::Task;
 use super::trace::event;
-use super::{Closed, Found, Task};
 use crate::program::Program;
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::Progress;
@@ -285,7 +285,7 @@ impl<'a> Tree<'a> {
             pool_complete: complete && state.stop.is_none() && state.points.wants_all(),
             points: state.points.into_points().into_iter().map(|best| best.point).collect(),
             statistics: state.statistics,
-            leaves: leaves.iter().map(|(path, bound)| Closed::new(path, *bound)).collect(),
+            leaves: leaves.iter().map(|(path, bound)| ClosedNode::new(path, *bound)).collect(),
             guess: state.guess,
             seeded: state.seeded,
         }

@@ -9,20 +9,19 @@ mod rules;
 
 use carom::model::Model;
 use carom::program::Program;
-use carom::search::{Accept, Found, Guide, Task, search};
+use carom::search::{Accept, ColumnGuidance, Found, Task, search};
 use carom::solver::{Control, Guidance, Options, StopToken};
 
 /// Searches a program that no model is told about.
 fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
     let (options, model) = (Options::default(), Model::new("none"));
-    let guide = Guide::new(&model, &Guidance::default()).expect("no guidance is none");
+    let guidance = ColumnGuidance::new(&model, &Guidance::default()).expect("no guidance is none");
     let task = Task {
         cutoff: f64::INFINITY,
         program,
         exact: None,
         accept,
-        guide: &guide,
-        windows: None,
+        guidance: &guidance,
         key: &|x| x.iter().map(|v| v.round() as i64).collect(),
         describe: &|_| None,
         options: &options,

@@ -14,10 +14,11 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::windows::Windows;
-use super::worker::Worker;
 use crate::presolve::Domain;
 use crate::program::Program;
+use crate::search::context::Context;
+use crate::search::leaf::try_assignment;
+use crate::search::local_bounds::{fix_near, propagate_since};
 
 /// Width up to which a continuous column counts as known, relative to what it had at first; in the
 /// column's unit where it had no bounds.
@@ -26,58 +27,55 @@ const NARROW: f64 = 1e-4;
 /// Shares of unknown columns in a row are compared in so many steps.
 const SHARES: usize = 1 << 20;
 
-impl Worker<'_> {
-    /// Tries the modes that follow from the inputs of a relaxed point. The domain is left as it was.
-    pub(super) fn roll_out(&mut self, point: &[f64]) {
-        let program = self.task.windows.map_or(self.task.program, Windows::base);
-        // Without columns that can follow there is nothing to roll out.
-        if program.integers.len() == program.column_count() {
-            return;
-        }
-        let start = self.domain.mark();
-        if let Some(modes) = self.modes_of(program, point) {
-            self.domain.undo_to(start);
-            self.try_assignment(&modes);
-        }
-        self.domain.undo_to(start);
+/// Tries the modes that follow from the inputs of a relaxed point. The domain is left as it was.
+pub(super) fn roll_out(ctx: &mut Context<'_>, point: &[f64]) {
+    let program = ctx.base();
+    // Without columns that can follow there is nothing to roll out.
+    if program.integers.len() == program.column_count() {
+        return;
     }
+    let start = ctx.node.domain.mark();
+    if let Some(modes) = modes_of(ctx, program, point) {
+        ctx.node.domain.undo_to(start);
+        try_assignment(ctx, &modes);
+    }
+    ctx.node.domain.undo_to(start);
+}
 
-    /// A point whose integers are what the inputs of another one lead to; nothing where they lead to
-    /// a contradiction. The domain is left where that ends.
-    fn modes_of(&mut self, program: &Program, point: &[f64]) -> Option<Vec<f64>> {
-        let mut frontier = Frontier::new(program, &self.domain);
-        while let Some(j) = frontier.next() {
-            let mark = self.domain.mark();
-            if program.integral[j] {
-                if !self.fix_rounded(j, point[j]) {
-                    return None;
-                }
-            } else {
-                let [lower, upper] = self.domain.bounds(j);
-                let value = point[j].clamp(lower, upper);
-                self.domain.apply(j, false, value);
-                self.domain.apply(j, true, value);
-                if self.propagate_since(mark).is_err() {
-                    self.domain.undo_to(mark);
-                }
-            }
-            frontier.learn(j);
-            for (k, _) in self.domain.changed_since(mark) {
-                frontier.look_at(k, &self.domain);
-            }
-            if self.is_late() {
+/// A point whose integers are what the inputs of another one lead to; `None` if they lead to a
+/// contradiction. The domain is left where that ends.
+fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<Vec<f64>> {
+    let mut frontier = Frontier::new(program, &ctx.node.domain);
+    while let Some(j) = frontier.next() {
+        let mark = ctx.node.domain.mark();
+        if program.integral[j] {
+            if !fix_near(ctx, j, point[j]) {
                 return None;
             }
-        }
-        let mut modes = point.to_vec();
-        for &j in self.own_integers() {
-            if !self.fix_rounded(j, point[j]) || self.is_late() {
-                return None;
+        } else {
+            let [lower, upper] = ctx.node.domain.bounds(j);
+            let value = point[j].clamp(lower, upper);
+            ctx.node.fix(j, value);
+            if propagate_since(ctx, mark).is_err() {
+                ctx.node.domain.undo_to(mark);
             }
-            modes[j] = self.domain.lower(j);
         }
-        Some(modes)
+        frontier.learn(j);
+        for (k, _) in ctx.node.domain.changed_since(mark) {
+            frontier.look_at(k, &ctx.node.domain);
+        }
+        if ctx.is_late() {
+            return None;
+        }
     }
+    let mut modes = point.to_vec();
+    for &j in ctx.own_integers() {
+        if !fix_near(ctx, j, point[j]) || ctx.is_late() {
+            return None;
+        }
+        modes[j] = ctx.node.domain.lower(j);
+    }
+    Some(modes)
 }
 
 /// What is known, and where to go on.
@@ -146,7 +144,7 @@ impl<'a> Frontier<'a> {
         }
     }
 
-    /// The column to choose next; nothing where no row has two unknown ones.
+    /// The column to choose next; `None` if no row has two unknown ones.
     fn next(&mut self) -> Option<usize> {
         while let Some(&Reverse((share, row))) = self.rows.peek() {
             if self.unknown[row] < 2 || share != self.share(row) {

@@ -23,15 +23,22 @@ const BOUND: i64 = 50;
 const REFUTED: i64 = 400;
 
 /// The account of one worker.
-pub(super) struct Probing {
+pub(super) struct NodeProbing {
     credit: i64,
+    /// Whether the root, probed before the search, is still to come.
+    at_root: bool,
     /// What was tried, and where.
     pub(super) record: ProbingRecord,
 }
 
-impl Probing {
+impl NodeProbing {
     pub(super) fn new(columns: usize) -> Self {
-        Probing { credit: CREDIT, record: ProbingRecord::new(columns) }
+        NodeProbing { credit: CREDIT, at_root: true, record: ProbingRecord::new(columns) }
+    }
+
+    /// Whether the next node is to be probed: every one but the first.
+    pub(super) fn is_due(&mut self) -> bool {
+        !std::mem::take(&mut self.at_root)
     }
 
     /// Trials for the next node.
@@ -56,7 +63,7 @@ mod tests {
 
     #[test]
     fn probing_that_brings_nothing_ends_and_comes_back() {
-        let mut probing = Probing::new(0);
+        let mut probing = NodeProbing::new(0);
         for _ in 0..100 {
             probing.book(probing.trials().most, 0, false);
         }

@@ -1,4 +1,4 @@
-//! Whole values where the relaxed point leaves a choice.
+//! Indifferent binaries: whole values where the relaxed point leaves a choice.
 //!
 //! An interior-point method ends in the middle of the best points: a binary without a cost comes
 //! out near one half wherever its rows leave it any room, although 0 or 1 would do at the same
@@ -62,7 +62,7 @@ fn is_free(program: &Program, j: usize) -> bool {
 }
 
 /// Gives binaries of groups whole values where the rows allow it at the rest of the point.
-pub(super) fn purify(
+pub(super) fn settle_groups(
     program: &Program,
     domain: &Domain,
     groups: &[Group],
@@ -87,14 +87,14 @@ pub(super) fn purify(
             if group.wants_one {
                 raise_one(program, domain, columns, point);
             } else {
-                settle(program, domain, columns, integrality, point);
+                settle_lone(program, domain, columns, integrality, point);
             }
         }
     }
 }
 
 /// Moves binaries to the end that is nearest to a whole value, one after the other.
-pub(super) fn settle(
+pub(super) fn settle_lone(
     program: &Program,
     domain: &Domain,
     columns: &[usize],
@@ -232,15 +232,15 @@ mod tests {
         model.add("one", (left + right).equals(1.0)).unwrap();
         let program = Program::assemble(&model).unwrap();
         let (domain, groups) = (Domain::new(&program), groups(&program));
-        let purified = |x: f64| {
+        let settled = |x: f64| {
             let mut point = vec![x, 0.5, 0.5];
-            purify(&program, &domain, &groups, 1e-6, &mut point);
+            settle_groups(&program, &domain, &groups, 1e-6, &mut point);
             point
         };
-        assert_eq!(purified(1.0), [1.0, 1.0, 0.0]);
-        assert_eq!(purified(8.0), [8.0, 0.0, 1.0]);
+        assert_eq!(settled(1.0), [1.0, 1.0, 0.0]);
+        assert_eq!(settled(8.0), [8.0, 0.0, 1.0]);
         // Left at most 5/8, right at most 5/7.
-        let between = purified(5.0);
+        let between = settled(5.0);
         assert!((between[1] - 2.0 / 7.0).abs() < 1e-12 && (between[2] - 5.0 / 7.0).abs() < 1e-12);
     }
 
@@ -257,7 +257,7 @@ mod tests {
         let alone = lone_binaries(&program, &groups);
         assert_eq!((groups, alone.clone()), (Vec::new(), vec![1]));
         let mut point = vec![1.0, 0.3];
-        settle(&program, &domain, &alone, 1e-6, &mut point);
+        settle_lone(&program, &domain, &alone, 1e-6, &mut point);
         assert_eq!(point, [1.0, 0.125]);
     }
 }

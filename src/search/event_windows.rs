@@ -6,8 +6,6 @@
 //! split like any other column, and propagation draws the consequences in both directions. Relaxations
 //! see none of these columns; a window that must have an event adds a covering row to them.
 
-use super::branching::Split;
-use super::worker::Worker;
 use crate::presolve::{Domain, Reduced};
 use crate::program::Program;
 
@@ -16,7 +14,7 @@ const FEWEST: usize = 4;
 
 /// A program with columns that count the events of windows, behind its own columns.
 #[derive(Debug)]
-pub struct Windows<'a> {
+pub(super) struct EventWindows<'a> {
     /// The program without them.
     base: &'a Program,
     program: Program,
@@ -24,14 +22,14 @@ pub struct Windows<'a> {
     halves: Vec<[usize; 2]>,
 }
 
-impl<'a> Windows<'a> {
+impl<'a> EventWindows<'a> {
     /// Windows over the binaries in `order` that are open in `domain`; nothing where there are few.
     pub(super) fn new(base: &'a Program, domain: &Domain, order: &[usize]) -> Option<Self> {
         let open: Vec<usize> = order.iter().copied().filter(|&j| !domain.is_fixed(j)).collect();
         if open.len() < FEWEST {
             return None;
         }
-        let mut windows = Windows { base, program: base.clone(), halves: Vec::new() };
+        let mut windows = EventWindows { base, program: base.clone(), halves: Vec::new() };
         windows.cover(&open);
         let sizes = windows.sizes();
         let count = |k: usize| (base.column_count() + k, -1.0);
@@ -88,7 +86,7 @@ impl<'a> Windows<'a> {
 
     /// The window to split: the late half of the narrowest one that must have an event which is not
     /// yet decided; where there is none, the widest one that is open, the latest of these.
-    fn next(&self, domain: &Domain) -> Option<usize> {
+    pub(super) fn next(&self, domain: &Domain) -> Option<usize> {
         let top = self.base.column_count() + self.halves.len() - 1;
         self.forced(domain, top).or_else(|| self.open(domain, top))
     }
@@ -144,27 +142,5 @@ impl<'a> Windows<'a> {
                 reduced.row_upper.push(f64::INFINITY);
             }
         }
-    }
-}
-
-impl<'a> Worker<'a> {
-    /// Splits a window of events, where the rule is in force and one is open.
-    pub(super) fn split_window(&self, x: &[f64], bound: f64) -> Option<Split> {
-        let windows = self.task.windows?;
-        let column = windows.next(&self.domain)?;
-        Some(Split::at(column, 0.0, x[column], bound))
-    }
-
-    /// The integers of the program itself: the counts of windows follow from them.
-    pub(super) fn own_integers(&self) -> &'a [usize] {
-        &self.task.windows.map_or(self.task.program, Windows::base).integers
-    }
-
-    /// Adds what relaxations do not see to a relaxed point.
-    pub(super) fn complete_point(&self, mut point: Vec<f64>) -> Vec<f64> {
-        if let Some(windows) = self.task.windows {
-            windows.complete(&mut point);
-        }
-        point
     }
 }

@@ -1,19 +1,18 @@
 //! What one worker sees of the tree.
 //!
-//! Searching on one thread or opportunistically, a desk shows the present cutoff, and its new nodes
-//! can be taken by others at once. Searching deterministically, it shows the state at the start of the
-//! round, and keeps what the worker finds until the round's end.
+//! In the opportunistic search (and on one thread) a worker sees the present cutoff, and others can
+//! take its new nodes at once. In the deterministic search it sees the cutoff at the start of the
+//! round, and keeps what it finds until the round ends.
 
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::Ordering;
 
-use crossbeam_deque::Worker as Deque;
 use web_time::Instant;
 
-use super::best_points::Accepted;
-use super::guess::GuessEnd;
-use super::node::{Node, Path, StepCount};
-use super::seed::{Seed, Seeded};
+use super::local_queue::LocalQueue;
+use super::node::{Decision, Node, Path};
+use super::round_buffer::RoundBuffer;
+use super::seed::{GuessEnd, Seed, Seeded};
 use super::tree::{Share, Tree};
 use crate::solution::{Heuristic, Statistics, Termination};
 
@@ -21,18 +20,23 @@ use crate::solution::{Heuristic, Statistics, Termination};
 const ROOMY: usize = 1000;
 
 /// One worker's view of the tree.
-pub(super) struct Desk<'a> {
+pub(super) struct TreeView<'a> {
     pub(super) tree: &'a Tree<'a>,
+    /// The number of the worker.
     pub(super) id: usize,
-    /// Nodes that this worker made in its present plunge, for itself and for thieves.
-    pub(super) own: Option<Deque<Node>>,
-    /// A bound on all of `own`.
-    base: Cell<f64>,
+    exchange: Exchange,
     share: RefCell<Share>,
     found_by: Cell<Heuristic>,
     /// The last point that a guess led to.
     last_found: RefCell<Option<Vec<f64>>>,
-    frozen: RefCell<Round>,
+}
+
+/// How cutoffs, nodes and points pass between a worker and the tree.
+enum Exchange {
+    /// At once: the opportunistic search.
+    Immediate(LocalQueue),
+    /// Between rounds: the deterministic search.
+    InRounds(RefCell<RoundBuffer>),
 }
 
 /// A source of points at work.
@@ -43,28 +47,25 @@ pub(super) struct Begun {
     since: Instant,
 }
 
-/// What a round keeps back.
-pub(super) struct Round {
-    pub(super) cutoff: f64,
-    pub(super) pushed: Vec<Node>,
-    pub(super) offered: Vec<Accepted>,
-    pub(super) stop: Option<Termination>,
-}
+impl<'a> TreeView<'a> {
+    /// For a worker that exchanges everything at once.
+    pub(super) fn immediate(tree: &'a Tree<'a>, id: usize, own: LocalQueue) -> Self {
+        TreeView::new(tree, id, Exchange::Immediate(own))
+    }
 
-impl<'a> Desk<'a> {
-    /// With own nodes that others may take, or without for rounds.
-    pub(super) fn new(tree: &'a Tree<'a>, id: usize, own: Option<Deque<Node>>) -> Self {
-        let round =
-            Round { cutoff: f64::INFINITY, pushed: Vec::new(), offered: Vec::new(), stop: None };
-        Desk {
+    /// For a worker that exchanges everything between rounds.
+    pub(super) fn in_rounds(tree: &'a Tree<'a>, id: usize) -> Self {
+        TreeView::new(tree, id, Exchange::InRounds(RefCell::default()))
+    }
+
+    fn new(tree: &'a Tree<'a>, id: usize, exchange: Exchange) -> Self {
+        TreeView {
             tree,
             id,
-            own,
-            base: Cell::new(f64::INFINITY),
+            exchange,
             share: RefCell::default(),
             found_by: Cell::new(Heuristic::Leaf),
             last_found: RefCell::default(),
-            frozen: RefCell::new(round),
         }
     }
 
@@ -73,8 +74,10 @@ impl<'a> Desk<'a> {
         self.tree.strengthen(bound)
     }
 
-    pub(super) fn steps(&self) -> &StepCount {
-        &self.tree.steps
+    /// A path with further decisions.
+    pub(super) fn path_with(&self, path: &Path, decisions: &[Decision]) -> Path {
+        let step = |path: Path, decision| path.then(decision, &self.tree.steps);
+        decisions.iter().fold(path.clone(), step)
     }
 
     pub(super) fn seed(&self) -> Option<&'a Seed> {
@@ -83,7 +86,10 @@ impl<'a> Desk<'a> {
 
     /// Nodes with at least this bound cannot improve the best points.
     pub(super) fn cutoff(&self) -> f64 {
-        if self.own.is_some() { self.tree.cutoff() } else { self.frozen.borrow().cutoff }
+        match &self.exchange {
+            Exchange::Immediate(_) => self.tree.cutoff(),
+            Exchange::InRounds(round) => round.borrow().cutoff,
+        }
     }
 
     /// Whether open nodes may hold more than their path: not where memory is counted, or nodes are
@@ -105,24 +111,33 @@ impl<'a> Desk<'a> {
 
     /// Adds an open node.
     pub(super) fn push(&self, mut node: Node) {
-        let Some(own) = &self.own else {
-            self.frozen.borrow_mut().pushed.push(node);
-            return;
-        };
-        node.serial = self.tree.serial.fetch_add(1, Ordering::Relaxed);
-        let base = if own.is_empty() { f64::INFINITY } else { self.base.get() };
-        self.base.set(base.min(node.bound));
-        self.tree.open.fetch_add(1, Ordering::Relaxed);
-        own.push(node);
-        if self.tree.idle.load(Ordering::Relaxed) > 0 {
-            self.tree.wake.notify_one();
+        match &self.exchange {
+            Exchange::InRounds(round) => round.borrow_mut().nodes.push(node),
+            Exchange::Immediate(own) => {
+                node.serial = self.tree.serial.fetch_add(1, Ordering::Relaxed);
+                self.tree.open.fetch_add(1, Ordering::Relaxed);
+                own.push(node);
+                if self.tree.idle.load(Ordering::Relaxed) > 0 {
+                    self.tree.wake.notify_one();
+                }
+            }
+        }
+    }
+
+    /// The youngest node that is this worker's own.
+    pub(super) fn pop_own(&self) -> Option<Node> {
+        match &self.exchange {
+            Exchange::Immediate(own) => own.pop(),
+            Exchange::InRounds(_) => None,
         }
     }
 
     /// The smallest bound of what this worker has at hand, with a node that it is about to process.
     pub(super) fn floor(&self, node: f64) -> f64 {
-        let waiting = self.own.as_ref().is_some_and(|own| !own.is_empty());
-        if waiting { node.min(self.base.get()) } else { node }
+        match &self.exchange {
+            Exchange::Immediate(own) => own.floor(node),
+            Exchange::InRounds(_) => node,
+        }
     }
 
     /// From here on, points are found by this source; what [`end`](Self::end) wants to know.
@@ -151,17 +166,17 @@ impl<'a> Desk<'a> {
             self.last_found.replace(Some(point.clone()));
         }
         let accepted = self.tree.accepted(objective, point, found_by);
-        if self.own.is_some() {
-            return self.tree.accept(&mut self.tree.lock(), accepted);
-        }
-        let mut round = self.frozen.borrow_mut();
+        let mut round = match &self.exchange {
+            Exchange::Immediate(_) => return self.tree.accept(&mut self.tree.lock(), accepted),
+            Exchange::InRounds(round) => round.borrow_mut(),
+        };
         let cutoff = self.tree.cutoff_at(objective);
         let better = cutoff < round.cutoff;
-        // Where a pool is searched for, how many points are better is known at the end of the round.
+        // If a pool is searched for, how many points are better is known at the end of the round.
         if self.tree.task.options.pool <= 1 && better {
             round.cutoff = cutoff;
         }
-        round.offered.push(accepted);
+        round.points.push(accepted);
         better
     }
 
@@ -212,28 +227,26 @@ impl<'a> Desk<'a> {
         self.share.take()
     }
 
-    /// Starts a round at the tree's present state.
+    /// Starts a round at the tree's present cutoff.
     pub(super) fn start_round(&self) {
-        self.frozen.borrow_mut().cutoff = self.tree.cutoff();
+        if let Exchange::InRounds(round) = &self.exchange {
+            round.borrow_mut().cutoff = self.tree.cutoff();
+        }
     }
 
     /// What a round kept back.
-    pub(super) fn end_round(&self) -> Round {
-        let mut round = self.frozen.borrow_mut();
-        Round {
-            cutoff: round.cutoff,
-            pushed: std::mem::take(&mut round.pushed),
-            offered: std::mem::take(&mut round.offered),
-            stop: round.stop.take(),
+    pub(super) fn end_round(&self) -> RoundBuffer {
+        match &self.exchange {
+            Exchange::Immediate(_) => RoundBuffer::default(),
+            Exchange::InRounds(round) => round.take(),
         }
     }
 
     /// Ends the search.
     pub(super) fn stop(&self, reason: Termination) {
-        if self.own.is_some() {
-            self.tree.stop(reason);
-        } else {
-            self.frozen.borrow_mut().stop.get_or_insert(reason);
+        match &self.exchange {
+            Exchange::Immediate(_) => self.tree.stop(reason),
+            Exchange::InRounds(round) => _ = round.borrow_mut().stop.get_or_insert(reason),
         }
     }
 
@@ -243,8 +256,11 @@ impl<'a> Desk<'a> {
         self.stop(reason);
     }
 
-    /// Whether the search was stopped from this desk, or by anybody where that is seen at once.
+    /// Whether this worker has ended the search in the present round.
     pub(super) fn is_stopped(&self) -> bool {
-        self.frozen.borrow().stop.is_some()
+        match &self.exchange {
+            Exchange::Immediate(_) => false,
+            Exchange::InRounds(round) => round.borrow().stop.is_some(),
+        }
     }
 }

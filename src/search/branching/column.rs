@@ -1,0 +1,108 @@
+//! The column to split, by pseudocosts and strong branching.
+
+use super::split::{Child, RelaxedPoint, Split, both_sides, keep_only};
+use super::strong_branching::{TRIALS, Trial, common, try_child};
+use crate::search::context::Context;
+use crate::search::local_bounds::add_facts;
+use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
+
+/// Trials of new columns at a node where a disjunction could be split instead, whose sides have had
+/// theirs.
+const BESIDE: usize = 2;
+
+/// Trials in a row that may find no better column before the rest is taken at its pseudocosts.
+const PATIENCE: usize = 4;
+
+/// The column that a node is split at.
+pub(super) struct Chosen {
+    /// The column, and its children if they were tried; `None` if all columns are fixed by now.
+    pub(super) column: Option<(usize, Option<[Trial; 2]>)>,
+    /// Whether trials have closed sides of columns.
+    pub(super) fixed: bool,
+}
+
+/// What a trial has found out about a column.
+enum Tried {
+    /// One side is closed, and the column decided.
+    Fixed,
+    /// The rise was known, and the fall is now.
+    Half,
+    Both([Trial; 2]),
+}
+
+/// Chooses the best of some open columns. The most promising ones come first, and those that little
+/// is known about are tried. `Err` is a split, if a trial leaves nothing of the node or one child.
+pub(super) fn choose_column(
+    ctx: &mut Context<'_>,
+    pseudocosts: &mut Pseudocosts,
+    relaxed: RelaxedPoint<'_>,
+    open: &[usize],
+    beside: bool,
+) -> Result<Chosen, Split> {
+    let x = relaxed.x;
+    let mut ranked: Vec<(f64, usize)> =
+        open.iter().map(|&j| (pseudocosts.score(j, x[j]), j)).collect();
+    ranked.sort_by(|a, b| {
+        let distance = |j: usize| (x[j] - x[j].round()).abs();
+        let fractional = || distance(b.1).total_cmp(&distance(a.1));
+        b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
+    });
+    let (mut trials, mut idle) = (if beside { BESIDE } else { TRIALS }, 0);
+    let (mut most, mut best) = (f64::NEG_INFINITY, Chosen { column: None, fixed: false });
+    for (expected, j) in ranked {
+        if ctx.node.domain.is_fixed(j) {
+            continue;
+        }
+        let (mut score, mut tried) = (expected, None);
+        if trials > 0 && idle < PATIENCE && !pseudocosts.known(j) {
+            trials -= 1;
+            match try_column(ctx, pseudocosts, relaxed, j, beside)? {
+                Tried::Fixed => {
+                    (best.fixed, idle) = (true, 0);
+                    continue;
+                }
+                Tried::Half => score = pseudocosts.score(j, x[j]),
+                Tried::Both(children) => {
+                    let [a, b] = children.each_ref().map(|child| child.gain.max(LEAST_GAIN));
+                    (score, tried) = (a * b, Some(children));
+                }
+            }
+            idle = if score > most { 0 } else { idle + 1 };
+        }
+        if score > most && !ctx.node.domain.is_fixed(j) {
+            (most, best.column) = (score, Some((j, tried)));
+        }
+    }
+    Ok(best)
+}
+
+/// Tries the children of a column.
+fn try_column(
+    ctx: &mut Context<'_>,
+    pseudocosts: &mut Pseudocosts,
+    RelaxedPoint { x, bound, .. }: RelaxedPoint<'_>,
+    j: usize,
+    beside: bool,
+) -> Result<Tried, Split> {
+    // The far child is the likelier one to be closed; then its sibling is the node itself with a
+    // tighter bound, which may wait for more of them.
+    let [mut near, mut far] = both_sides(&ctx.node.domain, j, x[j]);
+    // The rise of a side was tried with its disjunction.
+    let half = beside && pseudocosts.known_up(j);
+    if half && near.is_upper {
+        (near, far) = (far, near);
+    }
+    let Some(b) = try_child(ctx, pseudocosts, far, x[j], bound) else {
+        keep_only(ctx, near, bound)?;
+        return Ok(Tried::Fixed);
+    };
+    if half {
+        return Ok(Tried::Half);
+    }
+    let Some(a) = try_child(ctx, pseudocosts, near, x[j], bound) else {
+        let children = vec![Child::tried(far, b, bound)];
+        return Err(Split { children, closed: true });
+    };
+    add_facts(ctx, &common(&a, &b)).map_err(|_| Split::nothing())?;
+    Ok(Tried::Both([a, b]))
+}

@@ -1,0 +1,151 @@
+//! Which column to split, and which child to visit first.
+//!
+//! * A rule of the user's is asked first, and columns of a higher priority go before others.
+//! * Without an objective nothing but infeasibility matters, and under big-M rows fractionality
+//!   says little about it. Event windows are halved if the program has a horizon; else
+//!   columns are split latest first (by the step of their name, else by position): a late decision
+//!   propagates backwards through the dynamics. Measured on a wall program, latest-first closed the
+//!   tree in 71 nodes where earliest-first ran out of time.
+//! * With an objective, columns are split by pseudocosts: the average growth of the bound per
+//!   unit of fraction, initialised by trying both children of a column (strong branching). A child
+//!   that the trial refutes is never queued. Disjunctions are split into their sides if the tree is
+//!   expected to grow more slowly that way.
+//!
+//! * `split` - what a split is, and its children
+//! * `user_branching` - splits that the user wants
+//! * `column` - the best column, `strong_branching` - children on trial
+//! * `disjunction` - splitting "one of these" into its sides
+//! * `strong_fixing` - values that the relaxed point can do without, on trial
+//! * `growth` - how fast a tree grows
+
+mod column;
+mod disjunction;
+mod growth;
+mod split;
+mod strong_branching;
+mod strong_fixing;
+mod user_branching;
+
+use column::choose_column;
+use disjunction::split_disjunction;
+use growth::growth_rate;
+use split::both_sides;
+pub(super) use split::{Child, RelaxedPoint, Split};
+use strong_fixing::{FixingCredit, fix_by_trials};
+use user_branching::split_of_user;
+
+use super::context::Context;
+use super::pseudocosts::{LEAST_GAIN, Pseudocosts};
+use crate::solver::BranchingRule;
+
+/// What a worker has learned about splits.
+pub(super) struct Branching {
+    pub(super) pseudocosts: Pseudocosts,
+    credit: FixingCredit,
+}
+
+impl Branching {
+    pub(super) fn new(columns: usize) -> Self {
+        Branching { pseudocosts: Pseudocosts::new(columns), credit: FixingCredit::new() }
+    }
+}
+
+/// Chooses a split of the current node.
+pub(super) fn choose_split(
+    ctx: &mut Context<'_>,
+    branching: &mut Branching,
+    relaxed: RelaxedPoint<'_>,
+) -> Split {
+    let RelaxedPoint { x, bound, .. } = relaxed;
+    let mut open = open_columns(ctx, x);
+    if open.is_empty() {
+        return Split::again(bound);
+    }
+    if let Some(split) = split_of_user(ctx, x, bound) {
+        return split;
+    }
+    let (program, guidance) = (ctx.program(), ctx.shared.task.guidance);
+    let prioritised = guidance.has_priorities();
+    if prioritised {
+        let first = open.iter().map(|&j| guidance.priority(j)).max().unwrap_or(0);
+        open.retain(|&j| guidance.priority(j) == first);
+    }
+    let late = |j: &usize| (program.step[*j].unwrap_or(*j), std::cmp::Reverse(*j));
+    let Some(&latest) = open.iter().max_by_key(|j| late(j)) else {
+        return Split::again(bound);
+    };
+    if !prioritised && let Some(window) = ctx.shared.windows.and_then(|w| w.next(&ctx.node.domain))
+    {
+        return Split::at(window, 0.0, x[window], bound);
+    }
+    let late_first = match ctx.options().branching {
+        BranchingRule::LatestFirst => true,
+        BranchingRule::Pseudocosts => false,
+        _ => program.is_feasibility_problem(),
+    };
+    if late_first || bound == f64::NEG_INFINITY {
+        return Split::both(both_sides(&ctx.node.domain, latest, x[latest]), bound);
+    }
+    choose_by_gains(ctx, branching, relaxed, &open).unwrap_or_else(|split| split)
+}
+
+/// The integers that can be split: the fractional ones, or all that are not fixed if none is.
+fn open_columns(ctx: &Context<'_>, x: &[f64]) -> Vec<usize> {
+    let integrality = ctx.options().integrality;
+    let fractional = |j: usize| (x[j] - x[j].round()).abs() > integrality;
+    let integers = ctx.program().integers.iter().copied();
+    let mut open: Vec<usize> = integers.filter(|&j| !ctx.node.domain.is_fixed(j)).collect();
+    if open.iter().any(|&j| fractional(j)) {
+        open.retain(|&j| fractional(j));
+    }
+    open
+}
+
+/// Chooses by the expected gains: one of some open columns, or a disjunction. `Err` is a split that
+/// trials have come upon.
+fn choose_by_gains(
+    ctx: &mut Context<'_>,
+    branching: &mut Branching,
+    relaxed: RelaxedPoint<'_>,
+    open: &[usize],
+) -> Result<Split, Split> {
+    let RelaxedPoint { x, bound, .. } = relaxed;
+    let Branching { pseudocosts, credit } = branching;
+    let disjunction = match ctx.shared.task.guidance.has_priorities() {
+        true => None,
+        false => split_disjunction(ctx, pseudocosts, x, bound),
+    };
+    let disjunction = match disjunction {
+        Some((split, _)) if split.closed => return Ok(split),
+        open => open,
+    };
+    let beside = disjunction.is_some();
+    let chosen = choose_column(ctx, pseudocosts, relaxed, open, beside)?;
+    let fixed = fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
+    let stands = |(j, tried): &(usize, Option<_>)| {
+        !ctx.node.domain.is_fixed(*j) && (tried.is_some() || !fixed)
+    };
+    let Some((j, tried)) = chosen.column.filter(stands) else {
+        // The same node with tighter bounds.
+        return Ok(Split::again(bound));
+    };
+    let gains = match &tried {
+        Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
+        None => pseudocosts.gains(j, x[j]),
+    };
+    if let Some((split, rate)) = disjunction
+        && !fixed
+        && rate <= growth_rate(&gains)
+    {
+        return Ok(split);
+    }
+    let decisions = both_sides(&ctx.node.domain, j, x[j]);
+    Ok(match tried {
+        None => Split::both(decisions, bound),
+        Some(trials) => {
+            let child = |(decision, trial)| Child::tried(decision, trial, bound);
+            let children = decisions.into_iter().zip(trials).map(child).collect();
+            Split { children, closed: fixed }
+        }
+    })
+}

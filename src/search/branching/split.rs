@@ -1,0 +1,95 @@
+//! How a node is split, and what its children know.
+
+use super::strong_branching::Trial;
+use crate::presolve::Domain;
+use crate::search::context::Context;
+use crate::search::local_bounds::add_facts;
+use crate::search::node::{Decision, Known};
+
+/// The relaxed point of the current node.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RelaxedPoint<'x> {
+    /// With whole values for binaries that had a choice.
+    pub(crate) x: &'x [f64],
+    /// Before binaries that are in no group were settled.
+    pub(crate) raw: &'x [f64],
+    /// The proved bound of the node.
+    pub(crate) bound: f64,
+}
+
+/// A child of a split: what it decides, and what a trial has found out about it.
+pub(crate) struct Child {
+    pub(crate) decisions: Vec<Decision>,
+    /// Proved bound.
+    pub(crate) bound: f64,
+    pub(crate) known: Option<Box<Known>>,
+}
+
+/// How a node is split.
+pub(crate) struct Split {
+    /// The child to visit first is in front. No child: all of the node is closed.
+    pub(crate) children: Vec<Child>,
+    /// Whether anything that no child has is refuted or beyond the cutoff.
+    pub(crate) closed: bool,
+}
+
+impl Split {
+    /// No child: all of the node is refuted or beyond the cutoff.
+    pub(super) fn nothing() -> Self {
+        Split { children: Vec::new(), closed: true }
+    }
+
+    /// Two children.
+    pub(super) fn both(decisions: [Decision; 2], bound: f64) -> Self {
+        let child = |d| Child { decisions: vec![d], bound, known: None };
+        Split { children: decisions.map(child).into(), closed: false }
+    }
+
+    /// Both sides of a value of a column, the one of the relaxed value in front.
+    pub(super) fn at(column: usize, value: f64, relaxed: f64, bound: f64) -> Self {
+        let down = Decision { column, is_upper: true, value };
+        let up = Decision { column, is_upper: false, value: value + 1.0 };
+        Split::both(if relaxed - value > 0.5 { [up, down] } else { [down, up] }, bound)
+    }
+
+    /// One child; the other side is closed.
+    fn only(decision: Decision, bound: f64) -> Self {
+        Split {
+            children: vec![Child { decisions: vec![decision], bound, known: None }],
+            closed: true,
+        }
+    }
+
+    /// The same node, with what is now known of its bounds.
+    pub(super) fn again(bound: f64) -> Self {
+        Split { children: vec![Child { decisions: Vec::new(), bound, known: None }], closed: true }
+    }
+}
+
+impl Child {
+    /// A child that was tried.
+    pub(super) fn tried(decision: Decision, trial: Trial, bound: f64) -> Self {
+        Child { decisions: vec![decision], bound: trial.bound.max(bound), known: trial.known }
+    }
+}
+
+/// Goes on with one side of a column, the other one being closed. If the ends of the tree are kept,
+/// that is a split.
+pub(super) fn keep_only(ctx: &mut Context<'_>, side: Decision, bound: f64) -> Result<(), Split> {
+    if ctx.options().keep_leaves {
+        return Err(Split::only(side, bound));
+    }
+    add_facts(ctx, &[side]).map_err(|_| Split::nothing())
+}
+
+/// Both sides of the value of a relaxation, `x <= floor` and `x >= floor + 1`, the nearer one first.
+pub(super) fn both_sides(domain: &Domain, column: usize, value: f64) -> [Decision; 2] {
+    let [lower, upper] = domain.bounds(column);
+    let value =
+        if value.is_finite() { value.clamp(lower, upper) } else { lower.max(upper.min(0.0)) };
+    // Integral values are split so that both sides are smaller than the whole.
+    let below = value.floor().clamp(lower, (upper - 1.0).max(lower));
+    let down = Decision { column, is_upper: true, value: below };
+    let up = Decision { column, is_upper: false, value: below + 1.0 };
+    if value - below > 0.5 { [up, down] } else { [down, up] }
+}

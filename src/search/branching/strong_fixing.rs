@@ -1,0 +1,105 @@
+//! Strong-branching fixings: values that a node's relaxed point can do without, on trial.
+//!
+//! A binary that may be 0 or 1 at the same point of the dynamics is nothing to branch on, but one of
+//! its values may cost more than the best point is worth: then it is fixed to the other one. On walls
+//! an impact at most steps is excluded that way, and propagation follows. Elsewhere such trials find
+//! nothing, so they are paid from a credit that every fixing raises.
+
+use super::split::{RelaxedPoint, Split, both_sides, keep_only};
+use super::strong_branching::try_child;
+use crate::search::context::Context;
+use crate::search::pseudocosts::Pseudocosts;
+
+/// Most trials at a node that find nothing.
+const PATIENCE: usize = 8;
+
+/// The credit at first and at most, in trials.
+const START: f64 = 1.0;
+const MOST: f64 = 16.0;
+
+/// What a fixing is worth, in trials, and what a node without credit gains.
+const FIXED: f64 = 2.0;
+const DRIP: f64 = 0.05;
+
+/// The credit of one worker.
+#[derive(Debug)]
+pub(super) struct FixingCredit {
+    credit: f64,
+}
+
+impl FixingCredit {
+    pub(super) fn new() -> Self {
+        FixingCredit { credit: START }
+    }
+
+    /// Whether there is credit for a trial.
+    fn may_try(&mut self) -> bool {
+        if self.credit < 1.0 {
+            self.credit += DRIP;
+            return false;
+        }
+        true
+    }
+
+    fn book(&mut self, fixed: bool) {
+        let gain = if fixed { FIXED } else { -1.0 };
+        self.credit = (self.credit + gain).min(MOST);
+    }
+}
+
+/// Tries the other value of binaries that are whole at the point `x` and were not at `raw`, those
+/// with most choice first. Returns whether any was fixed; `Err` is a split that this leads to.
+pub(super) fn fix_by_trials(
+    ctx: &mut Context<'_>,
+    credit: &mut FixingCredit,
+    pseudocosts: &mut Pseudocosts,
+    RelaxedPoint { x, raw, bound }: RelaxedPoint<'_>,
+) -> Result<bool, Split> {
+    let integrality = ctx.options().integrality;
+    let away = |value: f64| (value - value.round()).abs();
+    let settled = |j: &usize| away(raw[*j]) > integrality && away(x[*j]) <= integrality;
+    let mut settled: Vec<usize> = ctx.shared.root.lone.iter().copied().filter(settled).collect();
+    settled.sort_by(|&a, &b| away(raw[b]).total_cmp(&away(raw[a])).then(a.cmp(&b)));
+    let (mut idle, mut any) = (0, false);
+    for j in settled {
+        if idle == PATIENCE || !credit.may_try() {
+            break;
+        }
+        if ctx.node.domain.is_fixed(j) {
+            continue;
+        }
+        let [near, far] = both_sides(&ctx.node.domain, j, x[j]);
+        let closed = try_child(ctx, pseudocosts, far, x[j], bound).is_none();
+        credit.book(closed);
+        if closed {
+            keep_only(ctx, near, bound)?;
+            (idle, any) = (0, true);
+        } else {
+            idle += 1;
+        }
+    }
+    Ok(any)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trials_end_where_they_find_nothing_and_come_back() {
+        let trials = |account: &mut FixingCredit, fixed: bool| {
+            let open = |_: &usize| {
+                let may = account.may_try();
+                if may {
+                    account.book(fixed);
+                }
+                may
+            };
+            (0..100).filter(open).count()
+        };
+        let mut account = FixingCredit::new();
+        assert!(trials(&mut account, false) < 15);
+        assert!(trials(&mut account, true) > 80);
+        assert_eq!(account.credit, MOST);
+    }
+}

@@ -1,0 +1,136 @@
+//! What a worker processes nodes with.
+
+use std::collections::BTreeSet;
+
+use super::clock::Clock;
+use super::event_windows::EventWindows;
+use super::focus_node::FocusNode;
+use super::found::Found;
+use super::root::Root;
+use super::task::Task;
+use super::tree_view::TreeView;
+use crate::presolve::{Propagator, Reducer};
+use crate::program::Program;
+use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
+use crate::solver::{NodeView, Options, StopToken};
+
+/// The search itself, for heuristics that solve smaller programs with it.
+pub(super) type NestedSearch = fn(Task<'_>) -> Found;
+
+/// What all workers of a search have in common, and none of them changes.
+#[derive(Clone, Copy)]
+pub(super) struct Shared<'a> {
+    /// The task, whose program has the columns of the event windows.
+    pub(super) task: Task<'a>,
+    pub(super) windows: Option<&'a EventWindows<'a>>,
+    pub(super) root: &'a Root,
+    pub(super) nested: NestedSearch,
+}
+
+/// The node in hand, and what a worker propagates and relaxes it with.
+pub(super) struct Context<'a> {
+    pub(super) shared: Shared<'a>,
+    pub(super) tree: TreeView<'a>,
+    pub(super) node: FocusNode,
+    pub(super) propagator: Propagator,
+    pub(super) reducer: Reducer,
+    pub(super) clarabel: ClarabelRelaxation,
+    pub(super) interior: InteriorPoint,
+    pub(super) clock: Clock,
+    /// This worker's own clone, which counts its work.
+    pub(super) token: StopToken,
+    /// Interior-point iterations of this worker, those of its nested searches included.
+    pub(super) iterations: u64,
+    /// Fingerprints of the integers that heuristics have solved as leaves.
+    pub(super) assignments: BTreeSet<u64>,
+}
+
+impl<'a> Context<'a> {
+    pub(super) fn new(shared: Shared<'a>, tree: TreeView<'a>) -> Self {
+        let root = shared.root;
+        let mut propagator = root.propagator.clone();
+        if shared.task.options.conflicts {
+            propagator.learn_conflicts(&root.domain);
+        }
+        Context {
+            shared,
+            tree,
+            node: FocusNode::root(&root.domain),
+            propagator,
+            reducer: Reducer::default(),
+            clarabel: ClarabelRelaxation::new(),
+            interior: InteriorPoint::new(),
+            clock: Clock::new(),
+            token: shared.task.token.clone(),
+            iterations: 0,
+            assignments: BTreeSet::new(),
+        }
+    }
+
+    /// The program, with the columns of event windows.
+    pub(super) fn program(&self) -> &'a Program {
+        self.shared.task.program
+    }
+
+    /// The program without the columns of event windows: what is relaxed.
+    pub(super) fn base(&self) -> &'a Program {
+        self.shared.windows.map_or(self.shared.task.program, EventWindows::base)
+    }
+
+    /// The integers of the program without event windows: the counts of windows follow from them.
+    pub(super) fn own_integers(&self) -> &'a [usize] {
+        &self.base().integers
+    }
+
+    pub(super) fn options(&self) -> &'a Options {
+        self.shared.task.options
+    }
+
+    /// Adds what relaxations do not see to a relaxed point.
+    pub(super) fn complete_point(&self, mut point: Vec<f64>) -> Vec<f64> {
+        if let Some(windows) = self.shared.windows {
+            windows.complete(&mut point);
+        }
+        point
+    }
+
+    /// Whether all integers are fixed.
+    pub(super) fn is_leaf(&self) -> bool {
+        self.program().integers.iter().all(|&j| self.node.domain.is_fixed(j))
+    }
+
+    /// Whether all integers of a point are integral.
+    pub(super) fn is_integral(&self, point: &[f64]) -> bool {
+        let integrality = self.options().integrality;
+        let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;
+        self.program().integers.iter().all(whole)
+    }
+
+    /// Whether a limit is reached, for loops: the clock is read once in a while.
+    pub(super) fn is_late(&self) -> bool {
+        self.token.spend(100)
+    }
+
+    /// Shows the current node to the user: in values of the model's variables, with the bounds of
+    /// the columns behind them.
+    pub(super) fn show<T>(
+        &self,
+        x: &[f64],
+        bound: f64,
+        to: impl FnOnce(&NodeView<'_>, &[[f64; 2]]) -> T,
+    ) -> T {
+        let program = self.program();
+        let bounds = (0..program.column_count()).map(|j| self.node.domain.bounds(j)).collect();
+        let (depth, bound) = (self.node.path.len(), program.sign * bound);
+        self.shared.task.guidance.show(bounds, x, depth, bound, to)
+    }
+
+    /// Counts a relaxation.
+    pub(super) fn count_relaxation(&mut self, iterations: u64) {
+        self.iterations += iterations;
+        self.tree.count(|s| {
+            s.relaxations += 1;
+            s.iterations += iterations;
+        });
+    }
+}

@@ -1,0 +1,82 @@
+//! One search from start to end.
+
+use super::context::Shared;
+use super::event_windows::EventWindows;
+use super::found::Found;
+use super::parallel::{deterministic, opportunistic};
+use super::reporter::Reporter;
+use super::root::Root;
+use super::seed::Seed;
+use super::task::Task;
+use super::trace::span;
+use super::tree::Tree;
+use super::{symmetry, time_order};
+use crate::program::Program;
+use crate::solver::{BranchingRule, Control};
+
+/// Searches the tree of a program, from a seed if there is one.
+pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+    span!(
+        INFO,
+        "search",
+        rows = task.program.row_count(),
+        columns = task.program.column_count(),
+        integers = task.program.integers.len()
+    );
+    // The user's callback may end this search and no other.
+    let token = &task.token.child(None);
+    let ordered = ordered(task, seed);
+    let task = Task { program: ordered.as_ref().unwrap_or(task.program), token, ..task };
+    let mut root = Root::new(task.program, token, task.options.probing);
+    if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
+        return Found::stopped(reason);
+    }
+    let windows = event_windows(task, &root);
+    let program = windows.as_ref().map_or(task.program, EventWindows::program);
+    let task = Task { program, ..task };
+    root.extend(task.program, token);
+    let rounds = task.options.deterministic;
+    let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
+    let tree = Tree::new(task, seed, workers);
+    let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
+    let shared = Shared { task, windows: windows.as_ref(), root: &root, nested };
+    let mut reporter = Reporter::new(control);
+    if rounds {
+        deterministic::run(shared, &tree, &mut reporter);
+    } else {
+        opportunistic::run(shared, &tree, &mut reporter);
+    }
+    // What other threads found while the caller's had nothing to do.
+    reporter.report(&tree);
+    tree.into_found()
+}
+
+/// The program with its interchangeable columns in falling order, if it has any. Not if points are
+/// told apart by their integers, or come from elsewhere: they would have to be sorted.
+fn ordered(task: Task<'_>, seed: Option<&Seed>) -> Option<Program> {
+    let options = task.options;
+    let plain = options.pool <= 1 && !options.keep_leaves && seed.is_none();
+    if !options.symmetry || !plain || task.guidance.steers() {
+        return None;
+    }
+    let orderings = symmetry::orderings(task.program);
+    let row = |(a, b)| (vec![(a, 1.0), (b, -1.0)], [0.0, f64::INFINITY]);
+    let rows: Vec<_> = orderings.into_iter().map(row).collect();
+    let mut program = task.program.clone();
+    (!rows.is_empty()).then(|| program.append(&[], &rows))??;
+    Some(program)
+}
+
+/// The event windows that the options ask for, if the program has any. Kept leaves are about the
+/// program's own columns, so there are none then.
+fn event_windows<'a>(task: Task<'a>, root: &Root) -> Option<EventWindows<'a>> {
+    let wanted = match task.options.branching {
+        BranchingRule::EventWindows => true,
+        BranchingRule::Automatic => task.program.is_feasibility_problem(),
+        _ => false,
+    };
+    if !wanted || task.options.keep_leaves || root.conflict.is_some() {
+        return None;
+    }
+    EventWindows::new(task.program, &root.domain, &time_order::in_time(task.program)?)
+}

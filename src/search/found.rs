@@ -1,0 +1,68 @@
+//! What a search finds.
+
+use super::node::Path;
+use super::seed::{GuessEnd, Seeded};
+use crate::solution::{Statistics, Termination};
+
+/// What a search found. Objective values are those of the minimised program.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Why it stopped.
+    pub termination: Termination,
+    /// The best accepted points, best first.
+    pub points: Vec<Vec<f64>>,
+    /// Whether these are proved to be the best ones.
+    pub pool_complete: bool,
+    /// Proved lower bound; `+inf` when infeasible.
+    pub bound: f64,
+    /// Counts; the time is left to the caller.
+    pub statistics: Statistics,
+    /// The ends of the tree, if they were asked for.
+    pub leaves: Vec<ClosedNode>,
+    /// What became of a guess.
+    pub guess: Option<GuessEnd>,
+    /// What became of the boxes of a seed.
+    pub seeded: Option<Seeded>,
+}
+
+/// An end of the tree: refuted, cut off, solved, or still open.
+#[derive(Debug, Clone)]
+pub struct ClosedNode {
+    /// Changes of bounds on the way from the root: column, whether it is the upper bound, value.
+    pub decisions: Vec<(usize, bool, f64)>,
+    /// The bound proved for it.
+    pub bound: f64,
+}
+
+impl ClosedNode {
+    pub(super) fn new(path: &Path, bound: f64) -> Self {
+        let decisions = path.backwards().map(|d| (d.column, d.is_upper, d.value)).collect();
+        ClosedNode { decisions, bound }
+    }
+}
+
+impl Found {
+    /// The answer if a limit came before the search.
+    pub fn stopped(reason: Termination) -> Self {
+        Found {
+            termination: reason,
+            pool_complete: false,
+            bound: f64::NEG_INFINITY,
+            ..Found::infeasible()
+        }
+    }
+
+    /// The answer if infeasibility was proved without a search.
+    pub fn infeasible() -> Self {
+        Found {
+            termination: Termination::Infeasible,
+            points: Vec::new(),
+            pool_complete: true,
+            bound: f64::INFINITY,
+            statistics: Statistics::default(),
+            leaves: Vec::new(),
+            guess: None,
+            seeded: None,
+        }
+    }
+}

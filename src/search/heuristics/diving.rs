@@ -1,0 +1,169 @@
+//! Diving: fix some integers, propagate, relax, and so on down to a point.
+//!
+//! Each step fixes half of the fractional integers and solves the relaxation again, roughly. What
+//! is surest goes first: what is nearest to a whole value, what hardly moves the bound by the
+//! pseudocosts, or what is nearest to the best point; dives take turns at these. A step that leads
+//! nowhere is taken back once and done the other way. Dives are paid from an allowance, and a dive
+//! whose allowance ends rounds what is left.
+
+use super::allowance::Allowance;
+use super::rounding::round_and_propagate;
+use crate::search::context::Context;
+use crate::search::indifferent_binaries::settle_groups;
+use crate::search::leaf::try_assignment;
+use crate::search::local_bounds::{fix_near, propagate_since};
+use crate::search::node_relaxation::{Purpose, Verdict, project_node, relax};
+use crate::search::pseudocosts::Pseudocosts;
+use crate::search::trace::span;
+use crate::solution::Heuristic;
+
+/// Iterations that must be left for a dive to begin.
+const LEAST: u64 = 50;
+
+/// Most relaxations of a dive.
+const STEPS: usize = 20;
+
+/// A step fixes one in so many of the fractional integers.
+const PART: usize = 2;
+
+/// What is surest.
+#[derive(Debug, Clone, Copy)]
+enum Rule<'r> {
+    /// Nearest to a whole value.
+    Fraction,
+    /// The side that moves the bound less.
+    Pseudocosts(&'r Pseudocosts),
+    /// Nearest to the best point.
+    Incumbent(&'r [f64]),
+}
+
+/// An integer to fix: how sure it is (smaller is surer), the column, and a value on the side of the
+/// whole one that is meant.
+type Candidate = (f64, usize, f64);
+
+/// Dives from the relaxed point of the current node if the allowance has room for it.
+pub(super) fn dive_where_it_pays(
+    ctx: &mut Context<'_>,
+    allowance: &mut Allowance,
+    pseudocosts: &Pseudocosts,
+    point: &[f64],
+    bound: f64,
+) {
+    let cutoff = ctx.tree.cutoff();
+    // Without an objective a plunge of the tree is a dive already.
+    let free =
+        cutoff == f64::INFINITY && ctx.tree.id == 0 && !ctx.program().is_feasibility_problem();
+    let left = allowance.left(ctx.iterations, free);
+    if left < LEAST || bound == f64::NEG_INFINITY || bound >= cutoff {
+        return;
+    }
+    span!(DEBUG, "heuristic", name = "diving");
+    let before = ctx.iterations;
+    let source = ctx.tree.begin(Heuristic::Diving);
+    let incumbent = ctx.tree.incumbent();
+    let rule = match (allowance.calls() % 3, &incumbent) {
+        (0, _) => Rule::Pseudocosts(pseudocosts),
+        (1, Some((_, best))) => Rule::Incumbent(best),
+        _ => Rule::Fraction,
+    };
+    dive(ctx, rule, point, before + left);
+    ctx.tree.end(source);
+    let spent = ctx.iterations - before;
+    allowance.book(spent, ctx.tree.cutoff() < cutoff);
+}
+
+/// Dives until the worker has taken `last` iterations. The domain is left as it was.
+fn dive(ctx: &mut Context<'_>, rule: Rule<'_>, point: &[f64], last: u64) {
+    let start = ctx.node.domain.mark();
+    let mut point = point.to_vec();
+    let mut turned_back = false;
+    for _ in 0..STEPS {
+        let candidates = candidates(ctx, rule, &point);
+        let Some(&(_, first, value)) = candidates.first() else { break };
+        let mark = ctx.node.domain.mark();
+        let mut next = None;
+        if candidates.iter().all(|&(_, j, value)| fix_near(ctx, j, value)) {
+            next = relax_dive(ctx);
+        }
+        if next.is_none() && !turned_back && !ctx.token.is_over() {
+            turned_back = true;
+            ctx.node.domain.undo_to(mark);
+            if exclude(ctx, first, value) {
+                next = relax_dive(ctx);
+            }
+        }
+        let Some(found) = next else {
+            ctx.node.domain.undo_to(start);
+            return;
+        };
+        point = found;
+        if ctx.is_leaf() || ctx.is_integral(&point) || ctx.iterations >= last {
+            break;
+        }
+    }
+    if ctx.is_integral(&point) {
+        try_assignment(ctx, &point);
+    } else {
+        round_and_propagate(ctx, &point);
+    }
+    ctx.node.domain.undo_to(start);
+}
+
+/// The fractional integers that the next step fixes, the surest first.
+fn candidates(ctx: &Context<'_>, rule: Rule<'_>, point: &[f64]) -> Vec<Candidate> {
+    let integrality = ctx.options().integrality;
+    let distance = |j: usize| (point[j] - point[j].round()).abs();
+    let fractional = ctx.own_integers().iter().copied().filter(|&j| distance(j) > integrality);
+    let candidate = |j: usize| {
+        let (x, below) = (point[j], point[j].floor());
+        match rule {
+            Rule::Incumbent(best) => {
+                let aim = if best[j] > x { below + 0.75 } else { below + 0.25 };
+                ((x - best[j]).abs(), j, aim)
+            }
+            Rule::Pseudocosts(pseudocosts) => {
+                let [down, up] = pseudocosts.gains(j, x);
+                let aim = if up < down { below + 0.75 } else { below + 0.25 };
+                (down.min(up) / down.max(up), j, aim)
+            }
+            Rule::Fraction => (distance(j), j, x),
+        }
+    };
+    let mut candidates: Vec<Candidate> = fractional.map(candidate).collect();
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    candidates.truncate(candidates.len().div_ceil(PART));
+    candidates
+}
+
+/// Excludes the side of a column that was meant. Returns `false` if nothing is left then.
+fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
+    let (near, mark) = (value.round(), ctx.node.domain.mark());
+    let up = value > near;
+    let beyond = if up { near + 1.0 } else { near - 1.0 };
+    let [lower, upper] = ctx.node.domain.bounds(j);
+    if beyond < lower || beyond > upper {
+        return false;
+    }
+    ctx.node.domain.apply(j, !up, beyond);
+    propagate_since(ctx, mark).is_ok()
+}
+
+/// The relaxed point of what the dive has come to; `None` if no better point is in there.
+fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
+    let projection = project_node(ctx)?;
+    let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
+    let Verdict::Relaxed { bound, x, .. } = verdict else { return None };
+    if ctx.tree.strengthen(bound) >= ctx.tree.cutoff() {
+        return None;
+    }
+    let mut point = ctx.complete_point(projection.lift(&x));
+    let integrality = ctx.options().integrality;
+    settle_groups(
+        ctx.program(),
+        &ctx.node.domain,
+        &ctx.shared.root.groups,
+        integrality,
+        &mut point,
+    );
+    Some(point)
+}

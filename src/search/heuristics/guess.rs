@@ -1,0 +1,80 @@
+//! Points from a guess that was handed over: fixed, completed, repaired where it contradicts the
+//! program.
+
+use super::rounding::round_and_propagate;
+use crate::search::context::Context;
+use crate::search::leaf::solve_assignment;
+use crate::search::local_bounds::{fix_near, fix_to};
+use crate::search::node_relaxation::{Purpose, Verdict, project_node, relax};
+use crate::search::seed::GuessEnd;
+use crate::search::trace::span;
+use crate::solution::Heuristic;
+
+/// Most relaxations of a completion.
+const DIVE: usize = 20;
+
+/// The shares of a guess, from its beginning, that are tried.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+
+/// Tries the guess at the root. The domain is left as it was.
+pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
+    let Some(seed) = ctx.tree.seed().filter(|seed| !seed.guess.is_empty()) else { return };
+    span!(DEBUG, "heuristic", name = "guess");
+    let before = ctx.tree.begin(Heuristic::Guess);
+    let mut contradiction = None;
+    let mut found = None;
+    for share in SHARES {
+        let kept = (share * seed.guess.len() as f64).ceil() as usize;
+        let mark = ctx.node.domain.mark();
+        for &(j, value) in &seed.guess[..kept] {
+            if !fix_to(ctx, j, value) {
+                contradiction.get_or_insert(j);
+            }
+        }
+        ctx.tree.take_last_found();
+        complete(ctx);
+        ctx.node.domain.undo_to(mark);
+        found = ctx.tree.take_last_found();
+        if found.is_some() || ctx.token.is_over() {
+            break;
+        }
+    }
+    ctx.tree.end(before);
+    ctx.tree.report_guess(match (found, contradiction) {
+        (Some(point), _) => GuessEnd::Point(point),
+        _ if ctx.token.is_over() => GuessEnd::Stopped,
+        (None, Some(column)) => GuessEnd::Contradiction(column),
+        (None, None) => GuessEnd::Nothing,
+    });
+}
+
+/// Looks for a point of the present domain: rounds its relaxed point, and dives where that
+/// leads nowhere.
+fn complete(ctx: &mut Context<'_>) {
+    for _ in 0..DIVE {
+        if ctx.is_leaf() {
+            let mark = ctx.node.domain.mark();
+            solve_assignment(ctx, mark);
+            return;
+        }
+        let Some(projection) = project_node(ctx) else { return };
+        let Verdict::Relaxed { x, .. } = relax(ctx, &projection.reduced, Purpose::Node) else {
+            return;
+        };
+        let point = ctx.complete_point(projection.lift(&x));
+        round_and_propagate(ctx, &point);
+        if ctx.tree.has_last_found() {
+            return;
+        }
+        let distance = |j: usize| (point[j] - point[j].round()).abs();
+        let open = |&&j: &&usize| !ctx.node.domain.is_fixed(j);
+        let mut order: Vec<usize> = ctx.own_integers().iter().filter(open).copied().collect();
+        order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
+        let sure = order.iter().take_while(|&&j| distance(j) <= 1e-3).count();
+        for &j in order.iter().take(sure.max(1)) {
+            if !fix_near(ctx, j, point[j]) {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Heuristics: when which one runs.
+//!
+//! * `rounding` - rounding with propagation, the surest integers first
+//! * `roll_out` - the inputs of the relaxed point, and what follows from them
+//! * `diving` - fixing, propagating and relaxing in turn down to a point
+//! * `feasibility_pump` - rounding and projection in turn
+//! * `neighbourhood` - small searches near the best point
+//! * `proposals` - points that the user proposes, `guess` - a point that was handed over
+//! * `allowance` - how much a heuristic may spend
+
+mod allowance;
+mod diving;
+mod feasibility_pump;
+mod guess;
+mod neighbourhood;
+mod proposals;
+mod roll_out;
+mod rounding;
+
+use allowance::Allowance;
+use diving::dive_where_it_pays;
+use feasibility_pump::pump_at_root;
+pub(super) use guess::try_guess;
+use neighbourhood::{Neighbourhoods, search_near_incumbent};
+use proposals::try_proposals;
+use roll_out::roll_out;
+use rounding::round_and_propagate;
+
+use super::clock::Activity;
+use super::context::Context;
+use super::leaf::try_assignment;
+use super::pseudocosts::Pseudocosts;
+use super::trace::span;
+use crate::solution::Heuristic;
+
+/// Nodes between two runs of rounding, while there is no point and afterwards.
+const PAUSE: u64 = 5;
+const LONG_PAUSE: u64 = 50;
+
+/// What the heuristics of one worker have spent.
+pub(super) struct Heuristics {
+    /// Nodes since the rounding heuristic last ran.
+    since_rounding: u64,
+    /// Nodes that this worker has processed.
+    nodes: u64,
+    diving: Allowance,
+    neighbourhoods: Neighbourhoods,
+}
+
+impl Heuristics {
+    pub(super) fn new() -> Self {
+        Heuristics {
+            since_rounding: u64::MAX,
+            nodes: 0,
+            diving: Allowance::default(),
+            neighbourhoods: Neighbourhoods::default(),
+        }
+    }
+
+    /// Counts a node.
+    pub(super) fn count_node(&mut self) {
+        self.nodes += 1;
+    }
+}
+
+/// Looks for points near the relaxed point of the current node.
+pub(super) fn look_for_points(
+    ctx: &mut Context<'_>,
+    heuristics: &mut Heuristics,
+    pseudocosts: &Pseudocosts,
+    point: &[f64],
+    bound: f64,
+    at_root: bool,
+) {
+    let on = ctx.options().heuristics;
+    let activity = ctx.clock.switch(Activity::Heuristic);
+    let whole = ctx.is_integral(point);
+    if whole {
+        try_whole_point(ctx, point);
+    }
+    let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
+    if at_root || heuristics.since_rounding >= pause {
+        heuristics.since_rounding = 0;
+        if on.rounding {
+            span!(DEBUG, "heuristic", name = "rounding");
+            let before = ctx.tree.begin(Heuristic::Rounding);
+            round_and_propagate(ctx, point);
+            ctx.tree.end(before);
+        }
+        if on.roll_out && !ctx.program().is_feasibility_problem() {
+            span!(DEBUG, "heuristic", name = "roll-out");
+            let before = ctx.tree.begin(Heuristic::RollOut);
+            roll_out(ctx, point);
+            ctx.tree.end(before);
+        }
+        try_proposals(ctx, point, bound);
+    }
+    heuristics.since_rounding = heuristics.since_rounding.saturating_add(1);
+    if on.pump && at_root && !whole {
+        pump_at_root(ctx, point, bound);
+    }
+    if on.diving && !whole {
+        dive_where_it_pays(ctx, &mut heuristics.diving, pseudocosts, point, bound);
+    }
+    if on.neighbourhood || on.local_branching {
+        let Heuristics { nodes, neighbourhoods, .. } = heuristics;
+        search_near_incumbent(ctx, neighbourhoods, *nodes, point, bound);
+    }
+    ctx.clock.switch(activity);
+}
+
+/// Tries a point that has become whole by settling what had a choice.
+pub(super) fn look_for_settled_point(ctx: &mut Context<'_>, raw: &[f64], settled: &[f64]) {
+    if raw != settled && ctx.is_integral(settled) {
+        let activity = ctx.clock.switch(Activity::Heuristic);
+        try_whole_point(ctx, settled);
+        ctx.clock.switch(activity);
+    }
+}
+
+fn try_whole_point(ctx: &mut Context<'_>, point: &[f64]) {
+    span!(DEBUG, "heuristic", name = "relaxation");
+    let before = ctx.tree.begin(Heuristic::Relaxation);
+    try_assignment(ctx, point);
+    ctx.tree.end(before);
+}

@@ -1,0 +1,160 @@
+//! The deterministic search: the same nodes, counts and answer for any number of threads.
+//!
+//! The search goes in rounds. A fixed number of workers, more than most machines have threads, each
+//! get a node by a fixed rule and a few nodes of plunging from there, against the cutoff at the
+//! start of the round. Threads take workers as they come. What the workers found is put together in
+//! the order of the workers once all are done, so nothing depends on who was faster.
+
+use std::sync::atomic::Ordering;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::worker_pool::with_pool;
+use crate::search::context::Shared;
+use crate::search::node::Node;
+use crate::search::reporter::Reporter;
+use crate::search::tree::{State, Tree};
+use crate::search::tree_view::TreeView;
+use crate::search::worker::Worker;
+
+/// Workers of a round, whatever the number of threads.
+pub(in crate::search) const WORKERS: usize = 8;
+
+/// Most nodes of a worker in a round. More waste less time waiting for the slowest, fewer spread
+/// news sooner.
+const NODES: u64 = 4;
+
+/// A worker between and in the rounds.
+#[derive(Default)]
+struct Slot<'a> {
+    worker: Option<Worker<'a>>,
+    /// What it is to process in the present round, and at most how many nodes from there.
+    assignment: Option<(Node, u64)>,
+    /// Where its plunge goes on.
+    plunge: Option<Node>,
+}
+
+type Slots<'a> = Vec<Mutex<Slot<'a>>>;
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Searches until nothing is left or a limit is reached.
+pub(in crate::search) fn run(shared: Shared<'_>, tree: &Tree<'_>, reporter: &mut Reporter<'_, '_>) {
+    let slots: Slots<'_> = (0..WORKERS).map(|_| Mutex::default()).collect();
+    let run = |id: usize| process(&mut lock(&slots[id]), id, shared, tree);
+    let begin = || tree.count_thread();
+    begin();
+    with_pool(shared.task.options.threads, &begin, &run, |pool, ensure_helpers| {
+        loop {
+            let assigned = assign(tree, &slots);
+            if assigned.is_empty() {
+                break;
+            }
+            ensure_helpers(assigned.len() - 1);
+            pool.run(assigned.clone(), &run);
+            put_together(tree, &slots, &assigned);
+            reporter.report(tree);
+        }
+    });
+}
+
+/// Processes what a slot was assigned in a round.
+fn process<'a>(slot: &mut Slot<'a>, id: usize, shared: Shared<'a>, tree: &'a Tree<'a>) {
+    let Some((node, nodes)) = slot.assignment.take() else { return };
+    let worker = slot.worker.get_or_insert_with(|| {
+        let mut worker = Worker::new(shared, TreeView::in_rounds(tree, id));
+        worker.pseudocosts().clone_from(&lock(&tree.pseudocosts));
+        worker.pseudocosts().record();
+        worker
+    });
+    worker.tree().start_round();
+    worker.restart_clock();
+    let mut next = Some(node);
+    for _ in 0..nodes {
+        let Some(node) = next.take() else { break };
+        if let Some(reason) = shared.task.token.ended() {
+            worker.tree().give_back(node, reason);
+            break;
+        }
+        next = worker.process(node);
+        if worker.tree().is_stopped() {
+            break;
+        }
+    }
+    slot.plunge = next;
+}
+
+/// Assigns the nodes of a round. Returns the slots that got one.
+fn assign(tree: &Tree<'_>, slots: &Slots<'_>) -> Vec<usize> {
+    let mut state = tree.lock();
+    let go_on = tree.may_go_on(&mut state);
+    let limit = tree.task.options.node_limit.unwrap_or(u64::MAX);
+    let mut left = limit.saturating_sub(state.started);
+    let mut assigned = Vec::new();
+    for (id, slot) in slots.iter().enumerate() {
+        let mut slot = lock(slot);
+        let plunge = slot.plunge.take();
+        if !go_on || left == 0 {
+            plunge.into_iter().for_each(|node| state.queue.push(node));
+            state.floors[id] = None;
+            continue;
+        }
+        let node = next_node(tree, &mut state, plunge);
+        state.floors[id] = node.as_ref().map(|node| node.bound);
+        if let Some(node) = node {
+            tree.open.fetch_sub(1, Ordering::Relaxed);
+            let nodes = NODES.min(left);
+            left -= nodes;
+            slot.assignment = Some((node, nodes));
+            assigned.push(id);
+        }
+    }
+    assigned
+}
+
+/// The node that a plunge goes on with, or else the best open one, if it is below the cutoff.
+fn next_node(tree: &Tree<'_>, state: &mut State, plunge: Option<Node>) -> Option<Node> {
+    let mut node = plunge;
+    loop {
+        match node.take().or_else(|| state.queue.pop()) {
+            Some(next) if next.bound >= tree.cutoff() => tree.close_unseen(state, next),
+            next => return next,
+        }
+    }
+}
+
+/// Puts together what the workers found, in their order.
+fn put_together(tree: &Tree<'_>, slots: &Slots<'_>, assigned: &[usize]) {
+    let mut state = tree.lock();
+    let mut shared = lock(&tree.pseudocosts);
+    for &id in assigned {
+        let mut slot = lock(&slots[id]);
+        let Slot { worker: Some(worker), plunge, .. } = &mut *slot else { continue };
+        let share = worker.tree().take_share();
+        state.started += share.statistics.nodes;
+        tree.take_in(&mut state, share);
+        let round = worker.tree().end_round();
+        for accepted in round.points {
+            tree.accept(&mut state, accepted);
+        }
+        for mut node in round.nodes {
+            node.serial = tree.serial.fetch_add(1, Ordering::Relaxed);
+            tree.open.fetch_add(1, Ordering::Relaxed);
+            state.queue.push(node);
+        }
+        if let Some(reason) = round.stop {
+            state.stop.get_or_insert(reason);
+        }
+        worker.pseudocosts().tell(&mut shared);
+        state.floors[id] = plunge.as_ref().map(|node| node.bound);
+        if plunge.is_some() {
+            tree.open.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+    for slot in slots {
+        if let Some(worker) = &mut lock(slot).worker {
+            worker.pseudocosts().learn_all(&shared);
+        }
+    }
+}

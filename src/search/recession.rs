@@ -1,0 +1,106 @@
+//! Recession directions: proof that a program has no finite optimum.
+
+use crate::presolve::{Compressed, Reduced};
+use crate::tolerance;
+
+/// By how much a ray may leave a row, relative to the row's largest term along it (no unit).
+const ROW: f64 = 1e-8;
+
+/// Entries of a ray that are this small beside its largest one may be rounding (no unit).
+const NOISE: f64 = 1e-9;
+
+/// The program whose solutions are the steepest recession directions: the rows and bounds without
+/// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
+/// box leaves no direction.
+pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
+    let n = program.columns.len();
+    let cone = |limit: &f64| if limit.is_finite() { 0.0 } else { *limit };
+    let side = |bound: &f64| if bound.is_finite() { 0.0 } else { bound.signum() };
+    let mut directions = Reduced {
+        columns: (0..n).collect(),
+        values: vec![0.0; n],
+        quadratic: Compressed { start: vec![0; n + 1], ..Compressed::default() },
+        linear: program.linear.clone(),
+        offset: 0.0,
+        rows: program.rows.clone(),
+        row_lower: program.row_lower.iter().map(cone).collect(),
+        row_upper: program.row_upper.iter().map(cone).collect(),
+        lower: program.lower.iter().map(side).collect(),
+        upper: program.upper.iter().map(side).collect(),
+    };
+    if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {
+        return None;
+    }
+    let mut curvature = vec![Vec::new(); n];
+    for j in 0..n {
+        let (rows, entries) = program.quadratic.vector(j);
+        for (&i, &p) in rows.iter().zip(entries) {
+            curvature[i].push((j, p));
+            if i != j {
+                curvature[j].push((i, p));
+            }
+        }
+    }
+    for row in curvature.iter().filter(|row| !row.is_empty()) {
+        directions.rows.index.extend(row.iter().map(|(j, _)| j));
+        directions.rows.value.extend(row.iter().map(|(_, p)| p));
+        directions.rows.start.push(directions.rows.index.len());
+        directions.row_lower.push(0.0);
+        directions.row_upper.push(0.0);
+    }
+    Some(directions)
+}
+
+/// Whether `ray` is a direction along which the reduced program stays feasible and its objective
+/// falls without limit.
+pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
+    const MARGIN: f64 = 1e-7;
+    let size = ray.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if !(size > 0.0 && size.is_finite()) {
+        return false;
+    }
+    let mut d: Vec<f64> = ray.iter().map(|v| v / size).collect();
+    for (j, d) in d.iter_mut().enumerate() {
+        let side = if *d > 0.0 { program.upper[j] } else { program.lower[j] };
+        if side.is_finite() {
+            if d.abs() > MARGIN {
+                return false;
+            }
+            *d = 0.0;
+        }
+    }
+    // Costs of columns that stay where they are, or next to there, say nothing of the fall: curvature
+    // would end it before it is noticed.
+    let moves = |d: f64| if d.abs() > 10.0 * NOISE { d } else { 0.0 };
+    let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
+    let cost: f64 = costs().sum();
+    let cost_scale = costs().fold(0.0_f64, |m, cost| m.max(cost.abs()));
+    if cost.is_nan() || cost >= -1e-6 * cost_scale {
+        return false;
+    }
+    // Along the ray the objective falls at least as far as the radius that bounds are proved for.
+    let mut curved = vec![0.0; d.len()];
+    for j in 0..d.len() {
+        let (rows, entries) = program.quadratic.vector(j);
+        for (&i, &p) in rows.iter().zip(entries) {
+            curved[i] += p * d[j];
+            if i != j {
+                curved[j] += p * d[i];
+            }
+        }
+    }
+    let bend: f64 = curved.iter().zip(&d).map(|(c, d)| c * d).sum();
+    let flat = bend * tolerance::FREE_RADIUS <= -cost
+        && curved.iter().all(|c| c.abs() <= MARGIN * cost_scale.max(1.0));
+    let rows = (0..program.rows.len()).all(|i| {
+        let (columns, values) = program.rows.vector(i);
+        let terms = || columns.iter().zip(values).map(|(&j, &a)| a * d[j]);
+        let change: f64 = terms().sum();
+        let largest = |m: f64, v: f64| m.max(v.abs());
+        let slack =
+            ROW * terms().fold(0.0, largest) + NOISE * values.iter().copied().fold(0.0, largest);
+        (change <= slack || program.row_upper[i].is_infinite())
+            && (change >= -slack || program.row_lower[i].is_infinite())
+    });
+    flat && rows
+}

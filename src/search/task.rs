@@ -1,0 +1,39 @@
+//! What a search is asked.
+
+use super::column_guidance::ColumnGuidance;
+use crate::program::Program;
+use crate::solution::Point;
+use crate::solver::{Options, StopToken};
+
+/// A check of a full point against the model it came from; decides whether an incumbent is
+/// accepted.
+pub type Accept<'a> = dyn Fn(&[f64]) -> bool + Sync + 'a;
+
+/// What a search needs to know.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    /// The program.
+    pub program: &'a Program,
+    /// The same columns and rows before big-Ms were tightened, for what becomes an answer.
+    pub exact: Option<&'a Program>,
+    /// The check of incumbents.
+    pub accept: &'a Accept<'a>,
+    /// The integers that tell two points apart.
+    pub key: &'a (dyn Fn(&[f64]) -> Vec<i64> + Sync),
+    /// The user's point that a point stands for.
+    pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
+    /// What the user knows about the search.
+    pub guidance: &'a ColumnGuidance<'a>,
+    /// Gaps, tolerances, limits, threads.
+    pub options: &'a Options,
+    /// Points must be better than this (minimised objective); infinite if any will do.
+    pub cutoff: f64,
+    /// When the search must stop, and when the solve began.
+    pub token: &'a StopToken,
+}
+
+impl std::fmt::Debug for Task<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Task").field("options", self.options).finish_non_exhaustive()
+    }
+}
