@@ -54,7 +54,7 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for another time step.
+    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
     pub fn double_integrator(time_step: f64) -> Result<Self, Error> {
         check_time_step(time_step)?;
         let a = faer::mat![[1.0, time_step], [0.0, 1.0]];
@@ -87,8 +87,8 @@ impl LinearSystem {
     ///
     /// # Errors
     ///
-    /// As for [`LinearSystem::new`]; [`ErrorKind::OutOfRange`] for another time step, or for one so
-    /// long that the discrete system overflows.
+    /// As for [`LinearSystem::new`]; [`ErrorKind::OutOfRange`] for a time step that is not finite
+    /// and positive, or so long that the discrete system overflows.
     pub fn zero_order_hold(
         a: &Mat<f64>,
         b: &Mat<f64>,

@@ -115,29 +115,29 @@ pub struct ContactStep {
     pub acceleration: Affine,
     /// Limits of a(t) in free flight, in m/s²; the literal law switches them off in contact.
     pub acceleration_limits: Interval,
-    /// p(t), the position free flight would reach, in m.
+    /// p(t), the position after free flight, in m.
     pub predicted_position: Affine,
-    /// w(t), the velocity free flight would reach, in m/s.
+    /// w(t), the velocity after free flight, in m/s.
     pub predicted_velocity: Affine,
     /// x(t+1), in m.
     pub next_position: Affine,
     /// v(t+1), in m/s.
     pub next_velocity: Affine,
-    /// ζ(t): 1 when the step has a contact.
+    /// ζ(t), which is 1 if the step has a contact.
     pub contact: Variable,
 }
 
-/// The speed at which a step's contact happens.
+/// The impact speed of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactSpeed {
-    /// The speed into the wall where ζ(t) = 1, in m/s.
+    /// The speed into the wall if ζ(t) = 1, in m/s.
     pub speed: Affine,
-    /// Whether the law keeps `speed` at 0 where ζ(t) = 0 and never negative. Where it does not,
-    /// the expression means nothing in flight.
+    /// Whether the law keeps `speed` at 0 if ζ(t) = 0, and never negative. Otherwise the expression
+    /// has no meaning in flight.
     pub zero_in_flight: bool,
 }
 
-/// A wall, what it is made of, and the law of contact with it.
+/// A wall, its restitution, and the contact law.
 ///
 /// ```
 /// use carom::hybrid::{Contact, ContactLaw, Restitution, Wall};
@@ -171,8 +171,8 @@ impl Contact {
         self
     }
 
-    /// Adds the law's statements for one step, dynamics included: x(t+1) and v(t+1) need no
-    /// other rows. What says how the wall acts is [background](Model::set_background).
+    /// Adds the law's statements for one step, including the dynamics: x(t+1) and v(t+1) need no
+    /// other rows. Statements that describe the wall are [background](Model::set_background).
     ///
     /// # Errors
     ///
@@ -205,7 +205,7 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for another time step.
+    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
     pub fn transitions(
         &self,
         time_step: f64,

@@ -1,4 +1,4 @@
-//! The reflecting law: a step that would end behind the wall is mirrored at it.
+//! The reflecting law: a step that would end behind the wall is reflected at it.
 //!
 //! With the free-flight prediction in gap and rate, `p` (m) and `w` (m/s), and the next gap and
 //! rate `g⁺`, `s⁺`:

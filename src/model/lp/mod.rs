@@ -108,7 +108,7 @@ use crate::error::Error;
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Parse`](crate::ErrorKind::Parse) with the line and column of whatever is damaged,
+/// [`ErrorKind::Parse`](crate::ErrorKind::Parse) with the line and column of anything damaged,
 /// unknown or contradictory; [`ErrorKind::NotConvex`](crate::ErrorKind::NotConvex) for a quadratic
 /// objective that is not convex in its direction.
 ///

@@ -129,9 +129,9 @@ pub fn read(text: &str) -> Result<Model, Error> {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidName`] when the model's name contains a line break or another control
+/// [`ErrorKind::InvalidName`] if the model's name contains a line break or another control
 /// character; [`ErrorKind::NotInFile`] for logic, compound conditions, disjunctions and functions,
-/// which the lowered model has no more.
+/// which the lowered model no longer has.
 ///
 /// # Complexity
 ///
