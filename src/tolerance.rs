@@ -5,15 +5,15 @@
 //! declared beside its code. Tolerances that you can change are fields of
 //! [`Options`](crate::solver::Options); their defaults are the constants below.
 
-/// Bounds and right-hand sides of at least this magnitude count as infinite (no unit).
+/// Bounds and right-hand sides of at least this magnitude are treated as infinite (no unit).
 ///
 /// Clarabel and the MPS dialects use 1e20 as well.
 pub const INFINITE: f64 = 1e20;
 
 /// Default feasibility tolerance of rows and bounds, in the row's own unit, absolute.
 ///
-/// A point satisfies `l <= a'x <= u` when it misses by no more than this and the rounding of its
-/// values, see [`allowed_miss`]. Range `1e-9..=1e-3`.
+/// A point satisfies `l <= a'x <= u` if it violates the row by at most this plus the rounding of
+/// its values, see [`allowed_miss`]. Range `1e-9..=1e-3`.
 pub const FEASIBILITY: f64 = 1e-6;
 
 /// Default distance to the nearest integer at which a relaxed value counts as integral
@@ -31,75 +31,74 @@ pub const ABSOLUTE_GAP: f64 = 1e-7;
 /// rounding in the activities can never cut a point off (no unit).
 pub const PROPAGATION_SLACK: f64 = 1e-9;
 
-/// A propagated bound on a continuous variable is kept only when it shrinks the domain by at
-/// least this fraction (no unit); smaller gains make long chains converge slowly for nothing.
+/// A propagated bound on a continuous variable is kept only if it shrinks the domain by at least
+/// this fraction (no unit), because long chains of smaller gains cost more than they give.
 pub const PROPAGATION_GAIN: f64 = 1e-3;
 
-/// The same for propagation on trial (no unit). With [`PROPAGATION_GAIN`], most of the time of a trial
-/// goes into long chains of small gains, and the trees are hardly smaller (`docs/decisions.md`,
-/// *Probing at every node*).
+/// The same for propagation in probing (no unit). With [`PROPAGATION_GAIN`], probing spends most of
+/// its time on long chains of small gains, and the trees are hardly smaller.
 pub const PROBING_GAIN: f64 = 1e-2;
 
 /// Relative excess over a row's limit at which its activity proves infeasibility (no unit).
 pub const PROPAGATION_INFEASIBLE: f64 = 1e-8;
 
-/// Radius inside which variables without any finite bound are searched, in the variable's unit.
+/// Radius within which variables without finite bounds are searched, in the variable's unit.
 ///
-/// A dual bound needs every column's contribution over its domain. Where neither bounds,
-/// propagation nor curvature limit a variable, bounds hold for points with `|x| <= FREE_RADIUS`, and
-/// four times as far as the relaxation's own point where that is further out.
+/// A dual bound needs every column's contribution over its domain. If neither bounds, propagation
+/// nor curvature limit a variable, dual bounds hold for points with `|x| <= FREE_RADIUS`, or up to
+/// four times the relaxation's own point if that is larger.
 pub const FREE_RADIUS: f64 = 1e9;
 
-/// The same where a relaxation is proved to have no point at all: a point beyond [`FREE_RADIUS`] is a
-/// point all the same. Multipliers are corrected until columns without bounds have next to no say in
-/// the proof, so the larger radius costs no proof: 10,000 programs of `examples/torture` (from seed
-/// 20000000) end as they did with the smaller one.
+/// The same for proofs of infeasibility, where a point beyond [`FREE_RADIUS`] is a counterexample
+/// too. Multipliers are corrected until columns without bounds contribute almost nothing to the
+/// proof, so the larger radius does not weaken proofs.
 pub const INFEASIBILITY_RADIUS: f64 = 1e15;
 
 /// Relative tolerance of the eigenvalue test of a quadratic objective (no unit): the smallest
 /// eigenvalue may be below zero by this fraction of the largest magnitude.
 pub const CONVEXITY: f64 = 1e-9;
 
-/// Relative difference up to which two slopes of a piecewise-affine function count as equal (no
-/// unit): the breakpoint between them is dropped.
+/// Relative difference up to which two slopes of a piecewise-affine function are equal (no unit).
+/// The breakpoint between them is dropped.
 pub const SLOPE: f64 = 1e-12;
 
-/// Agreement of a plan's samples with its discrete replay, in SI units (m, m/s).
+/// Largest difference of a plan's samples from its discrete replay, in SI units (m, m/s).
 pub const REPLAY: f64 = 1e-6;
 
-/// Distance from a wall, in m, within which a replay takes the plan's word on whether a step has a
-/// contact: there both modes agree on the position, and rows are satisfied only to
-/// [`FEASIBILITY`]. Farther away the replay decides alone.
+/// Distance from a wall, in m, within which a replay uses the plan's contact binaries, because both
+/// modes agree on the position there and rows are satisfied only to [`FEASIBILITY`]. Farther away
+/// the replay decides alone.
 pub const CONTACT_TIE: f64 = 1e-6;
 
-/// Rebound speed, in m/s, below which a continuous replay lets a vehicle that is pressed against a
-/// wall rest there. The hop it leaves out is lower than `REST_SPEED^2 / (2 |a|)`.
+/// Rebound speed, in m/s, below which a vehicle that is pressed against a wall rests there in a
+/// continuous replay. The ignored hop is lower than `REST_SPEED^2 / (2 |a|)`, in m.
 pub const REST_SPEED: f64 = 1e-7;
 
-/// Bounces of a continuous replay inside one step, after which a vehicle that is pressed against a
-/// wall rests there as well: a guard against endless work at huge accelerations (no unit).
+/// Number of bounces within one step after which a vehicle that is pressed against a wall rests
+/// there in a continuous replay. This limits the work at huge accelerations.
 pub const MAX_BOUNCES: usize = 100_000;
 
-/// Default margin of reach sets, in SI units: by how much a plan may miss limits, guards and ends and
-/// still lie in the sets. A plan that is accepted is known to [`FEASIBILITY`] row by row and to
-/// [`REPLAY`] as a whole; this is twice their sum. Beyond a magnitude of 1000 it grows in proportion.
+/// Default margin of reach sets, in SI units: how much a plan may miss limits, guards and ends and
+/// still lie in the sets. An accepted plan satisfies its rows to [`FEASIBILITY`] and agrees with
+/// its replay to [`REPLAY`]; this is twice their sum. Beyond a magnitude of 1000 it grows in
+/// proportion.
 pub const REACH: f64 = 4e-6;
 
 /// Longest horizon, in steps, for which a model is built. A longer one is refused with an error
 /// before anything is allocated.
 pub const MAX_STEPS: usize = 100_000;
 
-/// What rounding may add to the miss of a row, relative to the sum of the magnitudes of its terms and
-/// its limit (no unit).
+/// How much rounding may add to the violation of a row, relative to the sum of the magnitudes of
+/// its terms and its limit (no unit).
 ///
-/// Every value of a point is the result of some arithmetic: half an epsilon for the last rounding,
-/// and as much again for each product, sum and quotient of the equality that presolve expressed a
-/// column by. Eight halves cover an equality of a few terms. The evaluation itself adds nothing,
-/// because [`Verification`](crate::solution::Verification) sums with twice the digits.
+/// Every value of a point has a rounding error: half an epsilon for its last rounding, and another
+/// half for each product, sum and quotient of the equality from which presolve computed it. Eight
+/// halves cover an equality with a few terms. The evaluation itself adds nothing, because
+/// [`Verification`](crate::solution::Verification) sums with twice the digits.
 pub const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// By how much an accepted point may miss a row, a bound or a function, in its unit: the absolute
-/// tolerance, and the rounding of the point's values. Nothing else is proportional to the terms.
+/// How much an accepted point may violate a row, a bound or a function, in its unit: the absolute
+/// tolerance plus the rounding of the point's values. Nothing else is proportional to the terms.
 ///
 /// # Arguments
 ///
@@ -117,13 +116,14 @@ pub fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
     feasibility + ROUNDING * magnitude
 }
 
-/// The factor by which margins grow where only a loosening is meant: one thousandth of the largest
-/// magnitude, but at least 1. It is far above [`allowed_miss`], so reach sets hold every accepted plan.
+/// The factor by which margins that only loosen something grow: one thousandth of the largest
+/// magnitude, but at least 1. It is far above [`allowed_miss`], so reach sets contain every
+/// accepted plan.
 ///
 /// # Arguments
 ///
 /// * `largest_term`: the largest `|a_j x_j|`, in the row's unit.
-/// * `limit`: the limit, in the row's unit; infinite ones do not count.
+/// * `limit`: the limit, in the row's unit; infinite limits are ignored.
 pub(crate) fn margin_scale(largest_term: f64, limit: f64) -> f64 {
     let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
     (largest_term.max(limit) * 1e-3).max(1.0)
