@@ -1,4 +1,4 @@
-//! The trait [`Solver`] and what is common to all backends: options, progress, interrupt, and the
+//! The trait [`Solver`] and what all backends share: options, progress events, interrupts, and the
 //! [certificate](certify) of points from elsewhere.
 //!
 //! ```
@@ -48,8 +48,8 @@ use crate::solution::Solution;
 ///
 /// # Contract
 ///
-/// * [`Termination::Optimal`](crate::solution::Termination::Optimal) is claimed only when bound
-///   and point meet the gap of the options; infeasibility and bounds are proved, not guessed.
+/// * [`Termination::Optimal`](crate::solution::Termination::Optimal) is claimed only if bound and
+///   point meet the gap of the options. Infeasibility and bounds are proved.
 /// * A limit or an interrupt returns the best verified point so far with a valid bound.
 /// * Infeasible, unbounded and limits are statuses of the solution; an [`Error`] means misuse or
 ///   breakdown.
@@ -61,7 +61,7 @@ pub trait Solver {
     /// The options in force.
     fn options(&self) -> &Options;
 
-    /// The options, for changing.
+    /// The options, for changes.
     fn options_mut(&mut self) -> &mut Options;
 
     /// Solves a model under the given control.

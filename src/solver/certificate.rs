@@ -1,8 +1,8 @@
 //! The semantic certificate of a point: integers rounded, the rest solved again, every statement
-//! checked as what it means.
+//! checked by its meaning.
 //!
-//! The crate's own search accepts no point in any other way. This is for points from elsewhere: a
-//! backend that takes 0.999999 for 1, a plan from a file.
+//! The crate's own search accepts points in no other way. Use this for points from elsewhere, such
+//! as a plan from a file or the point of a backend that treats 0.999999 as 1.
 
 use super::Solver;
 use crate::error::{Error, ErrorKind};
@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::solution::{Point, Solution, Verification};
 use crate::tolerance;
 
-/// What is left of a point when its integers are whole and the rest is solved again; made by
+/// The certificate of a point: the point with rounded integers, the rest solved again; made by
 /// [`certify`].
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -23,18 +23,18 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Whether a point with these integers exists and means what the model says.
+    /// Whether a point with these integers exists and satisfies the model.
     pub fn holds(&self) -> bool {
         self.solution.point().is_some() && self.solution.verification().is_some_and(|v| v.holds())
     }
 
     /// The best point with the rounded integers, if there is one, its objective and its
-    /// verification. Its termination and bound are about the model with these integers.
+    /// verification. Its termination and bound are those of the model with these integers fixed.
     pub fn solution(&self) -> &Solution {
         &self.solution
     }
 
-    /// The check of the point as it was given, before anything was rounded.
+    /// The check of the given point, before rounding.
     pub fn as_given(&self) -> &Verification {
         &self.as_given
     }
@@ -44,23 +44,23 @@ impl Certificate {
         self.rounding
     }
 
-    /// The largest distance between the given value of a continuous variable and its certified
-    /// one, in the variable's unit; `None` without a certified point. A large one with a small
-    /// [`rounding`](Self::rounding) is what trickles through switched rows.
+    /// The largest distance between the given value of a continuous variable and its certified one,
+    /// in the variable's unit; `None` if there is no certified point. A large value with a small
+    /// [`rounding`](Self::rounding) shows that switched rows leak.
     pub fn moved(&self) -> Option<f64> {
         self.moved
     }
 }
 
-/// Certifies a point: rounds its integers into their bounds, fixes them, solves the continuous
-/// rest with `solver`, and checks every implication, disjunction, logic statement and function of
-/// the result as what it means.
+/// Certifies a point: rounds its integers into their bounds, fixes them, solves the continuous rest
+/// with `solver`, and checks every implication, disjunction, logic statement and function of the
+/// result by its meaning.
 ///
 /// ```
 /// use carom::prelude::*;
 /// use carom::solver::certify;
 ///
-/// // A backend that takes 1e-6 for 0 has let x through the wall at 0.
+/// // A backend that treats 1e-6 as 0 has let x pass through the wall at 0.
 /// let mut model = Model::new("wall");
 /// let x = model.continuous("x", -1e6, 10.0)?;
 /// let open = model.binary("open")?;
@@ -80,8 +80,8 @@ impl Certificate {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Length`] for a wrong number of values, [`ErrorKind::NotFinite`] naming the
-/// variable without a finite value; those of the solver.
+/// [`ErrorKind::Length`] for a wrong number of values, [`ErrorKind::NotFinite`] naming the variable
+/// without a finite value; the errors of the solver.
 pub fn certify<S: Solver + ?Sized>(
     model: &Model,
     values: &[f64],

@@ -67,7 +67,7 @@ pub struct Control<'a> {
     interrupt: Interrupt,
 }
 
-/// What is called with every new best point.
+/// The callback for new best points.
 pub type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;
 
 impl<'a> Control<'a> {
@@ -77,8 +77,8 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Calls back with every new best point, on the thread that called the solver. The search goes
-    /// on meanwhile where it has other threads. [`ControlFlow::Break`] ends it, as an interrupt does.
+    /// Calls back with every new best point, on the thread that called the solver. Other threads of
+    /// the search continue meanwhile. [`ControlFlow::Break`] ends the search, like an interrupt.
     ///
     /// ```
     /// use carom::prelude::*;
@@ -104,13 +104,13 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Starts the search from what an earlier solve left: see [`TreeSeed`].
+    /// Warm-starts the search from an earlier solve: see [`TreeSeed`].
     pub fn with_seed(mut self, seed: &'a TreeSeed) -> Self {
         self.seed = Some(seed);
         self
     }
 
-    /// Steers the search by what is known about the model: see [`Guidance`].
+    /// Steers the search: see [`Guidance`].
     pub fn with_guidance(mut self, guidance: Guidance<'a>) -> Self {
         self.guidance = guidance;
         self

@@ -1,5 +1,5 @@
-//! What a user knows about a search: which variables to split first, where to split a node, which
-//! points to try. It steers, and decides nothing: bounds and points are proved and verified as ever.
+//! Guidance by the user: branching priorities, branching rules and points to try. It steers the
+//! search but never affects the answer: bounds are proved and points verified as usual.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Model, ModelTag, Variable};
 
-/// What a user knows about the search of one model, handed over by
+/// Guidance for the search of one model, passed to
 /// [`Control::with_guidance`](super::Control::with_guidance).
 ///
-/// Backends that cannot use a part of it leave it out; no answer depends on it.
+/// Backends ignore the parts that they cannot use; no answer depends on it.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -42,28 +42,28 @@ pub struct Guidance<'a> {
 }
 
 impl<'a> Guidance<'a> {
-    /// Splits an integer variable before those with a lower priority, wherever its relaxed value is
-    /// not whole; 0 is that of all others, the last call counts. The priority of a continuous
-    /// variable means nothing.
+    /// Sets the branching priority of an integer variable: it is split before variables with a
+    /// lower priority if its relaxed value is fractional. The default priority is 0, and the last
+    /// call counts. Priorities of continuous variables are ignored.
     pub fn with_priority(mut self, variable: Variable, priority: i32) -> Self {
         self.priorities.push((variable, priority));
         self
     }
 
-    /// Asks for a split at every node that is to be split.
+    /// Sets the branching rule, which is called at every node that is to be split.
     pub fn with_branching(mut self, branching: &'a dyn Branching) -> Self {
         self.branching = Some(branching);
         self
     }
 
-    /// Asks for values of integers to try, at the root and now and then below it. Several sources
-    /// are asked in turn.
+    /// Adds a source of integer values to try, at the root and occasionally below it. Several
+    /// sources take turns.
     pub fn with_proposal(mut self, proposal: &'a dyn Proposal) -> Self {
         self.proposals.push(proposal);
         self
     }
 
-    /// Priorities by variable, in the order of creation, for backends; empty where there are none.
+    /// Priorities by variable, in the order of creation, for backends; empty if there are none.
     ///
     /// # Errors
     ///
@@ -81,12 +81,12 @@ impl<'a> Guidance<'a> {
         Ok(priorities)
     }
 
-    /// Who is asked for splits, for backends.
+    /// The branching rule, for backends.
     pub fn branching(&self) -> Option<&'a dyn Branching> {
         self.branching
     }
 
-    /// Who is asked for values to try, for backends.
+    /// The sources of values to try, for backends.
     pub fn proposals(&self) -> &[&'a dyn Proposal] {
         &self.proposals
     }
@@ -104,13 +104,13 @@ impl fmt::Debug for Guidance<'_> {
 
 /// A rule for splitting nodes; closures are rules too.
 ///
-/// It may be asked from several threads at a time. Where it should not depend on threads, an answer
-/// must depend on the node alone.
+/// It may be called from several threads at the same time. For a deterministic search, its answer
+/// must depend only on the node.
 pub trait Branching: Sync {
-    /// Where to split a node, or nothing for the backend's own rule.
+    /// Where to split a node, or `None` for the backend's own rule.
     ///
-    /// A split is not taken when it does not divide the node: a variable that is continuous, fixed
-    /// or of another model, a value that is NaN or outside the bounds. Such answers are counted in
+    /// A split that does not divide the node is refused: if the variable is continuous, fixed or of
+    /// another model, or if the value is NaN or outside the bounds. Refused splits are counted in
     /// [`Statistics::refused_splits`](crate::solution::Statistics::refused_splits).
     fn split(&self, node: &NodeView<'_>) -> Option<SplitAt>;
 }
@@ -124,13 +124,13 @@ impl<F: Fn(&NodeView<'_>) -> Option<SplitAt> + Sync> Branching for F {
 /// A source of points: values of integers to try, such as the modes of a simulated roll-out;
 /// closures are sources too.
 ///
-/// The backend fixes the values one after the other as far as they do not contradict each other,
-/// completes the rest, and verifies the point. What this led to is in
+/// The backend fixes the values one after the other unless they contradict each other, completes
+/// the rest, and verifies the point. The results are counted in
 /// [`Statistics::heuristics`](crate::solution::Statistics::heuristics), under
 /// [`Heuristic::Proposal`](crate::solution::Heuristic::Proposal).
 pub trait Proposal: Sync {
-    /// Values for some integers, those to be fixed first in front. Values that are no whole numbers
-    /// are rounded; entries with continuous variables, foreign ones and NaN are passed over.
+    /// Values for some integers, in the order in which to fix them. Fractional values are rounded.
+    /// Entries with continuous variables, variables of another model or NaN are ignored.
     fn propose(&self, node: &NodeView<'_>) -> Vec<(Variable, f64)>;
 }
 
@@ -140,13 +140,13 @@ impl<F: Fn(&NodeView<'_>) -> Vec<(Variable, f64)> + Sync> Proposal for F {
     }
 }
 
-/// Where a node is split: into `variable <= floor(value)` and `variable >= floor(value) + 1`.
+/// A split of a node into `variable <= floor(value)` and `variable >= floor(value) + 1`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SplitAt {
     /// An integer variable.
     pub variable: Variable,
-    /// The greatest value of the lower part, rounded down; at the upper bound, the last whole value
-    /// before it.
+    /// The largest value of the lower part, rounded down. At the upper bound, the last integer
+    /// below it is used.
     pub value: f64,
 }
 
@@ -165,9 +165,10 @@ impl<'a> NodeView<'a> {
     ///
     /// # Arguments
     ///
-    /// * `bounds`, `values`: of the variables, in the order of creation; further entries are not seen
+    /// * `bounds`, `values`: of the variables, in the order of creation; further entries are
+    ///   ignored
     /// * `depth`: decisions from the root
-    /// * `bound`: what is proved about the node's best objective, in the model's own sense
+    /// * `bound`: proved bound of the node's objective, in the model's own sense
     pub fn new(
         model: &Model,
         bounds: &'a [[f64; 2]],
@@ -180,7 +181,7 @@ impl<'a> NodeView<'a> {
         NodeView { tag: model.tag(), bounds, values, depth, bound }
     }
 
-    /// The bounds of a variable at the node: what is decided and what follows from it.
+    /// The bounds of a variable at the node, after propagation.
     ///
     /// # Errors
     ///
@@ -191,8 +192,8 @@ impl<'a> NodeView<'a> {
         Ok(Interval { lower, upper })
     }
 
-    /// The value of a variable in the node's relaxation, brought into its bounds, which may have
-    /// become narrower since; the middle of its bounds where the relaxation has none.
+    /// The value of a variable in the node's relaxation, clamped to its bounds, which may have
+    /// become tighter since; the middle of its bounds if the relaxation has no value.
     ///
     /// # Errors
     ///
@@ -209,8 +210,8 @@ impl<'a> NodeView<'a> {
         self.depth
     }
 
-    /// What is proved about the objective at the node, in the model's own sense; infinite where
-    /// nothing is.
+    /// Proved bound of the objective at the node, in the model's own sense; infinite if there is
+    /// none.
     pub fn bound(&self) -> f64 {
         self.bound
     }

@@ -1,11 +1,11 @@
 //! Which heuristics a search may use.
 
-/// Which heuristics a search may use: ways to look for points beside the nodes themselves.
+/// The primal heuristics that a search may use.
 ///
-/// Leaves of the tree and relaxed points whose integers are whole are no heuristics and always
-/// taken. Points that the caller proposes (a guess of a [`TreeSeed`](super::TreeSeed), a
-/// [`Proposal`](super::Proposal)) are tried wherever they are given. Heuristics never change the
-/// answer, only how soon it is found: every point is verified, and bounds come from the tree alone.
+/// Leaves of the tree and integral relaxed points are always used. So are points from the caller
+/// (the guess of a [`TreeSeed`](super::TreeSeed), a [`Proposal`](super::Proposal)). Heuristics
+/// never change the answer, only how soon it is found: every point is verified, and bounds come
+/// only from the tree.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -21,25 +21,23 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Heuristics {
-    /// Round and propagate: integers are fixed one after the other near their relaxed values, and
-    /// propagation fixes others on the way. At the root and now and then below it; default on.
+    /// Round and propagate: fixes integers one after the other near their relaxed values, with
+    /// propagation in between. At the root and occasionally below it; default on.
     pub rounding: bool,
-    /// Rolling out: the inputs of a relaxed point are fixed one after the other, and states and modes
-    /// follow by propagation. At the root and now and then below it, where there is an objective;
-    /// default on.
+    /// Roll-out: fixes the inputs of a relaxed point one after the other; states and modes follow
+    /// by propagation. At the root and occasionally below it, if there is an objective; default on.
     pub roll_out: bool,
-    /// Diving: some integers are fixed, the relaxation is solved again, and so on down to a point.
-    /// A budget of iterations grows with its success; default on.
+    /// Diving: fixes some integers, solves the relaxation again, and repeats until there is a
+    /// point. Its budget of iterations grows with its success; default on.
     pub diving: bool,
-    /// Relaxation-induced neighbourhood search: integers on which the best point and a relaxed
-    /// point agree are fixed, and what is left is searched for a better point, with few nodes;
-    /// default on.
+    /// Relaxation-induced neighbourhood search: fixes integers on which the best point and a
+    /// relaxed point agree, and searches the rest for a better point with few nodes; default on.
     pub neighbourhood: bool,
     /// Local branching: a small search among the points that differ from the best one in few
     /// binaries; default off.
     pub local_branching: bool,
-    /// The feasibility pump: rounding and projection in turn, where the root of a program with an
-    /// objective has led to no point; default on.
+    /// The feasibility pump: alternates rounding and projection, if there is an objective and the
+    /// root led to no point; default on.
     pub pump: bool,
 }
 
@@ -81,7 +79,7 @@ impl Heuristics {
         }
     }
 
-    /// Those that a search inside a search may use.
+    /// The heuristics of a nested search.
     pub(crate) const fn nested(self) -> Self {
         let Heuristics { rounding, roll_out, diving, .. } = self;
         Heuristics { rounding, roll_out, diving, ..Heuristics::none() }

@@ -11,14 +11,14 @@ use crate::solution::Solution;
 /// Lines between two headings.
 const PAGE: u64 = 25;
 
-/// Least time between two lines that report nothing new.
+/// Shortest time between two lines that report nothing new.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// A progress callback that writes a line for the root, for every new best point and about every
-/// second between them.
+/// A progress callback that writes a line for the root, for every new best point, and about once a
+/// second.
 ///
 /// The columns are: nodes processed, nodes open, largest depth, best objective, bound, relative gap
-/// in percent, and seconds. A line for a new best point begins with the mark of what found it, see
+/// in percent, and seconds. A line for a new best point begins with the mark of its heuristic, see
 /// [`Heuristic::mark`](crate::solution::Heuristic::mark).
 ///
 /// ```
@@ -46,13 +46,13 @@ pub struct Log<W: Write> {
 }
 
 impl<W: Write> Log<W> {
-    /// A log that writes here.
+    /// A log that writes to `writer`.
     pub fn new(writer: W) -> Self {
         Log { writer, lines: 0, last: None, failed: None }
     }
 
-    /// Writes the line of an event. When writing fails, nothing more is written and
-    /// [`into_inner`](Self::into_inner) says so.
+    /// Writes the line of an event. After an error of the writer nothing more is written, and
+    /// [`into_inner`](Self::into_inner) returns the error.
     pub fn record(&mut self, event: &Event) {
         let progress = event.progress();
         let mark = match event {
@@ -81,7 +81,7 @@ impl<W: Write> Log<W> {
         ));
     }
 
-    /// Writes the outcome, with what the time was spent on and what found points.
+    /// Writes a summary: the outcome, the times by activity and the points by heuristic.
     pub fn finish(&mut self, solution: &Solution) {
         let statistics = solution.statistics();
         let objective = solution.objective().map_or("-".to_owned(), number);
@@ -134,7 +134,7 @@ impl<W: Write> Log<W> {
     ///
     /// # Errors
     ///
-    /// The first error of the writer, after which nothing more was written.
+    /// The first error of the writer.
     pub fn into_inner(self) -> io::Result<W> {
         self.failed.map_or(Ok(self.writer), Err)
     }
@@ -152,7 +152,7 @@ impl<W: Write> fmt::Debug for Log<W> {
     }
 }
 
-/// Ten significant digits, as short as that can be said.
+/// Ten significant digits, without trailing zeros.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
     let plain = format!("{}", rounded + 0.0);

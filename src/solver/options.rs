@@ -58,19 +58,18 @@ pub struct Options {
     pub time_limit: Option<Duration>,
     /// Limit on nodes; default none.
     pub node_limit: Option<u64>,
-    /// Limit on the bytes of the tree; default none. What counts is what grows with the search:
-    /// open nodes, the changes of bounds that they share, kept leaves, and the best points. The model,
-    /// its matrices and the factors of relaxations have a size of their own and do not count. From
-    /// half of the limit on, the search (but the deterministic one) goes into the depth to leave few
-    /// nodes open.
+    /// Limit on the bytes of the tree; default none. It covers what grows with the search: open
+    /// nodes, the bound changes that they share, kept leaves, and the best points. It does not
+    /// cover the model, its matrices and the factors of relaxations. From half of the limit on, the
+    /// search (except in deterministic mode) goes depth-first to keep few nodes open.
     pub memory_limit: Option<u64>,
-    /// Threads of the tree search (`1..=256`); default 1. With one thread a solve is
-    /// deterministic, unless a time limit or an interrupt ends it. Helpers start only when there
-    /// are nodes for them. Backends that have no threads, and targets without them, use one.
+    /// Threads of the tree search (`1..=256`); default 1. With one thread a solve is deterministic,
+    /// unless a time limit or an interrupt ends it. Helpers start only if there are nodes for them.
+    /// Backends and targets without threads use one.
     pub threads: usize,
-    /// Search in rounds, so that nodes, counts and answer are the same for any number of threads
-    /// (unless a time limit or an interrupt ends the search); default off: threads exchange what
-    /// they find at once. More than 8 threads are of no use to rounds.
+    /// Whether to search in rounds, so that nodes, counts and answer are the same for any number of
+    /// threads, unless a time limit or an interrupt ends the search. Default off: threads exchange
+    /// results at once. Rounds use at most 8 threads.
     pub deterministic: bool,
     /// How many points with distinct values of the integers to keep in
     /// [`Solution::pool`](crate::solution::Solution::pool) (`1..=100_000`); default 1.
@@ -78,33 +77,34 @@ pub struct Options {
     /// Which points those are; default [`PoolMode::Found`].
     pub pool_mode: PoolMode,
     /// How much worse than the best point a point of the pool may be, relative to the magnitude of
-    /// the best objective (no unit, `>= 0`); default none: any point.
+    /// the best objective (no unit, `>= 0`). Default none, which allows any point.
     pub pool_gap: Option<f64>,
-    /// Keep the ends of the tree in [`Solution::leaves`](crate::solution::Solution::leaves), for a
+    /// Whether to keep the leaves of the tree in
+    /// [`Solution::leaves`](crate::solution::Solution::leaves), for a
     /// [`TreeSeed`](crate::solver::TreeSeed); default off.
     pub keep_leaves: bool,
-    /// Which column a node is split on; default [`BranchingRule::Automatic`].
+    /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
-    /// Whether interchangeable columns are asked for falling values; default off. It is left out where
-    /// a pool or leaves are kept, or points come from a seed or from guidance.
+    /// Whether interchangeable columns must have non-increasing values; default off. Not used if a
+    /// pool or leaves are kept, or if points come from a seed or from guidance.
     pub symmetry: bool,
-    /// Whether the search learns from nodes and trials that propagation refutes: which bounds of
-    /// integers cannot hold together; default off. Each thread learns for itself.
+    /// Whether the search learns no-goods over bounds of integers from nodes and trials that
+    /// propagation refutes; default off. Each thread learns separately.
     pub conflicts: bool,
-    /// Whether the program is presolved before the search; default on. It is left out where a pool or
-    /// leaves are kept, the leaves of a seed are given, or splits come from guidance: these speak of
-    /// the columns as they are. Guesses, proposed points and priorities go through it.
+    /// Whether the program is presolved before the search; default on. Not used if a pool or leaves
+    /// are kept, if a seed has leaves, or if guidance has a branching rule, because these refer to
+    /// the original columns. Guesses, proposed points and priorities are mapped through it.
     pub presolve: bool,
-    /// Whether binaries are tried at both values by propagation alone, at the root and at the nodes, so
-    /// that values that cannot be are left out before a relaxation is solved; default on.
+    /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
+    /// the nodes, to exclude values before a relaxation is solved; default on.
     pub probing: bool,
     /// Whether parts of the program without a common row are searched one after the other; default
-    /// on. Left out where presolve is, and where there is a seed or guidance.
+    /// on. Not used without presolve, or with a seed or guidance.
     pub blocks: bool,
-    /// Whether cuts are added to the root relaxation where they lift its bound; default on. Left out
-    /// where presolve is.
+    /// Whether cuts are added to the root relaxation if they improve its bound; default on. Not
+    /// used without presolve.
     pub cuts: bool,
-    /// Which heuristics may look for points; default [`Heuristics::default`].
+    /// The primal heuristics; default [`Heuristics::default`].
     pub heuristics: Heuristics,
 }
 
@@ -113,11 +113,11 @@ pub struct Options {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PoolMode {
-    /// The best ones that the search for the optimum met; nothing is searched for their sake.
+    /// The best points that the search for the optimum finds, without further search.
     #[default]
     Found,
-    /// The best ones there are: the search goes on until no other assignment of the integers is
-    /// better than the last of the pool by more than the gap.
+    /// The best points of the model: the search continues until no other assignment of the integers
+    /// is better than the worst point of the pool by more than the gap.
     Best,
 }
 
@@ -150,8 +150,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// A good point soon: a gap of a tenth of a percent, every heuristic, and a thread for every
-    /// processor.
+    /// A good point soon: a relative gap of 0.1 %, every heuristic, and one thread per processor.
     pub fn fast() -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(256);
         Options { relative_gap: 1e-3, threads, heuristics: Heuristics::all(), ..Options::default() }
@@ -162,14 +161,13 @@ impl Options {
         Options::default()
     }
 
-    /// A closer proof that can be repeated: a gap of 1e-7, and the same search on any number of
-    /// threads. Bounds are recomputed from relaxations that are known to about 1e-8, so much smaller
-    /// gaps cannot be proved.
+    /// A tighter, reproducible proof: a relative gap of 1e-7, and the same search on any number of
+    /// threads. Relaxations are accurate to about 1e-8, so much smaller gaps cannot be proved.
     pub fn proof() -> Self {
         Options { relative_gap: 1e-7, deterministic: true, ..Options::default() }
     }
 
-    /// The options of a search inside a search: one thread, one point, nothing kept.
+    /// The options of a nested search: one thread, one point, no leaves.
     pub(crate) fn nested(&self) -> Self {
         Options {
             threads: 1,
@@ -226,14 +224,14 @@ impl Options {
         self
     }
 
-    /// Searches in rounds, the same for any number of threads, or not.
+    /// Sets whether to search in rounds, the same for any number of threads.
     #[must_use]
     pub fn with_deterministic(mut self, deterministic: bool) -> Self {
         self.deterministic = deterministic;
         self
     }
 
-    /// Keeps so many points, of the given kind.
+    /// Sets how many points to keep, and which.
     #[must_use]
     pub fn with_pool(mut self, points: usize, mode: PoolMode) -> Self {
         (self.pool, self.pool_mode) = (points, mode);
@@ -247,7 +245,7 @@ impl Options {
         self
     }
 
-    /// Keeps the ends of the tree.
+    /// Sets whether the leaves of the tree are kept.
     #[must_use]
     pub fn with_leaves(mut self, keep: bool) -> Self {
         self.keep_leaves = keep;
@@ -261,14 +259,14 @@ impl Options {
         self
     }
 
-    /// Orders interchangeable columns, or not.
+    /// Sets whether interchangeable columns are ordered.
     #[must_use]
     pub fn with_symmetry(mut self, symmetry: bool) -> Self {
         self.symmetry = symmetry;
         self
     }
 
-    /// Learns from conflicts, or not.
+    /// Sets whether the search learns from conflicts.
     #[must_use]
     pub fn with_conflicts(mut self, conflicts: bool) -> Self {
         self.conflicts = conflicts;
@@ -282,7 +280,7 @@ impl Options {
         self
     }
 
-    /// Sets whether binaries are tried at both values by propagation.
+    /// Sets whether binaries are probed.
     #[must_use]
     pub fn with_probing(mut self, probing: bool) -> Self {
         self.probing = probing;
@@ -303,7 +301,7 @@ impl Options {
         self
     }
 
-    /// Sets which heuristics may look for points.
+    /// Sets the primal heuristics.
     #[must_use]
     pub fn with_heuristics(mut self, heuristics: Heuristics) -> Self {
         self.heuristics = heuristics;

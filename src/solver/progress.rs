@@ -1,4 +1,4 @@
-//! What a solve reports while it runs.
+//! Progress events of a solve.
 
 use web_time::Duration;
 
@@ -12,12 +12,12 @@ pub enum Event {
     Root(Progress),
     /// A better point was found and verified.
     Incumbent(Progress),
-    /// A regular sign of life, a few times a second.
+    /// Regular progress, a few times a second.
     Progress(Progress),
 }
 
 impl Event {
-    /// The figures of any event.
+    /// The progress of any event.
     pub fn progress(&self) -> &Progress {
         match self {
             Event::Root(p) | Event::Incumbent(p) | Event::Progress(p) => p,
@@ -25,7 +25,7 @@ impl Event {
     }
 }
 
-/// The figures of a search at one moment.
+/// The state of a search at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
@@ -43,7 +43,7 @@ pub struct Progress {
     pub elapsed: Duration,
     /// Largest depth of a node so far, in decisions.
     pub depth: u64,
-    /// What found the best point so far, where that is known.
+    /// What found the best point so far, if that is known.
     pub found_by: Option<Heuristic>,
 }
 
@@ -77,13 +77,14 @@ impl Progress {
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Incumbent<'a> {
-    /// The point: values by handle. It has passed the model's own verification.
+    /// The point: values by handle. It has passed the verification against the model.
     pub point: &'a Point,
     /// Its objective, in the model's own sense.
     pub objective: f64,
     /// What found it.
     pub found_by: Heuristic,
-    /// The figures of the search when it was reported, which may be later than when it was found.
+    /// The state of the search when the point was reported, which may be later than when it was
+    /// found.
     pub progress: Progress,
 }
 

@@ -1,20 +1,20 @@
-//! Rules of the search that can be chosen.
+//! Branching rules.
 
-/// Which column a node is split on, where the user's own rule
-/// ([`Branching`](super::Branching)) has no opinion.
+/// How a node is split, if the user's own rule ([`Branching`](super::Branching)) does not decide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BranchingRule {
-    /// Pseudocosts where there is an objective, event windows where there is none.
+    /// Pseudocosts if there is an objective, otherwise event windows.
     #[default]
     Automatic,
-    /// By the growth of the bound that is expected of both children, initialised by trying them.
+    /// By the expected bounds of both children (pseudocosts), initialised by strong branching.
     Pseudocosts,
-    /// The latest step first: that of the variable's name, or its position where names have none.
+    /// The latest step first: the step in the variable's name, or its position if names have no
+    /// steps.
     LatestFirst,
-    /// "No event in these steps", or at least one: binaries that the rows link into a chain are
-    /// events of a horizon, and windows of it are halved. Pseudocosts or the latest step first
-    /// where there is no chain, and where no window is open.
+    /// Event windows: "no event in these steps", or at least one. Binaries that the rows link into
+    /// a chain are the events of a horizon, and windows of it are halved. If there is no chain or
+    /// no open window, pseudocosts or the latest step.
     EventWindows,
 }

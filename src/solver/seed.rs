@@ -1,17 +1,17 @@
-//! What an earlier solve can hand over to the next.
+//! Warm starts from an earlier solve.
 
 use crate::model::Variable;
 use crate::solution::{LeafBox, Solution};
 
-/// A warm start of the tree: a guess of some integers, and boxes to split the root into.
+/// A warm start: values of some integers (a MIP start), and boxes into which to divide the root.
 ///
-/// Nothing of it is trusted. The guess is fixed, completed and verified like any other point. The
-/// boxes only say where to split: the root is divided along their bounds into parts that cover it
-/// whatever the boxes are, and every part is relaxed again; the boxes' bounds decide the order only.
-/// So a seed changes no status and no optimum, only the way there.
+/// None of it is trusted. The guess is fixed, completed and verified like any other point. The root
+/// is divided along the bounds of the boxes into parts that always cover it, and every part is
+/// relaxed again; the bounds of the boxes only decide the order. So a seed never changes the status
+/// or the optimum, only the search.
 ///
-/// A controller with a receding horizon solves nearly the same program again and again. It shifts
-/// what the last solve left by one step:
+/// A controller with a receding horizon repeatedly solves nearly the same program. It shifts the
+/// result of the previous solve by one step:
 ///
 /// ```
 /// use carom::prelude::*;
@@ -51,10 +51,10 @@ use crate::solution::{LeafBox, Solution};
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TreeSeed {
-    /// Values of some integer variables, the surest first: where all of them lead to no point, the
-    /// first half is tried, and then the first quarter.
+    /// Values of some integer variables, the most certain first. If all of them together lead to no
+    /// point, the first half is tried, and then the first quarter.
     pub guess: Vec<(Variable, f64)>,
-    /// Boxes to split the root into; they need not cover it.
+    /// Boxes into which to divide the root; they need not cover it.
     pub leaves: Vec<LeafBox>,
 }
 
@@ -64,8 +64,8 @@ impl TreeSeed {
         TreeSeed::default()
     }
 
-    /// What a solution has: the values of the given integer variables at its point, if there is one,
-    /// and its leaves, if they were kept.
+    /// A seed from a solution: the values of the given integer variables at its point, if there is
+    /// one, and its leaves, if they were kept.
     pub fn of(solution: &Solution, integers: impl IntoIterator<Item = Variable>) -> Self {
         let value = |variable| Some((variable, solution.value(variable).ok()?));
         let guess = integers.into_iter().filter_map(value).collect();
@@ -86,8 +86,8 @@ impl TreeSeed {
         self
     }
 
-    /// The seed over other variables: `to` says which one takes the place of a variable, and drops
-    /// what is said about it where it says `None`.
+    /// The seed over other variables: `to` maps each variable to its replacement, or to `None` to
+    /// drop its entries.
     #[must_use]
     pub fn mapped(&self, to: impl Fn(Variable) -> Option<Variable>) -> Self {
         let guess = self.guess.iter().filter_map(|&(v, value)| Some((to(v)?, value))).collect();
