@@ -2,12 +2,12 @@
 
 use std::hint::black_box;
 
+use carom::internals::presolve::{Domain, Reduction, reduce};
+use carom::internals::program::Program;
+use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation, lower_bound};
 use carom::model::{Method, Reformulation, mps};
 use carom::prelude::*;
-use carom::presolve::{Domain, Reduction, reduce};
-use carom::program::Program;
 use carom::reformulate;
-use carom::relaxation::{ClarabelRelaxation, Effort, Relaxation, lower_bound};
 use carom::solver::StopToken;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 

@@ -8,11 +8,11 @@ mod instances;
 use std::hint::black_box;
 
 use carom::collision_tolerant::{Objective, PlanningOptions, Program as Paper, Scenario, compare};
+use carom::internals::presolve::{Domain, Propagator, Reduction, probe, reduce};
+use carom::internals::program::Program;
+use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation};
 use carom::prelude::*;
-use carom::presolve::{Domain, Propagator, Reduction, probe, reduce};
-use carom::program::Program;
 use carom::reformulate;
-use carom::relaxation::{ClarabelRelaxation, Effort, Relaxation};
 use carom::solver::StopToken;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 

@@ -259,14 +259,16 @@ pub mod guide;
 #[cfg(all(feature = "highs", not(target_family = "wasm")))]
 pub mod highs;
 pub mod hybrid;
+#[doc(hidden)]
+pub mod internals;
 pub mod interval;
 pub mod model;
 pub mod prelude;
-pub mod presolve;
-pub mod program;
+mod presolve;
+mod program;
 pub mod reformulate;
-pub mod relaxation;
-pub mod search;
+mod relaxation;
+mod search;
 pub mod solution;
 pub mod solver;
 mod sum;

@@ -54,7 +54,7 @@ pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<P
 
 /// The columns of each covering row, which asks for at least one of its binaries; `sizes` says how many
 /// columns a row may have.
-pub fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<Vec<usize>> {
+pub(crate) fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<Vec<usize>> {
     let is_binary =
         |j: usize| program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
     let cover = |row: usize| {

@@ -28,7 +28,7 @@ const RARELY: u32 = 8;
 
 /// What earlier trials looked at, and what came of them.
 #[derive(Debug, Clone)]
-pub struct ProbingRecord {
+pub(crate) struct ProbingRecord {
     /// By column, the last one of its upper value and of its lower one.
     trials: Vec<[Trial; 2]>,
     /// The same for all columns together: trials, and those that found something.
@@ -49,7 +49,7 @@ struct Trial {
 
 impl ProbingRecord {
     /// Nothing was tried yet; `columns` is the number of columns of the program.
-    pub fn new(columns: usize) -> Self {
+    pub(crate) fn new(columns: usize) -> Self {
         ProbingRecord {
             trials: vec![[Trial::default(); 2]; columns],
             counts: [(0, 0); 2],
@@ -61,12 +61,12 @@ impl ProbingRecord {
 
     /// The bounds that the last visit found by its trials, in their order: the column, whether it is
     /// the upper bound, and its value. Propagation finds the rest again.
-    pub fn found(&self) -> &[(usize, bool, f64)] {
+    pub(crate) fn found(&self) -> &[(usize, bool, f64)] {
         &self.found
     }
 
     /// Trials of the last visit.
-    pub fn tried(&self) -> usize {
+    pub(crate) fn tried(&self) -> usize {
         self.tried
     }
 
@@ -88,7 +88,7 @@ impl ProbingRecord {
 
 /// How much is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Trials {
+pub(crate) struct Trials {
     /// The most trials.
     pub most: usize,
     /// The most of them in a row that find nothing.
@@ -123,7 +123,7 @@ pub fn probe(
 /// # Errors
 ///
 /// The [`Conflict`] that proves the domain empty.
-pub fn probe_again(
+pub(crate) fn probe_again(
     program: &Program,
     domain: &mut Domain,
     propagator: &mut Propagator,

@@ -119,7 +119,7 @@ pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
 
 /// Reduces one node after the other, in the same memory.
 #[derive(Debug, Clone, Default)]
-pub struct Reducer {
+pub(crate) struct Reducer {
     lower: Vec<f64>,
     upper: Vec<f64>,
     fixed: Vec<bool>,
@@ -138,7 +138,7 @@ struct Contradiction;
 
 impl Reducer {
     /// As [`reduce`](reduce()).
-    pub fn reduce(&mut self, program: &Program, domain: &Domain) -> Reduction {
+    pub(crate) fn reduce(&mut self, program: &Program, domain: &Domain) -> Reduction {
         match self.start(program, domain).and_then(|()| self.build(program)) {
             Ok(reduced) => Reduction::Reduced(Box::new(reduced)),
             Err(Contradiction) => Reduction::Infeasible,

@@ -16,7 +16,8 @@ mod polish;
 pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
 pub use interior::InteriorPoint;
-pub use polish::{polish, polish_leaf};
+pub use polish::polish;
+pub(crate) use polish::polish_leaf;
 
 use crate::presolve::Reduced;
 use crate::solver::StopToken;

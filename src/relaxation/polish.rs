@@ -59,7 +59,7 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
 ///
 /// A reduced program leaves out what it takes for fixed or implied. In a row of large coefficients
 /// such columns may be off by more than the row may be missed; here every column moves.
-pub fn polish_leaf(program: &Program, point: &mut [f64], token: &StopToken) {
+pub(crate) fn polish_leaf(program: &Program, point: &mut [f64], token: &StopToken) {
     let columns: Vec<usize> =
         (0..program.column_count()).filter(|&j| !program.integral[j]).collect();
     let mut position = vec![usize::MAX; program.column_count()];

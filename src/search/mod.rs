@@ -57,7 +57,7 @@ mod clock;
 mod close_node;
 mod column_guidance;
 mod context;
-pub mod cuts;
+pub(crate) mod cuts;
 mod driver;
 mod event_windows;
 mod focus_node;
@@ -90,6 +90,7 @@ mod worker;
 
 pub use column_guidance::ColumnGuidance;
 pub use driver::search;
-pub use found::{ClosedNode, Found};
-pub use seed::{GuessEnd, Seed, SeedBox, Seeded};
+pub(crate) use found::ClosedNode;
+pub use found::Found;
+pub(crate) use seed::{GuessEnd, Seed, SeedBox};
 pub use task::{Accept, Task};

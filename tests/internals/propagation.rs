@@ -8,12 +8,14 @@
 //! the crate rounds it.
 
 use crate::common::config;
-use carom::prelude::*;
-use carom::presolve::{Compressed, Domain, Propagator, Reduced, Reduction, probe, reduce};
-use carom::program::Program;
-use carom::relaxation::{
+use carom::internals::presolve::{
+    Compressed, Domain, Propagator, Reduced, Reduction, probe, reduce,
+};
+use carom::internals::program::Program;
+use carom::internals::relaxation::{
     Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
 };
+use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};

@@ -3,8 +3,8 @@
 //! `lower_bound` and `proves_infeasible` confirm.
 
 use crate::common::config;
-use carom::presolve::{Compressed, Reduced};
-use carom::relaxation::{
+use carom::internals::presolve::{Compressed, Reduced};
+use carom::internals::relaxation::{
     Answer, Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, lower_bound,
     proves_infeasible,
 };

@@ -5,13 +5,13 @@
 //! coefficients keep every whole point, and a projection keeps every point of the relaxation.
 
 use crate::common::config;
-use carom::prelude::*;
-use carom::presolve::{
+use carom::internals::presolve::{
     Domain, Reduced, Reduction, project, reduce, tighten_big_ms, tighten_by_disjunctions,
     tighten_coefficients,
 };
-use carom::program::Program;
-use carom::relaxation::reduced_costs;
+use carom::internals::program::Program;
+use carom::internals::relaxation::reduced_costs;
+use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 

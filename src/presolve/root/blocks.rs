@@ -9,7 +9,7 @@ use crate::program::Program;
 
 /// A part of a program, with an offset of 0.
 #[derive(Debug, Clone)]
-pub struct Block {
+pub(crate) struct Block {
     /// The program's column of each of its columns.
     pub columns: Vec<usize>,
     /// Its rows and its share of the objective.
@@ -18,7 +18,7 @@ pub struct Block {
 
 impl Block {
     /// Writes values of the block's columns into a point of the program.
-    pub fn scatter(&self, values: &[f64], point: &mut [f64]) {
+    pub(crate) fn scatter(&self, values: &[f64], point: &mut [f64]) {
         self.columns.iter().zip(values).for_each(|(&j, &value)| point[j] = value);
     }
 }
@@ -41,7 +41,7 @@ impl Block {
 /// assert_eq!(blocks[1].columns, [a.index(), c.index()]);
 /// # Ok::<(), carom::Error>(())
 /// ```
-pub fn blocks(program: &Program) -> Vec<Block> {
+pub(crate) fn blocks(program: &Program) -> Vec<Block> {
     let n = program.column_count();
     let mut parts = Parts { parent: (0..n).collect() };
     for row in 0..program.row_count() {

@@ -36,8 +36,9 @@ mod slack_columns;
 mod substitute;
 mod work;
 
-pub use blocks::{Block, blocks};
-pub use postsolve::{Postsolve, Presolved, Restored};
+pub(crate) use blocks::{Block, blocks};
+pub(crate) use postsolve::Postsolve;
+pub use postsolve::Presolved;
 
 use crate::error::Error;
 use crate::program::Program;

@@ -51,7 +51,7 @@ const BINDING: f64 = 1e-6;
 ///
 /// * `token`: ends the rounds.
 /// * `statistics`: relaxations and iterations are added to it.
-pub fn strengthen(
+pub(crate) fn strengthen(
     program: &Program,
     token: &StopToken,
     statistics: &mut Statistics,

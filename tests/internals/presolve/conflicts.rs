@@ -4,9 +4,9 @@
 //! A random walk of decisions, undone to where they came from or not, with probing, cutoffs that
 //! fall and a table of implications, learns no-goods; every one is tried on every point.
 
+use carom::internals::presolve::{Domain, Literal, Propagator, probe, probe_implications};
+use carom::internals::program::Program;
 use carom::prelude::*;
-use carom::presolve::{Domain, Literal, Propagator, probe, probe_implications};
-use carom::program::Program;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 

@@ -4,10 +4,10 @@
 //! point that satisfies the rows may violate a cut, wherever the relaxed point is taken to be; and
 //! a program with cuts has the optimum that it had without.
 
+use carom::internals::presolve::{Domain, Propagator, probe_implications};
+use carom::internals::program::Program;
+use carom::internals::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
 use carom::prelude::*;
-use carom::presolve::{Domain, Propagator, probe_implications};
-use carom::program::Program;
-use carom::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
 use carom::solver::StopToken;
 use proptest::prelude::*;
 

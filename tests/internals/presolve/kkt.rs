@@ -4,11 +4,11 @@
 //! pair of point and multipliers that comes out is restored, and its residuals on the original
 //! program are computed here from the matrices alone.
 
+use carom::internals::presolve::Reduced;
+use carom::internals::presolve::root::{Presolve, Presolved, Rule, presolve};
+use carom::internals::program::Program;
+use carom::internals::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
 use carom::prelude::*;
-use carom::presolve::Reduced;
-use carom::presolve::root::{Presolve, Presolved, Rule, presolve};
-use carom::program::Program;
-use carom::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
 use carom::solver::StopToken;
 use proptest::prelude::*;
 

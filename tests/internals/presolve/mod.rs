@@ -7,9 +7,9 @@ mod kkt;
 mod programs;
 mod rules;
 
+use carom::internals::program::Program;
+use carom::internals::search::{Accept, ColumnGuidance, Found, Task, search};
 use carom::model::Model;
-use carom::program::Program;
-use carom::search::{Accept, ColumnGuidance, Found, Task, search};
 use carom::solver::{Control, Guidance, Options, StopToken};
 
 /// Searches a program that no model is told about.

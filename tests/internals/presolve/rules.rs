@@ -1,8 +1,8 @@
 //! Each rule alone, and all of them: the optimum by enumeration, and its point by the way back.
 
+use carom::internals::presolve::root::{Presolve, Rule, presolve};
+use carom::internals::program::Program;
 use carom::prelude::*;
-use carom::presolve::root::{Presolve, Rule, presolve};
-use carom::program::Program;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 

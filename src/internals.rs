@@ -1,0 +1,33 @@
+//! What the tests and benches of this crate use of the solving tower. No part of the public
+//! interface: it may change in any release.
+
+pub mod presolve {
+    pub use crate::presolve::{
+        Compressed, Domain, Implications, Literal, Propagator, Reduced, Reduction, probe,
+        probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
+        tighten_coefficients,
+    };
+
+    pub mod root {
+        pub use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
+    }
+}
+
+pub mod program {
+    pub use crate::program::Program;
+}
+
+pub mod relaxation {
+    pub use crate::relaxation::{
+        Answer, Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, lower_bound, polish,
+        proves_infeasible, reduced_costs,
+    };
+}
+
+pub mod search {
+    pub use crate::search::{Accept, ColumnGuidance, Found, Task, search};
+
+    pub mod cuts {
+        pub use crate::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
+    }
+}
