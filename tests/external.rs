@@ -6,11 +6,15 @@
 
 mod common;
 
+use std::error::Error as _;
 use std::os::unix::fs::PermissionsExt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use carom::ErrorKind;
 use carom::conformance::{Capability, Suite};
 use carom::external::{Answer, Cbc, Claim, Dialect, ExternalSolver, Files, Glpk, Highs, Scip};
 use carom::prelude::*;
@@ -215,6 +219,94 @@ fn the_file_is_a_minimisation_with_plain_names() {
     let words: Vec<&str> = text.split_whitespace().collect();
     let text = words.join(" ");
     assert!(text.contains("N obj; L r0;COLUMNS; c0 obj -1; c0 r0 2;RHS; RHS r0 3;"), "{text}");
+}
+
+// -- folders and the operating system ------------------------------------------------------------
+
+/// Notes the folder that it is given, and panics where its answer is read.
+#[derive(Debug, Clone, Default)]
+struct Panicking {
+    folder: Arc<Mutex<PathBuf>>,
+}
+
+impl Dialect for Panicking {
+    fn program(&self) -> &str {
+        "true"
+    }
+    fn arguments(&self, files: &Files, _: &Options, _: Option<Duration>) -> Vec<String> {
+        *self.folder.lock().unwrap() = files.model.parent().unwrap().to_owned();
+        Vec::new()
+    }
+    fn read(&self, _: Option<&str>, _: &str) -> Result<Answer, String> {
+        let mode = self.folder.lock().unwrap().metadata().unwrap().permissions().mode();
+        panic!("mode {:o}", mode & 0o777)
+    }
+}
+
+#[test]
+fn folders_are_private_and_go_even_when_reading_panics() {
+    let (model, _) = gate();
+    let mut seen = Vec::new();
+    for _ in 0..2 {
+        let dialect = Panicking::default();
+        let mut solver = ExternalSolver::new(dialect.clone());
+        let solved = catch_unwind(AssertUnwindSafe(|| solver.solve(&model)));
+        let panic = solved.expect_err("it panics");
+        assert_eq!(panic.downcast_ref::<String>().unwrap(), "mode 700");
+        let folder = dialect.folder.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        assert!(!folder.exists(), "{} is still there", folder.display());
+        seen.push(folder);
+    }
+    assert_ne!(seen[0], seen[1]);
+}
+
+/// The error of the operating system at the end of a chain of sources.
+fn system_error(error: &Error) -> &std::io::Error {
+    assert!(matches!(error.kind(), ErrorKind::Io { .. }), "{error}");
+    error.source().and_then(|source| source.downcast_ref()).expect("an io error")
+}
+
+#[test]
+fn a_missing_program_keeps_the_error_of_the_system() {
+    let (model, _) = gate();
+    let error = ExternalSolver::cbc().with_program("no-such-solver").solve(&model).unwrap_err();
+    assert_eq!(system_error(&error).kind(), std::io::ErrorKind::NotFound);
+    let whole = format!("{error:#}");
+    assert!(whole.starts_with(&format!("{error}: ")) && whole.len() > error.to_string().len());
+    assert_eq!(format!("{error:?}"), whole);
+    assert_eq!(error, error.clone());
+}
+
+#[test]
+fn an_answer_that_cannot_be_read_keeps_the_error_of_the_system() {
+    let (model, _) = gate();
+    let error = Pretended::new("folder", "mkdir $out").solver().solve(&model).unwrap_err();
+    assert!(error.to_string().starts_with("cannot read the answer of `"), "{error}");
+    assert_eq!(system_error(&error).kind(), std::io::ErrorKind::IsADirectory);
+}
+
+/// No folder can be made where the folder for temporary files is a file. The test calls itself,
+/// because the variable of the environment belongs to the whole process.
+#[test]
+fn a_folder_that_cannot_be_made_keeps_the_error_of_the_system() {
+    const NAME: &str = "a_folder_that_cannot_be_made_keeps_the_error_of_the_system";
+    if std::env::var_os("CAROM_NO_FOLDER").is_none() {
+        let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("no_folder");
+        std::fs::write(&file, "").unwrap();
+        let mut itself = Command::new(std::env::current_exe().unwrap());
+        itself.args(["--exact", NAME]).env("CAROM_NO_FOLDER", "1").env("TMPDIR", &file);
+        let output = itself.output().unwrap();
+        let printed = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && printed.contains("1 passed"), "{printed}");
+        return;
+    }
+    let (model, _) = gate();
+    let error = ExternalSolver::cbc().solve(&model).unwrap_err();
+    assert!(
+        error.to_string().starts_with("no temporary folder can be made for `cbc`; "),
+        "{error}"
+    );
+    assert_eq!(system_error(&error).kind(), std::io::ErrorKind::NotADirectory);
 }
 
 // -- real programs ------------------------------------------------------------------------------

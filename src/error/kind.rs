@@ -251,6 +251,8 @@ pub enum ErrorKind {
         expected: String,
     },
     /// A model file that cannot be read.
+    ///
+    /// Where a number is damaged, the source is a [`std::num::ParseFloatError`].
     #[error("line {line}, column {column}: {message}")]
     Parse {
         /// Line, from 1.

@@ -2,11 +2,11 @@
 
 use std::fs::{self, File};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
+use tempfile::TempDir;
 use web_time::{Duration, Instant};
 
 use super::dialect::{Answer, Claim, Dialect, Files};
@@ -38,9 +38,13 @@ impl Run<'_> {
         if let Some(reason) = self.token.ended() {
             return Ok((Answer::new(Claim::Unknown), Some(reason)));
         }
-        let folder = Folder::fresh()
+        let folder = private_folder()
             .map_err(|e| self.refused("no temporary folder can be made for", FOLDER, e))?;
-        let files = folder.files();
+        let files = Files {
+            model: folder.path().join("model.mps"),
+            solution: folder.path().join("solution.txt"),
+            settings: folder.path().join("settings.txt"),
+        };
         let written = |path: &Path, text: &str| {
             fs::write(path, text)
                 .map_err(|e| self.refused("files cannot be written for", FOLDER, e))
@@ -49,13 +53,13 @@ impl Run<'_> {
         if let Some(settings) = self.dialect.settings(self.options, time_left) {
             written(&files.settings, &settings)?;
         }
-        let log = folder.path.join("printed");
+        let log = folder.path().join("printed");
         let output = File::create(&log).and_then(|file| Ok((file.try_clone()?, file)));
         let (output, errors) =
             output.map_err(|e| self.refused("files cannot be written for", FOLDER, e))?;
         let child = Command::new(self.program)
             .args(self.dialect.arguments(&files, self.options, time_left))
-            .current_dir(&folder.path)
+            .current_dir(folder.path())
             .stdin(Stdio::null())
             .stdout(output)
             .stderr(errors)
@@ -117,37 +121,11 @@ impl Run<'_> {
     }
 }
 
-/// A folder that is removed when it is no longer needed.
-struct Folder {
-    path: PathBuf,
-}
-
-impl Folder {
-    fn fresh() -> io::Result<Self> {
-        static COUNTER: AtomicU64 = AtomicU64::new(0);
-        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let name = format!("carom-{}-{number}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        // What another process of the same number has left behind.
-        if path.exists() {
-            fs::remove_dir_all(&path)?;
-        }
-        fs::create_dir_all(&path)?;
-        Ok(Folder { path })
-    }
-
-    fn files(&self) -> Files {
-        Files {
-            model: self.path.join("model.mps"),
-            solution: self.path.join("solution.txt"),
-            settings: self.path.join("settings.txt"),
-        }
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // Nothing can be done where the system refuses.
-        let _ = fs::remove_dir_all(&self.path);
-    }
+/// A folder that nobody else can read, under a random name, removed when it is dropped.
+fn private_folder() -> io::Result<TempDir> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix("carom-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+    builder.tempdir()
 }

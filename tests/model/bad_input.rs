@@ -1,9 +1,12 @@
 //! Misuse: every error with its text, and nothing changed by it.
 
+use std::error::Error as _;
 use std::time::Duration;
 
 use carom::ErrorKind;
-use carom::model::BigM;
+use carom::collision_tolerant::{Endpoint, Scenario, ScenarioError};
+use carom::hybrid::{Contact, ReplayError, Restitution, Samples, Wall, replay_discrete};
+use carom::model::{BigM, mps};
 use carom::prelude::*;
 use carom::reformulate;
 
@@ -376,4 +379,59 @@ fn bounds_beyond_the_range_are_infeasible() {
         model.add("if", z.on().implies((far + x).within(-1.0, 1.0))).unwrap();
         assert!(BranchAndBound::default().solve(&model).unwrap().is_infeasible());
     }
+}
+
+// -- kinds and sources ------------------------------------------------------------------------
+
+/// What a program that plans and solves returns from its `main`.
+fn plans(scenario: &Scenario) -> Result<(), Error> {
+    scenario.check()?;
+    let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.5)?);
+    let plan = Samples {
+        time_step: 1.0,
+        position: &[1.0, -1.0],
+        velocity: &[-2.0, -2.0],
+        acceleration: &[0.0],
+        contact: &[false],
+    };
+    replay_discrete(&floor, &plan)?.check(&plan, 1e-6)?;
+    Ok(())
+}
+
+#[test]
+fn errors_of_planners_are_the_sources_of_errors() {
+    let scenario = Scenario::paper();
+    let inside = plans(&scenario.with_start(Endpoint::at_rest(-0.5))).unwrap_err();
+    assert_eq!(inside.kind(), &ErrorKind::Other);
+    let source = inside.source().unwrap();
+    assert_eq!(source.to_string(), inside.to_string());
+    assert!(source.source().is_none());
+    let source = source.downcast_ref::<ScenarioError>().unwrap();
+    assert!(
+        matches!(source, ScenarioError::InsideWall { end: "start", position: -0.5, .. }),
+        "{source:?}"
+    );
+    // No text twice.
+    assert_eq!(format!("{inside:#}"), inside.to_string());
+
+    let replay = plans(&scenario).unwrap_err();
+    let source = replay.source().and_then(|source| source.downcast_ref());
+    assert_eq!(source, Some(&ReplayError::Contact { step: 0 }));
+}
+
+#[test]
+fn numbers_in_files_keep_the_error_of_reading_them() {
+    let text = "NAME m\nROWS\n N cost\nCOLUMNS\n x cost 1.2.3\nENDATA\n";
+    let error = mps::read(text).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::Parse { line: 5, column: 9, .. }), "{error}");
+    assert_eq!(error.to_string(), "line 5, column 9: `1.2.3` is not a number");
+    assert!(error.source().unwrap().is::<std::num::ParseFloatError>());
+    assert_eq!(format!("{error:#}"), format!("{error}: invalid float literal"));
+}
+
+#[test]
+fn errors_are_small_and_go_between_threads() {
+    fn travels<T: Send + Sync + 'static>() {}
+    travels::<Error>();
+    assert_eq!(size_of::<Error>(), size_of::<usize>());
 }

@@ -21,8 +21,12 @@ impl<'a> Token<'a> {
 
     /// An error at this place.
     pub(crate) fn error(&self, message: impl Into<String>) -> Error {
+        self.parse_error(message).into()
+    }
+
+    fn parse_error(&self, message: impl Into<String>) -> ErrorKind {
         let column = self.line_text[..self.start].chars().count() + 1;
-        Error::from(ErrorKind::Parse { line: self.line, column, message: message.into() })
+        ErrorKind::Parse { line: self.line, column, message: message.into() }
     }
 
     /// The line of the token, from 1.
@@ -33,9 +37,11 @@ impl<'a> Token<'a> {
     /// A number, possibly infinite, with an exponent marked by `E` or `D`.
     pub(crate) fn raw(&self) -> Result<f64, Error> {
         let fortran = |_| self.text.replace(['d', 'D'], "e").parse();
+        let not_a_number = || self.parse_error(format!("`{}` is not a number", self.text));
         match self.text.parse::<f64>().or_else(fortran) {
-            Ok(value) if !value.is_nan() => Ok(value),
-            _ => Err(self.error(format!("`{}` is not a number", self.text))),
+            Ok(value) if value.is_nan() => Err(not_a_number().into()),
+            Ok(value) => Ok(value),
+            Err(source) => Err(Error::with_source(not_a_number(), source)),
         }
     }
 
