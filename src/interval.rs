@@ -6,9 +6,9 @@ use crate::error::{Error, ErrorKind};
 
 /// A closed interval `[lower, upper]`, either end possibly infinite.
 ///
-/// Every operation rounds outward by one unit in the last place where it is inexact, so a result
-/// always contains the exact result of the operation on any members of its operands; exact results
-/// stay as they are.
+/// An inexact operation rounds its result outward by one unit in the last place. The result
+/// therefore always contains the exact result for any members of the operands. Exact results are
+/// not widened.
 ///
 /// ```
 /// use carom::interval::Interval;
@@ -37,7 +37,7 @@ impl Interval {
         Interval { lower, upper }
     }
 
-    /// The interval that holds one value only.
+    /// The interval that contains only `value`.
     pub fn point(value: f64) -> Self {
         Interval { lower: value, upper: value }
     }
@@ -57,7 +57,8 @@ impl Interval {
         self.lower.is_finite() && self.upper.is_finite()
     }
 
-    /// Refuses ends that are not finite or crossed, in the name of a variable or limit.
+    /// Returns an error if an end is not finite or the ends are crossed. The error names `name`, a
+    /// variable or a limit.
     pub(crate) fn check(&self, name: &str) -> Result<(), Error> {
         let Interval { lower, upper } = *self;
         for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
@@ -76,23 +77,23 @@ impl Interval {
         self.lower.abs().max(self.upper.abs())
     }
 
-    /// The smallest interval that holds both.
+    /// The smallest interval that contains both.
     pub fn hull(&self, other: Interval) -> Interval {
         Interval { lower: self.lower.min(other.lower), upper: self.upper.max(other.upper) }
     }
 
-    /// The common part; its ends are crossed when there is none.
+    /// The intersection; its ends are crossed if it is empty.
     pub fn intersection(&self, other: Interval) -> Interval {
         Interval { lower: self.lower.max(other.lower), upper: self.upper.min(other.upper) }
     }
 }
 
-/// The next float above a finite `value`; infinities and exact zeros of a difference stay.
+/// The next float above a finite `value`; returns infinities and NaN unchanged.
 fn up(value: f64) -> f64 {
     if value.is_finite() { value.next_up() } else { value }
 }
 
-/// The next float below a finite `value`.
+/// The next float below a finite `value`; returns infinities and NaN unchanged.
 fn down(value: f64) -> f64 {
     if value.is_finite() { value.next_down() } else { value }
 }
@@ -109,13 +110,13 @@ fn is_exact_product(a: f64, b: f64, product: f64) -> bool {
         || product.abs() > 1e-250 && a.mul_add(b, -product) == 0.0
 }
 
-/// `a + b`, rounded down where inexact.
+/// `a + b`, rounded down if inexact.
 pub(crate) fn add_down(a: f64, b: f64) -> f64 {
     let sum = a + b;
     if is_exact_sum(a, b, sum) { sum } else { down(sum) }
 }
 
-/// `a + b`, rounded up where inexact.
+/// `a + b`, rounded up if inexact.
 pub(crate) fn add_up(a: f64, b: f64) -> f64 {
     let sum = a + b;
     if is_exact_sum(a, b, sum) { sum } else { up(sum) }

@@ -1,8 +1,8 @@
-//! Sums of products with the digits that plain sums lose.
+//! Compensated sums of products.
 //!
-//! Terms of an objective may be 1e12 and cancel down to 1. Every rounding of a product and of a sum is
-//! known exactly; adding these up beside the sum makes the result as good as one computed with twice
-//! the digits and rounded once.
+//! Terms of an objective may be as large as 1e12 and cancel down to 1. The rounding error of each
+//! product and each sum is itself a float, so we can add these errors up separately. The result is
+//! as accurate as if it had been computed in twice the precision and rounded once.
 
 /// The rounded sum and its rounding error (Knuth).
 pub(crate) fn exact_sum(a: f64, b: f64) -> (f64, f64) {
@@ -23,7 +23,7 @@ pub(crate) fn exact_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((a * b - product) + a * y + x * b) + x * y)
 }
 
-/// A sum and what rounding has left out of it.
+/// A sum together with its accumulated rounding error.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sum {
     sum: f64,
@@ -56,7 +56,7 @@ impl Sum {
         self.rest += error * c;
     }
 
-    /// The sum. Where anything was infinite or not a number, what a plain sum gives.
+    /// The sum. If a term was infinite or NaN, this is the plain sum.
     pub(crate) fn value(self) -> f64 {
         if self.rest.is_finite() { self.sum + self.rest } else { self.sum }
     }
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cancels_leaves_its_digits() {
+    fn cancellation_loses_no_digits() {
         let mut sum = Sum::new(1e16);
         sum.add(1.0);
         sum.add(-1e16);
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn products_keep_both_halves() {
+    fn products_keep_their_low_digits() {
         let a = 1.0 + f64::EPSILON;
         // (1 + e)^2 - (1 + 2e) is e^2.
         let mut square = Sum::default();
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn infinities_stay_what_they_are() {
+    fn infinities_are_kept() {
         let mut sum = Sum::new(1.0);
         sum.add(f64::INFINITY);
         assert_eq!(sum.value(), f64::INFINITY);

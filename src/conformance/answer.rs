@@ -1,15 +1,15 @@
-//! Programs with their answers.
+//! Programs and their answers.
 
 use crate::error::Error;
 use crate::model::{Affine, Family, Model, Quadratic, Variable, VariableKind};
 
 use super::capability::Capability;
 
-/// What is true of a program.
+/// The answer of a program.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Answer {
-    /// The optimum, in the model's own sense, and the values there where they are unique.
+    /// The optimum, in the model's own sense, and the values of variables that are unique there.
     Optimal(f64, Vec<(Variable, f64)>),
     /// No point satisfies the program.
     Infeasible,
@@ -17,22 +17,22 @@ pub enum Answer {
     Unbounded,
 }
 
-/// A program with its answer.
+/// A program and its answer.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Case {
-    /// What it is about; the model has the same name.
+    /// What it tests; the model has the same name.
     pub name: String,
     /// The program.
     pub model: Model,
-    /// What is true of it.
+    /// Its answer.
     pub answer: Answer,
-    /// What a backend needs for it.
+    /// The capabilities that a backend needs for it.
     pub needs: Vec<Capability>,
 }
 
 impl Case {
-    /// The needs follow from the model and the answer.
+    /// A case whose needs follow from the model and the answer.
     pub(super) fn new(model: Model, answer: Answer) -> Self {
         let mut needs = Vec::new();
         let mut need = |needed: bool, capability| needed.then(|| needs.push(capability));
@@ -41,7 +41,7 @@ impl Case {
         need(kind(VariableKind::Integer), Capability::Integers);
         let quadratic = !model.objective().products().is_empty();
         need(quadratic, Capability::Quadratic);
-        // What is lowered may get binaries.
+        // Lowering may add binaries.
         let integral =
             kind(VariableKind::Integer) || kind(VariableKind::Binary) || model.function_count() > 0;
         need(quadratic && integral, Capability::MixedIntegerQuadratic);

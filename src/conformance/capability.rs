@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Something that not every backend offers. Whatever is not listed here, every backend must do.
+/// A capability that a backend may lack. Every backend must have all that is not listed here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Capability {
@@ -22,13 +22,13 @@ pub enum Capability {
     Disjunctions,
     /// Functions: products, absolute values, extrema.
     Functions,
-    /// Telling that a program is unbounded.
+    /// Detecting that a program is unbounded.
     Unbounded,
     /// Limits on nodes.
     NodeLimit,
     /// Limits on time.
     TimeLimit,
-    /// An interrupt that is heard while the search runs, not only before.
+    /// Reacting to an interrupt while the search runs, not only before.
     InterruptWhileRunning,
     /// Progress events: the root, and every incumbent that is returned.
     Events,
@@ -45,7 +45,7 @@ impl fmt::Display for Capability {
             Capability::Logic => "logic",
             Capability::Disjunctions => "disjunctions",
             Capability::Functions => "functions",
-            Capability::Unbounded => "telling that a program is unbounded",
+            Capability::Unbounded => "detecting that a program is unbounded",
             Capability::NodeLimit => "node limits",
             Capability::TimeLimit => "time limits",
             Capability::InterruptWhileRunning => "interrupts while running",

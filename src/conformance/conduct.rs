@@ -16,7 +16,7 @@ pub(super) fn or_complain<T>(result: Result<T, Error>, complaints: &mut Complain
     result.map_err(|error| complaints.add(format!("an unexpected error: {error}"))).ok()
 }
 
-/// The solver is as good as new.
+/// Checks that the solver can still be used.
 pub(super) fn usable(solver: &mut dyn Solver, interrupt: &Interrupt, complaints: &mut Complaints) {
     let Some(case) = or_complain(linear::knapsack(), complaints) else { return };
     let mut control = Control::default().with_interrupt(interrupt);
@@ -74,7 +74,7 @@ pub(super) fn refused_options(solver: &mut dyn Solver, complaints: &mut Complain
     }
 }
 
-/// A wide gap is a reason to stop, not to lie.
+/// A wide gap allows stopping early, not wrong bounds.
 pub(super) fn gaps(solver: &mut dyn Solver, complaints: &mut Complaints) {
     let Some(case) = or_complain(linear::knapsack(), complaints) else { return };
     let original = solver.options().clone();
@@ -96,7 +96,8 @@ pub(super) fn gaps(solver: &mut dyn Solver, complaints: &mut Complaints) {
     usable(solver, &Interrupt::new(), complaints);
 }
 
-/// A stopped solve has a valid bound and a verified point, if any; a finished one is right.
+/// Checks that a stopped solve has a valid bound, and a verified point if any, and that a finished one
+/// is right.
 fn stopped(
     solver: &dyn Solver,
     case: &Case,
@@ -106,7 +107,7 @@ fn stopped(
 ) {
     let ended = solution.termination();
     if ended == limit {
-        complaints.unless(ended.is_limit(), || "a limit that is none".into());
+        complaints.unless(ended.is_limit(), || "the termination is not a limit".into());
         sound(&case.model, solution, judge::optimum(case), solver.options(), complaints);
     } else {
         judge(solver.options(), case, solution, complaints);
@@ -164,7 +165,7 @@ fn time(solver: &mut dyn Solver, limit: Duration, complaints: &mut Complaints) {
 
 pub(super) fn events(solver: &mut dyn Solver, complaints: &mut Complaints) {
     let Some(case) = or_complain(linear::knapsack(), complaints) else { return };
-    // Often, because with several threads it is a matter of luck who finds what.
+    // Many times, because with several threads it depends on timing which thread finds what.
     for _ in 0..20 {
         let mut events = Vec::new();
         let mut callback = |event: &Event| events.push(event.clone());
@@ -199,8 +200,8 @@ pub(super) fn model_unchanged(solver: &mut dyn Solver, complaints: &mut Complain
     let text = |model: &Model| (model.to_string(), mps::write(model).ok());
     let before = text(&case.model);
     judge::solve(solver, &case, complaints);
-    complaints.unless(text(&case.model) == before, || "the model is another one".into());
-    // And it can be changed and solved again: without the last one, the first two have 17.
+    complaints.unless(text(&case.model) == before, || "the model has changed".into());
+    // It can be changed and solved again: without the last item, the first two are worth 17.
     let largest = case.model.variable_by_name(("x", 3)).and_then(|x| case.model.fix(x, 0.0));
     if or_complain(largest, complaints).is_some() {
         case.answer = super::Answer::Optimal(17.0, Vec::new());
@@ -222,7 +223,7 @@ pub(super) fn as_good_as_new(solver: &mut dyn Solver, complaints: &mut Complaint
     let Some(cases) = or_complain(answers(), complaints) else { return };
     for case in &cases {
         complaints.about(format!("after `{}`", case.name));
-        // Whatever comes of it, an error included.
+        // The outcome does not matter; it may be an error.
         let _ = solver.solve(&case.model);
         usable(solver, &Interrupt::new(), complaints);
         if !complaints.is_empty() {

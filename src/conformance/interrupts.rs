@@ -15,7 +15,7 @@ use super::linear;
 /// The optimum of [`linear::parity`].
 const OPTIMUM: f64 = 1.0;
 
-/// An interrupted solve says so, unless it was done before.
+/// Checks that an interrupted solve says so, unless it finished first.
 fn interrupted(
     solver: &dyn Solver,
     model: &Model,
@@ -44,7 +44,7 @@ pub(super) fn before(solver: &mut dyn Solver, complaints: &mut Complaints) {
     usable(solver, &interrupt, complaints);
 }
 
-/// Waits a little, for there may be no events that say that the search is busy.
+/// Waits a little, because there may be no events that tell when the search is running.
 pub(super) fn from_another_thread(solver: &mut dyn Solver, complaints: &mut Complaints) {
     let Some(model) = or_complain(linear::parity(), complaints) else { return };
     for wait in [1, 20, 150] {
@@ -56,7 +56,7 @@ pub(super) fn from_another_thread(solver: &mut dyn Solver, complaints: &mut Comp
                 thread::sleep(Duration::from_millis(wait));
                 other.trigger();
             };
-            // Where there are no threads, there is nothing to test.
+            // Without threads, there is nothing to test.
             thread::Builder::new().spawn_scoped(scope, trigger).ok()?;
             let mut control = Control::default().with_interrupt(&interrupt);
             Some(solver.solve_with(&model, &mut control))

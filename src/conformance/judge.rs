@@ -10,16 +10,16 @@ use super::report::Outcome;
 /// Slack of a bound, relative and absolute: "never beyond the optimum" up to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What is not as it must be.
+/// What is wrong with a backend, in words.
 #[derive(Debug, Default)]
 pub(super) struct Complaints {
     texts: Vec<String>,
-    /// Said before each complaint.
+    /// Prefix of each complaint.
     about: String,
 }
 
 impl Complaints {
-    /// What the following complaints are about.
+    /// Sets the prefix of the following complaints.
     pub(super) fn about(&mut self, what: impl Into<String>) {
         self.about = what.into();
     }
@@ -56,7 +56,7 @@ pub(super) fn solve(solver: &mut dyn Solver, case: &Case, complaints: &mut Compl
     }
 }
 
-/// The optimum in the model's own sense, infinite where there is none.
+/// The optimum in the model's own sense, infinite if there is none.
 pub(super) fn optimum(case: &Case) -> f64 {
     let worst = case.model.sense().sign() * f64::INFINITY;
     match case.answer {
@@ -66,7 +66,7 @@ pub(super) fn optimum(case: &Case) -> f64 {
     }
 }
 
-/// Compares a solution that no limit ended with the answer.
+/// Compares a solution with the answer; the solve must not have ended at a limit.
 pub(super) fn judge(
     options: &Options,
     case: &Case,
@@ -95,7 +95,7 @@ pub(super) fn judge(
         complaints.unless(bound == optimum, || format!("the bound is {bound}, not {optimum}"));
         let infeasible = case.answer == Answer::Infeasible;
         complaints.unless(!infeasible || solution.point().is_none(), || {
-            "there is a point although no point is claimed to exist".into()
+            "there is a point although the program is claimed to be infeasible".into()
         });
         return;
     };
@@ -105,7 +105,7 @@ pub(super) fn judge(
     };
     let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
     complaints.unless(solution.gap() <= gap + ROUNDING * objective.abs(), || {
-        format!("it claims to be optimal with gap {}, {gap} is asked for", solution.gap())
+        format!("it claims to be optimal with gap {}, but {gap} was requested", solution.gap())
     });
     let allowed = 1.01 * gap.max(1e-6 * optimum.abs().max(1.0));
     complaints.unless((objective - optimum).abs() <= allowed, || {
@@ -127,8 +127,8 @@ pub(super) fn judge(
     }
 }
 
-/// What holds for every solution: a point is verified, a bound is never beyond the optimum, the
-/// figures fit together.
+/// Checks what holds for every solution: a point is verified, a bound is never beyond the optimum, and
+/// the figures are consistent.
 pub(super) fn sound(
     model: &Model,
     solution: &Solution,
@@ -146,11 +146,13 @@ pub(super) fn sound(
             && solution.objective().is_none()
             && solution.gap() == f64::INFINITY
             && solution.value(Affine::zero()).is_err();
-        complaints.unless(none, || "there is no point, but a status or value of one".into());
+        complaints.unless(none, || {
+            "there is no point, but a status or a value says that there is".into()
+        });
         return;
     };
     complaints.unless(solution.primal_status() == PrimalStatus::Feasible, || {
-        "there is a point, but the primal status knows none".into()
+        "there is a point, but the primal status says that there is none".into()
     });
     if point.as_slice().len() != model.variable_count() {
         complaints.add("the point has another number of values than the model has variables");
@@ -177,6 +179,6 @@ pub(super) fn sound(
     });
     let gap = (sign * (told - bound)).max(0.0);
     complaints.unless(solution.gap() == gap, || {
-        format!("the gap is {}, objective and bound differ by {gap}", solution.gap())
+        format!("the gap is {}, but objective and bound differ by {gap}", solution.gap())
     });
 }

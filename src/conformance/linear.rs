@@ -17,8 +17,8 @@ pub(super) fn knapsack() -> Result<Case, Error> {
     Ok(Case::new(m, Answer::Optimal(18.0, values)))
 }
 
-/// Twice a sum of 31 binaries and `odd` make 31, so `odd` is 1, the optimum; but refuting 0 takes
-/// an enumeration, for a relaxation sees no parity.
+/// Twice a sum of 31 binaries and `odd` make 31, so `odd` is 1 at the optimum. Refuting 0
+/// takes an enumeration, because a relaxation does not see parity.
 pub(super) fn parity() -> Result<Model, Error> {
     let mut m = Model::new("parity");
     let odd = m.binary("odd")?;

@@ -1,9 +1,9 @@
-//! What every backend must do, as a suite that any implementer of [`Solver`] can run.
+//! A conformance suite for implementations of [`Solver`].
 //!
-//! The contract of [`Solver`] in small programs with answers worked out by hand: statuses, points,
-//! objectives, bounds and gaps, limits and interrupts, progress events, refused options, and that a
-//! solver is as good as new after any outcome. The suite knows backends by their trait alone. It
-//! never panics: what fails is said in words by a [`Report`], and a test asserts that it
+//! The suite checks the contract of [`Solver`] on small programs with known answers: statuses,
+//! points, objectives, bounds and gaps, limits and interrupts, progress events, rejected options, and
+//! that a solver can be reused after any outcome. It uses backends only through the trait. It does
+//! not panic: a [`Report`] says in words what failed, and a test asserts that it
 //! [passed](Report::assert_passed):
 //!
 //! ```
@@ -15,7 +15,7 @@
 //! suite.run(&mut solver).assert_passed();
 //! ```
 //!
-//! [`answers`] is the part of the suite that is a table: programs and what is true of them.
+//! [`answers`] returns the programs of the suite with their answers.
 
 mod answer;
 mod capability;
@@ -40,14 +40,14 @@ use crate::solver::{Options, Solver};
 
 use judge::Complaints;
 
-/// A guard: a backend that hears its time limit fails a case instead of hanging it.
+/// A guard: a backend that respects its time limit fails a case and does not hang.
 const GUARD: Duration = Duration::from_secs(60);
 
-/// The programs of the suite with their answers, for tests of other kinds (files, lowering, ...).
+/// The programs of the suite with their answers, for other tests (files, lowering, ...).
 ///
 /// # Errors
 ///
-/// None in practice; those of building a model.
+/// The errors of building a model; none in practice.
 pub fn answers() -> Result<Vec<Case>, Error> {
     let mut cases = linear::cases()?;
     cases.extend(mixed::cases()?);
@@ -62,10 +62,10 @@ pub struct Suite {
     lacking: Vec<Capability>,
 }
 
-/// A part of the suite that is no program with an answer: name, what it needs, what it does.
+/// A check other than a program with an answer: its name, what it needs, what it does.
 type Conduct = (&'static str, &'static [Capability], fn(&mut dyn Solver, &mut Complaints));
 
-/// In this order.
+/// The checks, in the order in which they run.
 const CONDUCT: [Conduct; 13] = [
     ("it has a name and options that can be changed", &[], conduct::identity),
     ("options outside their ranges are refused", &[], conduct::refused_options),
@@ -91,23 +91,23 @@ const CONDUCT: [Conduct; 13] = [
 ];
 
 impl Suite {
-    /// The suite without the cases that need these.
+    /// Leaves out the cases that need any of these capabilities.
     pub fn without(mut self, lacking: impl IntoIterator<Item = Capability>) -> Self {
         self.lacking.extend(lacking);
         self
     }
 
-    /// Runs every case that the backend has the capabilities for. Its options are restored after
+    /// Runs every case that the backend has the capabilities for, and restores its options after
     /// each.
     ///
-    /// A time limit of a minute is set where there is none; a backend without time limits that
-    /// does not end hangs the run.
+    /// If the options have no time limit, the suite sets one minute. A backend that lacks time limits
+    /// and does not end hangs the run.
     pub fn run(&self, solver: &mut dyn Solver) -> Report {
         let mut report = Report::new(solver.name());
         let original = solver.options().clone();
         match answers() {
             Ok(cases) => {
-                // Once more in reverse: nothing is left over from one program to the next.
+                // Again in reverse order, to see that no state is left from one program to the next.
                 for case in cases.iter().chain(cases.iter().rev()) {
                     let check = |solver: &mut dyn Solver, complaints: &mut Complaints| {
                         judge::solve(solver, case, complaints);

@@ -1,22 +1,22 @@
-//! What a run of the suite found.
+//! The result of a run of the suite.
 
 use std::fmt;
 
 use super::capability::Capability;
 
-/// What became of a case.
+/// The result of a case.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Outcome {
-    /// All is as it must be.
+    /// Everything is as it must be.
     Passed,
-    /// What is not, in words.
+    /// What is wrong, in words.
     Failed(Vec<String>),
-    /// Left out, for the backend lacks this.
+    /// Left out, because the backend lacks this capability.
     Skipped(Capability),
 }
 
-/// What a run of the suite found, case by case; its `Display` names the failures.
+/// The result of a run of the suite, case by case. Its text lists the failures.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct Report {
@@ -46,17 +46,17 @@ impl Report {
         })
     }
 
-    /// Whether nothing failed and something was run.
+    /// Whether no case failed and at least one was run.
     pub fn passed(&self) -> bool {
         let ran = self.cases.iter().any(|(_, outcome)| *outcome == Outcome::Passed);
         ran && self.failures().next().is_none()
     }
 
-    /// For tests.
+    /// Asserts that the suite [passed](Self::passed).
     ///
     /// # Panics
     ///
-    /// When a case failed, with this report.
+    /// If a case failed or none was run, with this report as the message.
     #[track_caller]
     pub fn assert_passed(&self) {
         assert!(self.passed(), "{self}");
@@ -82,7 +82,7 @@ impl fmt::Display for Report {
                 && !told.contains(&capability)
             {
                 told.push(capability);
-                writeln!(f, "skipped: what needs {capability}")?;
+                writeln!(f, "skipped: cases that need {capability}")?;
             }
         }
         Ok(())

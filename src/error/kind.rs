@@ -28,7 +28,7 @@ pub enum ErrorKind {
         /// The upper end.
         upper: f64,
     },
-    /// A statement without any variable.
+    /// A statement that contains no variable.
     #[error(
         "statement `{name}` has no variable left (all coefficients are zero); drop it, or check \
          the expression it was built from"
@@ -57,7 +57,7 @@ pub enum ErrorKind {
         /// The name.
         name: String,
     },
-    /// A name that the model does not know.
+    /// No statement or variable of the model has this name.
     #[error("the model has no {kind} named `{name}`")]
     UnknownName {
         /// The name.
@@ -67,8 +67,8 @@ pub enum ErrorKind {
     },
     /// A handle of another model.
     #[error(
-        "{kind} number {index} used in `{place}` belongs to another model; use handles of the \
-         model they were created by (or of its clone)"
+        "{kind} number {index} used in `{place}` belongs to another model; use a handle only \
+         with the model that created it (or a clone of it)"
     )]
     ForeignHandle {
         /// `variable`, `constraint` or `indicator`.
@@ -80,8 +80,8 @@ pub enum ErrorKind {
     },
     /// A condition or logic on a variable that is not binary.
     #[error(
-        "`{name}` is not binary; only binary variables can stand in the condition or logic of \
-         `{place}`"
+        "`{name}` is not binary; conditions and logic, as in `{place}`, take binary variables \
+         only"
     )]
     NotBinary {
         /// The variable.
@@ -100,7 +100,7 @@ pub enum ErrorKind {
         /// The product.
         place: String,
     },
-    /// The bounds of a parameter cannot be set.
+    /// The bounds of a parameter were set as if it were a variable.
     #[error(
         "`{name}` is a parameter; give it a value with `set_parameter` and a range with \
          `set_parameter_range`"
@@ -117,17 +117,17 @@ pub enum ErrorKind {
     },
     /// A lowered form of a model that has changed since.
     #[error(
-        "the model `{model}` was changed after it was lowered, so the lowered form (and its \
-         big-Ms) are out of date; lower it again"
+        "the model `{model}` was changed after it was lowered, so the lowered form and its \
+         big-Ms are out of date; lower it again"
     )]
     Stale {
         /// The model.
         model: String,
     },
-    /// A function or a disjunction that needs a bound of a variable, which has none.
+    /// A function or a disjunction needs a bound that a variable does not have.
     #[error(
-        "`{function}` cannot be written as rows, for `{variable}` has no {bound} bound; give \
-         `{variable}` a finite one"
+        "`{function}` cannot be written as rows, because `{variable}` has no {bound} bound; \
+         give `{variable}` a finite one"
     )]
     UnboundedFunction {
         /// The variable that is the function.
@@ -137,10 +137,10 @@ pub enum ErrorKind {
         /// `lower` or `upper`: the missing bound.
         bound: &'static str,
     },
-    /// A logic formula without any variable.
+    /// A logic formula that contains no variable.
     #[error(
-        "the logic of `{name}` has no binary in it; drop the statement, or check the list it was \
-         built from"
+        "the logic of `{name}` contains no binary variable; drop the statement, or check the \
+         list it was built from"
     )]
     EmptyLogic {
         /// The statement.
@@ -148,14 +148,14 @@ pub enum ErrorKind {
     },
     /// A logic statement that is false whatever the binaries are.
     #[error(
-        "statement `{name}` can never hold, whatever the values of its binaries are; check its \
-         counts, and binaries that stand beside their own negation"
+        "statement `{name}` can never hold, whatever the values of its binaries; check its \
+         counts, and look for binaries combined with their own negation"
     )]
     NeverTrue {
         /// The statement.
         name: String,
     },
-    /// A logic formula with too many levels.
+    /// A logic formula that is nested too deeply.
     #[error(
         "the logic of `{name}` is nested more than {limit} levels deep; define parts of it with \
          binaries of their own (`part.iff(...)`)"
@@ -166,9 +166,9 @@ pub enum ErrorKind {
         /// The largest number of levels.
         limit: u32,
     },
-    /// A statement that a file format cannot carry.
+    /// A statement that a file format cannot express.
     #[error(
-        "{format} cannot say {what} `{name}`; write the lowered model instead \
+        "{format} cannot express {what} `{name}`; write the lowered model instead \
          (`reformulate::lower(&model)?.model()`)"
     )]
     NotInFile {
@@ -195,7 +195,7 @@ pub enum ErrorKind {
         /// What to do.
         help: &'static str,
     },
-    /// An indicator's row has no bounded big-M because of this variable.
+    /// An indicator's row has no finite big-M because a variable has no bound.
     #[error(
         "indicator `{indicator}` needs a big-M for its {side} side, but `{variable}` has no \
          {bound} bound; give `{variable}` a finite one"
@@ -213,7 +213,7 @@ pub enum ErrorKind {
     /// A user's big-M that the bounds do not justify.
     #[error(
         "the big-M {given} given for the {side} side of indicator `{indicator}` is too small: the \
-         bounds only prove {needed}; raise it, tighten the bounds of `{variable}`, or mark it \
+         bounds require at least {needed}; raise it, tighten the bounds of `{variable}`, or mark it \
          `assume_valid`"
     )]
     UnsafeBigM {
@@ -228,14 +228,14 @@ pub enum ErrorKind {
         /// The variable that contributes most.
         variable: String,
     },
-    /// A parameter outside its range.
+    /// A number outside its range.
     #[error("{what} is {value}; it must be {range}")]
     OutOfRange {
-        /// The parameter.
+        /// What the number is.
         what: String,
         /// Its value.
         value: f64,
-        /// What is allowed, in words.
+        /// The allowed range, in words.
         range: String,
     },
     /// A matrix whose shape does not fit.
@@ -263,12 +263,12 @@ pub enum ErrorKind {
         message: String,
     },
     /// A value was asked for, but the solution holds no point.
-    #[error("there is no value to read: the solve ended with `{termination}` and without a point")]
+    #[error("there is no value to read: the solve ended without a point (`{termination}`)")]
     NoPoint {
         /// The termination status.
         termination: String,
     },
-    /// A model that a solver is not made for.
+    /// A model that a solver does not support.
     #[error("{solver} does not take {what}; {help}")]
     Unsupported {
         /// The solver.
@@ -311,10 +311,11 @@ pub enum ErrorKind {
         /// What it did, in words.
         message: String,
     },
-    /// An error from outside the kinds of this crate's ground: of a planner, or of a solver
-    /// outside the crate.
+    /// An error that has a type of its own, such as a
+    /// [`ScenarioError`](crate::collision_tolerant::ScenarioError) or the error of a solver outside
+    /// the crate.
     ///
-    /// The source is that error, and its text is the text of the [`Error`](super::Error).
+    /// The source is that error, and the [`Error`](super::Error) has the same text.
     #[error("another error; see its source")]
     Other,
 }

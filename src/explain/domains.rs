@@ -1,4 +1,4 @@
-//! Which domains a contradiction uses, where propagation can tell.
+//! Which domains a contradiction uses, if propagation can tell.
 
 use std::collections::BTreeMap;
 
@@ -9,22 +9,22 @@ use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
 
-/// Propagations in all; variables beyond count as used.
+/// Limit on propagations; variables that are not reached count as used.
 const TRIALS: usize = 500;
 
-/// A part of a model whose contradiction propagation sees, while bounds are opened one by one.
+/// A part of a model that propagation refutes, while bounds are removed.
 struct Search<'a> {
     program: &'a Program,
     propagator: Propagator,
-    /// For each variable of the model whether its bounds stay.
+    /// For each variable of the model, whether its bounds stay.
     used: Vec<bool>,
     trials: usize,
 }
 
 /// The variables whose bounds are needed for propagation to refute the statements that are kept;
-/// none where it does not refute them.
+/// empty if it does not refute them.
 ///
-/// The big-Ms stay as they are: this is about what the rows and bounds say together.
+/// The big-Ms are not recomputed.
 pub(super) fn used_domains(
     model: &Model,
     keep: &[bool],
@@ -59,7 +59,7 @@ pub(super) fn used_domains(
 }
 
 impl Search<'_> {
-    /// Opens the bounds of as many variables in a range as possible, halves at a time.
+    /// Removes the bounds of as many variables in a range as possible, by bisection.
     fn open(&mut self, (first, end): (usize, usize), oracle: &Oracle<'_>, model: &Model) {
         let before = self.used[first..end].to_vec();
         if !before.contains(&true) {

@@ -23,8 +23,8 @@ pub(super) struct Slack {
 }
 
 impl<'a> Elastic<'a> {
-    /// Makes the statements elastic that have a finite weight, and the weighted sum of what they
-    /// give the objective.
+    /// Makes all statements with a finite weight elastic. The objective is the weighted sum of their
+    /// slacks.
     pub(super) fn of(model: &'a Model, weights: &[f64]) -> Result<Self, Error> {
         let mut elastic = Elastic {
             original: model,
@@ -76,9 +76,9 @@ impl<'a> Elastic<'a> {
         }
     }
 
-    /// The terms of a disjunction with selectors of their own, which select what the original ones
-    /// do unless the disjunction fails; then those are free. `outer` is the original selector of
-    /// the term around it.
+    /// The terms of a disjunction with selectors of their own, which equal the original ones unless
+    /// the disjunction fails; then the original ones are free. `outer` is the original selector of
+    /// the enclosing term.
     fn released(
         &mut self,
         name: &Name,
@@ -105,7 +105,7 @@ impl<'a> Elastic<'a> {
         Ok(released)
     }
 
-    /// A name that no statement has, in neither model.
+    /// A name that no statement of either model has.
     fn free(&self, name: &Name, suffix: &str) -> Name {
         let mut name = name.suffixed(suffix);
         while self.model.has_statement(&name) || self.original.has_statement(&name) {
@@ -114,8 +114,8 @@ impl<'a> Elastic<'a> {
         name
     }
 
-    /// The implied row gives. Its sides are indicators of their own: a slack of one side would
-    /// enlarge the big-M of the other.
+    /// Makes the implied row elastic. Each side becomes an indicator of its own, because a slack of
+    /// one side would enlarge the big-M of the other.
     fn add_indicator(
         &mut self,
         indicator: IndicatorRef<'_>,
@@ -137,8 +137,8 @@ impl<'a> Elastic<'a> {
         Ok((below, above))
     }
 
-    /// What a row can miss its limits by, over the bounds of its variables: a slack for each finite
-    /// limit.
+    /// A slack for each finite limit of a row, bounded by how far the row can miss that limit within
+    /// the bounds of its variables.
     fn slacks(
         &mut self,
         name: &Name,

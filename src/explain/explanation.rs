@@ -1,4 +1,4 @@
-//! What an explanation says.
+//! The result of an explanation, and its text.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -30,14 +30,14 @@ pub enum ExplanationStatus {
     Feasible,
     /// The families contradict each other, and without any one of them the rest has a solution.
     Irreducible,
-    /// The families contradict each other; a limit came before it was known whether all of them
-    /// are needed.
+    /// The families contradict each other; a limit was reached before it was known whether all of
+    /// them are needed.
     Reducible,
-    /// A limit came before it was known whether the model has a solution.
+    /// A limit was reached before it was known whether the model has a solution.
     Unknown,
 }
 
-/// A family of statements in a contradictory set, and the members that are enough.
+/// A family of statements in a contradictory set, and the members that suffice.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Group {
@@ -63,25 +63,24 @@ impl Explanation {
         self.status == ExplanationStatus::Irreducible
     }
 
-    /// The families that contradict each other, in the order of the model; none when the
-    /// background contradicts itself or the bounds of its variables.
+    /// The families that contradict each other, in the order of the model; empty if the background
+    /// contradicts itself or the bounds of its variables.
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
 
-    /// The families that were not in question.
+    /// The families that were not questioned.
     pub fn background(&self) -> &[String] {
         &self.background
     }
 
-    /// The variables whose bounds play a part besides the statements: with wider ones the set need
-    /// not be contradictory. Known only where propagation alone refutes the set, and empty
-    /// elsewhere.
+    /// The variables whose bounds contribute to the contradiction: with wider bounds, the set may
+    /// have a solution. Known only if propagation alone refutes the set, and empty otherwise.
     pub fn domains(&self) -> &[Name] {
         &self.domains
     }
 
-    /// A solution of the model, where it has one.
+    /// A solution of the model, if one was found.
     pub fn point(&self) -> Option<&Point> {
         self.point.as_ref()
     }
@@ -103,23 +102,23 @@ impl Group {
         &self.name
     }
 
-    /// The members that are enough to contradict the rest, by steps.
+    /// The members that suffice to contradict the rest, ordered by step.
     pub fn statements(&self) -> &[Name] {
         &self.statements
     }
 
-    /// The number of all members.
+    /// The number of members of the whole family.
     pub fn family_size(&self) -> usize {
         self.family_size
     }
 
-    /// The steps of the members, as ranges of neighbours; empty for a statement without a step.
+    /// The steps of the members, as ranges of consecutive steps; empty for a statement without a step.
     pub fn steps(&self) -> Vec<RangeInclusive<usize>> {
         ranges(&self.statements)
     }
 
-    /// A point that satisfies everything but this family: all other families of the set and the
-    /// background. Always there when the set is irreducible.
+    /// A point that satisfies the background and all other families of the set. Always present if the
+    /// set is irreducible.
     pub fn without(&self) -> Option<&Point> {
         self.without.as_ref()
     }
@@ -131,7 +130,7 @@ impl fmt::Display for Group {
     }
 }
 
-/// The steps of names, as ranges of neighbours.
+/// The steps of names, as ranges of consecutive steps.
 fn ranges(names: &[Name]) -> Vec<RangeInclusive<usize>> {
     let mut ranges: Vec<RangeInclusive<usize>> = Vec::new();
     for step in names.iter().filter_map(Name::step) {

@@ -1,11 +1,11 @@
-//! The statements in question, by families.
+//! The statements in question, by family.
 
 use std::collections::BTreeMap;
 
 use crate::error::{Error, ErrorKind};
 use crate::model::{Model, Name};
 
-/// The statements of a model that are in question, by families; statements are counted as in
+/// The statements of a model that are in question, by family. Positions are those of
 /// [`Model::statements`].
 pub(super) struct Groups {
     /// All statements' names.
@@ -17,7 +17,7 @@ pub(super) struct Groups {
 /// One family of statements in question.
 pub(super) struct Family {
     pub(super) name: String,
-    /// The members' positions, by steps.
+    /// The positions of the members, ordered by step.
     pub(super) members: Vec<usize>,
 }
 
@@ -46,7 +46,7 @@ impl Groups {
         Ok(Groups { names, families })
     }
 
-    /// Which statements are kept when all of the background is, and these members.
+    /// Which statements are kept: the whole background and these members.
     pub(super) fn mask<'a>(&self, kept: impl Iterator<Item = &'a [usize]>) -> Vec<bool> {
         let mut keep = vec![true; self.names.len()];
         for &member in self.families.iter().flat_map(|family| &family.members) {
@@ -59,8 +59,8 @@ impl Groups {
     }
 }
 
-/// The statements that a name stands for: one of them, a family, or, where there is no such family,
-/// all families that begin with it and an underscore.
+/// The statements that a name stands for: one statement, a family, or, if there is no such family,
+/// all families whose name begins with it and an underscore.
 pub(super) fn selected(names: &[Name], of: &Name) -> Result<Vec<usize>, Error> {
     let all = |holds: &dyn Fn(&Name) -> bool| -> Vec<usize> {
         let found = names.iter().enumerate().filter(|(_, name)| holds(name));

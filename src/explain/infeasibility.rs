@@ -1,4 +1,4 @@
-//! The irreducible set of families: what contradicts each other.
+//! The irreducible set of families that contradict each other.
 
 use super::domains::used_domains;
 use super::explanation::{Explanation, ExplanationStatus, Group};
@@ -10,20 +10,20 @@ use crate::error::Error;
 use crate::model::{Model, Name};
 use crate::solver::{Solver, StopToken};
 
-/// From this many families on, a small contradictory set is first collected from below.
+/// With more families than this, a small contradictory set is first built up from nothing.
 const MANY: usize = 12;
 
-/// Why a model has no solution, in its own statements.
+/// Explains why a model has no solution, in terms of its own statements.
 ///
-/// Statements are taken by families (`damage_limit` stands for `damage_limit[0]`,
-/// `damage_limit[1]`, ...). The families returned contradict each other, together with the
-/// background and the variables' bounds and kinds; and without any one of them the rest has a
-/// solution, which is returned with it. Families of several steps are then narrowed to steps that
-/// still contradict the rest, as far as the solves allow.
+/// Statements are grouped by family (`damage_limit` stands for `damage_limit[0]`,
+/// `damage_limit[1]`, ...). The returned families contradict each other, given the background and
+/// the bounds and kinds of the variables. If any one of them is removed, the rest has a solution,
+/// which is returned with it. Families with several steps are then narrowed to steps that still
+/// contradict the rest, as far as the number of solves allows.
 ///
-/// Every claim is proved: parts have no solution because a solve ended so or propagation refutes
-/// them, and have one because a verified point is at hand. Objectives play no role. A solve that
-/// ends at a limit leaves its family in the set, and the set is then not called irreducible.
+/// Every claim is proved. A part has no solution if a solve or propagation has refuted it, and has
+/// one if a verified point is known. Objectives play no role. If a solve ends at a limit, its family
+/// stays in the set, and the set is not reported as irreducible.
 ///
 /// ```
 /// use carom::explain::{ExplainOptions, infeasibility};
@@ -46,13 +46,13 @@ const MANY: usize = 12;
 ///
 /// # Arguments
 ///
-/// * `options`: what is background, and what may be spent. A time limit, an interrupt or a limit
-///   on solves gives the best set so far.
+/// * `options`: the background and the limits. If a time limit, an interrupt or a limit on solves
+///   stops the search, the best set so far is returned.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a background that the model does
-/// not have, and the errors of [`Solver::solve_with`].
+/// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a name in the background that the
+/// model does not have, and the errors of [`Solver::solve_with`].
 pub fn infeasibility(
     model: &Model,
     solver: &mut dyn Solver,
@@ -102,12 +102,12 @@ fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, 
         groups.mask(kept.map(|(family, _)| &family.members[..]))
     };
     let mut kept = vec![true; families.len()];
-    // The fewer statements are left, the better: large families are the first to be tried.
+    // Large families are tried first, because fewer statements are left if they go.
     let mut order: Vec<usize> = (0..families.len()).collect();
     order.sort_by_key(|&place| std::cmp::Reverse(families[place].members.len()));
 
     if oracle.refutes_at_once(&mask(&kept))? {
-        // What propagation sees through, it takes apart without a solve.
+        // If propagation refutes the whole, it can reduce it without a solve.
         for &place in &order {
             kept[place] = false;
             kept[place] = oracle.is_stopped() || !oracle.refutes_at_once(&mask(&kept))?;
@@ -130,8 +130,8 @@ fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, 
     Ok(((0..families.len()).filter(|&place| kept[place]).collect(), proved))
 }
 
-/// A contradictory set from below: as long as what is collected has a solution, the family that
-/// this solution violates most is added.
+/// Builds a contradictory set up from nothing: while the set has a solution, adds the family that
+/// this solution violates most.
 fn collect(
     groups: &Groups,
     mask: &dyn Fn(&[bool]) -> Vec<bool>,

@@ -1,4 +1,4 @@
-//! Asking back: why a model has no solution, what would have to give, what a point violates.
+//! Explanations: why a model has no solution, what would have to give, what a point violates.
 //!
 //! | question | answer |
 //! | --- | --- |
@@ -6,21 +6,22 @@
 //! | Which would have to give, and by how much? | [`relaxation`] |
 //! | What is wrong with this point? | [`violations`] |
 //!
-//! All of them speak in the statements of the model, by names and steps, and never in rows of its
+//! All answers are about statements of the model, by name and step, never about rows of its
 //! reformulation.
 //!
 //! # How to write a model that can be explained
 //!
-//! * A variable's bounds are its *domain*: where it can be at all. All big-Ms come from domains, so
-//!   they are hard and never in question. A limit that may be asked about is a *statement*: give
-//!   `a` the widest range that makes sense and add `a.within(-6.0, 6.0)` under a name. The same
-//!   holds for start and goal: rows, not [`Model::fix`](crate::model::Model::fix).
+//! * A variable's bounds are its *domain*: the values that it can have at all. All big-Ms come from
+//!   domains, so domains are hard and never questioned. A limit that may be questioned is a
+//!   *statement*: give `a` the widest range that makes sense and add `a.within(-6.0, 6.0)` under a
+//!   name. For the same reason, write start and goal as rows and do not use
+//!   [`Model::fix`](crate::model::Model::fix).
 //! * Statements with a step, [`add(("damage_limit", t), ...)`](crate::model::Model::add), form a
-//!   family, and families are what an explanation names first. Steps come second.
-//! * What describes the system is *background*, and so are functions, which define variables. The
-//!   builders of [`hybrid`](crate::hybrid) declare their dynamics, contact laws and damage states to
-//!   be background; other statements are put there by
-//!   [`Model::set_background`](crate::model::Model::set_background) or for one explanation by
+//!   family. An explanation finds families first and steps second.
+//! * Statements that describe the system are *background*, and so are functions, because they define
+//!   variables. The builders of [`hybrid`](crate::hybrid) declare their dynamics, contact laws and
+//!   damage states as background. Declare other statements with
+//!   [`Model::set_background`](crate::model::Model::set_background), or for one explanation with
 //!   [`ExplainOptions::with_background`].
 //!
 //! A cart must cover 8 m in ten steps of 1 s, faster than its limits allow:
@@ -59,9 +60,9 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 //!
-//! [`collision_tolerant`](crate::collision_tolerant) writes its programs with limits as domains, for
-//! speed; [`Program::stated`](crate::collision_tolerant::Program::stated) writes the same program
-//! for questions.
+//! [`collision_tolerant`](crate::collision_tolerant) writes limits as domains, because that is faster;
+//! [`Program::stated`](crate::collision_tolerant::Program::stated) writes the same program
+//! with limits as statements.
 
 mod domains;
 mod elastic;

@@ -1,9 +1,9 @@
 //! From families to steps: which part of a family still contradicts the rest.
 //!
-//! For each family a range of steps is kept that is known to be enough. It is narrowed at both
-//! ends, by two means. A known point that satisfies everything else violates some steps of the
-//! range, and one of those must stay: where such points agree on a few steps, these are tried
-//! alone, and then with neighbours. Otherwise the ends are found by bisection.
+//! For each family we keep a range of steps that is known to suffice, and narrow it at both ends.
+//! A known point that satisfies everything else violates some steps of the range, and one of those
+//! must stay. If such points agree on a few steps, these are tried alone and then with their
+//! neighbours. Otherwise the ends are found by bisection.
 
 use super::groups::Groups;
 use super::oracle::{Answer, Oracle};
@@ -12,13 +12,13 @@ use crate::error::Error;
 /// The range of one family's members that is kept, and what is known about its ends.
 struct Span<'a> {
     members: &'a [usize],
-    /// First and last member that is kept: enough to contradict the rest.
+    /// First and last member that is kept; they suffice to contradict the rest.
     first: usize,
     last: usize,
     /// The first one cannot be later than this, the last one not earlier.
     from: usize,
     to: usize,
-    /// By how many members the next guess is wider than what the points ask for.
+    /// By how many members the next guess is wider than what the points require.
     wider: usize,
     stuck: bool,
 }
@@ -33,7 +33,7 @@ impl<'a> Span<'a> {
         &self.members[self.first..=self.last]
     }
 
-    /// Reads off the points that satisfy everything else what the ends must leave in.
+    /// Takes from the points that satisfy everything else which members the ends must keep.
     fn read(&mut self, oracle: &Oracle<'_>, others: &[bool]) {
         (self.from, self.to) = (self.last, self.first);
         for known in oracle.known.iter().filter(|known| known.satisfies(others)) {
@@ -72,8 +72,7 @@ impl<'a> Span<'a> {
     }
 }
 
-/// Narrows the kept families as long as fewer than `solves` were made; returns the members that
-/// stay of each.
+/// Narrows the kept families until `solves` solves were made; returns the remaining members of each.
 pub(super) fn narrow(
     groups: &Groups,
     kept: &[usize],
@@ -96,7 +95,7 @@ pub(super) fn narrow(
         }
         let open = (0..spans.len()).filter(|&k| !spans[k].is_done());
         let gap = |span: &Span<'_>| (span.from - span.first).max(span.last - span.to);
-        // First those that points say much about, then those with the most to gain.
+        // First spans that points narrow down well, then those with the most to gain.
         let Some(k) = open.max_by_key(|&k| (spans[k].is_pointed(), gap(&spans[k]))) else { break };
         let range = spans[k].next();
         match oracle.ask(&mask(&spans, k, range))? {

@@ -1,4 +1,4 @@
-//! What an explanation may spend, and what it must not question.
+//! Options of an explanation: limits, and what is not questioned.
 
 use web_time::Duration;
 
@@ -7,24 +7,23 @@ use crate::solver::Interrupt;
 
 /// Options of [`infeasibility`](super::infeasibility()).
 ///
-/// The limits of the solver's own [options](crate::solver::Options) hold for every single solve.
+/// The limits of the solver's own [options](crate::solver::Options) apply to each solve.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ExplainOptions {
-    /// Statements that are not in question, besides those that the model itself declares
+    /// Statements that are not questioned, in addition to those that the model declares
     /// ([`Model::set_background`](crate::model::Model::set_background)). The name of a family
-    /// stands for all its members; where there is no such family, it stands for all families that
-    /// begin with it and an underscore.
+    /// stands for all its members. If there is no such family, the name stands for all families
+    /// whose name begins with it and an underscore.
     pub background: Vec<Name>,
-    /// The families found are narrowed to steps as long as fewer solves than this have been made in
-    /// all; default 20.
+    /// Families are narrowed to steps until this many solves have been made in total; default 20.
     pub narrowing: usize,
-    /// Hard limit on the solves; default none. When it is reached, the set found so far is returned
-    /// as it is.
+    /// Limit on the number of solves; default none. When it is reached, the set found so far is
+    /// returned.
     pub solve_limit: Option<usize>,
     /// Wall-clock limit of the whole explanation; default none.
     pub time_limit: Option<Duration>,
-    /// Stops the explanation and the solve that is running.
+    /// Stops the explanation and any running solve.
     pub interrupt: Interrupt,
 }
 
@@ -41,21 +40,21 @@ impl Default for ExplainOptions {
 }
 
 impl ExplainOptions {
-    /// Puts statements into the background, besides those that are there.
+    /// Adds statements to the background.
     #[must_use]
     pub fn with_background<N: Into<Name>>(mut self, names: impl IntoIterator<Item = N>) -> Self {
         self.background.extend(names.into_iter().map(N::into));
         self
     }
 
-    /// Sets the number of solves up to which families are narrowed to steps; 0 for not at all.
+    /// Sets the number of solves up to which families are narrowed to steps; 0 turns narrowing off.
     #[must_use]
     pub fn with_narrowing(mut self, solves: usize) -> Self {
         self.narrowing = solves;
         self
     }
 
-    /// Sets the hard limit on the solves.
+    /// Sets the limit on the number of solves.
     #[must_use]
     pub fn with_solve_limit(mut self, solves: usize) -> Self {
         self.solve_limit = Some(solves);

@@ -1,7 +1,7 @@
 //! The one question of every explanation: does a part of the model have a solution?
 //!
-//! Two answers are cheaper than a solve and as certain: a point found earlier that satisfies the
-//! part, and propagation and probing that refute it.
+//! Two answers are cheaper than a solve and just as certain: an earlier point that satisfies the
+//! part, and a refutation by propagation and probing.
 
 use std::collections::HashMap;
 
@@ -21,9 +21,9 @@ const TRIALS: usize = 4000;
 pub(super) enum Answer {
     /// A point satisfies it: its place among the known points.
     Feasible(usize),
-    /// It is proved that none does.
+    /// It is proved that no point does.
     Infeasible,
-    /// A limit came first.
+    /// A limit was reached first.
     Open,
 }
 
@@ -40,7 +40,7 @@ impl Known {
     }
 }
 
-/// Asks a solver about parts of a model, and remembers.
+/// Asks a solver about parts of a model, and remembers the points it found.
 pub(super) struct Oracle<'a> {
     model: &'a Model,
     solver: &'a mut dyn Solver,
@@ -113,8 +113,8 @@ impl<'a> Oracle<'a> {
         Ok(refuted)
     }
 
-    /// The model with the statements that are kept, where rows on one continuous variable narrow
-    /// its bounds: that costs nothing, and the big-Ms of this part come out smaller.
+    /// The model with the statements that are kept. Rows on one continuous variable also tighten its
+    /// bounds, because that costs nothing and makes the big-Ms smaller.
     fn part(&self, keep: &[bool]) -> Result<Model, Error> {
         let mut part = self.model.subset(|position| keep[position]);
         for (_, statement) in self.model.statements().enumerate().filter(|&(k, _)| keep[k]) {

@@ -19,11 +19,10 @@ use crate::tolerance;
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct ElasticOptions {
-    /// Statements that never give, besides those that the model declares to be background.
+    /// Statements that never give, in addition to those that the model declares as background.
     pub background: Vec<Name>,
-    /// What it costs when a statement gives by one of its own unit, greater than 0; 1 where nothing
-    /// is said. The last word on a statement counts. With an infinite weight (1e20 and
-    /// beyond count as such) it never gives.
+    /// What it costs if a statement gives by one of its own units; greater than 0, default 1. The last
+    /// entry for a statement counts. A statement with an infinite weight (1e20 or more) never gives.
     pub weights: Vec<(Name, f64)>,
     /// Wall-clock limit; default none.
     pub time_limit: Option<Duration>,
@@ -32,7 +31,7 @@ pub struct ElasticOptions {
 }
 
 impl ElasticOptions {
-    /// Puts statements into the background, besides those that are there.
+    /// Adds statements to the background.
     #[must_use]
     pub fn with_background<N: Into<Name>>(mut self, names: impl IntoIterator<Item = N>) -> Self {
         self.background.extend(names.into_iter().map(N::into));
@@ -108,16 +107,16 @@ pub struct Relaxed {
 pub struct Stretch {
     /// The statement.
     pub name: Name,
-    /// Which of its limits has to be moved outward; none for a logic statement or a
-    /// disjunction, which is dropped.
+    /// Which of its limits has to move outward; `None` for a logic statement or a disjunction, which
+    /// is dropped.
     pub side: Option<Side>,
-    /// By how much, in the statement's own unit; 1 for what is dropped.
+    /// By how much, in the statement's own unit; 1 for a dropped statement.
     pub amount: f64,
 }
 
 impl Relaxed {
-    /// Why the solver stopped: `Optimal` where no cheaper way exists, `Infeasible` where what may
-    /// not give contradicts itself.
+    /// Why the solver stopped: `Optimal` if no cheaper way exists, `Infeasible` if the statements that
+    /// never give contradict each other.
     pub fn termination(&self) -> Termination {
         self.termination
     }
@@ -127,8 +126,8 @@ impl Relaxed {
         self.termination == Termination::Optimal
     }
 
-    /// The statements that give, in the order of the model; empty where the model has a solution,
-    /// and where none was found.
+    /// The statements that give, in the order of the model; empty if the model has a solution, or if
+    /// the solver found no way.
     pub fn stretches(&self) -> &[Stretch] {
         &self.stretches
     }
@@ -143,20 +142,19 @@ impl Relaxed {
         self.cost
     }
 
-    /// The proved bound on the cost of any way.
+    /// The proved lower bound on the cost of any way.
     pub fn bound(&self) -> f64 {
         self.bound
     }
 }
 
-/// Which statements of a model would have to give, and by how much, so that it has a solution at
-/// the least cost.
+/// Finds the cheapest way to make a model feasible: which statements have to give, and by how much.
 ///
-/// The cost is the sum of all amounts, each times its statement's weight: a linear price, which
-/// makes few statements give much rather than many a little. Rows give at either side; of an
-/// indicator, the implied row gives; a logic statement or a disjunction holds or is dropped, at its
-/// weight. Bounds and kinds of variables, functions and background never give, and the model's own
-/// objective plays no role.
+/// The cost is the sum of all amounts, each times the weight of its statement. Because the price is
+/// linear, a few statements tend to give much rather than many a little. Rows give on either side,
+/// and so does the implied row of an indicator. A logic statement or a disjunction is dropped as a
+/// whole, at the cost of its weight. Bounds and kinds of variables, functions and background never
+/// give, and the model's own objective plays no role.
 ///
 /// ```
 /// use carom::explain::{ElasticOptions, relaxation};
@@ -181,7 +179,7 @@ impl Relaxed {
 ///
 /// [`ErrorKind::UnknownName`] for a name that the model does not have, [`ErrorKind::OutOfRange`]
 /// for a weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
-/// [`ErrorKind::UnboundedIndicator`] where an indicator cannot be switched at all.
+/// [`ErrorKind::UnboundedIndicator`] if an indicator has no finite big-M.
 pub fn relaxation(
     model: &Model,
     solver: &mut dyn Solver,

@@ -4,8 +4,8 @@ use crate::error::{Error, ErrorKind, check_length};
 use crate::model::Model;
 use crate::solution::{Point, Verification, Violation};
 
-/// All bounds, integrality conditions, rows, indicators, disjunctions, logic statements and
-/// functions that a point violates, the worst first by their [relative](Violation::relative) amounts.
+/// Lists all bounds, integrality conditions, rows, indicators, disjunctions, logic statements and
+/// functions that a point violates, the worst [relative](Violation::relative) violation first.
 ///
 /// ```
 /// use carom::explain::violations;
@@ -24,13 +24,13 @@ use crate::solution::{Point, Verification, Violation};
 ///
 /// # Arguments
 ///
-/// * `values`: one value a variable, in the order of creation, such as
+/// * `values`: one value per variable, in the order of creation, such as
 ///   [`Point::as_slice`].
 /// * `feasibility`: the tolerance, as in [`Verification::of`].
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Length`] when the number of values is not the number of variables,
+/// [`ErrorKind::Length`] if the number of values is not the number of variables,
 /// [`ErrorKind::NotFinite`] for a value that is NaN or infinite, [`ErrorKind::OutOfRange`] for a
 /// tolerance that is negative or not finite.
 pub fn violations(

@@ -1,4 +1,4 @@
-//! How one program is called, and how its answer is read.
+//! How to call a program, and how to read its answer.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,17 +8,17 @@ use web_time::Duration;
 use crate::solution::Termination;
 use crate::solver::Options;
 
-/// Where a program finds the model and leaves its answer; all in a folder of its own that is
-/// removed afterwards.
+/// The files that a program reads and writes. They are in a private folder that is removed
+/// afterwards.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Files {
     /// The model, free MPS in the columns of fixed MPS: rows `r0`, `r1`, ..., columns `c0`, `c1`,
     /// ..., a minimisation without a constant.
     pub model: PathBuf,
-    /// Where the solution is to be written.
+    /// The solution, written by the program.
     pub solution: PathBuf,
-    /// For a program that reads its settings from a file: this one is written before it starts.
+    /// The settings, written before the program starts, for programs that read them from a file.
     pub settings: PathBuf,
 }
 
@@ -29,8 +29,8 @@ pub enum Claim {
     Optimal,
     /// There is no feasible point.
     Infeasible,
-    /// The objective falls without limit, or there is no feasible point; asked again without the
-    /// objective, to know which.
+    /// The program is unbounded or infeasible. The program is run again without the objective to tell
+    /// which.
     Unbounded,
     /// It stopped at a limit.
     Limit(Termination),
@@ -43,25 +43,25 @@ pub enum Claim {
 pub struct Answer {
     /// The claim.
     pub claim: Claim,
-    /// Values by name of column; columns that are not mentioned are 0.
+    /// Values by column name; columns that are not listed are 0.
     pub values: Option<Vec<(String, f64)>>,
     /// The objective at the values.
     pub objective: Option<f64>,
-    /// The lower bound, where the program says one.
+    /// The lower bound, if the program reports one.
     pub bound: Option<f64>,
-    /// Nodes, where the program says so.
+    /// Number of nodes, if the program reports it.
     pub nodes: Option<u64>,
 }
 
 impl Answer {
-    /// An answer without anything but its claim.
+    /// An answer that consists only of a claim.
     pub fn new(claim: Claim) -> Self {
         Answer { claim, values: None, objective: None, bound: None, nodes: None }
     }
 }
 
-/// A program's command line and the texts it answers with. Implement it for programs that are not
-/// here; the command line, the settings and the reading of the answer are all there is to it.
+/// The command line of a program and the format of its answer. Implement this to support another
+/// program.
 pub trait Dialect: fmt::Debug + Send {
     /// The usual name of the program.
     fn program(&self) -> &str;
@@ -71,19 +71,19 @@ pub trait Dialect: fmt::Debug + Send {
         false
     }
 
-    /// The arguments of the command line.
+    /// The command-line arguments.
     fn arguments(&self, files: &Files, options: &Options, time: Option<Duration>) -> Vec<String>;
 
-    /// The text of the settings file, for programs that take one.
+    /// The text of the settings file; `None` if the program needs none.
     fn settings(&self, options: &Options, time: Option<Duration>) -> Option<String> {
         let _ = (options, time);
         None
     }
 
-    /// Reads the answer from the solution file, if one was written, and from what was printed.
+    /// Reads the answer from the solution file, if there is one, and from the output of the program.
     ///
     /// # Errors
     ///
-    /// What could not be read, in words.
+    /// A description of what could not be read.
     fn read(&self, solution: Option<&str>, printed: &str) -> Result<Answer, String>;
 }

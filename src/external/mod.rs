@@ -1,16 +1,15 @@
-//! Other solvers as programs: a model is handed over as an MPS file, the answer is read back.
+//! Solvers that run as separate programs and exchange files.
 //!
-//! [`ExternalSolver`] is a [`Solver`] that runs CBC, GLPK, HiGHS or SCIP, or any other program with
-//! a [`Dialect`] of its own, where it stands on the `PATH`. Nothing is linked and nothing is
-//! installed. Models are [lowered](crate::reformulate::lower) first, so programs without
-//! indicators or logic solve everything that the language can say; quadratic objectives need a
-//! program that takes them.
+//! [`ExternalSolver`] is a [`Solver`] that runs CBC, GLPK, HiGHS, SCIP or any other program on the
+//! `PATH` for which you implement a [`Dialect`]. It writes the model as an MPS file and reads the
+//! answer back. Nothing is linked or installed. Models are [lowered](crate::reformulate::lower) first, so a program
+//! without indicators or logic can still solve any model; only a quadratic objective needs a program
+//! that takes one.
 //!
-//! Points are never taken on trust: the integers are rounded, the rest is solved again by
-//! [`BranchAndBound`], and every statement is checked as what it means
-//! ([`certify`]). A claim that the objective falls without limit is believed when the program also
-//! finds a point, once it is asked without the objective. Bounds and claims of infeasibility are the
-//! program's own and cannot be checked; they are as good as it is, up to its tolerances.
+//! Points are never trusted: the integers are rounded, [`BranchAndBound`] solves the rest again, and
+//! the meaning of every statement is checked ([`certify`]). A claim that the program is unbounded is
+//! believed if the program also finds a point when it is run again without the objective. Bounds and
+//! claims of infeasibility cannot be checked; they hold up to the tolerances of the program.
 //!
 //! ```no_run
 //! use carom::external::ExternalSolver;
@@ -40,7 +39,7 @@ use crate::reformulate;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
 use crate::solver::{Control, Event, Options, Progress, Solver, StopToken, certify};
 
-/// A solver program on the `PATH`.
+/// A solver that runs as a separate program.
 #[derive(Debug)]
 pub struct ExternalSolver {
     dialect: Box<dyn Dialect>,
@@ -49,7 +48,7 @@ pub struct ExternalSolver {
 }
 
 impl ExternalSolver {
-    /// A program by its dialect, under the dialect's usual name.
+    /// A solver that speaks this dialect. The program has the usual name of the dialect.
     pub fn new(dialect: impl Dialect + 'static) -> Self {
         let program = dialect.program().to_owned();
         ExternalSolver { dialect: Box::new(dialect), program, options: Options::default() }
@@ -75,14 +74,14 @@ impl ExternalSolver {
         Self::new(Scip)
     }
 
-    /// With options.
+    /// Sets the options.
     #[must_use]
     pub fn with_options(mut self, options: Options) -> Self {
         self.options = options;
         self
     }
 
-    /// Under another name, or at a path.
+    /// Sets the name or the path of the program.
     #[must_use]
     pub fn with_program(mut self, program: impl Into<String>) -> Self {
         self.program = program.into();
@@ -130,7 +129,7 @@ impl Solver for ExternalSolver {
             let outcome = Outcome { termination, values, bound, statistics };
             return Solution::new(model, outcome, self.options.feasibility);
         };
-        // Half of the gap is left for what the certificate moves.
+        // Certifying the point may use up the other half of the gap.
         let options = with_half_the_gap(&self.options, translated.offset);
         let ask = |text: &str| {
             let run = process::Run {
@@ -143,7 +142,7 @@ impl Solver for ExternalSolver {
         };
         let (mut answer, mut stopped) = ask(&translated.text)?;
         if answer.claim == Claim::Unbounded && stopped.is_none() {
-            // It may have seen a falling direction only, and no feasible point.
+            // It may have found only an unbounded direction and no feasible point.
             let mut any = lowered.model().clone();
             any.minimize(0.0)?;
             if let Some(any) = translate::translate(&any)? {
@@ -180,16 +179,17 @@ pub(crate) fn stopped(
     Solution::new(model, outcome, options.feasibility)
 }
 
-/// Another solver's gap is half of ours. Its relative gap is one of an objective without the constant,
-/// so that with a constant only the absolute one says what is meant.
+/// The options with half the gap. The other solver measures its relative gap without the constant of
+/// the objective, so with a constant only the absolute gap is passed on.
 pub(crate) fn with_half_the_gap(options: &Options, constant: f64) -> Options {
     let (relative, absolute) = (0.5 * options.relative_gap, 0.5 * options.absolute_gap);
     let relative = if constant == 0.0 { relative } else { 0.0 };
     options.clone().with_relative_gap(relative).with_absolute_gap(absolute)
 }
 
-/// What another solver claims, with its point certified: a claim of optimality needs a certified
-/// point that meets the gap, one of unboundedness any certified point.
+/// The solution that the claims of another solver amount to once its point is certified. A claim of
+/// optimality needs a certified point that meets the gap, a claim of unboundedness any certified
+/// point.
 pub(crate) fn settled(
     model: &Model,
     claimed: Outcome,
@@ -231,7 +231,7 @@ pub(crate) fn settled(
     Ok(solution)
 }
 
-/// The termination and the bound, in the sense of the model, that a claim amounts to.
+/// The termination and the bound, in the sense of the model, that follow from a claim.
 fn judged(
     options: &Options,
     answer: &Answer,
@@ -243,7 +243,7 @@ fn judged(
     let claimed = answer.bound.map_or(nothing, bound);
     match (answer.claim, answer.objective) {
         (Claim::Optimal, Some(objective)) => {
-            // A program that names no bound has proved its objective up to the gap.
+            // A program that reports no bound has proved its objective up to the gap.
             let gap = options.relative_gap * objective.abs();
             let proved = objective - gap.max(options.absolute_gap);
             let proved = answer.bound.map_or(proved, |bound| bound.min(objective));

@@ -1,4 +1,4 @@
-//! Running a program: a folder of its own, a deadline, an interrupt.
+//! Runs a program in a private folder, with a deadline and an interrupt.
 
 use std::fs::{self, File};
 use std::io;
@@ -14,10 +14,10 @@ use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
 use crate::solver::{Options, StopToken};
 
-/// How often a running program is looked at.
+/// Interval between checks of a running program.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// How long a program may go on after its own time limit, to finish its answer.
+/// Time that a program gets after its own time limit to write its answer.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// What helps when the folder or its files cannot be made.
@@ -32,7 +32,8 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Hands the model over and reads the answer; with it, why the program was stopped, if it was.
+    /// Runs the program on a model and reads the answer. Also returns why the program was stopped, if
+    /// it was.
     pub(super) fn answer(&self, model: &str) -> Result<(Answer, Option<Termination>), Error> {
         let time_left = self.token.left();
         if let Some(reason) = self.token.ended() {
@@ -106,7 +107,7 @@ impl Run<'_> {
                 late.then_some(Termination::TimeLimit)
             };
             if reason.is_some() {
-                // It may have ended by itself meanwhile; either way it is gone afterwards.
+                // Both may fail because the program has ended by itself.
                 let _ = child.kill();
                 let _ = child.wait();
                 return Ok(reason);

@@ -12,7 +12,7 @@ fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// The number behind a label in a log, on the last line that has it.
+/// The number after a label, on the last line of a log that has this label.
 fn labelled(printed: &str, label: &str) -> Option<f64> {
     let line = printed.lines().rev().find_map(|line| line.trim_start().strip_prefix(label))?;
     let number = line.trim_start_matches([' ', ':', '=', '\t']);
@@ -194,7 +194,7 @@ impl Dialect for Highs {
         let mut answer = Answer::new(match status {
             "Optimal" => Claim::Optimal,
             "Infeasible" => Claim::Infeasible,
-            // Which of the two it is, is asked without the objective.
+            // A second run without the objective tells which.
             "Unbounded" | "Primal infeasible or unbounded" => Claim::Unbounded,
             "Time limit reached" => Claim::Limit(Termination::TimeLimit),
             "Solution limit reached" => Claim::Limit(Termination::NodeLimit),
@@ -266,7 +266,7 @@ impl Dialect for Scip {
         } else if says("[infeasible]") {
             Claim::Infeasible
         } else if says("[unbounded]") || says("[infeasible or unbounded]") {
-            // Which of the two it is, is asked without the objective.
+            // A second run without the objective tells which.
             Claim::Unbounded
         } else if says("[time limit reached]") {
             Claim::Limit(Termination::TimeLimit)

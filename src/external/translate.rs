@@ -1,5 +1,5 @@
-//! A model of rows as a minimisation with plain names and without a constant, which every program
-//! reads the same way.
+//! Rewrites a model of rows as a minimisation with plain names and without a constant, because all
+//! programs read that in the same way.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Model, Quadratic, Sense, Variable, mps};
 
-/// The text that is handed over, and the way back.
+/// The MPS text, and what is needed to translate the answer back.
 pub(super) struct Translated {
     pub(super) text: String,
     /// Objective of the model = `sign * (objective of the file + offset)`.
@@ -16,7 +16,7 @@ pub(super) struct Translated {
     columns: HashMap<String, usize>,
 }
 
-/// `None` when no whole number lies within the bounds of an integer variable.
+/// Returns `None` if the bounds of an integer variable contain no whole number.
 pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
     let sign = model.sense().sign();
     let mut plain = Model::new("carom");
@@ -42,7 +42,7 @@ pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
     for (i, row) in model.constraints().enumerate() {
         let limits = row.limits();
         if row.terms().is_empty() {
-            // A row without variables is true or false; false is what no column can be.
+            // A row without variables is true or false; a fixed column makes a false one infeasible.
             if !limits.contains(0.0) {
                 let never = plain.continuous(format!("never{i}").as_str(), 0.0, 0.0)?;
                 let row = never.within(limits.lower, limits.upper);
@@ -64,13 +64,13 @@ pub(super) fn translate(model: &Model) -> Result<Option<Translated>, Error> {
 }
 
 impl Translated {
-    /// One value per column of the model, in order; an error says what is wrong, in words.
+    /// One value per column of the model, in order, or a description of what is wrong.
     pub(super) fn values(&self, found: &[(String, f64)]) -> Result<Vec<f64>, String> {
         let mut values = vec![0.0; self.columns.len()];
         for (name, value) in found {
             match self.columns.get(name) {
                 Some(&j) if value.is_finite() => values[j] = *value,
-                // Columns of rows without variables.
+                // A column that stands for a false row.
                 None if name.starts_with("never") => {}
                 _ => return Err(format!("it says that `{name}` is {value}")),
             }

@@ -1,17 +1,17 @@
-//! What is left of a tree, and what became of what was handed over.
+//! The leaves of a search tree, and the report about a seed.
 
 use crate::model::Variable;
 
-/// An end of a search tree: a box over some of the integer variables, and the bound that was proved
+/// A leaf of a search tree: a box over some of the integer variables, and the bound that was proved
 /// for it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeafBox {
-    /// Variables with their lower and upper bounds; those that are not named have the model's.
-    /// Infinite where there is no bound.
+    /// Variables with their lower and upper bounds; a missing bound is infinite. Variables that are
+    /// not listed have the bounds of the model.
     pub bounds: Vec<LeafBound>,
-    /// The bound that was proved, in the model's own sense: no point in the box is better. It holds
-    /// for the model that was solved and for no other.
+    /// The bound that was proved, in the model's own sense: no point in the box is better. It is
+    /// valid only for the model that was solved.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub bound: f64,
 }
@@ -31,8 +31,8 @@ pub struct LeafBound {
 }
 
 impl LeafBox {
-    /// The box over other variables: `to` says which one takes the place of a variable, and drops
-    /// its bounds where it says `None`.
+    /// The same box over other variables. `to` maps each variable to its replacement, or to `None`
+    /// to drop its bounds.
     pub fn mapped(&self, to: impl Fn(Variable) -> Option<Variable>) -> LeafBox {
         let map = |old: &LeafBound| Some(LeafBound { variable: to(old.variable)?, ..*old });
         LeafBox { bounds: self.bounds.iter().filter_map(map).collect(), bound: self.bound }
@@ -44,12 +44,12 @@ impl LeafBox {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SeedReport {
-    /// What became of the guess, if there was one and it was tried.
+    /// What became of the guess, if there was one and the solver tried it.
     pub guess: Option<GuessStatus>,
     /// What became of the boxes, if there were any and the root was split.
     pub leaves: Option<LeafReport>,
-    /// How many entries named variables of another model, continuous ones, or values that are no
-    /// numbers; they were passed over.
+    /// Number of entries that were ignored because they name a variable of another model or a
+    /// continuous one, or because their value is NaN.
     pub ignored: usize,
 }
 
@@ -58,14 +58,14 @@ pub struct SeedReport {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum GuessStatus {
-    /// A verified point with all guessed values was found.
+    /// The solver found a verified point with all guessed values.
     Accepted,
-    /// A verified point was found, but these variables had to take other values.
+    /// The solver found a verified point, but these variables had to change.
     Repaired {
         /// The variables.
         changed: Vec<Variable>,
     },
-    /// No point was found from it.
+    /// The solver found no point from the guess.
     Rejected {
         /// Why, in words.
         reason: String,
@@ -77,11 +77,11 @@ pub enum GuessStatus {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeafReport {
-    /// By box, in the order given: whether a part of the root lies in it.
+    /// For each box, in the order given, whether part of the root lies in it.
     pub used: Vec<bool>,
     /// Parts of the root that lie in a box.
     pub inside: usize,
-    /// Parts of the root that lie in none, added to cover it; 0 when the boxes cover the root and
-    /// were not too entangled to be told apart.
+    /// Parts of the root that lie in no box and were added to cover it; 0 if the boxes cover the
+    /// root and could be separated.
     pub added: usize,
 }

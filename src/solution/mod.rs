@@ -3,7 +3,7 @@
 //! Why the solver stopped ([`Termination`]) and what it holds ([`PrimalStatus`]) are separate
 //! answers: a search stopped by its time limit may hold a very good plan. Every [`Solution`] with
 //! a point carries a [`Verification`] made from the *model*, not from the solver's rows: bounds,
-//! integrality, rows, and indicators, disjunctions, logic and functions as what they mean.
+//! integrality and rows, and the meaning of indicators, disjunctions, logic and functions.
 
 mod leaves;
 mod point;
@@ -46,7 +46,7 @@ pub struct Solution {
     seed: Option<SeedReport>,
 }
 
-/// What a backend reports; [`Solution::new`] checks it against the model.
+/// The result that a backend reports; [`Solution::new`] checks it against the model.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// Why the backend stopped.
@@ -54,19 +54,20 @@ pub struct Outcome {
     /// The best point, one value per variable in the order of creation.
     pub values: Option<Vec<f64>>,
     /// The proved bound on the objective, in the model's own sense: no point is better. Infinite
-    /// when nothing is proved.
+    /// if nothing is proved.
     pub bound: f64,
     /// Counts and time.
     pub statistics: Statistics,
 }
 
 impl Solution {
-    /// Builds a solution from a backend's report. The objective and the verification are
-    /// computed here, from the model, so that no backend can vouch for itself: integers that are
-    /// whole up to [`tolerance::INTEGRALITY`] are made whole, every
-    /// statement is then checked as what it means, a point that fails is dropped, and `Optimal`
-    /// becomes [`Termination::Stalled`]. A backend whose points fail for their rounding can have
-    /// them solved again by [`certify`](crate::solver::certify).
+    /// Builds a solution from a backend's report.
+    ///
+    /// The objective and the verification are computed here from the model, so no backend can vouch
+    /// for itself. Integers within [`tolerance::INTEGRALITY`] of a whole number are rounded, then
+    /// the meaning of every statement is checked. A point that fails is dropped, and `Optimal` then
+    /// becomes [`Termination::Stalled`]. If the points of a backend fail because of rounding, it can
+    /// solve them again with [`certify`](crate::solver::certify).
     ///
     /// # Arguments
     ///
@@ -115,9 +116,8 @@ impl Solution {
         })
     }
 
-    /// Adds further points to the pool, each a full one, values in the order of the variables'
-    /// creation. Those that fail the model's verification are dropped, and so are worse ones with
-    /// the same integers.
+    /// Adds points to the pool. Each has one value per variable, in the order of creation. Points
+    /// that fail the verification are dropped; of points with the same integers, the best is kept.
     ///
     /// # Arguments
     ///
@@ -141,27 +141,27 @@ impl Solution {
         Ok(self)
     }
 
-    /// Notes the ends of the tree.
+    /// Sets the leaves of the tree.
     pub fn with_leaves(mut self, leaves: Vec<LeafBox>) -> Self {
         self.leaves = leaves;
         self
     }
 
-    /// Notes what became of a seed.
+    /// Sets the report about the seed.
     pub fn with_seed_report(mut self, report: Option<SeedReport>) -> Self {
         self.seed = report;
         self
     }
 
-    /// The best points found, with distinct values of the integer variables, best first: as many as
-    /// [`Options::pool`](crate::solver::Options::pool) asks for and there are. The first one is
+    /// The best points found, with distinct values of the integer variables, best first. There are
+    /// at most as many as [`Options::pool`](crate::solver::Options::pool) asks for. The first one is
     /// [`point`](Self::point).
     pub fn pool(&self) -> &Pool {
         &self.pool
     }
 
-    /// The ends of the tree, where
-    /// [`Options::keep_leaves`](crate::solver::Options::keep_leaves) asks for them.
+    /// The leaves of the tree, if
+    /// [`Options::keep_leaves`](crate::solver::Options::keep_leaves) is on.
     pub fn leaves(&self) -> &[LeafBox] {
         &self.leaves
     }
@@ -176,7 +176,7 @@ impl Solution {
         self.termination
     }
 
-    /// What the solution holds.
+    /// Whether the solution holds a point.
     pub fn primal_status(&self) -> PrimalStatus {
         if self.point.is_some() { PrimalStatus::Feasible } else { PrimalStatus::None }
     }
@@ -200,8 +200,8 @@ impl Solution {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] without a point, [`ErrorKind::ForeignHandle`] for a handle of another
-    /// model.
+    /// [`ErrorKind::NoPoint`] if there is no point, [`ErrorKind::ForeignHandle`] for a handle of
+    /// another model.
     pub fn value(&self, of: impl Evaluate) -> Result<f64, Error> {
         match &self.point {
             Some(point) => point.value(of),
@@ -214,33 +214,33 @@ impl Solution {
         self.objective
     }
 
-    /// Proved bound: no feasible point has a better objective. Infinite when nothing is proved
-    /// (`-inf` when minimising) and `+inf` when a minimisation is infeasible.
+    /// Proved bound: no feasible point has a better objective. Infinite if nothing is proved
+    /// (`-inf` when minimising), and `+inf` if a minimisation is infeasible.
     pub fn bound(&self) -> f64 {
         self.bound
     }
 
-    /// Absolute gap between objective and bound, in the objective's unit; infinite without a
-    /// point.
+    /// Absolute gap between objective and bound, in the objective's unit; infinite if
+    /// there is no point.
     pub fn gap(&self) -> f64 {
         let gap = |objective| self.sense.sign() * (objective - self.bound);
         self.objective.map_or(f64::INFINITY, |objective| gap(objective).max(0.0))
     }
 
-    /// Gap relative to the objective's magnitude (no unit); infinite without a point.
+    /// Gap relative to the objective's magnitude (no unit); infinite if there is no point.
     pub fn relative_gap(&self) -> f64 {
         let scale = self.objective.map_or(1.0, f64::abs);
         if self.gap() == 0.0 { 0.0 } else { self.gap() / scale.max(f64::MIN_POSITIVE) }
     }
 
-    /// The independent check of the point, made from the model. It is also there when the point
-    /// failed it and was dropped.
+    /// The independent check of the point, made from the model. It is also
+    /// present if the point failed it and was dropped.
     pub fn verification(&self) -> Option<&Verification> {
         self.verification.as_ref()
     }
 
-    /// The largest distance by which the backend's integers were rounded before the check (no
-    /// unit); 0 for the crate's own search, which fixes them first and then solves the rest.
+    /// The largest distance by which the integers of the backend were rounded before the check (no
+    /// unit). It is 0 for the crate's own search, which fixes the integers and then solves the rest.
     pub fn rounding(&self) -> f64 {
         self.rounding
     }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::model::{Affine, Literal, Model, ModelTag, Quadratic, Selected, Variable};
 
-/// One value per variable of a model, read by handle.
+/// One value per variable of a model, read through handles.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
@@ -33,7 +33,7 @@ impl Point {
         of.evaluate_at(self)
     }
 
-    /// Which term of a disjunction is selected, from 0; `None` when not exactly one is.
+    /// Which term of a disjunction is selected, counted from 0; `None` unless exactly one is.
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl Point {
         Ok(if let [only] = selected[..] { Some(only) } else { None })
     }
 
-    /// The values in the order of the variables' creation.
+    /// The values, in the order in which the variables were created.
     pub fn as_slice(&self) -> &[f64] {
         &self.values
     }
@@ -78,7 +78,7 @@ impl Evaluate for Variable {
     }
 }
 
-/// 1 where the condition holds, 0 where it does not.
+/// 1 if the condition holds, 0 otherwise.
 impl Evaluate for Literal {
     fn evaluate_at(&self, point: &Point) -> Result<f64, Error> {
         let value = point.read(self.variable())?;
@@ -98,7 +98,7 @@ impl Evaluate for Quadratic {
     }
 }
 
-/// The value of an expression, or the first error that its variables met.
+/// The value of an expression, or the first error from reading its variables.
 fn reading(
     point: &Point,
     evaluate: impl FnOnce(&dyn Fn(Variable) -> f64) -> f64,

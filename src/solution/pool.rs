@@ -4,7 +4,7 @@ use super::{Point, Verification};
 use crate::error::Error;
 use crate::model::Model;
 
-/// The best points of a solve, best first, no two with the same values of all integer variables.
+/// The best points of a solve, best first. No two have the same values of all integer variables.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -70,7 +70,7 @@ impl Pool {
         pool
     }
 
-    /// Takes in a point that holds, unless one with the same integers is as good.
+    /// Adds a point if it is feasible and better than any point with the same integers.
     pub(super) fn offer(
         &mut self,
         model: &Model,
@@ -110,16 +110,17 @@ impl Pool {
         self.points.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// Whether the points are proved to be the best ones: no other assignment of the integers has an
-    /// objective that is better than that of the last point by more than the gap, and where there are
-    /// fewer points than were asked for, there are no others (within the gap of the pool). Only
-    /// [`PoolMode::Best`](crate::solver::PoolMode::Best) can prove that, and only a search that was
-    /// not stopped.
+    /// Whether the points are proved to be the best ones.
+    ///
+    /// If so, no other assignment of the integers has an objective better than that of the last
+    /// point by more than the gap. If there are fewer points than requested, no others exist within
+    /// the gap of the pool. Only [`PoolMode::Best`](crate::solver::PoolMode::Best) can prove this,
+    /// and only if the search was not stopped.
     pub fn is_complete(&self) -> bool {
         self.complete
     }

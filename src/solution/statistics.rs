@@ -13,17 +13,17 @@ use web_time::Duration;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Statistics {
-    /// Nodes of the tree that were processed, the root included.
+    /// Nodes of the tree that were processed, including the root.
     pub nodes: u64,
     /// Nodes of small searches inside heuristics, which are not counted in `nodes`.
     pub nested_nodes: u64,
-    /// Continuous relaxations solved, those of heuristics and checks included.
+    /// Continuous relaxations solved, including those of heuristics and checks.
     pub relaxations: u64,
     /// Interior-point iterations over all relaxations.
     pub iterations: u64,
     /// Nodes refuted without a relaxation: by bound propagation, probing or reduction.
     pub refuted_by_propagation: u64,
-    /// Nodes whose relaxation is proved to have no point.
+    /// Nodes whose relaxation is proved infeasible.
     pub refuted_by_relaxation: u64,
     /// Nodes whose proved bound is at the cutoff.
     pub cut_off: u64,
@@ -31,33 +31,34 @@ pub struct Statistics {
     pub leaves: u64,
     /// Nodes that were split.
     pub split: u64,
-    /// Nodes given back at a limit, or neither finished nor split for numerical reasons.
+    /// Nodes returned unfinished at a limit, or that could be neither finished nor split for
+    /// numerical reasons.
     pub unfinished: u64,
-    /// Children closed by trials of branching; they never became nodes.
+    /// Children closed by trial branching, which never became nodes.
     pub closed_by_trials: u64,
-    /// Conflicts of propagation that were explained and kept as no-goods, those of trials and
-    /// heuristics included; 0 unless [`Options::conflicts`](crate::solver::Options::conflicts) is on.
+    /// Propagation conflicts that were analysed and kept as no-goods, including those of trials and
+    /// heuristics; 0 unless [`Options::conflicts`](crate::solver::Options::conflicts) is on.
     pub conflicts: u64,
-    /// Bounds that no-goods moved.
+    /// Bounds that no-goods tightened.
     pub fixed_by_no_goods: u64,
-    /// Contradictions that no-goods found, at nodes and on trial.
+    /// Contradictions found by no-goods, at nodes and in trials.
     pub refuted_by_no_goods: u64,
-    /// Splits that a [`Branching`](crate::solver::Branching) rule of the user's made.
+    /// Splits made by the user's [`Branching`](crate::solver::Branching) rule.
     pub user_splits: u64,
-    /// Answers of such a rule that did not divide their node and were not taken.
+    /// Answers of that rule that were rejected because they did not divide the node.
     pub refused_splits: u64,
     /// Improving points that were found, verified and accepted.
     pub incumbents: u64,
     /// Largest depth of a processed node, in decisions from the root.
     pub depth: u64,
-    /// Largest number of nodes that waited at one time.
+    /// Largest number of open nodes at any time.
     pub max_open: u64,
     /// Largest size of the tree, in bytes, as [`Options::memory_limit`] counts it.
     ///
     /// [`Options::memory_limit`]: crate::solver::Options::memory_limit
     pub tree_bytes: u64,
-    /// Parts without a common row that were searched one after the other; 0 where the program was
-    /// searched as a whole.
+    /// Independent blocks that were searched one after the other; 0 if the program was searched as
+    /// a whole.
     pub blocks: u64,
     /// Threads that took part.
     pub threads: u64,
@@ -78,7 +79,7 @@ pub struct Statistics {
 pub struct Times {
     /// Bound propagation.
     pub propagation: Duration,
-    /// Probing: propagation on trial.
+    /// Probing.
     pub probing: Duration,
     /// Making the reduced program of a node.
     pub reduction: Duration,
@@ -105,7 +106,7 @@ pub enum Heuristic {
     Relaxation,
     /// Round and propagate.
     Rounding,
-    /// The guess that was handed over, completed or repaired.
+    /// The user's guess, completed or repaired.
     Guess,
     /// Values proposed by a [`Proposal`](crate::solver::Proposal), completed.
     Proposal,
@@ -133,10 +134,10 @@ pub struct HeuristicCount {
     pub points: u64,
     /// How many of these were better than all before.
     pub incumbents: u64,
-    /// Relaxations solved in it, those of its own small searches included.
+    /// Relaxations solved in it, including those of its own small searches.
     pub relaxations: u64,
-    /// Time in it, summed over all threads, relaxations included. Unlike the parts of
-    /// [`Times`], it overlaps with these.
+    /// Time spent in it, summed over all threads and including relaxations. It overlaps with the
+    /// parts of [`Times`].
     pub time: Duration,
 }
 
@@ -228,7 +229,7 @@ impl Heuristics {
         Heuristic::ALL.into_iter().map(|heuristic| (heuristic, self.of(heuristic)))
     }
 
-    /// The counts of one source, for counting.
+    /// The counts of one source, mutable.
     pub fn of_mut(&mut self, heuristic: Heuristic) -> &mut HeuristicCount {
         match heuristic {
             Heuristic::Leaf => &mut self.leaf,
@@ -260,7 +261,7 @@ impl Times {
         ]
     }
 
-    /// What relaxations took: building, solving and proving them.
+    /// The time for building, solving and proving relaxations.
     pub fn of_relaxations(&self) -> Duration {
         self.reduction + self.relaxation + self.proof
     }
@@ -290,14 +291,14 @@ impl Statistics {
         if seconds > 0.0 { self.nodes as f64 / seconds } else { 0.0 }
     }
 
-    /// The share of the threads' time that was not spent on relaxations, which are built, solved and
-    /// proved: beyond [`Times::of_relaxations`], within `[0, 1]`; 0 where nothing was measured.
+    /// The share of the threads' time that was not spent on building, solving and proving
+    /// relaxations ([`Times::of_relaxations`]), within `[0, 1]`; 0 if nothing was measured.
     pub fn share_beyond_relaxations(&self) -> f64 {
         let total = self.times.total().as_secs_f64();
         if total > 0.0 { 1.0 - self.times.of_relaxations().as_secs_f64() / total } else { 0.0 }
     }
 
-    /// The same counts without what varies from run to run: times, and the number of threads.
+    /// The same counts without times and the number of threads, which vary from run to run.
     pub fn without_times(&self) -> Statistics {
         let mut heuristics = self.heuristics;
         for heuristic in Heuristic::ALL {
@@ -307,8 +308,8 @@ impl Statistics {
         Statistics { times, time, heuristics, threads: 0, ..*self }
     }
 
-    /// Adds what a search inside a heuristic took: its relaxations and times, and its nodes as
-    /// nested ones. What it found is counted where it is offered.
+    /// Adds the relaxations, times and nodes (as nested ones) of a search inside a heuristic. Its
+    /// points are counted when they are offered.
     pub(crate) fn add_nested(&mut self, inner: &Statistics) {
         self.relaxations += inner.relaxations;
         self.iterations += inner.iterations;
@@ -316,8 +317,8 @@ impl Statistics {
         self.times.add(&inner.times);
     }
 
-    /// Adds the counts and times of a part of the search. Largest values are kept, and the time
-    /// of the solve and its threads are left alone.
+    /// Adds the counts and times of a part of the search. Maxima are merged; the wall-clock time and
+    /// the number of threads do not change.
     pub fn add(&mut self, part: &Statistics) {
         self.nodes += part.nodes;
         self.nested_nodes += part.nested_nodes;

@@ -7,8 +7,8 @@ use std::fmt;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Termination {
-    /// Bound and incumbent meet the requested gap. Where variables have no bounds, the bound is one for
-    /// points within [`FREE_RADIUS`](crate::tolerance::FREE_RADIUS).
+    /// Bound and incumbent meet the requested gap. If variables have no bounds, the bound is valid
+    /// for points within [`FREE_RADIUS`](crate::tolerance::FREE_RADIUS).
     Optimal,
     /// It is proved that no point satisfies the model.
     Infeasible,
@@ -22,8 +22,8 @@ pub enum Termination {
     MemoryLimit,
     /// The [`Interrupt`](crate::solver::Interrupt) was triggered.
     Interrupted,
-    /// Some part of the search could be neither refuted nor finished for numerical reasons; bound
-    /// and point, if any, are valid all the same.
+    /// For numerical reasons, part of the search could be neither refuted nor finished. The bound,
+    /// and the point if there is one, are still valid.
     Stalled,
 }
 

@@ -36,7 +36,7 @@ pub struct Checked {
     pub rows: usize,
     /// Indicators.
     pub implications: usize,
-    /// Indicators whose condition holds, so that their row had to.
+    /// Indicators whose condition holds, so that their row must hold.
     pub active_implications: usize,
     /// Disjunctions.
     pub disjunctions: usize,
@@ -57,8 +57,8 @@ pub struct Violation {
     /// By how much, in the statement's own unit.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub amount: f64,
-    /// By how much, without a unit: the amount over the largest term or limit of the statement,
-    /// which counts as 1 where it is smaller.
+    /// By how much, without a unit: the amount divided by the largest term or limit of the statement,
+    /// or by 1 if that is smaller.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub relative: f64,
 }
@@ -167,8 +167,8 @@ impl Verification {
         check
     }
 
-    /// Checks that one term is selected (or none, where the disjunction stands in a term that is
-    /// not) and that its rows hold.
+    /// Checks that one term is selected and that its rows hold. If the disjunction is nested in a
+    /// term that is not selected, no term may be.
     fn one_of<'a>(
         &mut self,
         name: &Name,
@@ -193,12 +193,12 @@ impl Verification {
         self.note(ViolationKind::Disjunction, Miss::beyond(wrong, 0.0), || name.to_string());
     }
 
-    /// Whether nothing is violated beyond the tolerance.
+    /// Whether nothing is violated by more than the tolerance.
     pub fn holds(&self) -> bool {
         self.violations.is_empty()
     }
 
-    /// What is violated beyond the tolerance.
+    /// What is violated by more than the tolerance.
     pub fn violations(&self) -> &[Violation] {
         &self.violations
     }
@@ -237,7 +237,7 @@ impl Verification {
     }
 }
 
-/// A number as a reader wants it: rounded to six significant digits.
+/// A number for reports: rounded to six significant digits.
 pub(crate) fn for_reading(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
@@ -262,11 +262,11 @@ struct Value {
     /// The sum of the magnitudes of its terms.
     magnitude: f64,
     largest: f64,
-    /// Whether it is a whole number wherever its variables are, so that nothing was rounded.
+    /// Whether it is a whole number whenever its variables are, so that nothing was rounded.
     whole: bool,
 }
 
-/// Statements evaluated at a point, with sums of twice the digits.
+/// Statements evaluated at a point, with compensated sums.
 struct Evaluation<'a> {
     values: &'a [f64],
     integral: Vec<bool>,

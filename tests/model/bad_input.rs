@@ -170,7 +170,8 @@ fn conditions_that_are_not_binary() {
         assert_eq!(
             text(model.add("r", condition.implies(x.le(3.0)))),
             format!(
-                "`{name}` is not binary; only binary variables can stand in the condition or logic of `r`"
+                "`{name}` is not binary; conditions and logic, as in `r`, take binary variables \
+                 only"
             )
         );
     }
@@ -199,8 +200,8 @@ fn handles_of_another_model() {
     let switch = other.add("switch", y.on().implies(y.le(1.0))).unwrap();
     let foreign = |kind: &str, index: usize, place: &str| {
         format!(
-            "{kind} number {index} used in `{place}` belongs to another model; use handles of the \
-             model they were created by (or of its clone)"
+            "{kind} number {index} used in `{place}` belongs to another model; use a handle only \
+             with the model that created it (or a clone of it)"
         )
     };
     assert_eq!(text(model.add("r", (x + y).le(1.0))), foreign("variable", 1, "r"));
@@ -299,7 +300,8 @@ fn a_big_m_that_the_bounds_do_not_prove() {
     model.add("r", short.clone()).unwrap();
     assert_eq!(
         text(BranchAndBound::default().solve(&model)),
-        "the big-M 5 given for the upper side of indicator `r` is too small: the bounds only prove \
+        "the big-M 5 given for the upper side of indicator `r` is too small: the bounds require \
+         at least \
          7; raise it, tighten the bounds of `x`, or mark it `assume_valid`"
     );
     model.set_bounds(x, 0.0, 8.0).unwrap();
@@ -348,7 +350,7 @@ fn values_where_there_is_no_point() {
     assert!(solution.is_infeasible());
     assert_eq!(
         text(solution.value(z)),
-        "there is no value to read: the solve ended with `infeasible` and without a point"
+        "there is no value to read: the solve ended without a point (`infeasible`)"
     );
     // No time at all is a limit, not an error.
     solver.options_mut().time_limit = Some(Duration::ZERO);

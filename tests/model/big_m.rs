@@ -539,7 +539,7 @@ fn a_users_m() {
             text(reformulate::lower(&with_m(|i| i.big_m(m)))),
             format!(
                 "the big-M {m} given for the upper side of indicator `hit` is too small: the \
-                 bounds only prove 11; raise it, tighten the bounds of `x`, or mark it \
+                 bounds require at least 11; raise it, tighten the bounds of `x`, or mark it \
                  `assume_valid`"
             )
         );

@@ -265,8 +265,7 @@ fn bad_disjunctions_are_refused_by_name_and_leave_nothing_behind() {
         ),
         (
             either(x.le(1.0)).or(x.ge(2.0)).selected_by([n.on(), n.off()]),
-            "`n` is not binary; only binary variables can stand in the condition or logic of \
-             `bad_1`",
+            "`n` is not binary; conditions and logic, as in `bad_1`, take binary variables only",
         ),
         (
             either(x.le(1.0)).or(x.ge(f64::NAN)),

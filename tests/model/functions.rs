@@ -418,7 +418,7 @@ fn no_binary_where_convexity_decides() {
     model.add("hold", (a - y).ge(0.0)).unwrap();
     assert_eq!(
         reformulate::lower(&model).unwrap_err().to_string(),
-        "`a` cannot be written as rows, for `x` has no lower bound; give `x` a finite one"
+        "`a` cannot be written as rows, because `x` has no lower bound; give `x` a finite one"
     );
     model.set_bounds(x, -4.0, 4.0).unwrap();
     assert_eq!(extra_integers(&model), 1);
@@ -542,13 +542,13 @@ fn what_is_refused() {
     product.product("w", b, x).unwrap();
     assert_eq!(
         unbounded(&product),
-        "`w` cannot be written as rows, for `x` has no upper bound; give `x` a finite one"
+        "`w` cannot be written as rows, because `x` has no upper bound; give `x` a finite one"
     );
     product.set_bounds(x, 0.0, 2.0).unwrap();
     product.product("v", n, x).unwrap();
     assert_eq!(
         unbounded(&product),
-        "`v` cannot be written as rows, for `n` has no upper bound; give `n` a finite one"
+        "`v` cannot be written as rows, because `n` has no upper bound; give `n` a finite one"
     );
     product.set_bounds(n, 0.0, 5000.0).unwrap();
     assert_eq!(
@@ -558,7 +558,7 @@ fn what_is_refused() {
     );
     assert_eq!(
         text(carom::model::mps::write(&product).unwrap_err()),
-        "MPS cannot say the function `w`; write the lowered model instead \
+        "MPS cannot express the function `w`; write the lowered model instead \
          (`reformulate::lower(&model)?.model()`)"
     );
 }

@@ -242,23 +242,23 @@ fn what_is_refused() {
     let mut refused = |logic: Logic| text(model.add("f", logic).unwrap_err());
     assert_eq!(
         refused(v[0] | x),
-        "`x` is not binary; only binary variables can stand in the condition or logic of `f`"
+        "`x` is not binary; conditions and logic, as in `f`, take binary variables only"
     );
     assert_eq!(
         refused(v[0] & foreign),
-        "variable number 4 used in `f` belongs to another model; use handles of the model they \
-         were created by (or of its clone)"
+        "variable number 4 used in `f` belongs to another model; use a handle only with the model \
+         that created it (or a clone of it)"
     );
     let none: [Variable; 0] = [];
     for empty in [Logic::all(none), Logic::any(none), at_most(1, none), at_least(1, none)] {
         assert_eq!(
             refused(empty),
-            "the logic of `f` has no binary in it; drop the statement, or check the list it was \
-             built from"
+            "the logic of `f` contains no binary variable; drop the statement, or check the list \
+             it was built from"
         );
     }
-    let impossible = "statement `f` can never hold, whatever the values of its binaries are; check \
-                      its counts, and binaries that stand beside their own negation";
+    let impossible = "statement `f` can never hold, whatever the values of its binaries; check \
+                      its counts, and look for binaries combined with their own negation";
     for never in [at_least(3, &v), exactly(3, &v), v[0] & !v[0], v[0].xor(v[0]), v[0].iff(!v[0])] {
         assert_eq!(refused(never), impossible);
     }
@@ -275,7 +275,7 @@ fn what_is_refused() {
     );
     assert_eq!(
         text(carom::model::mps::write(&model).unwrap_err()),
-        "MPS cannot say the logic of `f`; write the lowered model instead \
+        "MPS cannot express the logic of `f`; write the lowered model instead \
          (`reformulate::lower(&model)?.model()`)"
     );
 }

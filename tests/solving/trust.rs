@@ -259,7 +259,8 @@ fn parameters_are_refused_by_name() {
     let text = |result: Result<(), Error>| result.unwrap_err().to_string();
     assert_eq!(
         text(model.set_parameter(goal, 6.0)),
-        "the value of the parameter `goal` is 6; it must be within its declared range [0, 5]; widen \
+        "the value of the parameter `goal` is 6; it must be within its declared range [0, 5]; \
+         widen \
          that with `set_parameter_range`"
     );
     assert_eq!(
@@ -291,7 +292,7 @@ fn a_lowered_form_knows_when_it_is_out_of_date() {
     model.set_bounds(x, 0.0, 9.0).unwrap();
     assert_eq!(
         lowered.solve(&model, &mut solver).unwrap_err().to_string(),
-        "the model `plan` was changed after it was lowered, so the lowered form (and its big-Ms) \
+        "the model `plan` was changed after it was lowered, so the lowered form and its big-Ms \
          are out of date; lower it again"
     );
     // The same bounds as before are another state all the same; a clone is the same state.

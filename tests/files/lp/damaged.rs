@@ -15,12 +15,14 @@ fn errors_name_line_and_column() {
         ("min\n x", "line 2, column 3: the file ends without `End`; it may have been cut off"),
         (
             "min x y\nend",
-            "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, found `y`",
+            "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, found \
+             `y`",
         ),
         ("min 2 x +\nst\nend", "line 2, column 1: expected a number or a name, found `st`"),
         (
             "min 1e400 x\nend",
-            "line 1, column 5: `1e400` counts as infinite (1e20 and beyond do); a finite number is needed here",
+            "line 1, column 5: `1e400` counts as infinite (1e20 and beyond do); a finite number \
+             is needed here",
         ),
         ("min inf\nend", "line 1, column 5: the objective must be finite"),
         ("min 1 + inf\nend", "line 1, column 9: infinity cannot be part of a sum"),
@@ -33,11 +35,13 @@ fn errors_name_line_and_column() {
         ("min x end x", ""),
         (
             "min a\u{7} end",
-            "line 1, column 5: `a\u{7}` cannot be a name: it is empty or contains white space or control characters",
+            "line 1, column 5: `a\u{7}` cannot be a name: it is empty or contains white space or \
+             control characters",
         ),
         (
             "min x ]\nend",
-            "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, found `]`",
+            "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, found \
+             `]`",
         ),
         ("min 2 [ x^2 ]\nend", "line 1, column 5: no factor can stand before `[`"),
         ("min [ x ]\nend", "line 1, column 9: expected `^2` or `*` and a name, found `]`"),
@@ -52,7 +56,8 @@ fn errors_name_line_and_column() {
         (
             "min x * y\nend",
             &format!(
-                "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, found `*`; {found}"
+                "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, \
+                 found `*`; {found}"
             ),
         ),
         ("min x\nx[1]: y", "line 2, column 1: a second objective; a model has one, keep one"),
@@ -116,8 +121,8 @@ fn errors_in_rows() {
     );
     assert_eq!(
         row("c: x = 1 -> y <= 2"),
-        "line 3, column 4: `x` is not binary; only binary variables can stand in the condition or \
-         logic of `c`"
+        "line 3, column 4: `x` is not binary; conditions and logic, as in `c`, take binary \
+         variables only"
     );
     let literal = "line 3, column 4: expected `z = 0` or `z = 1` as the condition before `->`";
     for condition in ["z = 2", "z <= 1", "2 z = 1", "z + x = 1", "z + 1 = 1", "1 <= 2"] {
@@ -134,7 +139,8 @@ fn errors_in_rows() {
     );
     assert_eq!(
         row("x[1]: x >= 1\nx{1}: x <= 2"),
-        "line 4, column 1: the name `x[1]` is already taken by another statement; choose another one"
+        "line 4, column 1: the name `x[1]` is already taken by another statement; choose another \
+         one"
     );
 }
 
@@ -195,7 +201,8 @@ fn errors_in_later_sections() {
     );
     assert_eq!(
         with("lazy constraints\n c: x <= 2"),
-        "line 2, column 1: section `lazy` cannot be read: move its rows to `Subject To`, where they \
+        "line 2, column 1: section `lazy` cannot be read: move its rows to `Subject To`, where \
+         they \
          always hold"
     );
     assert_eq!(
@@ -205,6 +212,7 @@ fn errors_in_later_sections() {
     );
     assert_eq!(
         error("min x[1] + x{1}\nend"),
-        "line 1, column 12: the name `x[1]` is already taken by another variable; choose another one"
+        "line 1, column 12: the name `x[1]` is already taken by another variable; choose another \
+         one"
     );
 }

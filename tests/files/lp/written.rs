@@ -70,14 +70,16 @@ fn what_cannot_be_written() {
     compound.add("both", (z[0] & z[1]).implies(x.le(0.5))).unwrap();
     assert_eq!(
         error(&compound),
-        "LP cannot say the compound condition of `both`; write the lowered model instead \
+        "LP cannot express the compound condition of `both`; write the lowered model instead \
          (`reformulate::lower(&model)?.model()`)"
     );
     let mut function = model.clone();
     function.absolute("size", x - 0.5).unwrap();
-    assert!(error(&function).starts_with("LP cannot say the function `size`; write the lowered"));
+    assert!(
+        error(&function).starts_with("LP cannot express the function `size`; write the lowered")
+    );
     model.add("few", at_most(1, &z)).unwrap();
-    assert!(error(&model).starts_with("LP cannot say the logic of `few`; write the lowered"));
+    assert!(error(&model).starts_with("LP cannot express the logic of `few`; write the lowered"));
     for model in [model, compound, function] {
         let lowered = carom::reformulate::lower(&model).unwrap();
         assert_same(lowered.model(), &read(&lp::write(lowered.model()).unwrap()));

@@ -34,7 +34,8 @@ fn errors_name_line_and_column() {
         ),
         (
             "SOS2\n",
-            "line 1, column 1: section `SOS2` cannot be read: special ordered sets have no place in \
+            "line 1, column 1: section `SOS2` cannot be read: special ordered sets have no place \
+             in \
              a model; write them with binaries and indicators",
         ),
         (
@@ -44,7 +45,8 @@ fn errors_name_line_and_column() {
         ),
         (
             "LAZYCONS\n",
-            "line 1, column 1: section `LAZYCONS` cannot be read: move its rows to ROWS, where they \
+            "line 1, column 1: section `LAZYCONS` cannot be read: move its rows to ROWS, where \
+             they \
              always hold",
         ),
         ("ROWS\n Q r\n", "line 2, column 2: row kind `Q` is not one of N, L, G and E"),
@@ -103,7 +105,8 @@ fn errors_in_later_sections() {
         ("RHS\n B most nan\n", "line 15, column 9: `nan` is not a number"),
         (
             "RHS\n B cost 1e30\n",
-            "line 15, column 9: `1e30` counts as infinite (1e20 and beyond do); a finite number is needed here",
+            "line 15, column 9: `1e30` counts as infinite (1e20 and beyond do); a finite number \
+             is needed here",
         ),
         ("RHS\n B\n", "line 15, column 2: expected pairs of row name and value"),
         (
@@ -127,11 +130,13 @@ fn errors_in_later_sections() {
         ),
         (
             "BOUNDS\n XX B x 1\n",
-            "line 15, column 2: `XX` is not a bound kind; expected LO, UP, FX, FR, MI, PL, BV, LI or UI",
+            "line 15, column 2: `XX` is not a bound kind; expected LO, UP, FX, FR, MI, PL, BV, LI \
+             or UI",
         ),
         (
             "BOUNDS\n SC B x 1\n",
-            "line 15, column 2: bound kind `SC` declares a semi-continuous column, which a model cannot hold; write it with a binary and an indicator",
+            "line 15, column 2: bound kind `SC` declares a semi-continuous column, which a model \
+             cannot hold; write it with a binary and an indicator",
         ),
         ("BOUNDS\n UP B q 1\n", "line 15, column 7: column `q` is not in COLUMNS"),
         ("BOUNDS\n UP B x\n", "line 15, column 5: column `B` is not in COLUMNS"),
@@ -158,7 +163,8 @@ fn errors_in_later_sections() {
         ("QUADOBJ\n x q 1\n", "line 15, column 4: column `q` is not in COLUMNS"),
         (
             "QUADOBJ\n x y 1e20\n",
-            "line 15, column 6: `1e20` counts as infinite (1e20 and beyond do); a finite number is needed here",
+            "line 15, column 6: `1e20` counts as infinite (1e20 and beyond do); a finite number \
+             is needed here",
         ),
         (
             "QUADOBJ\n x y 1\n y x 1\n",
@@ -166,11 +172,13 @@ fn errors_in_later_sections() {
         ),
         (
             "QSECTION most\n x x 2\n",
-            "line 14, column 10: row `most` is quadratic; only the objective can be, rows must be linear",
+            "line 14, column 10: row `most` is quadratic; only the objective can be, rows must be \
+             linear",
         ),
         (
             "QMATRIX\n x x 2\n x y 1\n y y 2\n",
-            "line 16, column 2: QMATRIX is not symmetric: the entry for `y` and `x` differs or is missing",
+            "line 16, column 2: QMATRIX is not symmetric: the entry for `y` and `x` differs or is \
+             missing",
         ),
         (
             "QUADOBJ\n x x 2\nQMATRIX\n x x 2\n",
@@ -178,7 +186,8 @@ fn errors_in_later_sections() {
         ),
         (
             "INDICATORS\n IF most x 1\n",
-            "line 15, column 10: `x` is not binary; only binary variables can stand in the condition or logic of `most`",
+            "line 15, column 10: `x` is not binary; conditions and logic, as in `most`, take \
+             binary variables only",
         ),
         ("INDICATORS\n IF most k 2\n", "line 15, column 12: expected 0 or 1, found `2`"),
         (
