@@ -71,6 +71,7 @@ fn lower_and_relax(model: &Model) -> Result<f64, Error> {
         refinements: 1,
         cutoff: f64::INFINITY,
         token: &StopToken::default(),
+        warm: None,
     };
     let answer = ClarabelRelaxation::new().solve(&reduced, &effort);
     Ok(lower_bound(&reduced, &answer.x, &answer.y))

@@ -77,6 +77,7 @@ fn parts(criterion: &mut Criterion, name: &str, model: &Model) {
         refinements: 1,
         cutoff: f64::INFINITY,
         token: &StopToken::default(),
+        warm: None,
     };
     let mut relaxation = ClarabelRelaxation::new();
     group.bench_function("relax_root", |b| b.iter(|| relaxation.solve(&reduced, &effort)));

@@ -19,8 +19,8 @@ pub mod program {
 
 pub mod relaxation {
     pub use crate::relaxation::{
-        Answer, Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, lower_bound, polish,
-        proves_infeasible, reduced_costs,
+        Claim, ClarabelRelaxation, Effort, InteriorPoint, Ladder, Relaxation, RelaxationResult,
+        WarmState, lower_bound, polish, proves_infeasible, reduced_costs,
     };
 }
 

@@ -3,9 +3,10 @@
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
+use crate::relaxation::Ladder;
 use crate::search::cuts::strengthen;
 use crate::search::{Accept, ColumnGuidance, Found, Seed, Task, search};
-use crate::solution::{Point, Statistics, Verification};
+use crate::solution::{Point, Verification};
 use crate::solver::{Control, Options, StopToken};
 
 /// A presolved program, and the way back to the model.
@@ -80,7 +81,8 @@ impl Stage<'_> {
             let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
             integers.map(|(value, _)| value.round() as i64).collect()
         };
-        let mut at_root = Statistics::default();
+        let make = || Ladder::new(options.relaxation);
+        let mut ladder = make();
         let tightens = options.presolve && !self.as_is;
         let exact = program;
         let boxed = if tightens { tighten_by_disjunctions(program, token) } else { None };
@@ -88,7 +90,7 @@ impl Stage<'_> {
         let tight = if tightens { tighten_big_ms(program, token) } else { None };
         let program = tight.as_ref().unwrap_or(program);
         let cut = if options.cuts && !self.as_is {
-            strengthen(program, token, &mut at_root)
+            strengthen(program, token, &mut ladder)
         } else {
             None
         };
@@ -99,13 +101,13 @@ impl Stage<'_> {
             key: &key,
             describe,
             guidance: self.guidance,
+            ladder: &make,
             options,
             cutoff: f64::INFINITY,
             token,
         };
         let mut found = search(task, control, seed);
-        found.statistics.relaxations += at_root.relaxations;
-        found.statistics.iterations += at_root.iterations;
+        ladder.take_spent().count(&mut found.statistics);
         found
     }
 }

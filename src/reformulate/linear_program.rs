@@ -12,13 +12,8 @@ use crate::interval::Interval;
 use crate::model::{Literal, Model, StoredRow, Variable};
 use crate::presolve::{Domain, Propagator, Reduction, reduce};
 use crate::program::Program;
-use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
-use crate::relaxation::{lower_bound, proves_infeasible};
-use crate::solver::StopToken;
-
-/// Iterations and tolerance of one linear program.
-const ITERATIONS: u32 = 100;
-const TOLERANCE: f64 = 1e-9;
+use crate::relaxation::{Claim, Ladder, Purpose, lower_bound, proves_infeasible};
+use crate::solver::{RelaxationMethod, StopToken};
 
 /// How much a bound on an expression is raised, relative to its size (at least 1), to cover
 /// rounding in propagation and reduction.
@@ -41,7 +36,7 @@ pub(super) struct Maximizer<'a> {
     program: Program,
     domain: Domain,
     propagator: Propagator,
-    relaxation: ClarabelRelaxation,
+    ladder: Ladder,
     /// Rows and bounds are infeasible.
     empty: bool,
 }
@@ -53,8 +48,8 @@ impl<'a> Maximizer<'a> {
         program.make_feasibility_problem();
         let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
         let empty = propagator.propagate_all(&program, &mut domain).is_err();
-        let relaxation = ClarabelRelaxation::new();
-        Ok(Maximizer { token, program, domain, propagator, relaxation, empty })
+        let ladder = Ladder::new(RelaxationMethod::default());
+        Ok(Maximizer { token, program, domain, propagator, ladder, empty })
     }
 
     /// Over some rows and their variables' bounds in a model. Variables are renumbered; the second
@@ -118,7 +113,7 @@ impl<'a> Maximizer<'a> {
     }
 
     fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {
-        let Maximizer { token, program, domain, propagator, relaxation, .. } = self;
+        let Maximizer { token, program, domain, propagator, ladder, .. } = self;
         if propagator.propagate_since(program, domain, mark).is_err() {
             return f64::NEG_INFINITY;
         }
@@ -139,14 +134,7 @@ impl<'a> Maximizer<'a> {
         if reduced.columns.is_empty() {
             return range.upper;
         }
-        let effort = Effort {
-            iterations: ITERATIONS,
-            tolerance: TOLERANCE,
-            refinements: 2,
-            cutoff: f64::INFINITY,
-            token,
-        };
-        let answer = relaxation.solve(&reduced, &effort);
+        let answer = ladder.solve_once(&reduced, Purpose::Bound, token);
         match answer.claim {
             Claim::Infeasible | Claim::Unknown if proves_infeasible(&reduced, &answer.y) => {
                 f64::NEG_INFINITY

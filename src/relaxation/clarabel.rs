@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::{Answer, Claim, Effort, Relaxation};
+use super::{Claim, Effort, Relaxation, RelaxationResult};
 use crate::presolve::Reduced;
 
 /// Clarabel's interior-point method with settings measured for branch and bound.
@@ -34,14 +34,15 @@ enum Source {
 }
 
 impl Relaxation for ClarabelRelaxation {
-    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> Answer {
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let conic = Conic::of(program);
         let n = program.columns.len();
-        let unknown = || Answer {
+        let unknown = || RelaxationResult {
             claim: Claim::Unknown,
             x: vec![0.0; n],
             y: vec![0.0; program.rows.len()],
             iterations: 0,
+            warm: None,
         };
         // The library's own limit knows nothing of the time before its first iteration.
         let token = effort.token;
@@ -77,7 +78,7 @@ impl Relaxation for ClarabelRelaxation {
             Some(solver.solution)
         };
         match catch_unwind(AssertUnwindSafe(run)) {
-            Ok(Some(solution)) => Answer {
+            Ok(Some(solution)) => RelaxationResult {
                 claim: match solution.status {
                     SolverStatus::Solved => Claim::Solved,
                     SolverStatus::PrimalInfeasible => Claim::Infeasible,
@@ -88,6 +89,7 @@ impl Relaxation for ClarabelRelaxation {
                 y: conic.row_multipliers(&solution.z, program.rows.len()),
                 x: solution.x,
                 iterations: u64::from(solution.iterations),
+                warm: None,
             },
             _ => unknown(),
         }

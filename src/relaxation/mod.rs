@@ -11,18 +11,24 @@ mod clarabel;
 mod correction;
 mod extended;
 mod interior;
+mod ladder;
 mod polish;
+mod recession;
+mod warm_state;
 
 pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
 pub use interior::InteriorPoint;
+pub use ladder::Ladder;
+pub(crate) use ladder::{Purpose, Question, Verdict};
 pub use polish::polish;
 pub(crate) use polish::polish_leaf;
+pub use warm_state::WarmState;
 
 use crate::presolve::Reduced;
 use crate::solver::StopToken;
 
-/// How hard to try, and when to stop.
+/// How hard to try, when to stop, and what to start from.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort<'a> {
     /// Largest number of iterations.
@@ -36,6 +42,8 @@ pub struct Effort<'a> {
     pub cutoff: f64,
     /// Ends the solve when it is over.
     pub token: &'a StopToken,
+    /// The state that the parent's relaxation left, of this method or of another one.
+    pub warm: Option<&'a WarmState>,
 }
 
 /// What a backend claims about a reduced program.
@@ -53,9 +61,9 @@ pub enum Claim {
     Unknown,
 }
 
-/// The raw answer of a backend, to be checked.
+/// What a method returns, to be checked.
 #[derive(Debug, Clone)]
-pub struct Answer {
+pub struct RelaxationResult {
     /// The claim.
     pub claim: Claim,
     /// Point or ray, one entry a reduced column.
@@ -64,10 +72,12 @@ pub struct Answer {
     pub y: Vec<f64>,
     /// Iterations taken.
     pub iterations: u64,
+    /// What the relaxations of children may start from; `None` if the method keeps nothing.
+    pub warm: Option<WarmState>,
 }
 
 /// A solver of reduced programs (convex quadratic, continuous).
-pub trait Relaxation {
+pub trait Relaxation: Send {
     /// Solves a program; never panics, never trusted.
-    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> Answer;
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult;
 }

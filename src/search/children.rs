@@ -42,12 +42,16 @@ pub(super) fn branch(
         let moved = |last: &Decision| (x[last.column] - last.value).abs();
         let fraction = child.decisions.last().map_or(0.0, moved);
         let path = ctx.tree.path_with(&path, &child.decisions);
-        Node { path, bound: child.bound.max(bound), fraction, known: child.known, serial: 0 }
+        let warm = ctx.node.warm.clone();
+        let bound = child.bound.max(bound);
+        Node { path, bound, fraction, known: child.known, warm, serial: 0 }
     };
     let mut nodes = children.into_iter().map(node_of);
     let first = nodes.next();
     for mut node in nodes {
-        node.known = node.known.filter(|_| ctx.tree.has_room());
+        if !ctx.tree.has_room() {
+            (node.known, node.warm) = (None, None);
+        }
         ctx.tree.push(node);
     }
     first
@@ -62,7 +66,7 @@ fn divide_root(
 ) -> Option<Node> {
     let node_of = |decisions: Vec<Decision>| {
         let path = ctx.tree.path_with(&root.path, &decisions);
-        Node { path, bound, fraction: 0.0, known: None, serial: 0 }
+        Node { path, bound, warm: ctx.node.warm.clone(), ..Node::root() }
     };
     let mut nodes = parts.into_iter().map(node_of);
     let first = nodes.next();

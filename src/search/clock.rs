@@ -40,6 +40,15 @@ impl Clock {
         std::mem::replace(&mut self.activity, activity)
     }
 
+    /// Moves time of the present activity to another one that measured itself.
+    pub(super) fn transfer(&mut self, activity: Activity, time: Duration) {
+        let present = self.switch(activity);
+        *self.part() += time;
+        self.activity = present;
+        let own = self.part();
+        *own = own.saturating_sub(time);
+    }
+
     /// Stops measuring while somebody else's clock runs; what was going on.
     pub(super) fn pause(&mut self) -> Activity {
         self.switch(Activity::Other)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::clock::Clock;
+use super::clock::{Activity, Clock};
 use super::event_windows::EventWindows;
 use super::focus_node::FocusNode;
 use super::found::Found;
@@ -11,7 +11,7 @@ use super::task::Task;
 use super::tree_view::TreeView;
 use crate::presolve::{Propagator, Reducer};
 use crate::program::Program;
-use crate::relaxation::{ClarabelRelaxation, InteriorPoint};
+use crate::relaxation::Ladder;
 use crate::solver::{NodeView, Options, StopToken};
 
 /// The search itself, for heuristics that solve smaller programs with it.
@@ -34,8 +34,7 @@ pub(super) struct Context<'a> {
     pub(super) node: FocusNode,
     pub(super) propagator: Propagator,
     pub(super) reducer: Reducer,
-    pub(super) clarabel: ClarabelRelaxation,
-    pub(super) interior: InteriorPoint,
+    pub(super) ladder: Ladder,
     pub(super) clock: Clock,
     /// This worker's own clone, which counts its work.
     pub(super) token: StopToken,
@@ -58,8 +57,7 @@ impl<'a> Context<'a> {
             node: FocusNode::root(&root.domain),
             propagator,
             reducer: Reducer::default(),
-            clarabel: ClarabelRelaxation::new(),
-            interior: InteriorPoint::new(),
+            ladder: (shared.task.ladder)(),
             clock: Clock::new(),
             token: shared.task.token.clone(),
             iterations: 0,
@@ -125,12 +123,11 @@ impl<'a> Context<'a> {
         self.shared.task.guidance.show(bounds, x, depth, bound, to)
     }
 
-    /// Counts a relaxation.
-    pub(super) fn count_relaxation(&mut self, iterations: u64) {
-        self.iterations += iterations;
-        self.tree.count(|s| {
-            s.relaxations += 1;
-            s.iterations += iterations;
-        });
+    /// Books what the ladder has taken since this was last called.
+    pub(super) fn book_relaxations(&mut self) {
+        let spent = self.ladder.take_spent();
+        self.clock.transfer(Activity::Relaxation, spent.time);
+        self.iterations += spent.iterations;
+        self.tree.count(|s| spent.count(s));
     }
 }

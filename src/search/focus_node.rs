@@ -2,6 +2,7 @@
 
 use super::node::Decision;
 use crate::presolve::{Domain, Propagator};
+use crate::relaxation::WarmState;
 
 /// A node on the current path that the search went down from: its depth, and the end of the trail
 /// when it was left.
@@ -22,6 +23,8 @@ pub(super) struct FocusNode {
     root_mark: usize,
     /// The cutoff that propagation uses here.
     pub(super) cutoff: f64,
+    /// What its relaxation has left, or its parent's before it is relaxed.
+    pub(super) warm: Option<WarmState>,
 }
 
 impl FocusNode {
@@ -33,6 +36,7 @@ impl FocusNode {
             checkpoints: Vec::new(),
             root_mark: domain.mark(),
             cutoff: f64::INFINITY,
+            warm: None,
         }
     }
 

@@ -5,9 +5,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use super::clock::Activity;
 use super::context::Context;
 use super::local_bounds::propagate_since;
-use super::node_relaxation::{Purpose, Verdict, relax};
+use super::node_relaxation::relax;
 use crate::presolve::{Reduced, Reduction};
-use crate::relaxation::{polish, polish_leaf};
+use crate::relaxation::{Purpose, Verdict, polish, polish_leaf};
 use crate::tolerance;
 
 /// Fixes all integers to the rounded values of `point`, solves the rest and offers the result.

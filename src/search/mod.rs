@@ -33,8 +33,8 @@
 //! * `context` - the node in hand with what propagates and relaxes it
 //! * `local_bounds` - tightening and propagating the domain of the node
 //! * `switch_node` - from node to node, `node_probing` - how much probing nodes get
-//! * `node_relaxation` - what is relaxed, how hard to try, what is believed
-//! * `recession`, `unbounded` - directions in which the objective falls without limit
+//! * `node_relaxation` - what is relaxed, and what for
+//! * `unbounded` - a root whose objective falls without limit
 //! * `reduced_cost` - bounds of integers from multipliers
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //!
@@ -72,7 +72,6 @@ mod node_probing;
 mod node_relaxation;
 mod parallel;
 mod pseudocosts;
-mod recession;
 mod reduced_cost;
 mod reporter;
 mod root;

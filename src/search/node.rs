@@ -9,6 +9,8 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 
+use crate::relaxation::WarmState;
+
 /// One bound change by branching.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Decision {
@@ -102,6 +104,8 @@ impl Path {
 pub(super) struct Known {
     /// The relaxed point, over all columns.
     pub(super) point: Vec<f64>,
+    /// What the relaxation has left.
+    pub(super) warm: Option<WarmState>,
 }
 
 /// An open node: the decisions from the root, and a proved bound on its subtree.
@@ -113,6 +117,8 @@ pub(super) struct Node {
     pub(super) fraction: f64,
     /// The relaxation of a trial, where there was one.
     pub(super) known: Option<Box<Known>>,
+    /// What the parent's relaxation has left.
+    pub(super) warm: Option<WarmState>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
     pub(super) serial: u64,
 }
@@ -121,7 +127,7 @@ impl Node {
     /// The root of a tree.
     pub(super) fn root() -> Self {
         let (path, bound) = (Path::default(), f64::NEG_INFINITY);
-        Node { path, bound, fraction: 0.0, known: None, serial: 0 }
+        Node { path, bound, fraction: 0.0, known: None, warm: None, serial: 0 }
     }
 }
 
@@ -225,9 +231,8 @@ mod tests {
         let node = |path: &Path, bound: f64, serial| Node {
             path: path.clone(),
             bound,
-            fraction: 0.0,
-            known: None,
             serial,
+            ..Node::root()
         };
         let mut queue = NodeQueue::default();
         for (path, bound, serial) in

@@ -2,6 +2,7 @@
 
 use super::column_guidance::ColumnGuidance;
 use crate::program::Program;
+use crate::relaxation::Ladder;
 use crate::solution::Point;
 use crate::solver::{Options, StopToken};
 
@@ -24,6 +25,8 @@ pub struct Task<'a> {
     pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
     /// What the user knows about the search.
     pub guidance: &'a ColumnGuidance<'a>,
+    /// Makes the methods of a worker.
+    pub ladder: &'a (dyn Fn() -> Ladder + Sync),
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
     /// Points must be better than this (minimised objective); infinite if any will do.

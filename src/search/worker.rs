@@ -9,7 +9,7 @@ use super::indifferent_binaries::{settle_groups, settle_lone};
 use super::leaf::offer_leaf;
 use super::node::{Decision, Known, Node};
 use super::node_probing::NodeProbing;
-use super::node_relaxation::{Purpose, Verdict, project_node, relax};
+use super::node_relaxation::{project_node, relax};
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
 use super::switch_node::switch_to;
@@ -17,6 +17,7 @@ use super::trace::span;
 use super::tree_view::TreeView;
 use super::unbounded::settle_descent;
 use crate::presolve::Reduced;
+use crate::relaxation::{Purpose, Verdict};
 use crate::solution::{Heuristic, Termination};
 
 /// Distance from the cutoff, relative to the bound, within which a trial's bound may be too rough
@@ -84,6 +85,8 @@ impl<'a> Worker<'a> {
 
     fn conclude(&mut self, mut node: Node) -> Option<Node> {
         let at_root = node.path.is_empty();
+        let own = node.known.as_mut().and_then(|known| known.warm.take());
+        self.context.node.warm = own.or_else(|| node.warm.clone());
         if !self.enter(&node) {
             let ctx = &mut self.context;
             ctx.tree.count(|s| s.refuted_by_propagation += 1);
@@ -177,7 +180,8 @@ fn relax_node(
             settle_descent(ctx, node.clone());
             return None;
         }
-        Verdict::Relaxed { bound, x, y, .. } => {
+        Verdict::Relaxed { bound, x, y, warm, .. } => {
+            ctx.node.warm = warm;
             if let Some(last) = node.path.last() {
                 let gain = bound - node.bound;
                 pseudocosts.learn(last.column, !last.is_upper, gain, node.fraction);

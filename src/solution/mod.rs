@@ -15,7 +15,7 @@ mod verification;
 pub use leaves::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
 pub use point::{Evaluate, Point};
 pub use pool::{Pool, PoolPoint};
-pub use statistics::{Heuristic, HeuristicCount, Heuristics, Statistics, Times};
+pub use statistics::{Heuristic, HeuristicCount, Heuristics, RelaxationCounts, Statistics, Times};
 pub use status::{PrimalStatus, Termination};
 pub(crate) use verification::for_reading;
 pub use verification::{Checked, Verification, Violation, ViolationKind};

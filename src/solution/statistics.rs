@@ -19,6 +19,8 @@ pub struct Statistics {
     pub nested_nodes: u64,
     /// Continuous relaxations solved, including those of heuristics and checks.
     pub relaxations: u64,
+    /// The same by method, and how often the first method gave up.
+    pub relaxation_counts: RelaxationCounts,
     /// Interior-point iterations over all relaxations.
     pub iterations: u64,
     /// Nodes refuted without a relaxation: by bound propagation, probing or reduction.
@@ -68,6 +70,35 @@ pub struct Statistics {
     pub heuristics: Heuristics,
     /// Wall-clock time of the solve.
     pub time: Duration,
+}
+
+/// Relaxations by the method that was asked. Of a relaxation that two methods are asked about, both
+/// are counted; [`Statistics::relaxations`] is the sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct RelaxationCounts {
+    /// By the crate's own interior-point method.
+    pub interior_point: u64,
+    /// By Clarabel.
+    pub clarabel: u64,
+    /// How often the first attempt at a node was not good enough and a second one was made.
+    pub given_up: u64,
+}
+
+impl RelaxationCounts {
+    /// Relaxations by all methods.
+    pub fn total(&self) -> u64 {
+        self.interior_point + self.clarabel
+    }
+
+    /// Adds other counts.
+    pub fn add(&mut self, other: &RelaxationCounts) {
+        self.interior_point += other.interior_point;
+        self.clarabel += other.clarabel;
+        self.given_up += other.given_up;
+    }
 }
 
 /// What the threads of a search spent their time on. The parts do not overlap, and are summed over
@@ -312,6 +343,7 @@ impl Statistics {
     /// points are counted when they are offered.
     pub(crate) fn add_nested(&mut self, inner: &Statistics) {
         self.relaxations += inner.relaxations;
+        self.relaxation_counts.add(&inner.relaxation_counts);
         self.iterations += inner.iterations;
         self.nested_nodes += inner.nodes + inner.nested_nodes;
         self.times.add(&inner.times);
@@ -323,6 +355,7 @@ impl Statistics {
         self.nodes += part.nodes;
         self.nested_nodes += part.nested_nodes;
         self.relaxations += part.relaxations;
+        self.relaxation_counts.add(&part.relaxation_counts);
         self.iterations += part.iterations;
         self.refuted_by_propagation += part.refuted_by_propagation;
         self.refuted_by_relaxation += part.refuted_by_relaxation;

@@ -3,6 +3,7 @@
 use web_time::Duration;
 
 use super::heuristics::Heuristics;
+use super::relaxation_method::RelaxationMethod;
 use super::rules::BranchingRule;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
@@ -28,6 +29,7 @@ use crate::tolerance;
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
+/// | `relaxation` | [`RelaxationMethod`] | `InteriorPoint` | `InteriorPoint` | `InteriorPoint` | benchmarks, *Relaxations by either method* |
 /// | `symmetry` | on or off | off | off | off | decisions, *Symmetry* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
@@ -36,7 +38,7 @@ use crate::tolerance;
 /// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
 /// | `heuristics` | [`Heuristics`] | all but local branching | all | as default | decisions, *Heuristics are paid from allowances* |
 ///
-/// "Decisions" is `docs/decisions.md` in the repository.
+/// "Decisions" is `docs/decisions.md` in the repository, "benchmarks" is `docs/benchmarks.md`.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -85,6 +87,8 @@ pub struct Options {
     pub keep_leaves: bool,
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
+    /// Which method solves the relaxations; default [`RelaxationMethod::InteriorPoint`].
+    pub relaxation: RelaxationMethod,
     /// Whether interchangeable columns must have non-increasing values; default off. Not used if a
     /// pool or leaves are kept, or if points come from a seed or from guidance.
     pub symmetry: bool,
@@ -138,6 +142,7 @@ impl Default for Options {
             pool_gap: None,
             keep_leaves: false,
             branching: BranchingRule::Automatic,
+            relaxation: RelaxationMethod::InteriorPoint,
             symmetry: false,
             conflicts: false,
             presolve: true,
@@ -256,6 +261,13 @@ impl Options {
     #[must_use]
     pub fn with_branching(mut self, rule: BranchingRule) -> Self {
         self.branching = rule;
+        self
+    }
+
+    /// Sets the method that solves the relaxations.
+    #[must_use]
+    pub fn with_relaxation(mut self, method: RelaxationMethod) -> Self {
+        self.relaxation = method;
         self
     }
 

@@ -7,3 +7,4 @@ mod presolve;
 mod propagation;
 mod relaxation;
 mod strengthening;
+mod warm_states;

@@ -487,7 +487,7 @@ fn is_bound(case: &Case, bound: f64, point: &[i64]) -> bool {
 }
 
 fn effort(token: &StopToken) -> Effort<'_> {
-    Effort { iterations: 100, tolerance: 1e-8, refinements: 10, cutoff: INF, token }
+    Effort { iterations: 100, tolerance: 1e-8, refinements: 10, cutoff: INF, token, warm: None }
 }
 
 proptest! {

@@ -5,7 +5,7 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    Answer, Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, lower_bound,
+    Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, RelaxationResult, lower_bound,
     proves_infeasible,
 };
 use carom::solver::StopToken;
@@ -15,7 +15,7 @@ const INF: f64 = f64::INFINITY;
 const REGRESSIONS: &str = "tests/relaxation.proptest-regressions";
 
 fn effort(token: &StopToken, cutoff: f64) -> Effort<'_> {
-    Effort { iterations: 60, tolerance: 1e-8, refinements: 1, cutoff, token }
+    Effort { iterations: 60, tolerance: 1e-8, refinements: 1, cutoff, token, warm: None }
 }
 
 /// Sparse rows of whole numbers: pairs of a column and a coefficient.
@@ -143,7 +143,7 @@ fn violation(program: &Reduced, x: &[f64]) -> f64 {
 }
 
 /// What a claim means is proved by its multipliers.
-fn check(program: &Reduced, answer: &Answer, cutoff: f64) -> Result<(), TestCaseError> {
+fn check(program: &Reduced, answer: &RelaxationResult, cutoff: f64) -> Result<(), TestCaseError> {
     match answer.claim {
         Claim::Solved => {
             let (value, bound) =

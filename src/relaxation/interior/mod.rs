@@ -14,7 +14,7 @@ mod kkt;
 mod scaled;
 mod start;
 
-use super::{Answer, Claim, Effort, Relaxation};
+use super::{Claim, Effort, Relaxation, RelaxationResult};
 use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
@@ -44,14 +44,15 @@ const ROUGH: f64 = 1e-8;
 const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
-    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> Answer {
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let scaled = Scaled::of(program);
         let (n, m) = (program.columns.len(), program.rows.len());
-        let nothing = |iterations| Answer {
+        let nothing = |iterations| RelaxationResult {
             claim: Claim::Unknown,
             x: vec![f64::NAN; n],
             y: vec![0.0; m],
             iterations,
+            warm: None,
         };
         let Some(mut kkt) = Kkt::new(&scaled, effort.token) else { return nothing(0) };
         let mut at = Iterate::start(&scaled);
@@ -66,7 +67,7 @@ impl Relaxation for InteriorPoint {
             let x: Vec<f64> = at.x.iter().zip(&scaled.column).map(|(x, d)| x * d).collect();
             let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
             let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
-            Answer { claim, x, y, iterations }
+            RelaxationResult { claim, x, y, iterations, warm: None }
         };
         let (mut stuck, mut iterations) = (0, 0);
         let mut nearly = None;
@@ -79,7 +80,7 @@ impl Relaxation for InteriorPoint {
             let violation = at.violation(&scaled);
             let feasible = violation <= effort.tolerance;
             if feasibility_problem && feasible {
-                return Answer { y: vec![0.0; m], ..done(Claim::Solved) };
+                return RelaxationResult { y: vec![0.0; m], ..done(Claim::Solved) };
             }
             if iterations > 0 {
                 let bound = objective(at.dual_value(&scaled));

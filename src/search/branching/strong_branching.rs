@@ -5,10 +5,11 @@
 //! need not be solved again; and what propagation concludes in both children of a column holds in
 //! their parent.
 
+use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
 use crate::search::local_bounds::propagate_since;
 use crate::search::node::{Decision, Known};
-use crate::search::node_relaxation::{Purpose, Verdict, project_node, relax};
+use crate::search::node_relaxation::{project_node, relax};
 use crate::search::pseudocosts::Pseudocosts;
 
 /// Trials of new columns at a node.
@@ -76,7 +77,7 @@ pub(super) fn try_child(
             ctx.tree.count(|s| s.closed_by_trials += 1);
             None
         }
-        Verdict::Relaxed { bound: child, .. } => {
+        Verdict::Relaxed { bound: child, warm, .. } => {
             let fraction = (value - decision.value).abs();
             let gain = child - bound;
             pseudocosts.learn(decision.column, !decision.is_upper, gain, fraction);
@@ -86,7 +87,7 @@ pub(super) fn try_child(
                 ctx.tree.close(child);
                 return None;
             }
-            let known = (!point.is_empty()).then(|| Box::new(Known { point }));
+            let known = (!point.is_empty()).then(|| Box::new(Known { point, warm }));
             let gain = if gain.is_finite() { gain } else { 0.0 };
             Some(Trial { gain, bound: child, known, moved })
         }

@@ -19,8 +19,7 @@ pub use mixed_integer_rounding::mixed_integer_rounding_cuts;
 
 use crate::presolve::{Domain, Propagator, Reduced, Reduction, reduce};
 use crate::program::Program;
-use crate::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
-use crate::solution::Statistics;
+use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::StopToken;
 
 /// Most rounds.
@@ -50,11 +49,11 @@ const BINDING: f64 = 1e-6;
 /// # Arguments
 ///
 /// * `token`: ends the rounds.
-/// * `statistics`: relaxations and iterations are added to it.
+/// * `ladder`: keeps count of the relaxations.
 pub(crate) fn strengthen(
     program: &Program,
     token: &StopToken,
-    statistics: &mut Statistics,
+    ladder: &mut Ladder,
 ) -> Option<Program> {
     // Under a curved objective the relaxed optimum is rarely at a corner that a cut takes off.
     let curved = program.quadratic.compute_nnz() > 0;
@@ -65,12 +64,10 @@ pub(crate) fn strengthen(
     let mut propagator = Propagator::new(program);
     propagator.set_stop_token(token);
     propagator.propagate_all(program, &mut domain).ok()?;
-    let effort =
-        Effort { iterations: 60, tolerance: 1e-8, refinements: 1, cutoff: f64::INFINITY, token };
     if token.is_over() {
         return None;
     }
-    let (first, mut x) = relax(program, &domain, &effort, statistics)?;
+    let (first, mut x) = relax(program, &domain, ladder, token)?;
     let (mut last, mut idle) = (first, 0);
     let mut cuts: Vec<Cut> = Vec::new();
     for _ in 0..ROUNDS {
@@ -85,7 +82,7 @@ pub(crate) fn strengthen(
         }
         cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
         cuts.extend(found);
-        let Some((bound, point)) = relax(&with_cuts(program, &cuts)?, &domain, &effort, statistics)
+        let Some((bound, point)) = relax(&with_cuts(program, &cuts)?, &domain, ladder, token)
         else {
             break;
         };
@@ -122,17 +119,15 @@ fn select(mut cuts: Vec<Cut>, x: &[f64]) -> Vec<Cut> {
 fn relax(
     program: &Program,
     domain: &Domain,
-    effort: &Effort<'_>,
-    statistics: &mut Statistics,
+    ladder: &mut Ladder,
+    token: &StopToken,
 ) -> Option<(f64, Vec<f64>)> {
     let Reduction::Reduced(reduced) = reduce(program, domain) else { return None };
     let reduced: Reduced = *reduced;
     if reduced.columns.is_empty() {
         return None;
     }
-    let answer = ClarabelRelaxation::new().solve(&reduced, effort);
-    statistics.relaxations += 1;
-    statistics.iterations += answer.iterations;
+    let answer = ladder.solve_once(&reduced, Purpose::Separation, token);
     let solved = answer.claim == Claim::Solved && answer.x.iter().all(|v| v.is_finite());
     solved.then(|| (reduced.objective(&answer.x), reduced.lift(&answer.x)))
 }

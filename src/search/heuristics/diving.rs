@@ -8,11 +8,12 @@
 
 use super::allowance::Allowance;
 use super::rounding::round_and_propagate;
+use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
 use crate::search::indifferent_binaries::settle_groups;
 use crate::search::leaf::try_assignment;
 use crate::search::local_bounds::{fix_near, propagate_since};
-use crate::search::node_relaxation::{Purpose, Verdict, project_node, relax};
+use crate::search::node_relaxation::{project_node, relax};
 use crate::search::pseudocosts::Pseudocosts;
 use crate::search::trace::span;
 use crate::solution::Heuristic;

@@ -9,8 +9,7 @@
 
 use super::rounding::round_and_propagate;
 use crate::presolve::{Reduced, Reduction, reduce};
-use crate::relaxation::{Claim, Effort, Relaxation};
-use crate::search::clock::Activity;
+use crate::relaxation::{Claim, Purpose};
 use crate::search::context::Context;
 use crate::search::leaf::try_assignment;
 use crate::search::trace::span;
@@ -110,17 +109,8 @@ fn solve_roughly(ctx: &mut Context<'_>, reduced: &Reduced) -> Option<Vec<f64>> {
     if reduced.columns.is_empty() {
         return Some(Vec::new());
     }
-    let effort = Effort {
-        iterations: 60,
-        tolerance: 1e-6,
-        refinements: 1,
-        cutoff: f64::INFINITY,
-        token: &ctx.token,
-    };
-    let activity = ctx.clock.switch(Activity::Relaxation);
-    let answer = ctx.interior.solve(reduced, &effort);
-    ctx.clock.switch(activity);
-    ctx.count_relaxation(answer.iterations);
+    let answer = ctx.ladder.solve_once(reduced, Purpose::Projection, &ctx.token);
+    ctx.book_relaxations();
     let usable = !matches!(answer.claim, Claim::Infeasible | Claim::Unbounded);
     (usable && answer.x.iter().all(|v| v.is_finite())).then_some(answer.x)
 }

@@ -2,10 +2,11 @@
 //! program.
 
 use super::rounding::round_and_propagate;
+use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
 use crate::search::leaf::solve_assignment;
 use crate::search::local_bounds::{fix_near, fix_to};
-use crate::search::node_relaxation::{Purpose, Verdict, project_node, relax};
+use crate::search::node_relaxation::{project_node, relax};
 use crate::search::seed::GuessEnd;
 use crate::search::trace::span;
 use crate::solution::Heuristic;

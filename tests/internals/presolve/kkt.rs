@@ -103,6 +103,7 @@ fn continuous_pair(program: &Program, at: &[f64]) -> Option<(Vec<f64>, Vec<f64>)
         refinements: 10,
         cutoff: f64::INFINITY,
         token: &StopToken::default(),
+        warm: None,
     };
     let answer = ClarabelRelaxation::new().solve(&left, &effort);
     if answer.claim != Claim::Solved {

@@ -8,13 +8,24 @@ mod programs;
 mod rules;
 
 use carom::internals::program::Program;
+use carom::internals::relaxation::Ladder;
 use carom::internals::search::{Accept, ColumnGuidance, Found, Task, search};
 use carom::model::Model;
-use carom::solver::{Control, Guidance, Options, StopToken};
+use carom::solver::{Control, Guidance, Options, RelaxationMethod, StopToken};
 
 /// Searches a program that no model is told about.
 fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
-    let (options, model) = (Options::default(), Model::new("none"));
+    search_by(program, accept, &Options::default(), &|| Ladder::new(RelaxationMethod::default()))
+}
+
+/// The same with options and with methods for the relaxations.
+pub(crate) fn search_by(
+    program: &Program,
+    accept: &Accept<'_>,
+    options: &Options,
+    ladder: &(dyn Fn() -> Ladder + Sync),
+) -> Found {
+    let model = Model::new("none");
     let guidance = ColumnGuidance::new(&model, &Guidance::default()).expect("no guidance is none");
     let task = Task {
         cutoff: f64::INFINITY,
@@ -24,7 +35,8 @@ fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
         guidance: &guidance,
         key: &|x| x.iter().map(|v| v.round() as i64).collect(),
         describe: &|_| None,
-        options: &options,
+        ladder,
+        options,
         token: &StopToken::default(),
     };
     search(task, &mut Control::default(), None)

@@ -1,0 +1,379 @@
+//! Which method is asked, how hard, and who is asked next: the ladder of attempts.
+//!
+//! An attempt is a method with a number of iterations, a tolerance and a number of refinements. The
+//! attempts of each [`Purpose`] stand in one table, [`attempts`]; the methods in another,
+//! [`Entry::of`], where a new one needs one line. Nothing else in the crate names a method.
+
+use web_time::{Duration, Instant};
+
+use super::clarabel::ClarabelRelaxation;
+use super::interior::InteriorPoint;
+use super::recession::{is_descent_ray, recession_program};
+use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
+use super::{lower_bound, polish, proves_infeasible};
+use crate::presolve::Reduced;
+use crate::solution::{RelaxationCounts, Statistics};
+use crate::solver::{Options, RelaxationMethod, StopToken};
+use crate::tolerance;
+
+/// What a relaxation is solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// The root, where it may turn out that the objective falls without limit.
+    Root,
+    /// A node below.
+    Node,
+    /// A child on trial, or a step of a dive: a rough answer will do. Its bound is a proved one like
+    /// any other, if not the best.
+    Trial,
+    /// A leaf, whose point may become the answer: digits cost an iteration or two.
+    Leaf,
+    /// A point near the optimum; nothing is concluded from it.
+    Projection,
+    /// A point to cut off.
+    Separation,
+    /// A bound on an expression.
+    Bound,
+    /// A direction in which the objective may fall without limit.
+    Direction,
+}
+
+/// Who is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Who {
+    /// The first method: quick, and gives up early.
+    First,
+    /// The last method: slower, and gives up late.
+    Last,
+}
+use Who::{First, Last};
+
+/// Who is asked, with how many iterations, at which tolerance, with how many refinements.
+type Attempt = (Who, u32, f64, u32);
+
+/// The attempts of a purpose, in their order. Iterations are capped: a program infeasible by a hair
+/// keeps an interior-point method busy without a verdict.
+fn attempts(purpose: Purpose) -> &'static [Attempt] {
+    match purpose {
+        Purpose::Trial => &[(First, 30, 1e-5, 1)],
+        Purpose::Root | Purpose::Node => {
+            &[(First, 60, 1e-8, 1), (Last, 60, 1e-8, 1), (Last, 200, 1e-9, 10)]
+        }
+        Purpose::Leaf => &[
+            (First, 60, 1e-11, 1),
+            (Last, 60, 1e-8, 1),
+            (Last, 200, 1e-9, 10),
+            (Last, 200, 1e-11, 10),
+        ],
+        Purpose::Projection => &[(First, 60, 1e-6, 1)],
+        Purpose::Separation => &[(Last, 60, 1e-8, 1)],
+        Purpose::Bound => &[(Last, 100, 1e-9, 2)],
+        Purpose::Direction => &[(Last, 200, 1e-9, 10)],
+    }
+}
+
+/// A method and where it is counted.
+struct Entry {
+    method: Box<dyn Relaxation>,
+    count: fn(&mut RelaxationCounts) -> &mut u64,
+}
+
+impl Entry {
+    fn of(method: RelaxationMethod) -> Self {
+        let (method, count): (Box<dyn Relaxation>, fn(&mut RelaxationCounts) -> &mut u64) =
+            match method {
+                RelaxationMethod::InteriorPoint => {
+                    (Box::new(InteriorPoint::new()), |c| &mut c.interior_point)
+                }
+                RelaxationMethod::Clarabel => {
+                    (Box::new(ClarabelRelaxation::new()), |c| &mut c.clarabel)
+                }
+            };
+        Entry { method, count }
+    }
+}
+
+/// What a ladder has taken since it was last asked.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Spent {
+    /// Attempts by method.
+    pub counts: RelaxationCounts,
+    /// Iterations of all attempts.
+    pub iterations: u64,
+    /// Time inside the methods.
+    pub time: Duration,
+}
+
+impl Spent {
+    /// Adds it to the counts of a solve.
+    pub fn count(&self, statistics: &mut Statistics) {
+        statistics.relaxations += self.counts.total();
+        statistics.relaxation_counts.add(&self.counts);
+        statistics.iterations += self.iterations;
+    }
+}
+
+/// What is asked about a node.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'a> {
+    /// One of the first four.
+    pub purpose: Purpose,
+    /// A proved bound of at least this settles the question; infinite if none does.
+    pub cutoff: f64,
+    /// The gaps that a leaf has to meet.
+    pub options: &'a Options,
+    /// Whether to look for a direction in which the objective falls without limit.
+    pub look_for_descent: bool,
+    /// Ends the attempts when it is over.
+    pub token: &'a StopToken,
+    /// The state that the parent's relaxation left.
+    pub warm: Option<&'a WarmState>,
+}
+
+/// What a relaxation, verified, says about a node.
+#[derive(Debug)]
+pub enum Verdict {
+    /// No feasible point: proved.
+    Refuted,
+    /// A limit or an interrupt came first.
+    Stopped,
+    /// The objective falls without limit along a verified direction.
+    Descent,
+    /// A proved bound and a point, not necessarily optimal.
+    Relaxed {
+        /// The proved bound.
+        bound: f64,
+        /// The point, one entry a reduced column.
+        x: Vec<f64>,
+        /// The multipliers behind the bound; empty if there are none.
+        y: Vec<f64>,
+        /// Whether bound and point are close together.
+        converged: bool,
+        /// What the children's relaxations may start from.
+        warm: Option<WarmState>,
+    },
+}
+
+/// The methods of a search, and what they have taken.
+pub struct Ladder {
+    first: Entry,
+    /// `None` if the first method is alone.
+    last: Option<Entry>,
+    spent: Spent,
+}
+
+impl Ladder {
+    /// The ladder of a choice.
+    pub fn new(choice: RelaxationMethod) -> Self {
+        let last = RelaxationMethod::Clarabel;
+        let last = (choice != last).then(|| Entry::of(last));
+        Ladder { first: Entry::of(choice), last, spent: Spent::default() }
+    }
+
+    /// A ladder with a method of one's own, alone and counted as the crate's own.
+    pub fn with_method(method: Box<dyn Relaxation>) -> Self {
+        let first = Entry { method, count: |counts| &mut counts.interior_point };
+        Ladder { first, last: None, spent: Spent::default() }
+    }
+
+    /// What was taken since this was last called.
+    pub fn take_spent(&mut self) -> Spent {
+        std::mem::take(&mut self.spent)
+    }
+
+    /// The attempts of a purpose. A method that is alone is not asked twice for the same.
+    fn attempts(&self, purpose: Purpose) -> &'static [Attempt] {
+        match attempts(purpose) {
+            [_, rest @ ..] if self.last.is_none() && !rest.is_empty() => rest,
+            all => all,
+        }
+    }
+
+    fn ask(
+        &mut self,
+        (who, iterations, tolerance, refinements): Attempt,
+        program: &Reduced,
+        cutoff: f64,
+        token: &StopToken,
+        warm: Option<&WarmState>,
+    ) -> RelaxationResult {
+        let entry = match (who, &mut self.last) {
+            (Last, Some(last)) => last,
+            _ => &mut self.first,
+        };
+        let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm };
+        let began = Instant::now();
+        let result = entry.method.solve(program, &effort);
+        self.spent.time += began.elapsed();
+        *(entry.count)(&mut self.spent.counts) += 1;
+        self.spent.iterations += result.iterations;
+        result
+    }
+
+    /// Solves a program with the first attempt of a purpose. The result is what a method claims.
+    pub fn solve_once(
+        &mut self,
+        program: &Reduced,
+        purpose: Purpose,
+        token: &StopToken,
+    ) -> RelaxationResult {
+        self.ask(self.attempts(purpose)[0], program, f64::INFINITY, token, None)
+    }
+
+    /// Solves the program of a node and verifies what the methods claim, trying harder while the
+    /// result is not good enough.
+    pub fn solve(&mut self, program: &Reduced, question: &Question<'_>) -> Verdict {
+        let token = question.token;
+        let mut known = Known::new(program, question);
+        if program.columns.is_empty() {
+            known.warm = question.warm.cloned();
+            return known.relaxed(program.offset, Vec::new(), true);
+        }
+        let all = self.attempts(question.purpose);
+        let mut at = 0;
+        while let Some(&attempt) = all.get(at) {
+            let result = self.ask(attempt, program, known.cutoff, token, question.warm);
+            if result.claim == Claim::Unknown && token.is_over() {
+                return Verdict::Stopped;
+            }
+            match known.take(result) {
+                Step::Ended(verdict) => return verdict,
+                Step::GoodEnough => break,
+                Step::Again => {}
+                Step::Next => {
+                    at += 1;
+                    if at == 1 && all.len() > 1 {
+                        self.spent.counts.given_up += 1;
+                    }
+                }
+            }
+        }
+        if question.look_for_descent && !known.converged && self.falls_forever(program, token) {
+            return Verdict::Descent;
+        }
+        let (bound, x, converged) = (known.bound, std::mem::take(&mut known.x), known.converged);
+        known.relaxed(bound, x, converged)
+    }
+
+    /// Looks for a direction of descent without end when no method named one.
+    fn falls_forever(&mut self, program: &Reduced, token: &StopToken) -> bool {
+        let Some(directions) = recession_program(program) else { return false };
+        let mut result = self.solve_once(&directions, Purpose::Direction, token);
+        polish(&directions, &mut result.x, token);
+        is_descent_ray(program, &result.x)
+    }
+}
+
+/// What the attempts at a node have shown so far.
+struct Known<'a> {
+    program: &'a Reduced,
+    question: &'a Question<'a>,
+    /// The cutoff for the next attempt.
+    cutoff: f64,
+    /// The best proved bound, and the multipliers behind it.
+    bound: f64,
+    y: Vec<f64>,
+    /// The point nearest to the bound, and its distance.
+    x: Vec<f64>,
+    nearest: f64,
+    converged: bool,
+    warm: Option<WarmState>,
+}
+
+/// What follows from an attempt.
+enum Step {
+    Ended(Verdict),
+    GoodEnough,
+    /// The same attempt, without a cutoff.
+    Again,
+    Next,
+}
+
+impl<'a> Known<'a> {
+    fn new(program: &'a Reduced, question: &'a Question<'a>) -> Self {
+        Known {
+            program,
+            question,
+            cutoff: question.cutoff,
+            bound: f64::NEG_INFINITY,
+            y: Vec::new(),
+            x: vec![0.0; program.columns.len()],
+            nearest: f64::INFINITY,
+            converged: false,
+            warm: None,
+        }
+    }
+
+    /// Verifies the claim of an attempt.
+    fn take(&mut self, result: RelaxationResult) -> Step {
+        let RelaxationResult { claim, x, y, warm, .. } = result;
+        self.warm = warm.or(self.warm.take());
+        let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
+        let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
+        if may_be_empty && proves_infeasible(self.program, &y) {
+            return Step::Ended(Verdict::Refuted);
+        }
+        let falls = claim == Claim::Unbounded && self.question.look_for_descent;
+        if falls && is_descent_ray(self.program, &x) {
+            return Step::Ended(Verdict::Descent);
+        }
+        if has_point && x.iter().all(|v| v.is_finite()) {
+            return self.take_point(claim, x, y);
+        }
+        Step::Next
+    }
+
+    /// Proves the bound of an attempt's multipliers, and compares it with the point.
+    fn take_point(&mut self, claim: Claim, x: Vec<f64>, y: Vec<f64>) -> Step {
+        let program = self.program;
+        let bound = match program.is_feasibility_problem() {
+            true => program.offset,
+            false => lower_bound(program, &x, &y),
+        };
+        let value = program.objective(&x);
+        if bound >= self.bound {
+            (self.bound, self.y) = (bound, y);
+        }
+        if bound >= self.cutoff {
+            return Step::Ended(self.relaxed(bound, x, false));
+        }
+        if claim == Claim::Beyond && self.cutoff.is_finite() {
+            // What the method promised does not hold: the same again, to the end.
+            self.cutoff = f64::INFINITY;
+            return Step::Again;
+        }
+        let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        // A later attempt wins a tie.
+        let distance = (value - self.bound).abs();
+        if distance <= self.nearest {
+            (self.nearest, self.x) = (distance, x);
+        }
+        let slack = if self.question.purpose == Purpose::Trial { 1e-3 } else { 1e-6 };
+        let near = size <= tolerance::FREE_RADIUS;
+        self.converged = near && value - bound <= slack * value.abs().max(1.0);
+        if claim == Claim::Solved && value - bound <= self.close(value) {
+            return Step::GoodEnough;
+        }
+        Step::Next
+    }
+
+    /// How far a point of this value and its bound may be apart. Methods take the gap relative to an
+    /// objective without the constant, which may be large. For a leaf the gap asked for counts.
+    fn close(&self, value: f64) -> f64 {
+        let options = self.question.options;
+        let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
+        let enough = 1e-6 * value.abs().max(1.0);
+        if self.question.purpose == Purpose::Leaf { enough.min(wanted) } else { enough }
+    }
+
+    fn relaxed(&mut self, bound: f64, x: Vec<f64>, converged: bool) -> Verdict {
+        let (y, warm) = (std::mem::take(&mut self.y), self.warm.take());
+        Verdict::Relaxed { bound, x, y, converged, warm }
+    }
+}
+
+impl std::fmt::Debug for Ladder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Ladder").field("spent", &self.spent).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,29 @@
+//! What a relaxation leaves for those of its children.
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+/// An opaque state that a method returns from a node and receives at the children of the node.
+///
+/// Only the method that made it can read it. A clone costs one reference count.
+#[derive(Clone)]
+pub struct WarmState(Arc<dyn Any + Send + Sync>);
+
+impl WarmState {
+    /// Wraps what a method wants to keep.
+    pub fn new<T: Any + Send + Sync>(state: T) -> Self {
+        WarmState(Arc::new(state))
+    }
+
+    /// The state, or `None` if it is of another type, so of another method.
+    pub fn get<T: Any>(&self) -> Option<&T> {
+        self.0.downcast_ref()
+    }
+}
+
+impl fmt::Debug for WarmState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("WarmState").finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,30 @@
+//! Which method solves the continuous relaxations.
+
+use std::fmt;
+
+/// Which method solves the continuous relaxations of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum RelaxationMethod {
+    /// The crate's own interior-point method, and Clarabel for the relaxations that it gives up on.
+    #[default]
+    InteriorPoint,
+    /// Clarabel alone.
+    Clarabel,
+}
+
+impl RelaxationMethod {
+    /// All methods.
+    pub const ALL: [RelaxationMethod; 2] =
+        [RelaxationMethod::InteriorPoint, RelaxationMethod::Clarabel];
+}
+
+impl fmt::Display for RelaxationMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            RelaxationMethod::InteriorPoint => "interior-point",
+            RelaxationMethod::Clarabel => "clarabel",
+        })
+    }
+}
