@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
 //! [--node-limit N] [--deterministic] [--with PART] [--without PART] [--symmetry] [--conflicts] [--log]
-//! [--pool K] [--write OUT] [--lowered OUT]`
+//! [--relaxation METHOD] [--pool K] [--write OUT] [--lowered OUT]`
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`). The format follows from
 //! the extension `.mps`, `.lp` or `.json`, otherwise from the contents.
@@ -16,6 +16,8 @@
 //! * `--without PART`: leave out `presolve`, `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`,
 //!   `diving`, `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
 //! * `--with PART`: add a heuristic, or all `heuristics`
+//! * `--relaxation METHOD`: solve relaxations by `interior-point` (the default, with Clarabel if it
+//!   gives up) or by `clarabel` alone
 //! * `--symmetry`: order interchangeable columns
 //! * `--conflicts`: learn from conflicts
 //! * `--log`: progress and a summary on the standard error
@@ -40,11 +42,11 @@ use carom::prelude::{
     BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
 };
 use carom::reformulate;
-use carom::solver::{Heuristics, PoolMode};
+use carom::solver::{Heuristics, PoolMode, RelaxationMethod};
 
 const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
                      [--node-limit N] [--deterministic] [--with PART] [--without PART] \
-                     [--symmetry] [--conflicts] [--log] \
+                     [--symmetry] [--conflicts] [--log] [--relaxation METHOD] \
                      [--pool K] [--write OUT] [--lowered OUT]";
 
 #[derive(Default)]
@@ -205,6 +207,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
                 part => switch(&mut arguments.options.heuristics, part, false)?,
             },
             "--with" => switch(&mut arguments.options.heuristics, &value()?, true)?,
+            "--relaxation" => arguments.options.relaxation = method(&value()?)?,
             "--conflicts" => arguments.options.conflicts = true,
             "--symmetry" => arguments.options.symmetry = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
@@ -232,6 +235,12 @@ fn switch(heuristics: &mut Heuristics, part: &str, on: bool) -> Result<(), Strin
         _ => return Err(format!("nothing is called `{part}`\n{USAGE}")),
     }
     Ok(())
+}
+
+/// The method of relaxations with a name.
+fn method(name: &str) -> Result<RelaxationMethod, String> {
+    let found = RelaxationMethod::ALL.into_iter().find(|method| method.to_string() == name);
+    found.ok_or_else(|| format!("no method is called `{name}`\n{USAGE}"))
 }
 
 fn number<T: FromStr>(option: &str, text: &str) -> Result<T, String> {

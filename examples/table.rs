@@ -2,12 +2,13 @@
 //! files.
 //!
 //! `cargo run --release --example table -- [NAME...] [--threads K] [--time-limit S] [--rounds N]
-//! [--write FOLDER] [--limits]`
+//! [--relaxation METHOD] [--write FOLDER] [--limits]`
 //!
 //! * `NAME...`: parts of names; all programs by default
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--time-limit S`: seconds per solve, 60 by default
 //! * `--rounds N`: solves of each program, whose median time is printed; 3 by default
+//! * `--relaxation METHOD`: `interior-point` (the default) or `clarabel`
 //! * `--write FOLDER`: write each program as an MPS file, and all answers as `answers.txt` (name
 //!   and optimum, or `infeasible`), for `benches/compare.py`, without solving
 //!
@@ -32,6 +33,7 @@ use carom::model::mps;
 use carom::prelude::{
     BranchAndBound, Control, Interrupt, Model, Options, Solution, Solver, Termination,
 };
+use carom::solver::RelaxationMethod;
 use instances::large::large;
 use instances::suite::{Truth, suite};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -61,6 +63,12 @@ fn run() -> Result<bool, Box<dyn Error>> {
             "--rounds" => rounds = value()?.parse::<usize>()?.max(1),
             "--time-limit" => {
                 options.time_limit = Some(Duration::try_from_secs_f64(value()?.parse()?)?);
+            }
+            "--relaxation" => {
+                let name = value()?;
+                let mut all = RelaxationMethod::ALL.into_iter();
+                let found = all.find(|method| method.to_string() == name);
+                options.relaxation = found.ok_or(format!("no method is called `{name}`"))?;
             }
             "--write" => folder = Some(value()?),
             "--limits" => limits = true,

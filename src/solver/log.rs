@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use web_time::{Duration, Instant};
 
 use super::progress::{Event, Progress};
-use crate::solution::Solution;
+use crate::solution::{RelaxationCounts, Solution};
 
 /// Lines between two headings.
 const PAGE: u64 = 25;
@@ -100,6 +100,11 @@ impl<W: Write> Log<W> {
             statistics.depth,
             statistics.max_open,
             statistics.tree_bytes,
+        ));
+        let RelaxationCounts { interior_point, clarabel, given_up } = statistics.relaxation_counts;
+        self.write(format_args!(
+            "relaxations: interior point {interior_point}, Clarabel {clarabel}; the first method \
+             gave up {given_up} times\n"
         ));
         if statistics.blocks > 0 {
             self.write(format_args!("{} blocks, one after the other\n", statistics.blocks));

@@ -1,6 +1,7 @@
 //! Parts of the search on and off: no combination changes an answer, and each switch does switch.
 
 use carom::prelude::*;
+use carom::solver::RelaxationMethod;
 use proptest::prelude::*;
 
 use crate::common::config;
@@ -39,6 +40,43 @@ proptest! {
         let solution = solve(options, &model);
         is_right(&case, &solution)?;
     }
+}
+
+proptest! {
+    #![proptest_config(config(200, "tests/regressions/relaxation_methods.txt"))]
+
+    #[test]
+    fn either_method_of_relaxations_finds_the_optimum(
+        case in case(Shape::QUADRATIC),
+        bits in 0..64_u8,
+        deterministic in any::<bool>(),
+    ) {
+        let (model, _) = case.build();
+        for method in RelaxationMethod::ALL {
+            let options = options(bits).with_deterministic(deterministic).with_relaxation(method);
+            let solution = solve(options, &model);
+            is_right(&case, &solution)?;
+            let statistics = solution.statistics();
+            let counts = statistics.relaxation_counts;
+            prop_assert_eq!(counts.total(), statistics.relaxations);
+            prop_assert!(method != RelaxationMethod::Clarabel || counts.interior_point == 0);
+            prop_assert!(counts.given_up <= statistics.relaxations);
+        }
+    }
+}
+
+/// Most relaxations are the crate's own, and horizons come out the same by either method.
+#[test]
+fn either_method_solves_a_horizon() {
+    let model = pendulum(12, [0.0, 0.8], false);
+    let [own, other] = RelaxationMethod::ALL.map(|method| {
+        let solution = solve(Options::default().with_relaxation(method), &model);
+        assert!(solution.is_optimal(), "{method}");
+        (solution.objective().unwrap(), solution.statistics().relaxation_counts)
+    });
+    assert!((own.0 - other.0).abs() < 2e-6 * own.0.abs(), "{own:?} {other:?}");
+    assert!(own.1.interior_point > own.1.clarabel, "{own:?}");
+    assert!(other.1.interior_point == 0 && other.1.clarabel > 0, "{other:?}");
 }
 
 /// A horizon a step too short is refuted with probing and without it, in far more nodes.
