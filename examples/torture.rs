@@ -1,13 +1,14 @@
 //! Solves random, numerically difficult programs and compares every answer with the exact one.
 //!
 //! `cargo run --release --example torture -- [--cases N] [--seed S] [--threads K]
-//! [--solver-threads T] [--conflicts] [--out FOLDER]`
+//! [--solver-threads T] [--conflicts] [--large] [--out FOLDER]`
 //!
 //! * `--cases N`: number of programs, 10000 by default
 //! * `--seed S`: seed of the first program, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
 //! * `--conflicts`: learn from conflicts
+//! * `--large`: programs with terms of 1e6 to 1e10
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
 //!
 //! Each program that was answered wrongly or not finished is written there as an MPS file named
@@ -37,6 +38,7 @@ struct Arguments {
     threads: usize,
     solver_threads: usize,
     conflicts: bool,
+    large: bool,
     out: String,
 }
 
@@ -53,12 +55,13 @@ fn main() -> ExitCode {
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
-    let (threads, solver_threads, conflicts) = (1, 1, false);
-    let mut arguments = Arguments { cases, seed, threads, solver_threads, conflicts, out };
+    let (threads, solver_threads, conflicts, large) = (1, 1, false, false);
+    let mut arguments = Arguments { cases, seed, threads, solver_threads, conflicts, large, out };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--conflicts" {
-            arguments.conflicts = true;
+        if word == "--conflicts" || word == "--large" {
+            arguments.conflicts |= word == "--conflicts";
+            arguments.large |= word == "--large";
             continue;
         }
         let value = words.next().ok_or(format!("{word} needs a value"))?;
@@ -110,7 +113,8 @@ fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
 }
 
 fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
-    let case = generator::program(seed);
+    let program = if arguments.large { generator::large } else { generator::program };
+    let case = program(seed);
     let (model, variables) = case.build();
     let truth = truth(&case);
     let options = Options::default()

@@ -19,6 +19,10 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.
 const CROSSED: f64 = 1e-8;
 
+/// A row over fixed columns is refuted when it is missed by more than this, relative to its largest
+/// term, and by more than [`CROSSED`], absolute: presolve leaves at least this many digits.
+const LOST: f64 = 1e-10;
+
 /// A convex quadratic program `min 1/2 x'Px + q'x + offset` over rows and a box, in compressed
 /// form, over the free columns of a node.
 #[derive(Debug, Clone, Default)]
@@ -229,7 +233,7 @@ impl Reducer {
             match free {
                 0 => {
                     let miss = (l - constant).max(constant - u);
-                    if miss > CROSSED * scale + slack {
+                    if miss > CROSSED.max(LOST * scale) + slack {
                         return Err(Contradiction);
                     }
                 }
@@ -366,7 +370,7 @@ impl Reducer {
             let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.
-                if limits[0].max(-limits[1]) > CROSSED * scale {
+                if limits[0].max(-limits[1]) > CROSSED.max(LOST * scale) {
                     return Err(Contradiction);
                 }
                 continue;

@@ -57,17 +57,21 @@ impl Line {
         row.within(self.lower * self.scale, self.upper * self.scale)
     }
 
-    /// By how much the row is missed at a point, in the model's (scaled) unit, beyond the promised
-    /// tolerance: 1e-6, times a thousandth of the row's largest term or limit where that is more.
+    /// By how much the row is missed at a point, in the model's (scaled) unit, beyond what it may be.
     pub(crate) fn excess(&self, x: &[f64], tolerance: f64) -> f64 {
         let activity = self.scale * dot(&self.coefficients, x);
         let terms = self.coefficients.iter().zip(x).map(|(a, x)| (self.scale * a * x).abs());
         let (below, above) =
             (self.lower * self.scale - activity, activity - self.upper * self.scale);
         let limit = self.scale * if below > above { self.lower } else { self.upper };
-        let size = terms.fold(if limit.is_finite() { limit.abs() } else { 0.0 }, f64::max);
-        below.max(above) - tolerance * (size * 1e-3).max(1.0)
+        let size = terms.sum::<f64>() + if limit.is_finite() { limit.abs() } else { 0.0 };
+        below.max(above) - allowed(tolerance, size)
     }
+}
+
+/// What a statement may be missed by: the tolerance, and the rounding of the point and of plain sums.
+fn allowed(tolerance: f64, size: f64) -> f64 {
+    tolerance + 8.0 * f64::EPSILON * size
 }
 
 impl Case {
@@ -117,7 +121,7 @@ impl Case {
     pub(crate) fn violation(&self, x: &[f64], tolerance: f64) -> Option<String> {
         assert_eq!(x.len(), self.columns.len());
         for (j, (column, &x)) in self.columns.iter().zip(x).enumerate() {
-            let allowed = tolerance * (x.abs() * 1e-3).max(1.0);
+            let allowed = allowed(tolerance, x.abs());
             if !(x >= column.lower - allowed && x <= column.upper + allowed) {
                 return Some(format!("v{j} = {x} is outside its bounds"));
             }

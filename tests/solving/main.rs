@@ -11,6 +11,7 @@ mod benchmark_programs;
 mod branching_rules;
 mod conformance;
 mod explain;
+mod free_shifts;
 mod guidance;
 mod invariance;
 mod limits;

@@ -1,6 +1,7 @@
 //! Programs that are meant to hurt, answered exactly; see `generator` for what they are, `oracle`
 //! for what counts as wrong. `examples/torture.rs` solves as many of them as one has patience for.
 
+use crate::common::case::Case;
 use crate::common::config;
 use crate::torture::generator;
 use crate::torture::oracle::{Verdict, judge, truth};
@@ -9,12 +10,15 @@ use proptest::prelude::*;
 
 /// Solves the program of a seed with one or two threads, and judges the answer.
 fn verdict(seed: u64) -> Verdict {
-    let case = generator::program(seed);
+    verdict_of(&generator::program(seed), seed)
+}
+
+fn verdict_of(case: &Case, seed: u64) -> Verdict {
     let (model, variables) = case.build();
-    let truth = truth(&case);
+    let truth = truth(case);
     let mut solver = BranchAndBound::new(Options::default().with_threads(1 + seed as usize % 2));
     let solution = solver.solve(&model).expect("a solvable model");
-    judge(&case, &variables, solver.options(), &solution, &truth)
+    judge(case, &variables, solver.options(), &solution, &truth)
 }
 
 proptest! {
@@ -23,6 +27,12 @@ proptest! {
     #[test]
     fn no_wrong_answer(seed in any::<u64>()) {
         let verdict = verdict(seed);
+        prop_assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
+    }
+
+    #[test]
+    fn no_wrong_answer_to_large_numbers(seed in any::<u64>()) {
+        let verdict = verdict_of(&generator::large(seed), seed);
         prop_assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
     }
 }

@@ -60,6 +60,15 @@ enum Scaling {
 pub(crate) fn program(seed: u64) -> Case {
     let r = &mut Random::new(seed);
     let scaling = [Scaling::Even, Scaling::ByRow, Scaling::Wild][r.below(3)];
+    scaled(r, scaling)
+}
+
+/// The program of a seed without large or small coefficients.
+fn even(seed: u64) -> Case {
+    scaled(&mut Random::new(seed), Scaling::Even)
+}
+
+fn scaled(r: &mut Random, scaling: Scaling) -> Case {
     let columns = columns(r);
     let n = columns.len();
     let anchor: Vec<f64> = columns.iter().map(|column| anchored(r, column)).collect();
@@ -99,6 +108,55 @@ pub(crate) fn program(seed: u64) -> Case {
     };
     let constant = if r.chance(0.3) { f64::from(r.within(-50, 50)) } else { 0.0 };
     Case { columns, lines, switches, squares, linear, constant, maximize: r.chance(0.5) }
+}
+
+/// The program of a seed with terms of 1e6 to 1e10: the origins of its columns are moved, and
+/// binaries get large coefficients. The optimum is that of the program around the old origins.
+pub(crate) fn large(seed: u64) -> Case {
+    let mut case = even(seed);
+    let r = &mut Random::new(!seed);
+    let binaries: Vec<usize> =
+        (0..case.columns.len()).filter(|&j| case.columns[j].kind == VariableKind::Binary).collect();
+    for line in &mut case.lines {
+        if binaries.is_empty() || r.chance(0.6) {
+            continue;
+        }
+        // A row that is only there, or only not, where the binary is on.
+        let (j, big) = (binaries[r.below(binaries.len())], f64::from(r.within(1, 9)));
+        let big = big * 10.0_f64.powi(r.within(6, 9));
+        let (on, above) = (r.chance(0.5), r.chance(0.5));
+        line.coefficients[j] += if on == above { big } else { -big };
+        let moved = if above { big } else { -big } * f64::from(u8::from(on));
+        if above {
+            (line.lower, line.upper) = (f64::NEG_INFINITY, line.upper + moved);
+        } else {
+            (line.lower, line.upper) = (line.lower + moved, f64::INFINITY);
+        }
+    }
+    case.lines.retain(|line| line.lower.is_finite() || line.upper.is_finite());
+    let moves: Vec<f64> = case.columns.iter().map(|column| origin(r, column)).collect();
+    for (column, by) in case.columns.iter_mut().zip(&moves) {
+        (column.lower, column.upper) = (column.lower + by, column.upper + by);
+    }
+    let switched = case.switches.iter_mut().map(|switch| &mut switch.line);
+    for line in case.lines.iter_mut().chain(switched) {
+        let by = dot(&line.coefficients, &moves);
+        (line.lower, line.upper) = (line.lower + by, line.upper + by);
+    }
+    // Squares of such numbers have more digits than a float.
+    case.squares.clear();
+    case.constant -= dot(&case.linear, &moves);
+    case
+}
+
+/// How far a column is moved: all sums remain whole numbers of quarters that a float holds.
+fn origin(r: &mut Random, column: &Column) -> f64 {
+    let bounded = column.lower.is_finite() && column.upper.is_finite();
+    if column.kind == VariableKind::Binary || r.chance(0.2) {
+        return 0.0;
+    }
+    let digits = r.within(5, if bounded { 8 } else { 7 });
+    f64::from(r.within(-9, 9)) * 10.0_f64.powi(digits)
 }
 
 fn columns(r: &mut Random) -> Vec<Column> {

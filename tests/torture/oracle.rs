@@ -17,6 +17,9 @@
 //! may call a program unbounded whose objective turns only there ([`Verdict::Beyond`]); it may not
 //! call such a program solved.
 //!
+//! Columns are floats, and a bound of one at 1e8 may be off by 1e-8: by as much as that makes of the
+//! objective, answers may differ.
+//!
 //! Nothing else is forgiven: no claim of infeasibility where an exact point exists, no bound beyond
 //! the exact optimum, no objective worse than it by more than the gap.
 
@@ -303,9 +306,12 @@ fn checked(
         cost = Some(theirs);
     }
     let bound = sign * solution.bound();
-    let beyond = |value: f64| bound > value + 1e-9 * value.abs().max(1.0);
+    let margin = |value: f64, point: &[f64]| {
+        let terms = point.iter().zip(&case.linear).map(|(x, c)| (x * c).abs());
+        1e-9 * value.abs().max(1.0) + 4.0 * f64::EPSILON * terms.sum::<f64>()
+    };
     match truth {
-        Truth::Least { value, .. } if beyond(*value) => {
+        Truth::Least { value, point } if bound > value + margin(*value, point) => {
             return Err(format!("{ended} with bound {bound} beyond the optimum"));
         }
         Truth::Unbounded if bound > f64::NEG_INFINITY => {
@@ -317,13 +323,13 @@ fn checked(
         (Termination::Infeasible, Truth::Infeasible) if cost.is_none() => Ok(Verdict::Right),
         (Termination::Unbounded, Truth::Unbounded) => Ok(Verdict::Right),
         (Termination::Optimal, Truth::Infeasible) if cost.is_some() => Ok(Verdict::Borderline),
-        (Termination::Optimal, Truth::Least { value, .. }) => {
+        (Termination::Optimal, Truth::Least { value, point }) => {
             let cost = cost.ok_or("optimal without a point")?;
             let gap = options.absolute_gap.max(options.relative_gap * cost.abs());
             if solution.gap() > gap {
                 return Err(format!("optimal with gap {}", solution.gap()));
             }
-            if cost > value + 1.01 * gap + 1e-9 * value.abs().max(1.0) {
+            if cost > value + 1.01 * gap + margin(*value, point) {
                 return Err(format!("optimal at {cost}"));
             }
             Ok(Verdict::Right)

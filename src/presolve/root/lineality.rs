@@ -93,7 +93,7 @@ impl Undo for Shifted {
     fn dual(&self, _: &mut Restored) {}
 }
 
-/// The directions `d` over some columns along which no row changes.
+/// The directions `d` over some columns along which neither rows nor objective change.
 ///
 /// Each row says `a'd = 0`. It expresses one column by the others, with which the column is replaced
 /// everywhere; columns that are not expressed are the parameters of the directions.
@@ -131,13 +131,13 @@ impl Elimination {
             }
             self.eliminate(work, &row);
         }
-        self.close_noticed(work);
         let parameters = (0..self.open.len()).filter(|&j| self.open[j]);
         let parameters = parameters.filter(|&j| self.expressed[j].is_none());
         parameters.map(|j| self.direction(j)).collect()
     }
 
-    /// The rows over open columns, less those that a row by itself keeps from moving.
+    /// What is not to change: rows, costs and gradients over open columns, less those that a row by
+    /// itself keeps from moving.
     fn rows(&mut self, work: &Work) -> Vec<Sparse> {
         let open = |&(j, _): &(usize, f64)| self.open[j];
         let count = |row: &Sparse| row.iter().filter(|entry| open(entry)).count();
@@ -152,8 +152,14 @@ impl Elimination {
             }
         }
         let open = |&(j, _): &(usize, f64)| self.open[j];
-        let some = (0..counts.len()).filter(|&i| counts[i] > 0);
-        some.map(|i| work.rows[i].iter().copied().filter(open).collect()).collect()
+        let rows = work.rows.iter().map(|row| row.iter().copied().filter(open).collect());
+        let cost = work.linear.iter().copied().enumerate().filter(|(_, q)| *q != 0.0);
+        let curved = work.quadratic.iter().map(|row| {
+            let entries = row.iter().map(|(&j, &p)| (j, p));
+            entries.filter(open).collect()
+        });
+        let all = rows.chain(curved).chain([cost.filter(open).collect()]);
+        all.filter(|row: &Sparse| !row.is_empty()).collect()
     }
 
     /// What `a'd` is as a combination of parameters, and whether nothing was rounded.
@@ -201,22 +207,6 @@ impl Elimination {
         users.push(column);
         terms.keys().for_each(|&j| self.users[j].extend(&users));
         self.expressed[column] = Some(terms);
-    }
-
-    /// Closes the parameters that the objective notices.
-    fn close_noticed(&mut self, work: &Work) {
-        let is_open = |j: usize| self.open[j];
-        let cost: Sparse =
-            (0..self.open.len()).filter(|&j| is_open(j)).map(|j| (j, work.linear[j])).collect();
-        let curved = work.quadratic.iter().filter(|row| row.keys().any(|&j| is_open(j)));
-        let curved = curved.map(|row| {
-            row.iter().map(|(&j, &p)| (j, p)).filter(|&(j, _)| is_open(j)).collect::<Sparse>()
-        });
-        let noticing: Vec<Sparse> = curved.chain([cost]).collect();
-        for row in noticing {
-            let (sum, _) = self.expand(&row);
-            sum.keys().for_each(|&j| self.open[j] = false);
-        }
     }
 
     fn direction(&self, parameter: usize) -> Sparse {

@@ -4,6 +4,7 @@ mod conflicts;
 mod cuts;
 mod grid;
 mod kkt;
+mod lineality;
 mod programs;
 mod rules;
 

@@ -106,6 +106,11 @@ proptest! {
     }
 
     #[test]
+    fn lineality(case in program(true)) {
+        compare(&case, &[Rule::Lineality])?;
+    }
+
+    #[test]
     fn all_rules_on_linear_programs(case in program(false)) {
         compare(&case, &Rule::ALL)?;
     }
