@@ -1,8 +1,8 @@
 //! Planning with dynamics that switch: describe the system, get back a trajectory and a proof that
 //! none is better.
 //!
-//! `carom` (a billiards shot that uses the cushion) is for planners of motion with modes and contacts:
-//! a wall is hit, a mode is entered, a budget of damage is spent. It has
+//! `carom` (a billiards shot that uses the cushion) is for planners of motion with modes and
+//! contacts: a wall is hit, a mode is entered, a budget of damage is spent. It has
 //!
 //! * a [modelling language](model): variables, affine rows, convex quadratic objectives, *indicators*
 //!   ("if this holds, so does that row") with automatic big-Ms, logic over binaries, disjunctions,
@@ -18,8 +18,9 @@
 //!
 //! # A plan in ten lines
 //!
-//! A vehicle drives from 10 m to 0.3 m, in front of a wall at 0 m, as fast as it can. Braking in time
-//! takes 52 steps of 0.05 s. Braking against the wall takes 47, and 46 are proved to be too few.
+//! A vehicle drives from 10 m to 0.3 m, in front of a wall at 0 m, as fast as it can. Braking in
+//! time takes 52 steps of 0.05 s. Braking against the wall takes 47, and 46 are proved to be too
+//! few.
 //!
 //! ```
 //! use carom::collision_tolerant::{PlanningOptions, Scenario, compare};
@@ -71,8 +72,9 @@
 //!
 //! # Logic and functions
 //!
-//! Write logic with operators on binaries, and use any formula as the condition of a row. A function
-//! is a variable that equals the function's value, whichever way the rest of the model pushes it.
+//! Write logic with operators on binaries, and use any formula as the condition of a row. A
+//! function is a variable that equals the function's value, whichever way the rest of the model
+//! pushes it.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -99,9 +101,9 @@
 //!
 //! # Big-M you can trust
 //!
-//! You never write an M. Each one is computed from the current bounds of the row's variables, for each
-//! row and side, and rounded outward. A missing bound is an error that names the variable. A report
-//! says where each M comes from. After solving, indicators are checked as implications.
+//! You never write an M. Each one is computed from the current bounds of the row's variables, for
+//! each row and side, and rounded outward. A missing bound is an error that names the variable. A
+//! report says where each M comes from. After solving, indicators are checked as implications.
 //!
 //! ```
 //! use carom::prelude::*;
@@ -155,9 +157,9 @@
 //! # Statuses and limits
 //!
 //! Why the solver stopped ([`Termination`](solution::Termination)) and what it found
-//! ([`PrimalStatus`](solution::PrimalStatus)) are separate. Infeasible, unbounded and stopped by a limit
-//! are statuses. An [`Error`] means misuse or breakdown, and says what to do. A search that hits a
-//! limit returns its best verified point and a valid bound:
+//! ([`PrimalStatus`](solution::PrimalStatus)) are separate. Infeasible, unbounded and stopped by a
+//! limit are statuses. An [`Error`] means misuse or breakdown, and says what to do. A search that
+//! hits a limit returns its best verified point and a valid bound:
 //!
 //! ```
 //! use carom::prelude::*;
@@ -178,10 +180,11 @@
 //!
 //! # Reach sets
 //!
-//! The states that can be reached from the start, and those from which the goal can still be reached,
-//! tell a lot about a planning program before it is solved: they fix most binaries, tighten
-//! bounds, and often prove infeasibility. [`hybrid::reach`] computes them for hybrid systems with few
-//! coupled states. [`collision_tolerant`] uses them by default, and says why there is no plan:
+//! The states that can be reached from the start, and those from which the goal can still be
+//! reached, tell a lot about a planning program before it is solved: they fix most binaries,
+//! tighten bounds, and often prove infeasibility. [`hybrid::reach`] computes them for hybrid
+//! systems with few coupled states. [`collision_tolerant`] uses them by default, and says why there
+//! is no plan:
 //!
 //! ```
 //! use carom::collision_tolerant::{Scenario, explain};
