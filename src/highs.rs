@@ -1,31 +1,30 @@
 //! HiGHS as a library, for mixed-integer linear programs: the feature `highs`.
 //!
 //! [`HighsSolver`] is a [`Solver`] over the crate `highs`, which compiles HiGHS from C++ and needs
-//! cmake, a C++ compiler and libclang (Debian: `apt-get install cmake g++ libclang-dev`). For a
-//! HiGHS that is installed as a program, [`external`](crate::external) needs none of this.
+//! cmake, a C++ compiler and libclang (Debian: `apt-get install cmake g++ libclang-dev`). If HiGHS is
+//! installed as a program, [`external`](crate::external) needs none of this.
 //!
-//! Models are [lowered](crate::reformulate::lower) first, so it solves everything that the language
-//! can say with a linear objective. A quadratic one is refused with [`ErrorKind::Unsupported`].
-//! Points are never taken on trust: the integers are rounded, the rest is solved again by
-//! [`BranchAndBound`](crate::BranchAndBound), and every statement is checked as what it means
-//! ([`certify`](crate::solver::certify)). Bounds and claims of infeasibility are those of HiGHS, up
-//! to its tolerances.
+//! Models are [lowered](crate::reformulate::lower) first, so it solves any model with a linear
+//! objective. A quadratic objective is an error, [`ErrorKind::Unsupported`]. Points are never
+//! trusted: the integers are rounded, [`BranchAndBound`](crate::BranchAndBound) solves the rest
+//! again, and the meaning of every statement is checked ([`certify`](crate::solver::certify)).
+//! Bounds and claims of infeasibility are those of HiGHS, up to its tolerances.
 //!
 //! # Options and limits
 //!
 //! | option | in HiGHS |
 //! | --- | --- |
-//! | `relative_gap`, `absolute_gap` | `mip_rel_gap`, `mip_abs_gap`: half of ours, for what the certificate moves |
+//! | `relative_gap`, `absolute_gap` | `mip_rel_gap`, `mip_abs_gap`: half of ours, because certifying may use up the rest |
 //! | `feasibility` | `primal_feasibility_tolerance` |
 //! | `integrality` | `mip_feasibility_tolerance` |
 //! | `time_limit` | `time_limit`, less what lowering took |
 //! | `node_limit` | `mip_max_nodes` |
 //! | `threads` | `threads` |
 //!
-//! The crate `highs` offers no callback: an [`Interrupt`](crate::solver::Interrupt) is heard before
-//! and after HiGHS runs, not while, so a long solve wants a time limit; and there is one progress
-//! event, for the point that is returned. HiGHS looks at its clock between the steps of its
-//! algorithm, so a time limit can be exceeded by one of these.
+//! The crate `highs` offers no callback. An [`Interrupt`](crate::solver::Interrupt) therefore takes
+//! effect only before and after HiGHS runs, so set a time limit for long solves, and there is one
+//! progress event, for the returned point. HiGHS checks its clock between the steps of its algorithm,
+//! so it can exceed a time limit by one step.
 //!
 //! ```
 //! use carom::highs::HighsSolver;
@@ -74,7 +73,7 @@ struct Found {
     values: Option<Vec<f64>>,
     /// Objective of its point, without the program's offset.
     objective: f64,
-    /// Its bound, without the program's offset; `-inf` where it has none.
+    /// Its bound, without the program's offset; `-inf` if it has none.
     bound: f64,
     iterations: u64,
 }
