@@ -4,15 +4,15 @@
 //!
 //! `f(x) >= offset - ½ x̂'Px̂ - Σ y_i limit_i + Σ_j g_j x_j`,  `g = q + Px̂ + A'y`,
 //!
-//! over all points that satisfy the rows, and the last sum is smallest at corners of the box. So
-//! every pair `(x̂, y)` proves *some* bound; a good pair proves a tight one. Sums are formed with
-//! twice the digits of a float, and what rounding may still have lost is subtracted.
+//! over all points that satisfy the rows, and the last sum is smallest at a corner of the box. So
+//! every pair `(x̂, y)` proves *some* bound, and a good pair proves a tight one. Sums have twice
+//! the digits of a float, and their possible rounding error is subtracted.
 //!
-//! A column without a finite bound (or with a far one) on the side that `g` pulls to needs
-//! `g_j = 0`. There the pair is corrected first, `x̂` where the objective curves and `y` where rows
-//! press, again with twice the digits, and what is left of `g_j` (about 1e-30) is charged over
-//! [`tolerance::FREE_RADIUS`] (over more where `x̂` is that far out), or
-//! [`tolerance::INFEASIBILITY_RADIUS`] where there is no objective.
+//! A column without a finite bound (or with a very large one) on the side that `g` points to needs
+//! `g_j = 0`. The pair is corrected first: `x̂` on columns with curvature and `y` on active rows,
+//! again with twice the digits. The remaining `g_j` (about 1e-30) is charged over
+//! [`tolerance::FREE_RADIUS`] (or more if `x̂` is farther out), or over
+//! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective.
 
 use super::correction::Correction;
 use super::extended::Extended;
@@ -23,29 +23,29 @@ use crate::tolerance;
 const ROUNDING: f64 = 1e-27;
 
 /// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong
-/// to rows that do not press; gradients below this fraction of their terms are slight.
+/// to inactive rows; gradients below this fraction of their terms are slight.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
 /// bound (no unit).
 const FAR: f64 = 1e6;
 
-/// How much further than its claimed value a column without bounds is taken to reach at least (no unit).
+/// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
 const FURTHER: f64 = 4.0;
 
-/// Most rounds of correction; a round gains about ten digits.
+/// The largest number of rounds of correction; each gains about ten digits.
 const CORRECTIONS: usize = 8;
 
-/// A proved lower bound on the objective of a reduced program, from a claimed solution.
-/// `-inf` when the pair proves nothing.
+/// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf` if
+/// the pair proves nothing.
 pub fn lower_bound(program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
     pair(program, x, y).map_or(f64::NEG_INFINITY, Pair::best_bound)
 }
 
-/// What a claimed solution proves of single columns: a lower bound on the objective, and for each
-/// column the least by which it grows per unit that the column moves away from one of its bounds;
-/// from the lower bound where the entry is positive, from the upper one where it is negative.
-/// Zero where nothing is proved.
+/// Proved reduced costs from a claimed solution: a lower bound on the objective, and for each
+/// column the least growth of the objective per unit by which the column moves away from one of its
+/// bounds: the lower bound if the entry is positive, the upper one if it is negative. Zero if
+/// nothing is proved.
 pub fn reduced_costs(program: &Reduced, x: &[f64], y: &[f64]) -> (f64, Vec<f64>) {
     let Some(pair) = pair(program, x, y) else {
         return (f64::NEG_INFINITY, vec![0.0; program.columns.len()]);
@@ -59,7 +59,7 @@ pub fn reduced_costs(program: &Reduced, x: &[f64], y: &[f64]) -> (f64, Vec<f64>)
     (pair.bound(&gradient, pair.radius()), (0..program.columns.len()).map(slope).collect())
 }
 
-/// The pair of a claimed solution; nothing where it holds what is no number.
+/// The pair of a claimed solution; `None` if it contains a NaN.
 fn pair<'a>(program: &'a Reduced, x: &[f64], y: &[f64]) -> Option<Pair<'a>> {
     if x.iter().chain(y).any(|v| !v.is_finite()) {
         return None;
@@ -71,8 +71,8 @@ fn pair<'a>(program: &'a Reduced, x: &[f64], y: &[f64]) -> Option<Pair<'a>> {
 
 /// Whether row multipliers prove that a reduced program has no feasible point.
 ///
-/// The certificate must survive a disturbance of every limit it uses, so that a program that is
-/// infeasible by rounding only is not refuted.
+/// The certificate must survive a disturbance of every limit that it uses, so that a program is not
+/// refuted that is infeasible only by rounding.
 pub fn proves_infeasible(program: &Reduced, y: &[f64]) -> bool {
     let size = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if !(size > 0.0 && size.is_finite()) {
@@ -90,7 +90,7 @@ pub fn proves_infeasible(program: &Reduced, y: &[f64]) -> bool {
     Pair { program, x, y, objective: false }.best_bound() > 1e-9 * disturbance
 }
 
-/// Multipliers without those that press on missing limits.
+/// The multipliers, without those of missing limits.
 fn clipped(program: &Reduced, y: &[f64]) -> Vec<f64> {
     let limit = |i: usize, y: f64| {
         if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] }
@@ -102,7 +102,7 @@ pub(super) struct Pair<'a> {
     pub(super) program: &'a Reduced,
     pub(super) x: Vec<Extended>,
     pub(super) y: Vec<Extended>,
-    /// Whether the objective takes part; certificates of infeasibility leave it out.
+    /// Whether the objective is included; certificates of infeasibility exclude it.
     pub(super) objective: bool,
 }
 
@@ -113,7 +113,7 @@ pub(super) struct Gradient {
 }
 
 impl Gradient {
-    /// By how much rounding may have moved an entry.
+    /// The possible rounding error of an entry.
     fn error(&self, j: usize) -> f64 {
         ROUNDING * self.size[j]
     }
@@ -140,8 +140,8 @@ impl Pair<'_> {
         if self.loose_columns(&gradient).is_empty() {
             return uncorrected;
         }
-        // Multipliers of rows that do not press are tiny rather than zero, and no correction can
-        // trade them against large ones. Without them the pair is sometimes better, sometimes not.
+        // Multipliers of inactive rows are tiny rather than zero, and no correction can trade them
+        // against large ones. The pair is sometimes better without them.
         let size = |i: usize, y: &Extended| y.high.abs() * largest(self.program, i);
         let most = self.y.iter().enumerate().map(|(i, y)| size(i, y)).fold(1.0_f64, f64::max);
         let mut plain = Pair { x: self.x.clone(), y: self.y.clone(), ..self };
@@ -152,7 +152,7 @@ impl Pair<'_> {
         }
         let same = plain.y == self.y;
         let (corrected, reach) = plain.correct();
-        // Within the radius of a point that is far from the best ones nothing is proved about these.
+        // The radius around a point far from the optima proves nothing about these.
         let uncorrected =
             if reach > self.radius() { self.bound(&gradient, reach) } else { uncorrected };
         let bound = corrected.max(uncorrected);
@@ -169,8 +169,8 @@ impl Pair<'_> {
             if stuck.iter().all(|&j| gradient.value[j].high.abs() <= gradient.error(j)) {
                 break;
             }
-            // All columns without any bound are corrected together, or fixing one unsettles the
-            // next.
+            // All columns without bounds are corrected together, because correcting one would
+            // disturb the others.
             let free = |j: &usize| self.program.lower[*j] < -FAR && self.program.upper[*j] > FAR;
             let known = corrected.len();
             corrected.extend(stuck);
@@ -218,8 +218,8 @@ impl Pair<'_> {
         gradient
     }
 
-    /// Columns whose gradient, up to its rounding, may pull towards a missing bound, or pulls
-    /// slightly towards a far one.
+    /// Columns whose gradient may point to a missing bound, given its rounding, or points slightly
+    /// to a very large one.
     fn loose_columns(&self, gradient: &Gradient) -> Vec<usize> {
         let pulls = |j: &usize| {
             let (g, error) = (gradient.value[*j].high, gradient.error(*j));
@@ -231,8 +231,8 @@ impl Pair<'_> {
         (0..self.x.len()).filter(pulls).collect()
     }
 
-    /// How far columns without bounds are taken to reach: with an objective, further than they do at
-    /// the claimed point.
+    /// The radius of columns without bounds: with an objective, larger than their values at the
+    /// claimed point.
     fn radius(&self) -> f64 {
         if !self.objective {
             return tolerance::INFEASIBILITY_RADIUS;
@@ -242,7 +242,7 @@ impl Pair<'_> {
         unbounded.fold(tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
     }
 
-    /// What the pair proves of points within the radius.
+    /// The bound that the pair proves for points within the radius.
     fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
         let mut sum = Sum::default();
@@ -268,7 +268,7 @@ impl Pair<'_> {
             };
             let (lower, upper) = (reach(program.lower[j]), reach(program.upper[j]));
             if g.high.abs() <= error {
-                // The sign is not known; take the worse end of both.
+                // The sign is unknown, so take the worse of both ends.
                 let slope = -(2.0 * g.high.abs() + error);
                 sum.add(slope.into(), lower.abs().max(upper.abs()).into());
             } else {

@@ -1,7 +1,7 @@
 //! The only file that names Clarabel.
 //!
 //! Rows become `Ax + s = b` with `s` in a zero cone (equalities) or a nonnegative cone (one entry
-//! a finite side of a row or column). Infinite sides are never passed on, empty programs never
+//! per finite side of a row or column). Infinite sides are never passed on, empty programs never
 //! reach the backend, and its panics are caught.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,7 +23,7 @@ impl ClarabelRelaxation {
     }
 }
 
-/// Which side of which row or column a conic row stands for.
+/// The side of a row or column that a conic row represents.
 #[derive(Clone, Copy)]
 enum Source {
     Equality(usize),
@@ -44,7 +44,7 @@ impl Relaxation for ClarabelRelaxation {
             iterations: 0,
             warm: None,
         };
-        // The library's own limit knows nothing of the time before its first iteration.
+        // The library's own time limit ignores the time before its first iteration.
         let token = effort.token;
         let run = || {
             if token.is_over() {
@@ -67,7 +67,7 @@ impl Relaxation for ClarabelRelaxation {
                 settings(effort),
             )
             .ok()?;
-            // The promise is checked by whoever asked; a margin makes it likely to hold.
+            // The caller checks the bound; a margin makes it likely to hold.
             let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0) - program.offset;
             let stop = token.clone();
             solver.set_termination_callback(move |info| {
@@ -96,8 +96,8 @@ impl Relaxation for ClarabelRelaxation {
     }
 }
 
-/// By how much, relative, a dual objective must be beyond a cutoff, and the largest dual residual at
-/// which it is listened to.
+/// The relative margin by which a dual objective must exceed the cutoff, and the largest dual
+/// residual at which it is considered.
 const PROMISE: f64 = 1e-5;
 
 /// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
@@ -118,8 +118,8 @@ fn settings(effort: &Effort<'_>) -> DefaultSettings<f64> {
     }
 }
 
-/// The power of two by which a row in an unusual unit is multiplied; 1 for all others. Rows with
-/// coefficients of 1e5 next to a curvature of 1 make the backend give up.
+/// The power of two that scales a badly scaled row; 1 for all others. Clarabel gives up on rows
+/// with coefficients of 1e5 next to a curvature of 1.
 fn row_factor(program: &Reduced, row: usize) -> f64 {
     let largest = program.rows.vector(row).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
     let usual = (1e-3..=1e3).contains(&largest) || largest == 0.0;
@@ -131,7 +131,7 @@ struct Conic {
     right: Vec<f64>,
     cones: Vec<SupportedConeT<f64>>,
     sources: Vec<Source>,
-    /// What each row of the program was multiplied by.
+    /// The scale of each row of the program.
     factors: Vec<f64>,
 }
 

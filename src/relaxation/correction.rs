@@ -1,18 +1,17 @@
 //! Corrections of a pair `(x̂, y)` that make the gradient vanish on given columns.
 //!
-//! The least change of `x̂` on these columns, where the objective curves, and of the multipliers of
-//! rows that press: a least-squares problem whose dense normal matrix is factorised once and used
-//! for every round of digits.
+//! The least change of `x̂` on columns with curvature and of the multipliers of active rows is a
+//! least-squares problem. Its dense normal matrix is factorised once and used for every round.
 
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
 
 use super::bound::{Gradient, Pair, is_equality, largest};
 
-/// Most columns that are corrected together.
+/// The largest number of columns that are corrected together.
 const MOST_CORRECTED: usize = 400;
 
-/// What may be moved to change the gradient.
+/// A quantity that can be moved to change the gradient.
 #[derive(Debug, Clone, Copy)]
 enum Lever {
     /// An entry of `x̂`.
@@ -27,15 +26,15 @@ type Weighted = (Lever, f64, Vec<(usize, f64)>);
 /// A factorised correction of some columns.
 pub(super) struct Correction {
     columns: Vec<usize>,
-    /// What each entry of the gradient is multiplied by.
+    /// The scale of each entry of the gradient.
     units: Vec<f64>,
     levers: Vec<Weighted>,
     factor: Llt<f64>,
 }
 
 impl Correction {
-    /// The correction of the given columns; nothing where there are too many, or where nothing
-    /// moves them.
+    /// The correction of the given columns; `None` if there are too many or if nothing moves their
+    /// gradient.
     pub(super) fn new(pair: &Pair<'_>, columns: &[usize]) -> Option<Self> {
         let k = columns.len();
         if k == 0 || k > MOST_CORRECTED {
@@ -47,7 +46,8 @@ impl Correction {
             effect.iter().for_each(|&(r, a)| effects[(r, l)] += weight * a);
         }
         let mut normal = &effects * effects.transpose();
-        // Each entry of the gradient in its own unit: curvatures may differ by many digits.
+        // Each entry of the gradient is scaled, because curvatures may differ by orders of
+        // magnitude.
         let unit = |r: usize| 1.0 / normal[(r, r)].max(f64::MIN_POSITIVE).sqrt();
         let units: Vec<f64> = (0..k).map(unit).collect();
         for c in 0..k {
@@ -58,7 +58,7 @@ impl Correction {
         Some(Correction { columns: columns.to_vec(), units, levers, factor })
     }
 
-    /// Moves the pair; `false` where the step is not finite.
+    /// Moves the pair; `false` if the step is not finite.
     pub(super) fn apply(&self, pair: &mut Pair<'_>, gradient: &Gradient) -> bool {
         let entry = |r: usize, _| -gradient.value[self.columns[r]].high * self.units[r];
         let multiplier = self.factor.solve(&Mat::from_fn(self.columns.len(), 1, entry));
@@ -105,8 +105,8 @@ fn levers(pair: &Pair<'_>, columns: &[usize]) -> Vec<Weighted> {
         levers.extend(levers_of.map(|(&j, effect)| (Lever::Point(j), 1.0, effect)));
     }
     for (i, y) in pair.y.iter().enumerate() {
-        // Multipliers of inequalities move little when they are small, so that signs survive.
-        // Measured in the unit of the gradient, so that a row's own unit does not matter.
+        // Small multipliers of inequalities move little, so that their signs survive. Measured in
+        // the unit of the gradient, so that a row's own unit does not matter.
         let unit = largest(program, i);
         let weight =
             if is_equality(program, i) { 1.0 / unit } else { y.high.abs().min(1.0 / unit) };

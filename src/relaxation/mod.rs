@@ -1,10 +1,9 @@
-//! Continuous relaxations: solve, and prove what was solved.
+//! Continuous relaxations: methods that solve them, and proofs of what the methods claim.
 //!
-//! The trait [`Relaxation`] is all the search knows of an interior-point or simplex code.
-//! [`InteriorPoint`] is quick on the small sparse programs of a tree and gives up early;
-//! [`ClarabelRelaxation`] settles the rest, and is the only one that names a library. Whatever a backend claims is
-//! checked here: [`lower_bound`] recomputes a rigorous bound from the multipliers, and the
-//! infeasibility of a node is believed only when the same computation proves it.
+//! The search knows methods only by the trait [`Relaxation`]. [`InteriorPoint`] is quick on the
+//! small sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest.
+//! Claims of either are checked: [`lower_bound`] recomputes a rigorous bound from the multipliers,
+//! and infeasibility is accepted only if the same computation proves it.
 
 mod bound;
 mod clarabel;
@@ -28,7 +27,7 @@ pub use warm_state::WarmState;
 use crate::presolve::Reduced;
 use crate::solver::StopToken;
 
-/// How hard to try, when to stop, and what to start from.
+/// The effort of a solve, when to stop, and a warm start.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort<'a> {
     /// Largest number of iterations.
@@ -37,16 +36,16 @@ pub struct Effort<'a> {
     pub tolerance: f64,
     /// Steps of iterative refinement in each linear solve.
     pub refinements: u32,
-    /// The solve may end as soon as its dual objective promises a bound of at least this; infinite
-    /// for a solve to the end.
+    /// The solve may end as soon as its dual objective reaches this bound; infinite for a complete
+    /// solve.
     pub cutoff: f64,
-    /// Ends the solve when it is over.
+    /// Ends the solve once it is over.
     pub token: &'a StopToken,
     /// The state that the parent's relaxation left, of this method or of another one.
     pub warm: Option<&'a WarmState>,
 }
 
-/// What a backend claims about a reduced program.
+/// The claim of a method about a reduced program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claim {
     /// `x` is optimal and `y` the multipliers.
@@ -55,29 +54,29 @@ pub enum Claim {
     Infeasible,
     /// The objective is unbounded; `x` is a ray.
     Unbounded,
-    /// `y` promises a bound of at least the cutoff; `x` is the last iterate.
+    /// The dual objective of `y` reaches the cutoff; `x` is the last iterate.
     Beyond,
-    /// Nothing; `x` and `y` hold the last iterates.
+    /// No claim; `x` and `y` are the last iterates.
     Unknown,
 }
 
-/// What a method returns, to be checked.
+/// The unchecked result of a method.
 #[derive(Debug, Clone)]
 pub struct RelaxationResult {
     /// The claim.
     pub claim: Claim,
-    /// Point or ray, one entry a reduced column.
+    /// Point or ray, one entry per reduced column.
     pub x: Vec<f64>,
-    /// Multipliers of the rows; positive ones press on upper limits, negative ones on lower.
+    /// Multipliers of the rows: positive for active upper limits, negative for active lower limits.
     pub y: Vec<f64>,
     /// Iterations taken.
     pub iterations: u64,
-    /// What the relaxations of children may start from; `None` if the method keeps nothing.
+    /// A warm start for the relaxations of the children; `None` if the method keeps no state.
     pub warm: Option<WarmState>,
 }
 
 /// A solver of reduced programs (convex quadratic, continuous).
 pub trait Relaxation: Send {
-    /// Solves a program; never panics, never trusted.
+    /// Solves a program. It must not panic; its result is checked.
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult;
 }

@@ -1,11 +1,10 @@
-//! Moves an interior-point solution onto the rows that it misses.
+//! Moves an interior-point solution onto the rows that it violates.
 //!
 //! An interior-point answer satisfies rows to about 1e-8 relative; over the hundreds of steps of a
 //! plan such residuals add up, and in rows with large coefficients they are large. The polished
 //! point is the nearest one, in a norm that weighs columns by their distance to the bounds, that
-//! satisfies the equalities and the missed inequalities to rounding. Columns that would leave the
-//! box are held at their bounds, rows that the move comes to miss are added, and the point is moved
-//! again.
+//! satisfies the equalities and the violated inequalities up to rounding. Columns that would leave
+//! the box are held at their bounds, newly violated rows are added, and the point is moved again.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -16,7 +15,7 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::sum::Sum;
 
-/// Most moves.
+/// The largest number of moves.
 const ROUNDS: usize = 8;
 
 /// Squared weight of a column at its bound, which may still move by rounding, and of one that is
@@ -24,9 +23,9 @@ const ROUNDS: usize = 8;
 const AT_BOUND: f64 = 1e-12;
 const HELD: f64 = 1e-20;
 
-/// Polishes `x` in place: clips it to the box and removes the residuals of equalities and of missed
-/// inequalities. Leaves `x` alone where these are too many or too degenerate to factorise, and ends
-/// with what is reached when the token is over.
+/// Polishes `x` in place: clips it to the box and removes the residuals of equalities and of
+/// violated inequalities. Leaves `x` unchanged if these are too many or too degenerate to
+/// factorise. Stops early if the token is over.
 pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
     let mut held = vec![false; x.len()];
     clip(program, x, &mut held);
@@ -57,8 +56,8 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
 
 /// Polishes the continuous columns of a point of a program, the integral ones as they are.
 ///
-/// A reduced program leaves out what it takes for fixed or implied. In a row of large coefficients
-/// such columns may be off by more than the row may be missed; here every column moves.
+/// A reduced program omits columns that are fixed or implied up to rounding. In a row with large
+/// coefficients, their error may exceed the tolerance of the row, so here every column moves.
 pub(crate) fn polish_leaf(program: &Program, point: &mut [f64], token: &StopToken) {
     let columns: Vec<usize> =
         (0..program.column_count()).filter(|&j| !program.integral[j]).collect();
@@ -93,7 +92,7 @@ pub(crate) fn polish_leaf(program: &Program, point: &mut [f64], token: &StopToke
     columns.iter().zip(x).for_each(|(&j, v)| point[j] = v);
 }
 
-/// Moves `x` onto the limits of the given rows; `false` where that cannot be computed.
+/// Moves `x` onto the limits of the given rows; `false` if that cannot be computed.
 fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut [f64]) -> bool {
     let weight = |(j, &v): (usize, &f64)| {
         let room = (v - program.lower[j]).min(program.upper[j] - v).clamp(0.0, 1.0);
@@ -131,7 +130,7 @@ fn activity(program: &Reduced, row: usize, x: &[f64]) -> f64 {
     sum.value()
 }
 
-/// Clips `x` to the box and holds the columns that were outside; `true` when a new one was.
+/// Clips `x` to the box and holds the columns that were outside; `true` if there was a new one.
 fn clip(program: &Reduced, x: &mut [f64], held: &mut [bool]) -> bool {
     let mut new = false;
     for (j, value) in x.iter_mut().enumerate() {
@@ -144,8 +143,7 @@ fn clip(program: &Reduced, x: &mut [f64], held: &mut [bool]) -> bool {
     new
 }
 
-/// `A D A'` over the active rows with a trace of regularisation, or nothing when it would be too
-/// dense.
+/// `A D A'` over the active rows with a slight regularisation, or `None` if it would be too dense.
 fn normal_matrix(
     program: &Reduced,
     active: &[(usize, f64)],

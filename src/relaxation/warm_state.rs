@@ -1,4 +1,4 @@
-//! What a relaxation leaves for those of its children.
+//! Warm starts from the relaxation of a node for those of its children.
 
 use std::any::Any;
 use std::fmt;
@@ -11,12 +11,12 @@ use std::sync::Arc;
 pub struct WarmState(Arc<dyn Any + Send + Sync>);
 
 impl WarmState {
-    /// Wraps what a method wants to keep.
+    /// Wraps the state of a method.
     pub fn new<T: Any + Send + Sync>(state: T) -> Self {
         WarmState(Arc::new(state))
     }
 
-    /// The state, or `None` if it is of another type, so of another method.
+    /// The state, or `None` if it belongs to another method.
     pub fn get<T: Any>(&self) -> Option<&T> {
         self.0.downcast_ref()
     }

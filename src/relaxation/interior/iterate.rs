@@ -7,19 +7,19 @@ use crate::solver::StopToken;
 /// Fraction of the way to the nearest side that a step may go.
 const FRACTION: f64 = 0.995;
 
-/// Complementarity, in scaled units, that nothing is gained by reducing.
+/// Complementarity, in scaled units, below which reducing it gains nothing.
 const CLOSED: f64 = 1e-9;
 
 /// Margin of a certificate of infeasibility, relative to its terms.
 const MARGIN: f64 = 1e-8;
 
-/// Most steps of iterative refinement of a direction, and of the predictor, which says how far to
-/// centre and how the sides bend.
+/// The largest numbers of refinement steps of a direction, and of the predictor, which determines
+/// centring and the second-order correction.
 pub(super) const REFINEMENTS: usize = 2;
 const PREDICTOR_REFINEMENTS: usize = 1;
 
-/// The residual of a direction, in scaled units and as a part of the mean complementarity, at which
-/// there is nothing to refine: what is left is taken out by the next step.
+/// The residual of a direction, in scaled units and as a fraction of the mean complementarity, at
+/// which refinement stops, because the next step removes the rest.
 pub(super) const ACCURATE: f64 = 1e-11;
 const ACCURATE_PART: f64 = 1e-5;
 
@@ -30,7 +30,7 @@ pub(super) struct Iterate {
     pub(super) multipliers: Vec<f64>,
     pub(super) slack: Vec<f64>,
     pub(super) dual: Vec<f64>,
-    // What `measure` computes.
+    // Results of `measure`.
     pub(super) activity: Vec<f64>,
     pub(super) curvature: Vec<f64>,
     /// `A'y`.
@@ -108,22 +108,23 @@ impl Iterate {
         terms.map(|((x, q), p)| x * (q + 0.5 * p)).sum()
     }
 
-    /// What the multipliers prove over the box, scaled: see [`lower_bound`](super::super::lower_bound).
+    /// The bound that the multipliers prove over the box, scaled: see
+    /// [`lower_bound`](super::super::lower_bound).
     pub(super) fn dual_value(&self, program: &Scaled) -> f64 {
         let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
         let gradient = |j: usize| self.curvature[j] + program.linear[j] + self.pressed[j];
         bent - self.limits(program).0 + self.corner(program, &gradient).0
     }
 
-    /// What complementarity and residuals of the duals may add up to, scaled: the gap where columns
-    /// without bounds leave `dual_value` infinite.
+    /// The largest sum of complementarity and dual residuals, scaled: the gap if columns without
+    /// bounds make `dual_value` infinite.
     pub(super) fn estimated_gap(&self) -> f64 {
         let residuals = self.dual_residual.iter().zip(&self.x);
         let residuals: f64 = residuals.map(|(r, x)| r.abs() * x.abs().max(1.0)).sum();
         self.barrier + residuals
     }
 
-    /// Whether the gap is closed but for residuals of the duals that rounding brings back.
+    /// Whether the gap is closed except for dual residuals at the level of rounding.
     pub(super) fn diverges(&self) -> bool {
         let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         self.barrier < CLOSED && residual > 1e3 * CLOSED
@@ -139,7 +140,8 @@ impl Iterate {
         corner - limits > MARGIN * (size + reach)
     }
 
-    /// The sum of multipliers times the limits that they press on, and of its terms' magnitudes.
+    /// The sum of multipliers times their active limits, and the sum of the magnitudes of its
+    /// terms.
     fn limits(&self, program: &Scaled) -> (f64, f64) {
         let (mut sum, mut size) = (0.0, 0.0);
         for &(i, limit) in &program.equalities {
@@ -168,7 +170,8 @@ impl Iterate {
         (sum, size)
     }
 
-    /// Goes one predictor-corrector step; its length, or nothing where the system broke down.
+    /// Takes a predictor-corrector step. Returns its length, or `None` if the linear system broke
+    /// down.
     pub(super) fn advance(
         &mut self,
         program: &Scaled,
@@ -219,7 +222,8 @@ impl Iterate {
         Some(length)
     }
 
-    /// The direction for the right sides in `centre`, refined so often or to such a residual.
+    /// The direction for the right sides in `centre`, refined a given number of times or to a given
+    /// residual.
     pub(super) fn solve(
         &mut self,
         program: &Scaled,
@@ -231,7 +235,7 @@ impl Iterate {
         self.right.extend(self.dual_residual.iter().map(|r| -r));
         self.right.extend(self.equality_residual.iter().map(|r| -r));
         self.right.resize(self.right.len() + kkt.long.len(), 0.0);
-        // What a side contributes along the gradient of its target.
+        // The contribution of a side along the gradient of its target.
         self.row_term.fill(0.0);
         for k in 0..program.sides.len() {
             let pull = self.centre[k] + self.dual[k] * self.side_residual[k];
@@ -273,7 +277,7 @@ impl Iterate {
         }
     }
 
-    /// By how much `right` misses the system with the right side `target`, into `residual`.
+    /// Writes the residual of `right` in the system with the right side `target` into `residual`.
     fn miss(&mut self, program: &Scaled, kkt: &Kkt) {
         let (n, e) = (self.x.len(), program.equalities.len());
         self.residual.clear();
@@ -307,7 +311,7 @@ impl Iterate {
         }
     }
 
-    /// The weights of columns and rows: those of their sides, added up.
+    /// The weights of columns and rows: the sums over their sides.
     pub(super) fn weigh(&mut self, program: &Scaled) {
         self.column_weight.fill(0.0);
         self.row_weight.fill(0.0);
@@ -321,7 +325,7 @@ impl Iterate {
         }
     }
 
-    /// How far slacks and duals stay positive, at most 1.
+    /// The largest step, at most 1, that keeps slacks and duals positive.
     fn longest(&self) -> f64 {
         let fastest = |moves: &[f64], inverse: &[f64]| {
             let falls = moves.iter().zip(inverse).map(|(step, inverse)| -step * inverse);

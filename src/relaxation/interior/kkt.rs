@@ -1,8 +1,7 @@
 //! The linear system of an iteration, condensed onto columns, equalities and long rows.
 //!
 //! With weights `w` of the sides, an inequality row adds `w a a'` to the block of the columns, so
-//! that only equalities (and rows so long that `a a'` would fill the block) keep an unknown of their
-//! own:
+//! only equalities (and rows so long that `a a'` would fill the block) have unknowns:
 //!
 //! `[ P + D + A_s' W A_s + δ   A_e'   A_l'      ]`
 //! `[ A_e                      -δ               ]`
@@ -21,9 +20,8 @@ use faer::{Conj, MatMut, Par};
 use super::scaled::Scaled;
 use crate::solver::StopToken;
 
-/// Added to the diagonal of columns, subtracted from that of rows; refinement takes its effect out.
-/// With 1e-10 for the rows a pendulum of 40 steps took 1796 iterations instead of 971, since 62
-/// relaxations broke down near their optimum.
+/// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
+/// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.
 const REGULARISATION: f64 = 1e-8;
 
 /// Rows with at most this many entries are always condensed.
@@ -32,7 +30,7 @@ const SHORT: usize = 12;
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
 const SUPERNODAL: f64 = 0.25;
 
-/// Where a term of a condensed row goes.
+/// The position of a term of a condensed row.
 #[derive(Debug, Clone, Copy)]
 struct Term {
     position: usize,
@@ -52,7 +50,7 @@ pub(super) struct Kkt {
     constant: Vec<f64>,
     diagonal: Vec<usize>,
     terms: Vec<Term>,
-    /// Rows with an unknown of their own, after the equalities.
+    /// Rows with an unknown, after the equalities.
     pub(super) long: Vec<usize>,
     signs: Vec<i8>,
     symbolic: SymbolicCholesky<usize>,
@@ -192,7 +190,7 @@ impl Kkt {
         })
     }
 
-    /// Factorises with the weights of columns and rows; `false` where that breaks down.
+    /// Factorises with the weights of columns and rows; `false` if that breaks down.
     pub(super) fn factorise(&mut self, of_columns: &[f64], of_rows: &[f64]) -> bool {
         self.value.copy_from_slice(&self.constant);
         for (&k, w) in self.diagonal.iter().zip(of_columns) {
@@ -225,7 +223,7 @@ impl Kkt {
             .is_ok()
     }
 
-    /// Solves with the factors; `right` holds columns, equalities, long rows.
+    /// Solves with the factors; `right` is columns, equalities, long rows.
     pub(super) fn solve(&mut self, right: &mut [f64]) {
         let size = right.len();
         self.order.iter().zip(&*right).for_each(|(&k, v)| self.ordered[k] = *v);

@@ -1,13 +1,13 @@
 //! A primal-dual interior-point method for the small sparse programs of a tree.
 //!
 //! Mehrotra's predictor and corrector from an infeasible start, on a system condensed onto columns
-//! and equalities (`kkt`). A tree asks thousands of such questions, and most need no accurate
-//! optimum: every iteration looks whether the multipliers at hand already prove a bound beyond the
-//! cutoff, or that there is no feasible point, with the same formulas as
+//! and equalities (`kkt`). A tree has thousands of such programs, and most need no accurate
+//! optimum. After every iteration the method checks whether the multipliers already prove a bound
+//! beyond the cutoff, or infeasibility, with the same formulas as
 //! [`lower_bound`](super::lower_bound) and [`proves_infeasible`](super::proves_infeasible) in plain
-//! floats. Whoever asked proves it again with twice the digits.
+//! floats. The caller proves it again with twice the digits.
 //!
-//! The method gives up early rather than late: what it cannot settle goes to Clarabel.
+//! The method gives up early, because Clarabel solves the rest.
 
 mod iterate;
 mod kkt;
@@ -31,16 +31,16 @@ impl InteriorPoint {
     }
 }
 
-/// Iterations in a row without a step worth the name after which the method gives up.
+/// Number of consecutive iterations with negligible steps after which the method gives up.
 const STUCK: u32 = 3;
 
-/// Steps below this length are not worth the name (no unit).
+/// Steps below this length are negligible (no unit).
 const SHORT_STEP: f64 = 1e-3;
 
-/// The tolerance at which a program counts as solved where no more can be had.
+/// The tolerance at which a program counts as solved if the method cannot improve it.
 const ROUGH: f64 = 1e-8;
 
-/// By how much, relative, a bound must be beyond a cutoff before the method stops for it.
+/// The relative margin by which a bound must exceed the cutoff before the method stops.
 const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
@@ -107,7 +107,7 @@ impl Relaxation for InteriorPoint {
                     return done(Claim::Infeasible);
                 }
             }
-            // Centred, and the residual of the duals grows: their set has no inside.
+            // Centred, but the dual residual grows: the dual set has no interior.
             if at.diverges() {
                 break;
             }

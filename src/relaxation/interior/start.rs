@@ -1,4 +1,4 @@
-//! Where the interior-point method starts.
+//! Starting points of the interior-point method.
 
 use super::iterate::{ACCURATE, Iterate, REFINEMENTS};
 use super::kkt::Kkt;
@@ -53,8 +53,8 @@ impl Iterate {
         }
     }
 
-    /// A better start: the point that misses the sides least in the squares, traded against the
-    /// objective, with what it misses as multipliers; both moved inside.
+    /// A better start: the least-squares violation of the sides, traded against the objective, with
+    /// the violations as multipliers; both are moved inside.
     pub(super) fn improve_start(
         &mut self,
         program: &Scaled,
@@ -67,7 +67,7 @@ impl Iterate {
         self.slack.fill(0.0);
         self.dual.fill(0.0);
         self.measure(program);
-        // With unit slacks and duals of zero, a side pulls by its residual.
+        // With unit slacks and zero duals, a side pulls with its residual.
         self.slack.fill(1.0);
         self.dual.fill(1.0);
         self.invert();
