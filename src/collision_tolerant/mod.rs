@@ -12,7 +12,7 @@
 //! | find the shortest plan, with a proof | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
 //! | read the result | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
 //! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
-//! | ask which limits prevent a plan | [`Program::stated`] | [`crate::explain`] |
+//! | ask which limits prevent a plan | [`Program::explainable`] | [`crate::explain`] |
 //! | find limits on damage | [`damage_interval()`] | |
 //!
 //! Every plan is replayed by two simulators that share no code with the programs' rows. A plan that
@@ -32,12 +32,12 @@
 
 pub mod damage_interval;
 mod error;
+mod explainable;
 pub mod plan;
 pub mod program;
 mod reach;
 pub mod scenario;
 pub mod shortest;
-mod stated;
 pub mod tables;
 pub mod trajectory;
 

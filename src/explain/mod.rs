@@ -61,7 +61,7 @@
 //! ```
 //!
 //! [`collision_tolerant`](crate::collision_tolerant) writes limits as domains, because that is faster;
-//! [`Program::stated`](crate::collision_tolerant::Program::stated) writes the same program
+//! [`Program::explainable`](crate::collision_tolerant::Program::explainable) writes the same program
 //! with limits as statements.
 
 mod domains;

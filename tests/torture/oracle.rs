@@ -122,95 +122,140 @@ fn may_hold(case: &Case, line: &Line, x: &[f64]) -> bool {
     slack.is_infinite() || (least <= line.upper + slack && most >= line.lower - slack)
 }
 
-/// Each continuous column as `offset + sum of factors times variables that are not negative`.
+/// A continuous column as `offset + sum of factors times variables that are not negative`.
 struct Substitution {
     offset: Dyadic,
     parts: Vec<(usize, Dyadic)>,
 }
 
-/// The exact optimum for the integers of `x`, the values of the continuous columns in order.
-fn least(case: &Case, x: &[f64]) -> Answer {
-    let one = Dyadic::of(1.0);
-    let continuous: Vec<usize> = (0..x.len()).filter(|&j| x[j].is_nan()).collect();
-    let (mut substitutions, mut count, mut rows) = (Vec::new(), 0, Vec::new());
-    for &j in &continuous {
-        let column = &case.columns[j];
-        let (offset, parts) = if column.lower.is_finite() {
-            (Dyadic::of(column.lower), vec![(count, one)])
-        } else if column.upper.is_finite() {
-            (Dyadic::of(column.upper), vec![(count, -one)])
-        } else {
-            (Dyadic::ZERO, vec![(count, one), (count + 1, -one)])
-        };
-        count += parts.len();
-        substitutions.push(Substitution { offset, parts });
+/// The continuous part of a case for fixed integers.
+struct Continuous<'a> {
+    case: &'a Case,
+    /// The values of integers; NaN for continuous columns.
+    x: &'a [f64],
+    columns: Vec<usize>,
+    substitutions: Vec<Substitution>,
+    /// How many new variables there are.
+    count: usize,
+}
+
+impl<'a> Continuous<'a> {
+    fn new(case: &'a Case, x: &'a [f64]) -> Self {
+        let one = Dyadic::of(1.0);
+        let columns: Vec<usize> = (0..x.len()).filter(|&j| x[j].is_nan()).collect();
+        let (mut substitutions, mut count) = (Vec::new(), 0);
+        for &j in &columns {
+            let column = &case.columns[j];
+            let (offset, parts) = if column.lower.is_finite() {
+                (Dyadic::of(column.lower), vec![(count, one)])
+            } else if column.upper.is_finite() {
+                (Dyadic::of(column.upper), vec![(count, -one)])
+            } else {
+                (Dyadic::ZERO, vec![(count, one), (count + 1, -one)])
+            };
+            count += parts.len();
+            substitutions.push(Substitution { offset, parts });
+        }
+        Continuous { case, x, columns, substitutions, count }
     }
-    // `a'x` as a constant and coefficients of the new variables.
-    let expand = |a: &[f64], constant: f64| {
-        let (mut sum, mut terms) = (Dyadic::of(constant), vec![Dyadic::ZERO; count]);
-        for (&a, &x) in a.iter().zip(x).filter(|(_, x)| !x.is_nan()) {
+
+    /// `a'x + constant` as a constant and coefficients of the new variables.
+    fn expand(&self, a: &[f64], constant: f64) -> (Dyadic, Vec<Dyadic>) {
+        let (mut sum, mut terms) = (Dyadic::of(constant), vec![Dyadic::ZERO; self.count]);
+        for (&a, &x) in a.iter().zip(self.x).filter(|(_, x)| !x.is_nan()) {
             sum = sum + Dyadic::of(a) * Dyadic::of(x);
         }
-        for (&j, substitution) in continuous.iter().zip(&substitutions) {
+        for (&j, substitution) in self.columns.iter().zip(&self.substitutions) {
             let a = Dyadic::of(a[j]);
             sum = sum + a * substitution.offset;
             substitution.parts.iter().for_each(|&(k, factor)| terms[k] = terms[k] + a * factor);
         }
         (sum, terms)
-    };
-    let mut infeasible = false;
-    // `terms >= -sum`, scaled to whole numbers.
-    let mut at_least_zero = |sum: Dyadic, terms: &[Dyadic]| {
-        if terms.iter().all(|term| term.sign() == 0) {
-            infeasible |= sum.sign() < 0;
-            return;
-        }
-        let mut numbers = terms.to_vec();
-        numbers.push(-sum);
-        let (mut numbers, _) = Dyadic::whole(&numbers);
-        let right = numbers.pop().unwrap_or(0);
-        rows.push((numbers, right));
-    };
-    let negated = |terms: &[Dyadic]| -> Vec<Dyadic> { terms.iter().map(|&t| -t).collect() };
-    let switched = case.switches.iter().filter(|s| x[s.binary] == f64::from(u8::from(s.on)));
-    for line in case.lines.iter().chain(switched.map(|s| &s.line)) {
-        let (sum, terms) = expand(&line.coefficients, 0.0);
-        if line.lower.is_finite() {
-            at_least_zero(sum + -Dyadic::of(line.lower), &terms);
-        }
-        if line.upper.is_finite() {
-            at_least_zero(Dyadic::of(line.upper) + -sum, &negated(&terms));
-        }
     }
-    for &j in &continuous {
-        let column = &case.columns[j];
-        if column.lower.is_finite() && column.upper.is_finite() {
-            let mut unit = vec![0.0; x.len()];
-            unit[j] = 1.0;
-            let (sum, terms) = expand(&unit, 0.0);
-            at_least_zero(Dyadic::of(column.upper) + -sum, &negated(&terms));
-        }
-    }
-    if infeasible {
-        return Answer::Infeasible;
-    }
-    // All of the objective times one power of two: curvature, then cost, then the constant.
-    let (mut constant, mut cost) = expand(&case.linear, case.constant);
-    let mut curvature = vec![Dyadic::ZERO; count * count];
-    for square in &case.squares {
-        let (weight, (b, a)) =
-            (Dyadic::of(square.weight), expand(&square.coefficients, square.constant));
-        constant = constant + weight * b * b;
-        for i in 0..count {
-            cost[i] = cost[i] + Dyadic::of(2.0) * weight * a[i] * b;
-            for j in 0..count {
-                let entry = &mut curvature[i * count + j];
-                *entry = *entry + Dyadic::of(2.0) * weight * a[i] * a[j];
+
+    /// The rows `terms >= -sum`, scaled to whole numbers; `None` if one without terms is violated.
+    fn rows(&self) -> Option<Vec<(Vec<i128>, i128)>> {
+        let negated = |terms: &[Dyadic]| -> Vec<Dyadic> { terms.iter().map(|&t| -t).collect() };
+        let mut sides: Vec<(Dyadic, Vec<Dyadic>)> = Vec::new();
+        let holds = |on: bool, binary: usize| self.x[binary] == f64::from(u8::from(on));
+        let switched = self.case.switches.iter().filter(|s| holds(s.on, s.binary));
+        for line in self.case.lines.iter().chain(switched.map(|s| &s.line)) {
+            let (sum, terms) = self.expand(&line.coefficients, 0.0);
+            if line.lower.is_finite() {
+                sides.push((sum + -Dyadic::of(line.lower), terms.clone()));
+            }
+            if line.upper.is_finite() {
+                sides.push((Dyadic::of(line.upper) + -sum, negated(&terms)));
             }
         }
+        for &j in &self.columns {
+            let column = &self.case.columns[j];
+            if column.lower.is_finite() && column.upper.is_finite() {
+                let mut unit = vec![0.0; self.x.len()];
+                unit[j] = 1.0;
+                let (sum, terms) = self.expand(&unit, 0.0);
+                sides.push((Dyadic::of(column.upper) + -sum, negated(&terms)));
+            }
+        }
+        let mut rows = Vec::new();
+        for (sum, mut numbers) in sides {
+            if numbers.iter().all(|term| term.sign() == 0) {
+                if sum.sign() < 0 {
+                    return None;
+                }
+                continue;
+            }
+            numbers.push(-sum);
+            let (mut numbers, _) = Dyadic::whole(&numbers);
+            let right = numbers.pop().unwrap_or(0);
+            rows.push((numbers, right));
+        }
+        Some(rows)
     }
-    let numbers: Vec<Dyadic> = curvature.into_iter().chain(cost).chain([constant]).collect();
-    let (numbers, exponent) = Dyadic::whole(&numbers);
+
+    /// The objective times one power of two: curvature, then cost, then the constant; and the power.
+    fn objective(&self) -> (Vec<i128>, i32) {
+        let count = self.count;
+        let (mut constant, mut cost) = self.expand(&self.case.linear, self.case.constant);
+        let mut curvature = vec![Dyadic::ZERO; count * count];
+        for square in &self.case.squares {
+            let weight = Dyadic::of(square.weight);
+            let (b, a) = self.expand(&square.coefficients, square.constant);
+            constant = constant + weight * b * b;
+            for i in 0..count {
+                cost[i] = cost[i] + Dyadic::of(2.0) * weight * a[i] * b;
+                for j in 0..count {
+                    let entry = &mut curvature[i * count + j];
+                    *entry = *entry + Dyadic::of(2.0) * weight * a[i] * a[j];
+                }
+            }
+        }
+        let numbers: Vec<Dyadic> = curvature.into_iter().chain(cost).chain([constant]).collect();
+        Dyadic::whole(&numbers)
+    }
+
+    /// The values of the continuous columns at a point of the new variables.
+    fn values(&self, point: &[BigRational]) -> Vec<BigRational> {
+        let exact = |number: Dyadic| {
+            let (whole, exponent) = Dyadic::whole(&[number]);
+            BigRational::new(whole[0].into(), (1_i128 << exponent.max(0)).into())
+                * BigRational::from_integer((1_i128 << (-exponent).max(0)).into())
+        };
+        let value = |substitution: &Substitution| {
+            let parts = substitution.parts.iter();
+            let parts = parts.map(|&(k, factor)| exact(factor) * &point[k]);
+            parts.fold(exact(substitution.offset), |sum, part| sum + part)
+        };
+        self.substitutions.iter().map(value).collect()
+    }
+}
+
+/// The exact optimum for the integers of `x`, the values of the continuous columns in order.
+fn least(case: &Case, x: &[f64]) -> Answer {
+    let continuous = Continuous::new(case, x);
+    let count = continuous.count;
+    let Some(rows) = continuous.rows() else { return Answer::Infeasible };
+    let (numbers, exponent) = continuous.objective();
     let curvature = numbers.chunks(count.max(1)).take(count).map(<[i128]>::to_vec).collect();
     let cost = numbers[count * count..count * count + count].to_vec();
     match (Whole { curvature, cost, rows }).solve() {
@@ -222,17 +267,7 @@ fn least(case: &Case, x: &[f64]) -> Answer {
             } else {
                 whole(1) / whole(1_i128 << -exponent)
             };
-            let exact = |number: Dyadic| {
-                let (whole, exponent) = Dyadic::whole(&[number]);
-                BigRational::new(whole[0].into(), (1_i128 << exponent.max(0)).into())
-                    * BigRational::from_integer((1_i128 << (-exponent).max(0)).into())
-            };
-            let values = substitutions.iter().map(|substitution| {
-                let parts = substitution.parts.iter();
-                let parts = parts.map(|&(k, factor)| exact(factor) * &point[k]);
-                parts.fold(exact(substitution.offset), |sum, part| sum + part)
-            });
-            Answer::Least((value + constant) / power, values.collect())
+            Answer::Least((value + constant) / power, continuous.values(&point))
         }
         other => other,
     }

@@ -17,26 +17,12 @@ use faer::sparse::linalg::{SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 
+use super::condensed::{Condensed, Term};
 use super::scaled::Scaled;
 use crate::solver::StopToken;
 
-/// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
-/// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.
-const REGULARISATION: f64 = 1e-8;
-
-/// Rows with at most this many entries are always condensed.
-const SHORT: usize = 12;
-
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
 const SUPERNODAL: f64 = 0.25;
-
-/// The position of a term of a condensed row.
-#[derive(Debug, Clone, Copy)]
-struct Term {
-    position: usize,
-    row: usize,
-    product: f64,
-}
 
 pub(super) struct Kkt {
     /// Its upper triangle, by columns, in the order of elimination.
@@ -61,87 +47,9 @@ pub(super) struct Kkt {
 impl Kkt {
     /// The pattern of the system; `None` if it cannot be ordered or the token is over.
     pub(super) fn new(program: &Scaled, token: &StopToken) -> Option<Self> {
-        let n = program.column.len();
-        let m = program.rows.len();
-        let mut kind = vec![Kind::Short; m];
-        program.equalities.iter().for_each(|&(i, _)| kind[i] = Kind::Equality);
-        let room = program.quadratic.index.len();
-        let mut long = Vec::new();
-        for (i, kind) in kind.iter_mut().enumerate() {
-            let length = program.rows.vector(i).0.len();
-            if *kind == Kind::Short && length > SHORT && length * (length + 1) / 2 > room {
-                *kind = Kind::Long;
-                long.push(i);
-            }
-        }
-        // Entries of short rows by column.
-        let mut first = vec![0usize; n + 1];
-        let short = |i: &usize| kind[*i] == Kind::Short;
-        for i in (0..m).filter(short) {
-            program.rows.vector(i).0.iter().for_each(|&j| first[j + 1] += 1);
-        }
-        (0..n).for_each(|j| first[j + 1] += first[j]);
-        let mut next = first.clone();
-        let mut entries = vec![(0usize, 0.0); first[n]];
-        for i in (0..m).filter(short) {
-            let (columns, values) = program.rows.vector(i);
-            for (&j, &a) in columns.iter().zip(values) {
-                entries[next[j]] = (i, a);
-                next[j] += 1;
-            }
-        }
-        let owned: Vec<usize> =
-            program.equalities.iter().map(|e| e.0).chain(long.clone()).collect();
-        let size = n + owned.len();
-        let (mut start, mut index, mut constant) = (vec![0usize], Vec::new(), Vec::new());
-        let (mut terms, mut diagonal) = (Vec::new(), Vec::with_capacity(size));
-        let mut slot = vec![usize::MAX; n];
-        for c in 0..n {
-            let begin = index.len();
-            let (above, curvature) = program.quadratic.vector(c);
-            let mut visit = |i: usize, index: &mut Vec<usize>| {
-                if slot[i] == usize::MAX {
-                    slot[i] = 0;
-                    index.push(i);
-                }
-            };
-            visit(c, &mut index);
-            above.iter().for_each(|&i| visit(i, &mut index));
-            for &(row, _) in &entries[first[c]..first[c + 1]] {
-                let columns = program.rows.vector(row).0;
-                columns.iter().filter(|i| **i <= c).for_each(|&i| visit(i, &mut index));
-            }
-            index[begin..].sort_unstable();
-            for (k, &i) in index.iter().enumerate().skip(begin) {
-                slot[i] = k;
-            }
-            constant.resize(index.len(), 0.0);
-            above.iter().zip(curvature).for_each(|(&i, p)| constant[slot[i]] += p);
-            constant[slot[c]] += REGULARISATION;
-            for &(row, a) in &entries[first[c]..first[c + 1]] {
-                let (columns, values) = program.rows.vector(row);
-                for (&i, b) in columns.iter().zip(values).filter(|(i, _)| **i <= c) {
-                    terms.push(Term { position: slot[i], row, product: a * b });
-                }
-            }
-            diagonal.push(slot[c]);
-            index[begin..].iter().for_each(|&i| slot[i] = usize::MAX);
-            start.push(index.len());
-        }
-        for (k, &row) in owned.iter().enumerate() {
-            let (columns, values) = program.rows.vector(row);
-            let mut sorted: Vec<(usize, f64)> =
-                columns.iter().copied().zip(values.iter().copied()).collect();
-            sorted.sort_unstable_by_key(|entry| entry.0);
-            for (j, a) in sorted {
-                index.push(j);
-                constant.push(a);
-            }
-            index.push(n + k);
-            constant.push(-REGULARISATION);
-            diagonal.push(index.len() - 1);
-            start.push(index.len());
-        }
+        let Condensed { start, index, constant, mut diagonal, mut terms, long } =
+            Condensed::new(program);
+        let (n, size) = (program.column.len(), diagonal.len());
         if token.is_over() {
             return None;
         }
@@ -248,7 +156,7 @@ struct Ordered {
 }
 
 impl Ordered {
-    /// Nothing where it cannot be ordered.
+    /// `None` if it cannot be ordered.
     fn new(size: usize, start: &[usize], index: &[usize]) -> Option<Self> {
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, index);
         let need = amd::order_maybe_unsorted_scratch::<usize>(size, index.len());
@@ -276,11 +184,4 @@ impl Ordered {
         }
         Some(Ordered { start: first, index: rows, moved, order })
     }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Short,
-    Long,
-    Equality,
 }

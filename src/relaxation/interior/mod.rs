@@ -9,6 +9,7 @@
 //!
 //! The method gives up early, because Clarabel solves the rest.
 
+mod condensed;
 mod iterate;
 mod kkt;
 mod scaled;

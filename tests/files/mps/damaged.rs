@@ -98,9 +98,16 @@ fn errors_in_columns() {
     );
 }
 
+/// Asserts the errors of sections after COLUMNS.
+fn assert_errors(cases: &[(&str, &str)]) {
+    for (sections, expected) in cases {
+        assert_eq!(error(&with(sections)), *expected, "{sections}");
+    }
+}
+
 #[test]
-fn errors_in_later_sections() {
-    let cases = [
+fn errors_in_right_hand_sides_and_ranges() {
+    assert_errors(&[
         ("RHS\n B nowhere 1\n", "line 15, column 4: row `nowhere` was not declared in ROWS"),
         ("RHS\n B most nan\n", "line 15, column 9: `nan` is not a number"),
         (
@@ -128,6 +135,12 @@ fn errors_in_later_sections() {
             "RHS\n B least -inf\nRANGES\n R least 1\n",
             "line 15, column 10: row `least` has a range, so its right-hand side must be finite",
         ),
+    ]);
+}
+
+#[test]
+fn errors_in_bounds() {
+    assert_errors(&[
         (
             "BOUNDS\n XX B x 1\n",
             "line 15, column 2: `XX` is not a bound kind; expected LO, UP, FX, FR, MI, PL, BV, LI \
@@ -159,6 +172,12 @@ fn errors_in_later_sections() {
             "BOUNDS\n UP B x 1\n UP C y 2\n",
             "line 16, column 5: a second set `C` beside `B`; only one set can be read",
         ),
+    ]);
+}
+
+#[test]
+fn errors_in_quadratic_sections() {
+    assert_errors(&[
         ("QUADOBJ\n x x\n", "line 15, column 4: expected two column names and a value"),
         ("QUADOBJ\n x q 1\n", "line 15, column 4: column `q` is not in COLUMNS"),
         (
@@ -184,6 +203,12 @@ fn errors_in_later_sections() {
             "QUADOBJ\n x x 2\nQMATRIX\n x x 2\n",
             "line 16, column 1: QUADOBJ and QMATRIX cannot both be given",
         ),
+    ]);
+}
+
+#[test]
+fn errors_in_indicators() {
+    assert_errors(&[
         (
             "INDICATORS\n IF most x 1\n",
             "line 15, column 10: `x` is not binary; conditions and logic, as in `most`, take \
@@ -199,8 +224,5 @@ fn errors_in_later_sections() {
             "INDICATORS\n IF most k 1\n IF most k 0\n",
             "line 16, column 5: row `most` already has a condition, given in line 15",
         ),
-    ];
-    for (sections, expected) in cases {
-        assert_eq!(error(&with(sections)), expected, "{sections}");
-    }
+    ]);
 }

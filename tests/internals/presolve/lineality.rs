@@ -1,8 +1,8 @@
 //! Shifts that nothing notices: which ones are found, and the way back.
 
+use carom::internals::presolve::root::{Presolve, Presolved, Rule, presolve};
+use carom::internals::program::Program;
 use carom::prelude::*;
-use carom::presolve::root::{Presolve, Presolved, Rule, presolve};
-use carom::program::Program;
 use carom::solver::StopToken;
 
 const INF: f64 = f64::INFINITY;

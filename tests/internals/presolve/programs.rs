@@ -43,13 +43,8 @@ pub(crate) fn program(curved: bool) -> impl Strategy<Value = Case> {
     })
 }
 
-fn build(
-    raw: &[(u8, i8, u8, u8)],
-    rows: &[RawRow],
-    mut costs: Vec<i8>,
-    squares: &[(Vec<i8>, i8)],
-    twin: Option<(usize, usize, i8)>,
-) -> Case {
+/// The columns, and a point inside their bounds.
+fn columns_at(raw: &[(u8, i8, u8, u8)]) -> (Vec<Column>, Vec<f64>) {
     let (mut columns, mut anchor) = (Vec::new(), Vec::new());
     let mut continuous = 0;
     for &(kind, at, below, above) in raw {
@@ -69,39 +64,55 @@ fn build(
         columns.push(Column { kind, lower, upper });
         anchor.push(at.clamp(lower, upper));
     }
-    let mut lines: Vec<Line> = Vec::new();
-    for row in rows {
-        let mut coefficients = vec![0.0; COLUMNS];
-        let [a, b, c] = row.columns;
-        let value = |k: usize| {
-            let v = f64::from(row.coefficients[k]);
-            if v == 0.0 { 1.0 } else { v }
-        };
-        let mut equal = false;
-        match row.kind {
-            0 | 1 => {
-                (coefficients[a], coefficients[b], equal) = (value(0), value(1), true);
-            }
-            2 | 3 => {
-                (coefficients[a], coefficients[b], coefficients[c]) =
-                    (value(0), value(1), value(2));
-                equal = true;
-            }
-            4 => coefficients[a] = value(0),
-            5 if !lines.is_empty() => {
-                let other = &lines[a % lines.len()].coefficients;
-                coefficients = other.iter().map(|v| v * 2.0 * value(0)).collect();
-            }
-            6 => {
-                for (v, column) in coefficients.iter_mut().zip(&columns) {
-                    *v = f64::from(u8::from(column.kind == VariableKind::Binary));
-                }
-            }
-            _ => {
-                let pairs = coefficients.iter_mut().zip(&row.coefficients);
-                pairs.for_each(|(v, &a)| *v = f64::from(a));
+    (columns, anchor)
+}
+
+/// The coefficients of a row, and whether it is an equality.
+fn coefficients(row: &RawRow, columns: &[Column], lines: &[Line]) -> (Vec<f64>, bool) {
+    let mut coefficients = vec![0.0; COLUMNS];
+    let [a, b, c] = row.columns;
+    let value = |k: usize| {
+        let v = f64::from(row.coefficients[k]);
+        if v == 0.0 { 1.0 } else { v }
+    };
+    let mut equal = false;
+    match row.kind {
+        0 | 1 => {
+            (coefficients[a], coefficients[b], equal) = (value(0), value(1), true);
+        }
+        2 | 3 => {
+            (coefficients[a], coefficients[b], coefficients[c]) = (value(0), value(1), value(2));
+            equal = true;
+        }
+        4 => coefficients[a] = value(0),
+        5 if !lines.is_empty() => {
+            let other = &lines[a % lines.len()].coefficients;
+            coefficients = other.iter().map(|v| v * 2.0 * value(0)).collect();
+        }
+        6 => {
+            for (v, column) in coefficients.iter_mut().zip(columns) {
+                *v = f64::from(u8::from(column.kind == VariableKind::Binary));
             }
         }
+        _ => {
+            let pairs = coefficients.iter_mut().zip(&row.coefficients);
+            pairs.for_each(|(v, &a)| *v = f64::from(a));
+        }
+    }
+    (coefficients, equal)
+}
+
+fn build(
+    raw: &[(u8, i8, u8, u8)],
+    rows: &[RawRow],
+    mut costs: Vec<i8>,
+    squares: &[(Vec<i8>, i8)],
+    twin: Option<(usize, usize, i8)>,
+) -> Case {
+    let (columns, anchor) = columns_at(raw);
+    let mut lines: Vec<Line> = Vec::new();
+    for row in rows {
+        let (coefficients, equal) = coefficients(row, &columns, &lines);
         let activity: f64 = coefficients.iter().zip(&anchor).map(|(a, x)| a * x).sum();
         let side = |room: u8| if room == 4 { f64::INFINITY } else { f64::from(room) };
         let (mut lower, mut upper) = (activity - side(row.room.0), activity + side(row.room.1));

@@ -135,7 +135,7 @@ fn a_damage_limit_is_named_with_its_steps() {
 #[test]
 fn the_papers_own_program_is_explained() {
     let scenario = Scenario::paper().with_time_step(0.05);
-    let program = Program::stated(&scenario, STEPS).unwrap();
+    let program = Program::explainable(&scenario, STEPS).unwrap();
     let why = explain(&program.model);
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert_eq!(
@@ -145,14 +145,14 @@ fn the_papers_own_program_is_explained() {
 
     let limits = DamageLimits::default().with_per_impact(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
-    let program = Program::stated(&scenario, STEPS).unwrap();
+    let program = Program::explainable(&scenario, STEPS).unwrap();
     let why = explain(&program.model);
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert!(names(&why).contains(&"damage_limit") && names(&why).contains(&"goal_position"));
 
     // Too short for braking in time, and flying through the wall would not help.
     let careful = Scenario::paper().with_time_step(0.06).collision_free();
-    let program = Program::stated(&careful, STEPS).unwrap();
+    let program = Program::explainable(&careful, STEPS).unwrap();
     let why = explain(&program.model);
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert!(!names(&why).contains(&"wall"));
@@ -160,7 +160,7 @@ fn the_papers_own_program_is_explained() {
     // Long enough, but too fast to stop before the wall.
     let start = Endpoint::at_rest(2.0).with_velocity(-8.0);
     let careful = careful.with_start(start).with_time_step(0.1);
-    let program = Program::stated(&careful, STEPS).unwrap();
+    let program = Program::explainable(&careful, STEPS).unwrap();
     let why = explain(&program.model);
     assert!(why.is_irreducible() && why.solves() <= 20);
     assert_eq!(names(&why), ["start_position", "start_velocity", "acceleration", "wall"]);
@@ -178,13 +178,13 @@ fn a_program_for_planning_blames_its_domains() {
 
 /// The program for questions has the plans of the other one.
 #[test]
-fn stated_programs_agree_with_the_fast_ones() {
+fn explainable_programs_agree_with_the_fast_ones() {
     for (law, e) in [(ContactLaw::Reflecting, 0.5), (ContactLaw::Literal, 0.0)] {
         let scenario = Scenario::paper().with_time_step(0.2).with_law(law);
         let scenario = scenario.with_restitution(e).unwrap();
         for steps in 10..15 {
             let fast = Program::build(&scenario, steps, Objective::Feasibility);
-            let stated = Program::stated(&scenario, steps).unwrap();
+            let stated = Program::explainable(&scenario, steps).unwrap();
             let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
             let (fast, stated) = (solve(&fast.unwrap().model), solve(&stated.model));
             assert_eq!(fast.is_infeasible(), stated.is_infeasible(), "{law:?}, {steps} steps");

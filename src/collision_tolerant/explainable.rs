@@ -32,7 +32,7 @@ impl Program {
     /// use carom::prelude::*;
     ///
     /// // 2 s are too short: 47 steps of 0.05 s are needed.
-    /// let program = Program::stated(&Scenario::paper().with_time_step(0.05), 40)?;
+    /// let program = Program::explainable(&Scenario::paper().with_time_step(0.05), 40)?;
     /// let mut solver = BranchAndBound::default();
     /// let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
     /// assert!(why.is_irreducible() && why.solves() <= 20);
@@ -43,7 +43,7 @@ impl Program {
     /// # Errors
     ///
     /// As for [`Program::build`].
-    pub fn stated(scenario: &Scenario, steps: usize) -> Result<Self, Error> {
+    pub fn explainable(scenario: &Scenario, steps: usize) -> Result<Self, Error> {
         scenario.check()?;
         let wide = widened(scenario, &Horizon::new(steps, scenario.time_step)?);
         let mut program = Program::write(&wide, steps, Objective::Feasibility, Ends::Open)?;

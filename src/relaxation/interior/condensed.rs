@@ -1,0 +1,163 @@
+//! The entries of the condensed system, before they are ordered.
+
+use super::scaled::Scaled;
+
+/// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
+/// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.
+const REGULARISATION: f64 = 1e-8;
+
+/// Rows with at most this many entries are always condensed.
+const SHORT: usize = 12;
+
+/// The position of a term of a condensed row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Term {
+    pub(super) position: usize,
+    pub(super) row: usize,
+    pub(super) product: f64,
+}
+
+/// The upper triangle of the system by columns: first the columns of the program, then equalities
+/// and long rows.
+pub(super) struct Condensed {
+    pub(super) start: Vec<usize>,
+    pub(super) index: Vec<usize>,
+    /// By entry, its value without weights.
+    pub(super) constant: Vec<f64>,
+    /// By unknown, the entry on the diagonal.
+    pub(super) diagonal: Vec<usize>,
+    /// What the weights of short rows add.
+    pub(super) terms: Vec<Term>,
+    /// Rows with an unknown of their own, after the equalities.
+    pub(super) long: Vec<usize>,
+}
+
+impl Condensed {
+    pub(super) fn new(program: &Scaled) -> Self {
+        let kinds = kinds(program);
+        let rows = 0..program.rows.len();
+        let mut condensed = Condensed {
+            start: vec![0],
+            index: Vec::new(),
+            constant: Vec::new(),
+            diagonal: Vec::new(),
+            terms: Vec::new(),
+            long: rows.filter(|&i| kinds[i] == Kind::Long).collect(),
+        };
+        condensed.add_columns(program, &ShortRows::new(program, &kinds));
+        condensed.add_rows(program);
+        condensed
+    }
+
+    /// The block of the columns: curvature, regularisation, and the products of short rows.
+    fn add_columns(&mut self, program: &Scaled, short: &ShortRows) {
+        let n = program.column.len();
+        let mut slot = vec![usize::MAX; n];
+        for c in 0..n {
+            let begin = self.index.len();
+            let (above, curvature) = program.quadratic.vector(c);
+            let mut visit = |i: usize, index: &mut Vec<usize>| {
+                if slot[i] == usize::MAX {
+                    slot[i] = 0;
+                    index.push(i);
+                }
+            };
+            visit(c, &mut self.index);
+            above.iter().for_each(|&i| visit(i, &mut self.index));
+            for &(row, _) in short.of(c) {
+                let columns = program.rows.vector(row).0;
+                columns.iter().filter(|i| **i <= c).for_each(|&i| visit(i, &mut self.index));
+            }
+            self.index[begin..].sort_unstable();
+            for (k, &i) in self.index.iter().enumerate().skip(begin) {
+                slot[i] = k;
+            }
+            self.constant.resize(self.index.len(), 0.0);
+            above.iter().zip(curvature).for_each(|(&i, p)| self.constant[slot[i]] += p);
+            self.constant[slot[c]] += REGULARISATION;
+            for &(row, a) in short.of(c) {
+                let (columns, values) = program.rows.vector(row);
+                for (&i, b) in columns.iter().zip(values).filter(|(i, _)| **i <= c) {
+                    self.terms.push(Term { position: slot[i], row, product: a * b });
+                }
+            }
+            self.diagonal.push(slot[c]);
+            self.index[begin..].iter().for_each(|&i| slot[i] = usize::MAX);
+            self.start.push(self.index.len());
+        }
+    }
+
+    /// The columns of equalities and long rows.
+    fn add_rows(&mut self, program: &Scaled) {
+        let n = program.column.len();
+        let owned = program.equalities.iter().map(|e| e.0).chain(self.long.iter().copied());
+        for (k, row) in owned.enumerate() {
+            let (columns, values) = program.rows.vector(row);
+            let mut sorted: Vec<(usize, f64)> =
+                columns.iter().copied().zip(values.iter().copied()).collect();
+            sorted.sort_unstable_by_key(|entry| entry.0);
+            for (j, a) in sorted {
+                self.index.push(j);
+                self.constant.push(a);
+            }
+            self.index.push(n + k);
+            self.constant.push(-REGULARISATION);
+            self.diagonal.push(self.index.len() - 1);
+            self.start.push(self.index.len());
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Short,
+    Long,
+    Equality,
+}
+
+/// The kind of each row.
+fn kinds(program: &Scaled) -> Vec<Kind> {
+    let mut kinds = vec![Kind::Short; program.rows.len()];
+    program.equalities.iter().for_each(|&(i, _)| kinds[i] = Kind::Equality);
+    let room = program.quadratic.index.len();
+    for (i, kind) in kinds.iter_mut().enumerate() {
+        let length = program.rows.vector(i).0.len();
+        if *kind == Kind::Short && length > SHORT && length * (length + 1) / 2 > room {
+            *kind = Kind::Long;
+        }
+    }
+    kinds
+}
+
+/// The entries of short rows by column.
+struct ShortRows {
+    first: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+}
+
+impl ShortRows {
+    fn new(program: &Scaled, kinds: &[Kind]) -> Self {
+        let n = program.column.len();
+        let short = || (0..kinds.len()).filter(|&i| kinds[i] == Kind::Short);
+        let mut first = vec![0usize; n + 1];
+        for i in short() {
+            program.rows.vector(i).0.iter().for_each(|&j| first[j + 1] += 1);
+        }
+        (0..n).for_each(|j| first[j + 1] += first[j]);
+        let mut next = first.clone();
+        let mut entries = vec![(0usize, 0.0); first[n]];
+        for i in short() {
+            let (columns, values) = program.rows.vector(i);
+            for (&j, &a) in columns.iter().zip(values) {
+                entries[next[j]] = (i, a);
+                next[j] += 1;
+            }
+        }
+        ShortRows { first, entries }
+    }
+
+    /// Rows and coefficients of a column.
+    fn of(&self, column: usize) -> &[(usize, f64)] {
+        &self.entries[self.first[column]..self.first[column + 1]]
+    }
+}
