@@ -97,7 +97,7 @@ impl<'a> Crate<'a> {
         while let Some(path) = waiting.pop() {
             let Some(module) = self.modules.get(&path[..]) else { continue };
             for name in &module.public_modules {
-                waiting.push([&path[..], &[name.clone()]].concat());
+                waiting.push([&path[..], std::slice::from_ref(name)].concat());
             }
             for (name, _) in &module.entries {
                 let name = ["self".to_owned(), name.clone()];
