@@ -1,4 +1,4 @@
-//! What a worker spends its time on: one reading of the clock a change of activity.
+//! What a worker spends its time on: one reading of the clock per change of activity.
 
 use web_time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! Closing nodes: what is proved of them, and what is kept.
+//! Closing nodes: their proved bounds, and what is kept of them.
 
 use super::branching::Child;
 use super::context::Context;

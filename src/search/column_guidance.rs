@@ -1,4 +1,4 @@
-//! Priorities, splits and points that the user knows: asked for, checked, and taken where they fit.
+//! The user's priorities, splits and points, translated to columns and checked.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! What a worker processes nodes with.
+//! The context in which a worker processes nodes.
 
 use std::collections::BTreeSet;
 

@@ -1,10 +1,10 @@
-//! Event windows: splitting "nothing happens in these steps / at least one event does".
+//! Event windows: branching on "no event in these steps, or at least one".
 //!
-//! Over a horizon most binaries are events, of which a plan has few, and the question "when" is
-//! better halved than asked step by step. The open binaries get a balanced tree of integer columns
-//! that count the events of a window: every count is the sum of two narrower ones. So a window is
-//! split like any other column, and propagation draws the consequences in both directions. Relaxations
-//! see none of these columns; a window that must have an event adds a covering row to them.
+//! Most binaries over a horizon are events, of which a plan has few, so it is better to bisect the
+//! time of an event than to branch step by step. The open binaries get a balanced tree of integer
+//! columns that count the events of a window; every count is the sum of two narrower ones. A window
+//! is split like any other column, and propagation works in both directions. Relaxations do not
+//! contain these columns; a window that must have an event adds a covering row.
 
 use crate::presolve::{Domain, Reduced};
 use crate::program::Program;

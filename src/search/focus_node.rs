@@ -1,4 +1,4 @@
-//! The node in hand: its domain, and the way that led to it.
+//! The focus node, which is being processed: its domain, and the path that led to it.
 
 use super::node::Decision;
 use crate::presolve::{Domain, Propagator};

@@ -1,4 +1,4 @@
-//! What a search finds.
+//! The result of a search.
 
 use super::node::Path;
 use super::seed::{GuessEnd, Seeded};

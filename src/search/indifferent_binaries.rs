@@ -1,12 +1,11 @@
-//! Indifferent binaries: whole values where the relaxed point leaves a choice.
+//! Indifferent binaries: integral values where the relaxed point leaves a choice.
 //!
-//! An interior-point method ends in the middle of the best points: a binary without a cost comes
-//! out near one half wherever its rows leave it any room, although 0 or 1 would do at the same
-//! point of the dynamics. Branching on it would change nothing. Here such binaries get whole
-//! values, group after group ("exactly one mode", "at least one side"), while all of their rows still
-//! hold; what stays fractional is what the point really violates, and it goes as far as the rows let
-//! it, as it would at a corner: up for the likeliest of a group that wants one, else towards the
-//! nearest whole value.
+//! An interior-point method ends in the middle of the optimal face: a binary without a cost is near
+//! one half wherever its rows leave room, although 0 or 1 would be feasible with the same dynamics.
+//! Branching on it would change nothing. Here such binaries get integral values, group after group
+//! ("exactly one mode", "at least one side"), while all of their rows still hold. What stays
+//! fractional is what the point really violates. It moves as far as the rows allow, as at a vertex:
+//! up for the likeliest binary of a group that needs one, otherwise towards the nearest integer.
 
 use crate::presolve::Domain;
 use crate::program::Program;

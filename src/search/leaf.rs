@@ -1,4 +1,4 @@
-//! Points from fixed integers: solve what is left, polish, verify, offer.
+//! Points from fixed integers: solve the rest, polish, verify, report.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 

@@ -1,4 +1,4 @@
-//! Tightening the domain of the node in hand, with propagation.
+//! Tightening the domain of the focus node, with propagation.
 
 use super::clock::Activity;
 use super::context::Context;

@@ -1,4 +1,4 @@
-//! The nodes that a worker made in its present plunge, and that others may steal.
+//! The nodes of a worker's current plunge, which others may steal.
 
 use std::cell::Cell;
 

@@ -2,52 +2,51 @@
 //!
 //! A file sees only those above it in this list, so that each can be read without those below.
 //!
-//! What is asked and found:
+//! Input and output:
 //!
-//! * `task`, `found` - the question and the answer
-//! * `seed` - what an earlier solve hands over: boxes, and a point
-//! * `column_guidance` - priorities, splits and points that the user knows
+//! * `task`, `found` - the task and its result
+//! * `seed` - a warm start: boxes, and a point
+//! * `column_guidance` - the user's priorities, splits and points
 //!
 //! The tree:
 //!
 //! * `node` - a node as shared bound changes, and the queue of open nodes
 //! * `best_points` - the incumbent and those after it
-//! * `pseudocosts` - what branching on a column has done to the bound so far
-//! * `tree` - what all workers share: queue, best points, bounds, limits
-//! * `tree_view` - what one worker sees of the tree, with a `local_queue` of nodes that others may
+//! * `pseudocosts` - the average effect of branching on a column
+//! * `tree` - shared by all workers: queue, best points, bounds, limits
+//! * `tree_view` - one worker's view of the tree, with a `local_queue` of nodes that others may
 //!   steal, or a `round_buffer`
 //! * `reporter` - progress events
 //!
 //! The program:
 //!
-//! * `cuts` - rows that cut the relaxed point of the root off
-//! * `symmetry` - interchangeable columns in falling order
-//! * `event_windows` - splitting "nothing happens in these steps", `time_order` - which binaries are
-//!   steps
-//! * `indifferent_binaries` - whole values where the relaxed point leaves a choice
-//! * `root` - what holds before the first split: propagation and probing
+//! * `cuts` - rows that cut off the relaxed point of the root
+//! * `symmetry` - interchangeable columns in non-increasing order
+//! * `event_windows` - branching on windows of time, `time_order` - the order of binaries in time
+//! * `indifferent_binaries` - integral values where the relaxed point leaves a choice
+//! * `root` - propagation and probing before the first split
 //!
-//! The node in hand:
+//! The focus node:
 //!
-//! * `focus_node` - its domain, and the way that led to it; `clock` - what the time is spent on
-//! * `context` - the node in hand with what propagates and relaxes it
+//! * `focus_node` - its domain and path; `clock` - what the time is spent on
+//! * `context` - the focus node and what propagates and relaxes it
 //! * `local_bounds` - tightening and propagating the domain of the node
 //! * `switch_node` - from node to node, `node_probing` - how much probing nodes get
-//! * `node_relaxation` - what is relaxed, and what for
-//! * `unbounded` - a root whose objective falls without limit
-//! * `reduced_cost` - bounds of integers from multipliers
+//! * `node_relaxation` - its relaxation
+//! * `unbounded` - an unbounded root
+//! * `reduced_cost` - reduced-cost fixing
 //! * `leaf` - a point from fixed integers: solve, polish, verify
 //!
-//! What is done with it:
+//! Processing:
 //!
 //! * `heuristics` - points from relaxed points
 //! * `branching` - which column to split, and which child to visit first
 //! * `children`, `close_node` - the children of a split, and nodes that have none
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
-//! * `parallel` - workers side by side
+//! * `parallel` - several workers
 //! * `driver` - one search from start to end
 //!
-//! Nothing is pruned on an unverified relaxation, and no incumbent is accepted that the caller's
+//! No node is pruned by an unverified relaxation, and no incumbent is accepted that the caller's
 //! check refuses.
 
 mod best_points;

@@ -1,8 +1,8 @@
 //! Nodes as compact bound changes, and the queue of open ones.
 //!
 //! A node is its last decision and a shared pointer to those before it. Siblings share their
-//! ancestors, so an open node costs its entry in the queue and at most a few steps of its own,
-//! however deep it is; steps go when the last node below them goes.
+//! ancestors, so an open node costs its entry in the queue and at most a few bound changes, however
+//! deep it is. Bound changes are freed with the last node below them.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

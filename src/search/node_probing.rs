@@ -1,8 +1,8 @@
-//! How much probing nodes get: as much as it has paid.
+//! How much probing nodes get: as much as it pays.
 //!
-//! On programs of walls a few trials exclude many impacts and refute nodes that a relaxation would
-//! have to; on others hundreds of trials a node find nothing and cost more than the relaxations.
-//! Trials are paid from a credit that every success raises.
+//! On some programs a few trials refute nodes without a relaxation. On others, hundreds of trials
+//! per node find nothing and cost more than the relaxations. So trials are paid from a credit that
+//! every success raises.
 
 use crate::presolve::{ProbingRecord, Trials};
 

@@ -1,4 +1,4 @@
-//! The relaxation of a node: what is relaxed, and what for.
+//! The relaxation of a node.
 
 use super::clock::Activity;
 use super::context::Context;

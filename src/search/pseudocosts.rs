@@ -1,4 +1,4 @@
-//! What branching on a column has done to the bound so far.
+//! Pseudocosts: the effect of branching on a column so far.
 //!
 //! A pseudocost is the average growth of the bound per unit of fraction, downwards and upwards, by
 //! column.

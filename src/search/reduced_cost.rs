@@ -1,7 +1,7 @@
-//! Bounds of integers from the multipliers of a relaxation.
+//! Reduced-cost fixing: bounds of integers from the multipliers of a relaxation.
 //!
-//! A relaxation's multipliers prove by how much the objective grows at least for each unit that a
-//! column leaves its bound. What would take it beyond the cutoff is cut off.
+//! The multipliers of a relaxation prove how much the objective grows at least per unit by which a
+//! column moves away from its bound. Values that would take it beyond the cutoff are removed.
 
 use super::clock::Activity;
 use super::context::Context;

@@ -1,4 +1,4 @@
-//! Progress events: when to send which.
+//! Progress events: which to send, and when.
 
 use web_time::{Duration, Instant};
 

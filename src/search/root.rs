@@ -1,4 +1,4 @@
-//! The root: propagated and probed once, the start of every worker.
+//! The root, propagated and probed once for all workers.
 
 use super::indifferent_binaries::{Group, groups, lone_binaries};
 use crate::presolve::{Conflict, Domain, Propagator, covering_rows, probe, probe_implications};

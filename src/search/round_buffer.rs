@@ -1,4 +1,4 @@
-//! What a worker of the deterministic search knows and finds during a round.
+//! What a worker of the deterministic search sees and finds during a round.
 
 use super::best_points::Accepted;
 use super::node::Node;

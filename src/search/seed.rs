@@ -1,9 +1,9 @@
-//! A division of the root into boxes, made from the ends of an earlier tree.
+//! Division of the root along the leaves of an earlier tree.
 //!
-//! The boxes of a seed are only proposals of where to split. The root's box is split along their
-//! bounds until a part lies in one of them, or in none; so the parts cover the root whatever the
-//! boxes were. Where boxes come from a tree over the same columns, the bound that most of them have
-//! in common is the split of that tree's root, and the parts are its ends.
+//! The boxes of a seed only propose where to split. The root is split along their bounds until each
+//! part lies in one of them or in none, so the parts always cover the root. If the boxes come from
+//! a tree over the same columns, the bound that most of them share is the split of that tree's
+//! root, and the parts are its leaves.
 
 use std::collections::BTreeMap;
 

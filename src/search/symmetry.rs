@@ -1,10 +1,10 @@
-//! Interchangeable columns, and the order that they are given.
+//! Interchangeable columns, and the order imposed on them.
 //!
-//! Two columns are interchangeable when swapping them leaves the program as it is but for the order
-//! of its rows: two machines, two parts of one kind, two steps without dynamics between them. Of all
-//! points that differ by such swaps one is as good as another, so integral columns of a class may
-//! be asked for falling values. A swap is checked on every row and product that it touches; the
-//! swaps of a class generate all of its orders, so sorting reaches one of the points that are kept.
+//! Two columns are interchangeable if swapping them only reorders the rows of the program: two
+//! machines, two parts of one kind, two steps without dynamics between them. Points that differ
+//! only by such swaps are equally good, so integral columns of a class can be required to have
+//! non-increasing values. A swap is checked on every row and product that it touches. The swaps of
+//! a class generate all of its orders, so sorting reaches one of the remaining points.
 
 use std::collections::{BTreeMap, HashMap};
 

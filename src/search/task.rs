@@ -1,4 +1,4 @@
-//! What a search is asked.
+//! The task of a search.
 
 use super::column_guidance::ColumnGuidance;
 use crate::program::Program;

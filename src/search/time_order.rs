@@ -1,8 +1,8 @@
 //! The order of binaries in time, from the rows alone.
 //!
-//! A horizon's rows link the columns of one step with those of the next, so the graph of columns
-//! that share a row is long and thin, and the distance from one of its ends is the step. Names are
-//! not looked at, and the columns may stand in any order.
+//! The rows of a horizon link the columns of one step with those of the next, so the graph of
+//! columns that share a row is long and thin, and the distance from one of its ends is the step.
+//! Names and the order of columns do not matter.
 
 use crate::program::Program;
 

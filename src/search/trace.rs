@@ -1,4 +1,4 @@
-//! Spans and events for the feature `tracing`; without it, nothing.
+//! Spans and events for the feature `tracing`; empty without it.
 
 /// A span until the end of the block.
 macro_rules! span {

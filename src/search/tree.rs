@@ -1,4 +1,4 @@
-//! What all workers share: open nodes, best points, bounds, limits.
+//! The state that all workers share: open nodes, best points, bounds, limits.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,6 +1,6 @@
-//! What one worker sees of the tree.
+//! One worker's view of the tree.
 //!
-//! In the opportunistic search (and on one thread) a worker sees the present cutoff, and others can
+//! In the opportunistic search (and on one thread) a worker sees the current cutoff, and others can
 //! take its new nodes at once. In the deterministic search it sees the cutoff at the start of the
 //! round, and keeps what it finds until the round ends.
 

@@ -1,4 +1,4 @@
-//! A root whose objective falls without limit.
+//! A root whose relaxation is unbounded.
 
 use super::context::Context;
 use super::found::Found;

@@ -1,12 +1,13 @@
 //! Splitting a disjunction into its sides.
 //!
-//! A covering row `z_1 + ... + z_k >= 1` says that one of `k` things must happen. Split column by
-//! column, only the children that turn something on move the relaxation; the others say "not this
-//! one" and leave the relaxed point where it was, a node each. Here the node gets one child a side,
-//! and the child of side `s` excludes the sides before it. Sides are scored like columns, by
-//! pseudocosts of turning them on, initialised by trying them. Where excluding a side moves the bound
-//! as well, splitting a column may be better: of the best disjunction and the best column, that is
-//! taken whose gains let the tree grow more slowly.
+//! A covering row `z_1 + ... + z_k >= 1` means that at least one of `k` sides holds. If its columns
+//! are split one by one, only the children that set one to 1 move the relaxation; the others
+//! exclude one side, leave the relaxed point where it was, and cost a node each. Here the node gets
+//! one child per side, and the child of side `s` excludes the sides before it. Sides are scored
+//! like columns, by the pseudocosts of setting them to 1, initialised by strong branching. If
+//! excluding a side moves the bound as well, splitting a column may be better, so the choice
+//! between the best disjunction and the best column is the one with the smaller expected growth of
+//! the tree.
 
 use std::collections::BTreeMap;
 

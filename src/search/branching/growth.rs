@@ -1,4 +1,4 @@
-//! How fast a tree grows by the gains of its splits.
+//! How fast a tree grows, given the gains of its splits.
 
 /// Halvings of the interval of a rate of growth: five digits, of rates from 1 to 1e9.
 const HALVINGS: usize = 22;

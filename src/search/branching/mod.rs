@@ -1,21 +1,20 @@
 //! Which column to split, and which child to visit first.
 //!
-//! * A rule of the user's is asked first, and columns of a higher priority go before others.
-//! * Without an objective nothing but infeasibility matters, and under big-M rows fractionality
-//!   says little about it. Event windows are halved if the program has a horizon; else
-//!   columns are split latest first (by the step of their name, else by position): a late decision
-//!   propagates backwards through the dynamics. Measured on a wall program, latest-first closed the
-//!   tree in 71 nodes where earliest-first ran out of time.
+//! * The user's rule is called first, and columns with a higher priority go before others.
+//! * Without an objective, only infeasibility matters, and under big-M rows fractionality says
+//!   little about it. Event windows are halved if the program has a horizon; otherwise columns are
+//!   split latest first (by the step of their name, else by position), because a late decision
+//!   propagates backwards through the dynamics.
 //! * With an objective, columns are split by pseudocosts: the average growth of the bound per
 //!   unit of fraction, initialised by trying both children of a column (strong branching). A child
 //!   that the trial refutes is never queued. Disjunctions are split into their sides if the tree is
 //!   expected to grow more slowly that way.
 //!
-//! * `split` - what a split is, and its children
-//! * `user_branching` - splits that the user wants
+//! * `split` - splits and their children
+//! * `user_branching` - splits by the user's rule
 //! * `column` - the best column, `strong_branching` - children on trial
 //! * `disjunction` - splitting "one of these" into its sides
-//! * `strong_fixing` - values that the relaxed point can do without, on trial
+//! * `strong_fixing` - trying values that the relaxed point does not take
 //! * `growth` - how fast a tree grows
 
 mod column;

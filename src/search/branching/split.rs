@@ -1,4 +1,4 @@
-//! How a node is split, and what its children know.
+//! Splits of a node, and what its children inherit.
 
 use super::strong_branching::Trial;
 use crate::presolve::Domain;

@@ -1,9 +1,9 @@
-//! Strong branching: children on trial, and what a trial leaves behind.
+//! Strong branching: trials of children, and what is kept of them.
 //!
-//! A trial solves the relaxation of a child before the child exists. Its gain scores the split; a
-//! trial that refutes its child closes it; its bound and its relaxed point go with the child, which
-//! need not be solved again; and what propagation concludes in both children of a column holds in
-//! their parent.
+//! A trial solves the relaxation of a child before the child exists. Its gain scores the split, and
+//! a trial that refutes its child closes it. Its bound and relaxed point go to the child, which
+//! need not be solved again. Bounds that propagation finds in both children of a column hold in the
+//! parent.
 
 use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;

@@ -1,9 +1,9 @@
-//! Strong-branching fixings: values that a node's relaxed point can do without, on trial.
+//! Strong-branching fixings: trying values that the relaxed point of a node does not take.
 //!
-//! A binary that may be 0 or 1 at the same point of the dynamics is nothing to branch on, but one of
-//! its values may cost more than the best point is worth: then it is fixed to the other one. On walls
-//! an impact at most steps is excluded that way, and propagation follows. Elsewhere such trials find
-//! nothing, so they are paid from a credit that every fixing raises.
+//! A binary that can be 0 or 1 with the same dynamics is useless for branching, but one of its
+//! values may be worse than the cutoff; then it is fixed to the other one. On some programs this
+//! excludes most impacts. On others such trials find nothing, so they are paid from a credit that
+//! every fixing raises.
 
 use super::split::{RelaxedPoint, Split, both_sides, keep_only};
 use super::strong_branching::try_child;

@@ -1,4 +1,4 @@
-//! Splits that the user's own rule of branching wants.
+//! Splits by the user's branching rule.
 
 use super::split::Split;
 use crate::program::Program;

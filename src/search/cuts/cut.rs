@@ -1,4 +1,4 @@
-//! One cut, and what makes it safe to use.
+//! A cut, and the margins that make it safe.
 
 use std::collections::BTreeMap;
 

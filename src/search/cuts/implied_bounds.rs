@@ -1,8 +1,8 @@
-//! Implied bounds: what a binary's value does to the bounds of other columns.
+//! Implied bounds: the effect of a binary's value on the bounds of other columns.
 //!
-//! Where `x <= u0` follows from `z = 0` and `x <= u1` from `z = 1`, every whole point has
-//! `x <= u0 + (u1 - u0) z`. The bounds come from propagating both values, so that a chain of rows,
-//! a step of the dynamics with its big-Ms for instance, becomes one row.
+//! If `z = 0` implies `x <= u0` and `z = 1` implies `x <= u1`, every integral point satisfies
+//! `x <= u0 + (u1 - u0) z`. The bounds come from propagating both values, so a chain of rows, such
+//! as a step of the dynamics with its big-Ms, becomes one row.
 
 use std::collections::BTreeMap;
 

@@ -1,12 +1,12 @@
-//! Cuts at the root: rows that every whole point satisfies and the relaxed point does not.
+//! Cuts at the root: rows that every integral point satisfies and the relaxed point violates.
 //!
-//! * `implied_bounds` - what a binary's value does to the bounds of other columns
+//! * `implied_bounds` - the effect of a binary's value on the bounds of other columns
 //! * `mixed_integer_rounding` - aggregated rows, bounds substituted, divided and rounded
 //! * `rounding` - the rounding of one aggregate
-//! * `cut` - one cut, and what makes it safe to use
+//! * `cut` - a cut, and the margins that make it safe
 //!
-//! Rounds of relaxing and cutting go on while they lift the bound; what does not bind in the last
-//! relaxation is dropped, and where the bound was hardly lifted all of it is.
+//! Rounds of relaxing and cutting continue while they lift the bound. Cuts that are not active in
+//! the last relaxation are dropped, and all of them if the bound has hardly improved.
 
 mod cut;
 mod implied_bounds;

@@ -1,9 +1,9 @@
 //! The rounding of one aggregate.
 //!
 //! Columns are measured from a bound (`t >= 0`), continuous ones also from a variable bound
-//! `x <= c + v z`. Of `sum a_j t_j + sum c_k t_k <= b`, with whole `t_j`, divided by `d > 0`, follows
-//! `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is the fraction
-//! of `b / d` and `F(a) = floor(a) + max(0, fraction(a) - f) / (1 - f)`.
+//! `x <= c + v z`. From `sum a_j t_j + sum c_k t_k <= b` with integral `t_j`, divided by `d > 0`,
+//! follows `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is
+//! the fraction of `b / d` and `F(a) = floor(a) + max(0, fraction(a) - f) / (1 - f)`.
 
 use std::collections::BTreeMap;
 

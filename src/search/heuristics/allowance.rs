@@ -1,4 +1,4 @@
-//! How much a heuristic may spend: a share of what the search has cost, larger while it pays.
+//! The budget of a heuristic: a share of the cost of the search, which grows with its success.
 
 /// Interior-point iterations that a heuristic may take whatever the search has cost, where it has a
 /// free start: as long as there is no point.

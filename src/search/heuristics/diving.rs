@@ -1,10 +1,10 @@
 //! Diving: fix some integers, propagate, relax, and so on down to a point.
 //!
-//! Each step fixes half of the fractional integers and solves the relaxation again, roughly. What
-//! is surest goes first: what is nearest to a whole value, what hardly moves the bound by the
-//! pseudocosts, or what is nearest to the best point; dives take turns at these. A step that leads
-//! nowhere is taken back once and done the other way. Dives are paid from an allowance, and a dive
-//! whose allowance ends rounds what is left.
+//! Each step fixes half of the fractional integers and solves the relaxation again, roughly. The
+//! most certain integers go first: those nearest to an integer, those with the smallest
+//! pseudocosts, or those nearest to the best point; dives alternate between these. A step that
+//! fails is undone once and tried the other way. Dives are paid from an allowance, and a dive whose
+//! allowance ends rounds the rest.
 
 use super::allowance::Allowance;
 use super::rounding::round_and_propagate;

@@ -1,11 +1,11 @@
-//! The feasibility pump: rounding and projection in turn.
+//! The feasibility pump: alternate rounding and projection.
 //!
-//! The relaxed point is rounded, and the relaxation is asked for its point nearest to the rounded
-//! one, with a share of the objective that fades (Fischetti, Glover and Lodi 2005; Achterberg and
-//! Berthold 2007). Distances are sums of differences for integers that are rounded to a bound, and of
-//! squares for others. Rounding propagates, so a pump ends as soon as the other heuristic succeeds
-//! from one of its points. Where it comes back to the same rounded point, the least sure integers
-//! are turned over.
+//! The relaxed point is rounded, and then the nearest point of the relaxation is computed, with a
+//! decreasing share of the objective (Fischetti, Glover and Lodi 2005; Achterberg and Berthold
+//! 2007). Distances are absolute differences for integers that are rounded to a bound, and squares
+//! for others. Rounding propagates, so the pump ends as soon as the rounding heuristic succeeds
+//! from one of its points. If it returns to the same rounded point, the least certain integers are
+//! flipped.
 
 use super::rounding::round_and_propagate;
 use crate::presolve::{Reduced, Reduction, reduce};

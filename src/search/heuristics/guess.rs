@@ -1,5 +1,4 @@
-//! Points from a guess that was handed over: fixed, completed, repaired where it contradicts the
-//! program.
+//! Points from a MIP start: fixed, completed, and repaired if it contradicts the program.
 
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, Verdict};

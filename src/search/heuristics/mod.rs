@@ -1,11 +1,11 @@
-//! Heuristics: when which one runs.
+//! Primal heuristics, and when each one runs.
 //!
-//! * `rounding` - rounding with propagation, the surest integers first
+//! * `rounding` - rounding with propagation, the most certain integers first
 //! * `roll_out` - the inputs of the relaxed point, and what follows from them
-//! * `diving` - fixing, propagating and relaxing in turn down to a point
-//! * `feasibility_pump` - rounding and projection in turn
+//! * `diving` - fixing, propagating and relaxing repeatedly
+//! * `feasibility_pump` - alternate rounding and projection
 //! * `neighbourhood` - small searches near the best point
-//! * `proposals` - points that the user proposes, `guess` - a point that was handed over
+//! * `proposals` - points that the user proposes, `guess` - a MIP start
 //! * `allowance` - how much a heuristic may spend
 
 mod allowance;
