@@ -272,6 +272,7 @@ mod program;
 pub mod reformulate;
 mod relaxation;
 mod search;
+mod setters;
 pub mod solution;
 pub mod solver;
 mod sum;

@@ -20,6 +20,7 @@ use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
+use crate::setters::setters;
 use crate::solution::Termination;
 use crate::solver::{Interrupt, Solver, StopToken};
 
@@ -43,25 +44,13 @@ impl Default for IntervalOptions {
 }
 
 impl IntervalOptions {
-    /// Sets the resolution of each end, in m/s.
-    #[must_use]
-    pub fn with_resolution(mut self, resolution: f64) -> Self {
-        self.resolution = resolution;
-        self
-    }
-
-    /// Sets the wall-clock limit.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
-        self
-    }
-
-    /// Lets a handle stop the search.
-    #[must_use]
-    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
-        self.interrupt = interrupt.clone();
-        self
+    setters! {
+        /// Sets the resolution of each end, in m/s.
+        with_resolution(resolution: f64) => resolution = resolution;
+        /// Sets the wall-clock limit.
+        with_time_limit(limit: Duration) => time_limit = Some(limit);
+        /// Lets a handle stop the search.
+        with_interrupt(interrupt: &Interrupt) => interrupt = interrupt.clone();
     }
 }
 

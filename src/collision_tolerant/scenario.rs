@@ -4,6 +4,7 @@ use super::error::ScenarioError;
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::{Contact, ContactLaw, DamageLimits, Horizon, Restitution, Waiting, Wall};
 use crate::interval::Interval;
+use crate::setters::setters;
 
 /// Whether a plan may hit the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -37,18 +38,11 @@ impl Endpoint {
         Endpoint { position, velocity: 0.0, acceleration: None }
     }
 
-    /// Sets the velocity, in m/s.
-    #[must_use]
-    pub fn with_velocity(mut self, velocity: f64) -> Self {
-        self.velocity = velocity;
-        self
-    }
-
-    /// Sets the acceleration, in m/s².
-    #[must_use]
-    pub fn with_acceleration(mut self, acceleration: f64) -> Self {
-        self.acceleration = Some(acceleration);
-        self
+    setters! {
+        /// Sets the velocity, in m/s.
+        with_velocity(velocity: f64) => velocity = velocity;
+        /// Sets the acceleration, in m/s².
+        with_acceleration(acceleration: f64) => acceleration = Some(acceleration);
     }
 }
 
@@ -129,32 +123,15 @@ impl Scenario {
         Scenario::new(start, goal, wall, Interval::new(-6.0, 6.0), 15.0, 0.005)
     }
 
-    /// Sets the start.
-    #[must_use]
-    pub fn with_start(mut self, start: Endpoint) -> Self {
-        self.start = start;
-        self
-    }
-
-    /// Sets the goal.
-    #[must_use]
-    pub fn with_goal(mut self, goal: Endpoint) -> Self {
-        self.goal = goal;
-        self
-    }
-
-    /// Moves the goal to another position (m) without changing its velocity and acceleration.
-    #[must_use]
-    pub fn with_goal_position(mut self, position: f64) -> Self {
-        self.goal.position = position;
-        self
-    }
-
-    /// Sets the wall.
-    #[must_use]
-    pub fn with_wall(mut self, wall: Wall) -> Self {
-        self.contact.wall = wall;
-        self
+    setters! {
+        /// Sets the start.
+        with_start(start: Endpoint) => start = start;
+        /// Sets the goal.
+        with_goal(goal: Endpoint) => goal = goal;
+        /// Moves the goal to another position (m) without changing its velocity and acceleration.
+        with_goal_position(position: f64) => goal.position = position;
+        /// Sets the wall.
+        with_wall(wall: Wall) => contact.wall = wall;
     }
 
     /// Sets the coefficient of restitution e (no unit).
@@ -167,53 +144,21 @@ impl Scenario {
         Ok(self)
     }
 
-    /// Sets the contact law.
-    #[must_use]
-    pub fn with_law(mut self, law: ContactLaw) -> Self {
-        self.contact.law = law;
-        self
-    }
-
-    /// The same scenario with collisions forbidden.
-    #[must_use]
-    pub fn collision_free(mut self) -> Self {
-        self.collisions = Collisions::Forbidden;
-        self
-    }
-
-    /// Sets the limits of the acceleration, in m/s².
-    #[must_use]
-    pub fn with_acceleration(mut self, lower: f64, upper: f64) -> Self {
-        self.acceleration = Interval::new(lower, upper);
-        self
-    }
-
-    /// Sets the largest speed, in m/s.
-    #[must_use]
-    pub fn with_max_speed(mut self, speed: f64) -> Self {
-        self.max_speed = speed;
-        self
-    }
-
-    /// Sets the time step, in s.
-    #[must_use]
-    pub fn with_time_step(mut self, time_step: f64) -> Self {
-        self.time_step = time_step;
-        self
-    }
-
-    /// Sets limits and weight of damage.
-    #[must_use]
-    pub fn with_damage(mut self, limits: DamageLimits) -> Self {
-        self.damage = limits;
-        self
-    }
-
-    /// Sets the allowed positions, in m.
-    #[must_use]
-    pub fn with_domain(mut self, lower: f64, upper: f64) -> Self {
-        self.domain = Some(Interval::new(lower, upper));
-        self
+    setters! {
+        /// Sets the contact law.
+        with_law(law: ContactLaw) => contact.law = law;
+        /// The same scenario with collisions forbidden.
+        collision_free() => collisions = Collisions::Forbidden;
+        /// Sets the limits of the acceleration, in m/s².
+        with_acceleration(lower: f64, upper: f64) => acceleration = Interval::new(lower, upper);
+        /// Sets the largest speed, in m/s.
+        with_max_speed(speed: f64) => max_speed = speed;
+        /// Sets the time step, in s.
+        with_time_step(time_step: f64) => time_step = time_step;
+        /// Sets limits and weight of damage.
+        with_damage(limits: DamageLimits) => damage = limits;
+        /// Sets the allowed positions, in m.
+        with_domain(lower: f64, upper: f64) => domain = Some(Interval::new(lower, upper));
     }
 
     /// Refuses scenarios that contradict themselves.

@@ -11,6 +11,7 @@ use crate::hybrid::reach::Tube;
 use crate::hybrid::{
     Attempt, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
 };
+use crate::setters::setters;
 use crate::solution::{Solution, Statistics};
 use crate::solver::{Solver, StopToken};
 
@@ -36,25 +37,13 @@ impl Default for PlanningOptions {
 }
 
 impl PlanningOptions {
-    /// Sets limits and interrupt.
-    #[must_use]
-    pub fn with_search(mut self, search: ShortestOptions) -> Self {
-        self.search = search;
-        self
-    }
-
-    /// Sets a horizon that is probably feasible, in steps.
-    #[must_use]
-    pub fn with_upper_hint(mut self, steps: usize) -> Self {
-        self.upper_hint = Some(steps);
-        self
-    }
-
-    /// Sets whether the impacts are minimised.
-    #[must_use]
-    pub fn with_fewest_impacts(mut self, wanted: bool) -> Self {
-        self.fewest_impacts = wanted;
-        self
+    setters! {
+        /// Sets limits and interrupt.
+        with_search(search: ShortestOptions) => search = search;
+        /// Sets a horizon that is probably feasible, in steps.
+        with_upper_hint(steps: usize) => upper_hint = Some(steps);
+        /// Sets whether the impacts are minimised.
+        with_fewest_impacts(wanted: bool) => fewest_impacts = wanted;
     }
 }
 

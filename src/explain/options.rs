@@ -3,6 +3,7 @@
 use web_time::Duration;
 
 use crate::model::Name;
+use crate::setters::setters;
 use crate::solver::Interrupt;
 
 /// Options of [`infeasibility`](super::infeasibility()).
@@ -47,31 +48,15 @@ impl ExplainOptions {
         self
     }
 
-    /// Sets the number of solves up to which families are narrowed to steps; 0 turns narrowing off.
-    #[must_use]
-    pub fn with_narrowing(mut self, solves: usize) -> Self {
-        self.narrowing = solves;
-        self
-    }
-
-    /// Sets the limit on the number of solves.
-    #[must_use]
-    pub fn with_solve_limit(mut self, solves: usize) -> Self {
-        self.solve_limit = Some(solves);
-        self
-    }
-
-    /// Sets the wall-clock limit of the whole explanation.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
-        self
-    }
-
-    /// Stops the explanation when the handle is triggered.
-    #[must_use]
-    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
-        self.interrupt = interrupt.clone();
-        self
+    setters! {
+        /// Sets the number of solves up to which families are narrowed to steps; 0 turns narrowing
+        /// off.
+        with_narrowing(solves: usize) => narrowing = solves;
+        /// Sets the limit on the number of solves.
+        with_solve_limit(solves: usize) => solve_limit = Some(solves);
+        /// Sets the wall-clock limit of the whole explanation.
+        with_time_limit(limit: Duration) => time_limit = Some(limit);
+        /// Stops the explanation when the handle is triggered.
+        with_interrupt(interrupt: &Interrupt) => interrupt = interrupt.clone();
     }
 }

@@ -9,6 +9,7 @@ use super::groups::selected;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Model, Name};
 use crate::reformulate::Side;
+use crate::setters::setters;
 use crate::solution::{Point, Termination, Verification, for_reading};
 use crate::solver::{Interrupt, Solver, StopToken};
 use crate::tolerance;
@@ -45,18 +46,11 @@ impl ElasticOptions {
         self
     }
 
-    /// Sets the wall-clock limit.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
-        self
-    }
-
-    /// Stops the solve when the handle is triggered.
-    #[must_use]
-    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
-        self.interrupt = interrupt.clone();
-        self
+    setters! {
+        /// Sets the wall-clock limit.
+        with_time_limit(limit: Duration) => time_limit = Some(limit);
+        /// Stops the solve when the handle is triggered.
+        with_interrupt(interrupt: &Interrupt) => interrupt = interrupt.clone();
     }
 
     /// The weights of all statements; infinite for the background.

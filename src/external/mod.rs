@@ -36,6 +36,7 @@ use crate::branch_and_bound::BranchAndBound;
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::reformulate;
+use crate::setters::setters;
 use crate::solution::{Outcome, Solution, Statistics, Termination};
 use crate::solver::{Control, Event, Options, Progress, Solver, StopToken, certify};
 
@@ -74,18 +75,11 @@ impl ExternalSolver {
         Self::new(Scip)
     }
 
-    /// Sets the options.
-    #[must_use]
-    pub fn with_options(mut self, options: Options) -> Self {
-        self.options = options;
-        self
-    }
-
-    /// Sets the name or the path of the program.
-    #[must_use]
-    pub fn with_program(mut self, program: impl Into<String>) -> Self {
-        self.program = program.into();
-        self
+    setters! {
+        /// Sets the options.
+        with_options(options: Options) => options = options;
+        /// Sets the name or the path of the program.
+        with_program(program: impl Into<String>) => program = program.into();
     }
 }
 

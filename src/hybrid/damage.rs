@@ -3,6 +3,7 @@
 use super::contact::ImpactSpeed;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Affine, Family, Model, Variable};
+use crate::setters::setters;
 
 /// How the damage of one contact is measured: the paper's `F_d`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -41,26 +42,15 @@ pub struct DamageLimits {
 }
 
 impl DamageLimits {
-    /// Limits the damage of each contact, in the damage function's unit.
-    #[must_use]
-    pub fn with_per_impact(mut self, limit: f64) -> Self {
-        self.per_impact = Some(limit);
-        self
-    }
+    setters! {
+        /// Limits the damage of each contact, in the damage function's unit.
+        with_per_impact(limit: f64) => per_impact = Some(limit);
+        /// Limits the total damage over the horizon, in the damage function's unit.
+        with_cumulative(limit: f64) => cumulative = Some(limit);
 
-    /// Limits the total damage over the horizon, in the damage function's unit.
-    #[must_use]
-    pub fn with_cumulative(mut self, limit: f64) -> Self {
-        self.cumulative = Some(limit);
-        self
-    }
-
-    /// Adds the total damage to the objective, with a weight in the objective's unit per unit of
-    /// damage.
-    #[must_use]
-    pub fn with_weight(mut self, weight: f64) -> Self {
-        self.weight = weight;
-        self
+        /// Adds the total damage to the objective, with a weight in the objective's unit per unit of
+        /// damage.
+        with_weight(weight: f64) => weight = weight;
     }
 
     /// Whether there is a limit or a weight, so that damage states are needed.

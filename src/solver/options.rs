@@ -6,6 +6,7 @@ use super::heuristics::Heuristics;
 use super::relaxation_method::RelaxationMethod;
 use super::rules::BranchingRule;
 use crate::error::{Error, ErrorKind};
+use crate::setters::setters;
 use crate::tolerance;
 
 /// Options that every backend understands.
@@ -187,53 +188,21 @@ impl Options {
         }
     }
 
-    /// Sets the relative gap.
-    #[must_use]
-    pub fn with_relative_gap(mut self, gap: f64) -> Self {
-        self.relative_gap = gap;
-        self
-    }
-
-    /// Sets the absolute gap.
-    #[must_use]
-    pub fn with_absolute_gap(mut self, gap: f64) -> Self {
-        self.absolute_gap = gap;
-        self
-    }
-
-    /// Sets the time limit.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
-        self
-    }
-
-    /// Sets the node limit.
-    #[must_use]
-    pub fn with_node_limit(mut self, limit: u64) -> Self {
-        self.node_limit = Some(limit);
-        self
-    }
-
-    /// Sets the number of threads.
-    #[must_use]
-    pub fn with_threads(mut self, threads: usize) -> Self {
-        self.threads = threads;
-        self
-    }
-
-    /// Sets the memory limit, in bytes.
-    #[must_use]
-    pub fn with_memory_limit(mut self, bytes: u64) -> Self {
-        self.memory_limit = Some(bytes);
-        self
-    }
-
-    /// Sets whether to search in rounds, the same for any number of threads.
-    #[must_use]
-    pub fn with_deterministic(mut self, deterministic: bool) -> Self {
-        self.deterministic = deterministic;
-        self
+    setters! {
+        /// Sets the relative gap.
+        with_relative_gap(gap: f64) => relative_gap = gap;
+        /// Sets the absolute gap.
+        with_absolute_gap(gap: f64) => absolute_gap = gap;
+        /// Sets the time limit.
+        with_time_limit(limit: Duration) => time_limit = Some(limit);
+        /// Sets the node limit.
+        with_node_limit(limit: u64) => node_limit = Some(limit);
+        /// Sets the number of threads.
+        with_threads(threads: usize) => threads = threads;
+        /// Sets the memory limit, in bytes.
+        with_memory_limit(bytes: u64) => memory_limit = Some(bytes);
+        /// Sets whether to search in rounds, the same for any number of threads.
+        with_deterministic(deterministic: bool) => deterministic = deterministic;
     }
 
     /// Sets how many points to keep, and which.
@@ -243,81 +212,29 @@ impl Options {
         self
     }
 
-    /// Keeps only points within a relative gap of the best one.
-    #[must_use]
-    pub fn with_pool_gap(mut self, gap: f64) -> Self {
-        self.pool_gap = Some(gap);
-        self
-    }
-
-    /// Sets whether the leaves of the tree are kept.
-    #[must_use]
-    pub fn with_leaves(mut self, keep: bool) -> Self {
-        self.keep_leaves = keep;
-        self
-    }
-
-    /// Sets the branching rule.
-    #[must_use]
-    pub fn with_branching(mut self, rule: BranchingRule) -> Self {
-        self.branching = rule;
-        self
-    }
-
-    /// Sets the method that solves the relaxations.
-    #[must_use]
-    pub fn with_relaxation(mut self, method: RelaxationMethod) -> Self {
-        self.relaxation = method;
-        self
-    }
-
-    /// Sets whether interchangeable columns are ordered.
-    #[must_use]
-    pub fn with_symmetry(mut self, symmetry: bool) -> Self {
-        self.symmetry = symmetry;
-        self
-    }
-
-    /// Sets whether the search learns from conflicts.
-    #[must_use]
-    pub fn with_conflicts(mut self, conflicts: bool) -> Self {
-        self.conflicts = conflicts;
-        self
-    }
-
-    /// Sets whether the program is presolved before the search.
-    #[must_use]
-    pub fn with_presolve(mut self, presolve: bool) -> Self {
-        self.presolve = presolve;
-        self
-    }
-
-    /// Sets whether binaries are probed.
-    #[must_use]
-    pub fn with_probing(mut self, probing: bool) -> Self {
-        self.probing = probing;
-        self
-    }
-
-    /// Sets whether parts without a common row are searched one after the other.
-    #[must_use]
-    pub fn with_blocks(mut self, blocks: bool) -> Self {
-        self.blocks = blocks;
-        self
-    }
-
-    /// Sets whether cuts are added to the root relaxation.
-    #[must_use]
-    pub fn with_cuts(mut self, cuts: bool) -> Self {
-        self.cuts = cuts;
-        self
-    }
-
-    /// Sets the primal heuristics.
-    #[must_use]
-    pub fn with_heuristics(mut self, heuristics: Heuristics) -> Self {
-        self.heuristics = heuristics;
-        self
+    setters! {
+        /// Keeps only points within a relative gap of the best one.
+        with_pool_gap(gap: f64) => pool_gap = Some(gap);
+        /// Sets whether the leaves of the tree are kept.
+        with_leaves(keep: bool) => keep_leaves = keep;
+        /// Sets the branching rule.
+        with_branching(rule: BranchingRule) => branching = rule;
+        /// Sets the method that solves the relaxations.
+        with_relaxation(method: RelaxationMethod) => relaxation = method;
+        /// Sets whether interchangeable columns are ordered.
+        with_symmetry(symmetry: bool) => symmetry = symmetry;
+        /// Sets whether the search learns from conflicts.
+        with_conflicts(conflicts: bool) => conflicts = conflicts;
+        /// Sets whether the program is presolved before the search.
+        with_presolve(presolve: bool) => presolve = presolve;
+        /// Sets whether binaries are probed.
+        with_probing(probing: bool) => probing = probing;
+        /// Sets whether parts without a common row are searched one after the other.
+        with_blocks(blocks: bool) => blocks = blocks;
+        /// Sets whether cuts are added to the root relaxation.
+        with_cuts(cuts: bool) => cuts = cuts;
+        /// Sets the primal heuristics.
+        with_heuristics(heuristics: Heuristics) => heuristics = heuristics;
     }
 
     /// Refuses values outside their ranges; every backend calls it first.

@@ -9,6 +9,7 @@ use super::system::{HybridSystem, check_ends};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
+use crate::setters::setters;
 use crate::tolerance;
 
 /// Options of reach sets.
@@ -39,25 +40,13 @@ impl Default for SetOptions {
 }
 
 impl SetOptions {
-    /// Sets the number of events that are distinguished.
-    #[must_use]
-    pub fn with_events(mut self, events: usize) -> Self {
-        self.events = events;
-        self
-    }
-
-    /// Sets the number of vertices beyond which polygons are simplified.
-    #[must_use]
-    pub fn with_vertices(mut self, vertices: usize) -> Self {
-        self.vertices = vertices;
-        self
-    }
-
-    /// Sets the margin.
-    #[must_use]
-    pub fn with_margin(mut self, margin: f64) -> Self {
-        self.margin = margin;
-        self
+    setters! {
+        /// Sets the number of events that are distinguished.
+        with_events(events: usize) => events = events;
+        /// Sets the number of vertices beyond which polygons are simplified.
+        with_vertices(vertices: usize) => vertices = vertices;
+        /// Sets the margin.
+        with_margin(margin: f64) => margin = margin;
     }
 
     /// Adds a template direction.

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
 use crate::model::Model;
+use crate::setters::setters;
 use crate::solution::{Solution, Termination};
 use crate::solver::{Event, Interrupt, Progress, Solver, StopToken};
 
@@ -53,39 +54,17 @@ impl Default for ShortestOptions {
 }
 
 impl ShortestOptions {
-    /// Sets the largest horizon tried, in steps.
-    #[must_use]
-    pub fn with_max_steps(mut self, steps: usize) -> Self {
-        self.max_steps = steps;
-        self
-    }
-
-    /// Sets the wall-clock limit of the whole search.
-    #[must_use]
-    pub fn with_time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = Some(limit);
-        self
-    }
-
-    /// Sets whether reach sets are used.
-    #[must_use]
-    pub fn with_reach_sets(mut self, wanted: bool) -> Self {
-        self.reach_sets = wanted;
-        self
-    }
-
-    /// Sets whether a coarser grid is used.
-    #[must_use]
-    pub fn with_coarse_guess(mut self, wanted: bool) -> Self {
-        self.coarse_guess = wanted;
-        self
-    }
-
-    /// Lets a handle stop the search.
-    #[must_use]
-    pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
-        self.interrupt = interrupt.clone();
-        self
+    setters! {
+        /// Sets the largest horizon tried, in steps.
+        with_max_steps(steps: usize) => max_steps = steps;
+        /// Sets the wall-clock limit of the whole search.
+        with_time_limit(limit: Duration) => time_limit = Some(limit);
+        /// Sets whether reach sets are used.
+        with_reach_sets(wanted: bool) => reach_sets = wanted;
+        /// Sets whether a coarser grid is used.
+        with_coarse_guess(wanted: bool) => coarse_guess = wanted;
+        /// Lets a handle stop the search.
+        with_interrupt(interrupt: &Interrupt) => interrupt = interrupt.clone();
     }
 }
 
