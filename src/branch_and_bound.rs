@@ -1,8 +1,8 @@
-//! The default backend: the whole pipeline, a step a function.
+//! The default backend: the whole pipeline, one function per step.
 //!
 //! * `pipeline` - lower, assemble, presolve, search, restore
-//! * `stage` - cutting and searching what presolve has left
-//! * `blocks` - parts without a common row, one after the other
+//! * `stage` - cuts and search after presolve
+//! * `blocks` - independent blocks, one after the other
 //! * `seeding` - seeds and leaves: from variables to columns, and back
 
 mod blocks;

@@ -1,8 +1,8 @@
 //! Searching the blocks of a program one after the other.
 //!
-//! Bounds and objectives add up; so do the gaps, of which each block gets its share. A block without
-//! a point leaves none for the whole, and one without a bound no bound. Time and nodes are shared
-//! evenly among the blocks that are still to come, and what a block leaves is there for the others.
+//! Bounds, objectives and gaps add up; each block gets a share of the gap. The whole has a point or
+//! a bound only if every block has one. Time and nodes are shared evenly among the remaining
+//! blocks, and what a block does not use is left for the others.
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;

@@ -1,4 +1,4 @@
-//! Cutting and searching what presolve has left.
+//! Cuts and search after presolve.
 
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};

@@ -1,12 +1,13 @@
 //! Big-M tightening by pairs of rows.
 //!
-//! Where a binary switches a row off, the bounds of the row's columns alone say too little about how
-//! far the row can go. In a piecewise-affine system `x+ - A x - B u` has one value in one mode and
-//! another value in the other, over the same columns: while the first mode is off, the second is on, and
-//! its rows bound the difference from the first. So each value of a binary is propagated, and the rest
-//! of each of its rows is bounded by a multiple of a linked row, one that shares columns with it, plus
-//! the bounds of what the two do not share. The binary's coefficient and the row's limit move to match.
-//! With two modes the result is often the convex hull of a step, without the hull's extra columns.
+//! If a binary switches a row off, the bounds of the row's columns alone give a weak big-M. In a
+//! piecewise-affine system, `x+ - A x - B u` has one value in one mode and another in the other,
+//! over the same columns: while the first mode is off, the second is on, and its rows bound the
+//! first mode's. So each value of a binary is propagated, and the rest of each of its rows is
+//! bounded by a multiple of a linked row, which shares columns with it, plus the bounds of the
+//! columns that they do not share. The binary's coefficient and the row's limit are tightened
+//! accordingly. With two modes the result is often the convex hull of a step, without the hull's
+//! extra columns.
 
 use super::domain::Domain;
 use super::propagation::Propagator;

@@ -1,7 +1,7 @@
 //! Which rows a propagation visited, and when rows changed last.
 //!
-//! A trial of probing that found nothing finds nothing again as long as the bounds in the rows that it
-//! visited are the same. Neighbouring rows form a block, so that a set of blocks is one word.
+//! A probing trial that found nothing need not be repeated while the bounds in the rows that it
+//! visited are unchanged. Neighbouring rows form a block, so that a set of blocks fits in one word.
 
 /// Blocks of rows; as many as a word has bits.
 const BLOCKS: usize = 128;

@@ -1,8 +1,8 @@
 //! Coefficient tightening: big-Ms from bounds.
 //!
-//! Where a row cannot bind at one value of a binary, the binary's coefficient and the row's limit
-//! can move together until it just does not bind there. Whole points are kept, relaxed ones are
-//! not: `x <= 2 + 8 (1 - z)` at a node with `x <= 5` becomes `x <= 2 + 3 (1 - z)`.
+//! If a row is redundant at one value of a binary, the binary's coefficient and the row's limit can
+//! be changed together until it is only just redundant. This keeps integral points and cuts off
+//! relaxed ones: `x <= 2 + 8 (1 - z)` at a node with `x <= 5` becomes `x <= 2 + 3 (1 - z)`.
 
 use super::reduce::Reduced;
 use crate::tolerance;

@@ -1,13 +1,13 @@
 //! Conflict analysis: which bounds made propagation fail.
 //!
-//! From the contradiction backwards along the trail, each bound that is needed is replaced by the
-//! bounds that it was derived from, until what is left are bounds of integral columns. On the way
-//! a bound is needed only as far as the step after it requires: what a row can spare is given back,
-//! to bounds that are dropped entirely where that is possible, else to weaker ones.
+//! Backwards along the trail from the contradiction, each required bound is replaced by the bounds
+//! that it was derived from, until only bounds of integral columns remain. Bounds are weakened as
+//! far as the next step allows: the spare of a row drops bounds entirely if possible, and otherwise
+//! weakens them.
 //!
-//! Every step is checked again with the numbers that remain, at the tolerances of propagation; a
-//! row gives back only what it has beyond the feasibility tolerance of its own. So what is learned is
-//! as certain as the propagation that it repeats.
+//! Every step is checked again with the remaining bounds, at the tolerances of propagation, and a
+//! row gives back only what exceeds its feasibility tolerance. So a no-good is as certain as the
+//! propagation that it repeats.
 
 use super::domain::{Domain, Reason};
 use super::implications::Implications;

@@ -1,9 +1,9 @@
 //! Disjunctive bound tightening (constructive disjunction) over covering rows.
 //!
-//! A row `z_1 + ... + z_k >= 1` over binaries says that at least one of `k` cases applies. Each case is
-//! propagated on trial. A case that contradicts the bounds is excluded, and the hull of the bounds in
-//! the others holds in any case. In a piecewise-affine system these hulls are boxes around the states
-//! that each step can reach, where plain propagation sees only rows that may be switched off. The
+//! A row `z_1 + ... + z_k >= 1` over binaries means that at least one of `k` cases applies. Each
+//! case is propagated on trial. Infeasible cases are excluded, and the hull of the bounds in the
+//! other cases is valid. In a piecewise-affine system these hulls are boxes around the states that
+//! each step can reach, whereas plain propagation sees only rows that may be switched off. The
 //! big-Ms shrink with the boxes.
 
 use std::ops::RangeInclusive;

@@ -1,4 +1,4 @@
-//! Current bounds of all columns, with a trail to undo changes, and why each was made.
+//! Current bounds of all columns, with a trail to undo changes, and the reason of each.
 
 use crate::program::Program;
 

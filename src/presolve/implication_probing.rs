@@ -1,8 +1,8 @@
-//! What a binary at one of its values implies beyond propagation.
+//! Implications of a binary's values beyond propagation.
 //!
-//! Probing a binary at both of its values tells what follows from each. What follows from both for
-//! an integral column holds anyway. And if `a` leads to `b` by propagation, "not `b`" implies
-//! "not `a`", which propagation often does not find: a table keeps these implications.
+//! Probing a binary at both values shows what follows from each. What follows from both for an
+//! integral column always holds. If `a` implies `b` by propagation, "not `b`" implies "not `a`",
+//! which propagation often does not find; a table keeps these implications.
 
 use super::domain::Domain;
 use super::implications::Implications;

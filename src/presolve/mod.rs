@@ -1,9 +1,9 @@
-//! What can be concluded without a relaxation: domains, bound propagation, reduction.
+//! Everything that needs no relaxation: domains, bound propagation, reductions.
 //!
-//! The same parts serve the root and every node of the tree: a [`Domain`] holds the current
-//! bounds and undoes them, [`Propagator`] tightens them row by row until nothing moves or a
-//! contradiction appears, and [`reduce`](reduce()) turns what is left into a smaller continuous
-//! program. What is done once, before the search, and undone after it, is in [`root`].
+//! The same parts serve the root and every node of the tree: a [`Domain`] holds the current bounds
+//! and undoes them, [`Propagator`] tightens them row by row until nothing moves or a contradiction
+//! appears, and [`reduce`](reduce()) turns the rest into a smaller continuous program. Presolve
+//! before the search, with its postsolve, is in [`root`].
 
 mod big_m_tightening;
 mod change_log;

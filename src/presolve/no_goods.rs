@@ -1,9 +1,8 @@
 //! No-goods: bounds of integral columns that cannot hold together, and their propagation.
 //!
-//! Each no-good watches two of its literals. Nothing happens while one of them does not hold; when
-//! a watched literal comes to hold, another that does not is watched in its place, and where there
-//! is none, the other watched literal is denied, or the no-good is a contradiction. Undoing bounds
-//! never costs anything.
+//! Each no-good watches two of its literals. If a watched literal becomes true, another literal
+//! that is not true is watched instead. If there is none, the other watched literal is denied, or
+//! the no-good is a contradiction. Undoing bounds costs nothing.
 
 use super::domain::{Domain, Reason};
 

@@ -1,5 +1,5 @@
-//! Parallel rows (or columns): which have their entries at the same positions, and whether one is a
-//! multiple of the other.
+//! Parallel rows (or columns): those with entries at the same positions of which one is a multiple
+//! of the other.
 
 /// Relative difference up to which two quotients of coefficients count as equal.
 const PARALLEL: f64 = 1e-13;

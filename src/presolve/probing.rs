@@ -1,14 +1,15 @@
-//! Probing: try both values of a binary, keep what propagation proves.
+//! Probing: try both values of a binary, and keep what propagation proves.
 //!
 //! A binary whose value 1 contradicts the domain is fixed to 0, and the other way round. A trial
-//! costs one propagation, a small fraction of a relaxation; on wall programs most impacts that
-//! cannot happen are excluded this way, and many horizons are refuted without any relaxation.
+//! costs one propagation, a small fraction of a relaxation. It often excludes most impacts and
+//! refutes many horizons without a relaxation.
 //!
-//! What is excluded at one step often lets the next step be excluded, forwards or backwards in time,
-//! so rounds change direction: a chain falls in one round instead of one link a round.
+//! What is excluded at one step often lets the next step be excluded, forwards or backwards in
+//! time, so rounds alternate in direction, and a whole chain is excluded in one round instead of
+//! one link per round.
 //!
-//! A trial that found nothing is not repeated while nothing has changed that it looked at, at one
-//! node or from node to node.
+//! A trial that found nothing is not repeated while the rows that it visited are unchanged, within
+//! a node or from node to node.
 
 use super::change_log::Blocks;
 use super::conflict_analysis::Resolution;

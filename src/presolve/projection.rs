@@ -1,15 +1,15 @@
-//! Binaries that a relaxation does not need.
+//! Projection: removing binaries that a relaxation does not need.
 //!
-//! A disjunction "one of these rows must hold" is written with a binary a row: `z = 1` makes its
-//! row bind, and a covering row `z_1 + ... + z_k >= 1` wants one of them. As far as the relaxation
-//! goes, such a binary only links two rows, and a Fourier-Motzkin step takes it out: the two rows
-//! are added up so that it cancels. A disjunction of four sides loses four columns and four of its
-//! five rows, and the relaxed set over the other columns stays the same.
+//! A disjunction "one of these rows must hold" has one binary per row: `z = 1` enforces its row,
+//! and a covering row `z_1 + ... + z_k >= 1` requires one of them. In the relaxation, such a binary
+//! only links two rows, and a Fourier-Motzkin step removes it: the two rows are added so that it
+//! cancels. A disjunction of four sides loses four columns and four of its five rows, and the
+//! relaxed set over the other columns stays the same.
 //!
-//! The way back picks whole values where there are any: a binary whose row holds at the relaxed
-//! point is on, the others of a satisfied disjunction are idle, and only those of a violated one
-//! stay fractional, the larger the nearer their row is to holding. That is what branching and
-//! heuristics want to see.
+//! The way back chooses integral values if possible: a binary whose row holds at the relaxed point
+//! is 1, and the others of a satisfied disjunction are 0. Only the binaries of a violated
+//! disjunction stay fractional, and the closer their row is to holding, the larger they are. This
+//! is what branching and heuristics need.
 
 use super::coefficients::is_binary;
 use super::reduce::{Compressed, Reduced};

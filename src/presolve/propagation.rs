@@ -1,8 +1,8 @@
 //! Activity-based bound propagation.
 //!
 //! For a row `l <= a'x <= u` the smallest and the largest activity over the current bounds limit
-//! every column in it. Tightened columns put their rows back on a worklist until nothing moves
-//! enough; its order is in `worklist`, the arithmetic of one row in `tightening`.
+//! every column in it. The rows of tightened columns go back on a worklist until no bound moves
+//! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`.
 
 use super::change_log::{Blocks, ChangeLog};
 use super::conflict_analysis::{Clash, Resolution};

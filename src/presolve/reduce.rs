@@ -1,4 +1,4 @@
-//! What is left of a program at a node, as a smaller continuous program.
+//! The reduction of a program at a node to a smaller continuous program.
 //!
 //! Fixed columns are substituted, rows with one free column become bounds, rows that the bounds
 //! imply are dropped, and parallel rows are merged: two opposite inequalities become one

@@ -1,8 +1,8 @@
-//! What one row says about its columns.
+//! Bounds of columns from one row.
 //!
-//! Most visits end after a single pass: where the row's room (its limit less its smallest activity)
-//! is at least the widest term, no bound can move. Bounds of continuous columns are loosened by a
-//! hair ([`tolerance::PROPAGATION_SLACK`]), so rounding never cuts a feasible point off.
+//! Most visits end after a single pass: if the row's slack (its limit less its smallest activity)
+//! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
+//! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point.
 
 use crate::tolerance;
 

@@ -1,8 +1,7 @@
 //! The rows that propagation has yet to visit, in sweeps.
 //!
-//! Rows are taken in the order of their numbers up and down in turn, so that what a row finds out is
-//! known by the next ones: along a chain of steps a change travels in one sweep. A queue takes a fifth
-//! more visits on pucks and three times as many on walls; a stack takes twice the time of a queue.
+//! Rows are visited in the order of their numbers, alternately up and down, so that a change
+//! travels along a whole chain of steps in one sweep. A queue or a stack needs more visits.
 
 /// Rows by number; a set with a position and a direction.
 #[derive(Debug, Clone)]

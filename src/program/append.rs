@@ -1,4 +1,4 @@
-//! Columns and rows behind those of a program.
+//! Appending columns and rows to a program.
 
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
 

@@ -1,7 +1,7 @@
-//! Parts of a program that no row and no product links.
+//! Independent blocks: parts of a program that no row and no product links.
 //!
-//! Two vehicles without a common row, or axes that are decided apart: the tree of the whole is the
-//! product of the trees of its blocks, and searching them one after the other makes it their sum.
+//! Examples are two vehicles without a common row, or decoupled axes. The tree of the whole is the
+//! product of the trees of its blocks; searching them one after the other makes it their sum.
 
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
 

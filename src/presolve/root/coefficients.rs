@@ -1,8 +1,8 @@
-//! Coefficients and limits of rows with integers are tightened.
+//! Tightens coefficients and limits of rows with integers.
 //!
-//! A row over integers only is divided by the common divisor of its coefficients, and its limits are
-//! rounded to what it can be. Where a row cannot bind at one value of a binary, the binary's
-//! coefficient and the row's limit move together until it just does not bind there.
+//! A row over integers only is divided by the greatest common divisor of its coefficients, and its
+//! limits are rounded. If a row is redundant at one value of a binary, the binary's coefficient and
+//! the row's limit are changed together until it is only just redundant.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Sparse, Work, is_whole};

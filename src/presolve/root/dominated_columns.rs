@@ -1,16 +1,16 @@
-//! Columns whose reduced cost has a known sign are fixed at a bound.
+//! Dominated columns: columns whose reduced cost has a known sign are fixed at a bound.
 //!
-//! Where multipliers have a known sign (a row without an upper limit cannot press downwards), so have
-//! reduced costs: a column that no row holds back goes to the bound that its cost prefers ("dual
-//! fixing"). Columns without a finite bound on one side have a reduced cost of one sign in every
-//! optimum, which bounds the multipliers of their rows, and with them the reduced costs of other
-//! columns: those are dominated.
+//! If multipliers have known signs (such as that of a row without an upper limit), so do reduced
+//! costs: a column that no row holds back goes to the bound that its cost prefers ("dual fixing").
+//! Columns without a finite bound on one side have a reduced cost of one sign in every optimum,
+//! which bounds the multipliers of their rows, and with them the reduced costs of other columns:
+//! those are dominated.
 //!
-//! Where the objective has no lower bound there is no optimum to argue about, so the second step asks for
-//! a bound that is plain from costs and bounds.
+//! If the objective is unbounded, there is no optimum, so the second step requires a lower bound of
+//! the objective that follows from costs and bounds.
 //!
-//! For an integral column the argument is the same: the optimal value as a function of the column is
-//! convex, its slopes are the reduced costs.
+//! For an integral column the argument is the same: the optimal value as a function of the column
+//! is convex, and its slopes are the reduced costs.
 
 use super::fixed_columns::fix;
 use super::work::Work;

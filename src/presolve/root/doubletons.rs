@@ -1,9 +1,10 @@
-//! Equalities over two columns replace one of them, chain after chain.
+//! Doubleton equalities: one of their two columns is substituted.
 //!
-//! The bounds of the column become a row over the other one, which `singleton_rows` turns into bounds.
-//! An integral column is only replaced by a whole multiple of an integral one, and the continuous
-//! column of a mixed pair goes. Two binaries of which exactly one is on stay as they are: the search
-//! reads modes from such rows. So do columns with curvature, whose products would spread.
+//! The bounds of the column become a row over the other one, which `singleton_rows` turns into
+//! bounds. An integral column is replaced only by an integral multiple of an integral one, and of a
+//! mixed pair the continuous column is replaced. Two binaries of which exactly one is 1 are kept,
+//! because the search reads modes from such rows. So are columns with curvature, because their
+//! products would fill in.
 
 use super::substitute::{is_stable, substitute};
 use super::work::{Work, is_whole};

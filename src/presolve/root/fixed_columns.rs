@@ -1,4 +1,4 @@
-//! Columns with one value left are put into rows and objective.
+//! Fixed columns are substituted in rows and objective.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{OldColumn, Work};

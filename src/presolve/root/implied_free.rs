@@ -1,7 +1,7 @@
-//! Columns whose bounds an equality implies are replaced by it.
+//! Implied free columns: columns whose bounds are implied by rows are substituted by an equality.
 //!
-//! Where the rows of a column allow it no value beyond its bounds, the bounds say nothing, and the
-//! column is nothing but a name for the rest of an equality.
+//! If the rows of a column imply its bounds, these are redundant, and the column is only a name for
+//! the rest of an equality.
 
 use super::substitute::{is_stable, substitute};
 use super::work::{IMPLIED, Work};

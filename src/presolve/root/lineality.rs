@@ -1,18 +1,18 @@
-//! Columns that can be shifted together without any row or cost noticing: one of them is fixed.
+//! Lineality: if columns can be shifted together without changing any row or the objective, one of
+//! them is fixed.
 //!
-//! Rows over potentials of a tour, or over start times of a schedule, see differences only. With a
-//! direction `d` for which `Ad = 0`, `q'd = 0` and `Pd = 0` (the lineality space), a point remains a
-//! point of the same objective wherever it is shifted along `d`. Fixing one column of the direction
-//! at 0 takes nothing away, and propagation bounds the others; without it they take values of any
-//! size.
+//! Rows over potentials of a tour, or over start times of a schedule, depend only on differences.
+//! If `Ad = 0`, `q'd = 0` and `Pd = 0` for a direction `d` (in the lineality space), every point
+//! can be shifted along `d` and stays feasible with the same objective. So one column of the
+//! direction can be fixed at 0, and propagation bounds the others, which could otherwise take
+//! values of any size.
 //!
-//! The columns of a direction have no bounds, or only bounds that the same sense of the direction
-//! leaves behind, such as potentials that must not be negative: these bounds are dropped, and the
-//! way back shifts the point until they hold. Bounds on both sides of a direction would notice.
-//! Integral columns are shifted by whole steps.
+//! The columns of a direction must have no bounds, or only bounds that one sense of the direction
+//! moves away from, such as non-negative potentials. These bounds are dropped, and postsolve shifts
+//! the point until they hold. Integral columns are shifted by integers.
 //!
-//! The directions come from an elimination without any rounding: where a result does not fit into a
-//! float, the columns behind it stay as they are.
+//! The directions come from an exact elimination: if a result is not exact in a float, its columns
+//! are left alone.
 
 use std::collections::BTreeMap;
 

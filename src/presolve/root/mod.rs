@@ -1,24 +1,24 @@
 //! Presolve before the search: a smaller program with the same optimum, and the way back.
 //!
-//! * `work` - the program while it is being reduced
+//! * `work` - the program during reduction
 //! * `postsolve` - the stack of undos: values, multipliers and reduced costs of the original
-//! * `substitute` - a column expressed by an equality; shared by the rules that do so
+//! * `substitute` - substitution of a column by an equality, shared by several rules
 //!
-//! One rule a file; the loop applies them in turn until none finds anything:
+//! Each rule has its own file. They are applied in turn until none finds anything:
 //!
-//! * `fixed_columns` - columns with one value left
+//! * `fixed_columns` - columns with a single value
 //! * `singleton_rows` - rows over one column become bounds
 //! * `redundant_rows` - sides that the bounds imply
 //! * `parallel_rows` - rows that are multiples of another one
 //! * `doubletons` - equalities over two columns
-//! * `lineality` - columns that can be shifted together without any row or cost noticing
+//! * `lineality` - columns that can be shifted together without changing any row or the objective
 //! * `slack_columns` - continuous columns in a single row
 //! * `implied_free` - columns whose bounds an equality implies
 //! * `dominated_columns` - columns whose reduced cost has a known sign
 //! * `parallel_columns` - columns that are multiples of another one
 //! * `coefficients` - rows of integers, divided and rounded; big-Ms that can shrink
 //!
-//! And for what is left, `blocks`: the parts that nothing links.
+//! Finally, `blocks` finds independent parts.
 
 mod blocks;
 mod coefficients;

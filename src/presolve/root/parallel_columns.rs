@@ -1,7 +1,8 @@
-//! Columns that are multiples of another one, cost included, are merged into it.
+//! Parallel columns: columns that are multiples of another one, including the cost, are merged into
+//! it.
 //!
-//! `x_j + r x_k` is one column as far as rows and objective can tell. Continuous pairs, and integral
-//! ones with `r = 1` or `r = -1`, lose nothing by it.
+//! Rows and objective depend only on `x_j + r x_k`, which becomes one column. This is exact for
+//! continuous pairs, and for integral ones with `r = 1` or `r = -1`.
 
 use super::postsolve::{Restored, Undo};
 use super::work::Work;

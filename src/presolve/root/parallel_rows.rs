@@ -1,4 +1,4 @@
-//! Rows that are multiples of another one are merged into it.
+//! Parallel rows: rows that are multiples of another one are merged into it.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Work};

@@ -1,10 +1,10 @@
-//! The way back: a stack of undos, the last reduction first.
+//! Postsolve: a stack of undos, the last reduction first.
 //!
-//! Multipliers follow one convention: the reduced cost of a column is
-//! `d = q + Px + A'y`; a positive multiplier presses on a row's upper limit, a negative one on its
-//! lower limit; a positive reduced cost presses on a lower bound, a negative one on an upper bound.
-//! They are those of the continuous program that is left when the integral columns are fixed, so the
-//! reduced cost of an integral column may have any sign.
+//! Multipliers follow one convention: the reduced cost of a column is `d = q + Px + A'y`; a
+//! positive multiplier belongs to a row's upper limit, a negative one to its lower limit; a
+//! positive reduced cost belongs to a lower bound, a negative one to an upper bound. They are those
+//! of the continuous program with the integral columns fixed, so the reduced cost of an integral
+//! column may have any sign.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;

@@ -1,5 +1,5 @@
-//! Sides of rows that the bounds imply are dropped; rows that the bounds only just allow force their
-//! columns to bounds.
+//! Redundant rows: sides that the bounds imply are dropped. Forcing rows, which the bounds satisfy
+//! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{IMPLIED, Infeasible, Sparse, Work};

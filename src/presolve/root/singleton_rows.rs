@@ -1,4 +1,4 @@
-//! Rows over one column become bounds; rows over none are checked and dropped.
+//! Singleton rows become bounds; empty rows are checked and dropped.
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Work};

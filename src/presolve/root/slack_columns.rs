@@ -1,8 +1,8 @@
-//! Continuous columns in one row only become part of its limits.
+//! Slack columns: continuous columns in a single row become part of its limits.
 //!
-//! In an equality they are expressed by it, costs and all. Without a cost they widen the limits of any
-//! row. With a cost and nothing else in their way, they make a limit of their row bind, so that the
-//! row is an equality.
+//! In an equality they are substituted, including their cost. Without a cost they widen the limits
+//! of any row. With a cost and no other restriction, they make a limit of their row active, so that
+//! the row becomes an equality.
 
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};

@@ -1,9 +1,9 @@
-//! A column expressed by an equality.
+//! Substitution of a column by an equality.
 //!
-//! From `a_j x_j + rest = b` follows `x_j = b / a_j - rest / a_j`, which goes into every other row and
-//! the objective. What is left of the equality itself are the bounds of the column, a row
-//! `b / a_j - upper <= rest / a_j <= b / a_j - lower`; a row with the unit of the column, so that it is
-//! missed by no more than the bound would be.
+//! From `a_j x_j + rest = b` follows `x_j = b / a_j - rest / a_j`, which is substituted in every
+//! other row and the objective. The equality becomes a row for the bounds of the column,
+//! `b / a_j - upper <= rest / a_j <= b / a_j - lower`, in the unit of the column, so that its
+//! tolerance is that of the bounds.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! The program while it is being reduced: rows by columns and columns by rows, both sparse, with
-//! the numbers of the original.
+//! The program during reduction: rows by columns and columns by rows, both sparse, with the
+//! original numbers.
 
 use std::collections::BTreeMap;
 

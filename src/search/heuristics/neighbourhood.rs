@@ -1,10 +1,9 @@
 //! Small searches near the best point: relaxation-induced neighbourhoods, and local branching.
 //!
-//! Where the best point and a relaxed point agree on an integer, both a point that works and a
-//! bound that is hard to beat speak for its value; these integers are fixed (Danna, Rothberg and Le
-//! Pape 2005). Local branching instead asks for few binaries to differ from the best point, by a row
-//! (Fischetti and Lodi 2003). What is left is searched like any program, for a better point only,
-//! with few nodes. A search inside a search has no such searches of its own.
+//! Integers on which the best point and a relaxed point agree are fixed (Danna, Rothberg and Le
+//! Pape 2005). Local branching instead adds a row that lets only few binaries differ from the best
+//! point (Fischetti and Lodi 2003). The rest is searched for a better point with few nodes. Nested
+//! searches do not nest further.
 
 use super::allowance::Allowance;
 use crate::program::Program;

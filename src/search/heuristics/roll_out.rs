@@ -1,15 +1,15 @@
-//! Rolling out: the inputs of a relaxed point, and what follows from them step by step.
+//! Roll-outs: the inputs of a relaxed point, and what follows from them step by step.
 //!
-//! A relaxed point is no motion: under big-M rows its states are in no mode or in two. Its inputs,
-//! however, are a plan, and a plan can be carried out: the first input is fixed, propagation follows
-//! with the next state and with the mode that this state is in, the second input is fixed, and so
-//! on. What comes out are modes that belong together; the rest is solved as a leaf.
+//! A relaxed point is not a motion: with big-M rows, its states are in no mode or in two. But its
+//! inputs can be simulated: the first input is fixed, propagation gives the next state and its
+//! mode, the second input is fixed, and so on. The result is a consistent sequence of modes; the
+//! rest is solved as a leaf.
 //!
-//! Which columns are inputs, and in which order, is read off rows and domain. A column is known when
-//! propagation has left it next to no width. Among the rows with several unknown columns, the one
-//! with the smallest share of them is next: it reaches from what is known to what is not. Of its
-//! unknown columns an integer is fixed first, then the column that reaches least far: an input is in
-//! the rows of its step, a state in those of the next one as well, of which nothing is known yet.
+//! The inputs and their order follow from rows and domain. A column is known if propagation has
+//! left it almost no width. Among the rows with several unknown columns, the one with the smallest
+//! share of them is next. Of its unknown columns, integers are fixed first, and then the column
+//! that occurs in the fewest unknown rows: an input occurs only in the rows of its step, a state
+//! also in those of the next step.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

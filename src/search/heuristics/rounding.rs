@@ -1,8 +1,8 @@
 //! The round-and-propagate heuristic.
 //!
-//! Integers are fixed one after the other, the surest first, each to its rounded relaxation
-//! value; propagation fixes many of the others on the way, and where a value contradicts what is
-//! already fixed the other side is tried once. What survives is solved as a leaf.
+//! Integers are fixed one after the other, the most certain first, each to its rounded relaxation
+//! value, with propagation in between. If a value is infeasible, the other side is tried once. The
+//! result is solved as a leaf.
 
 use crate::search::context::Context;
 use crate::search::leaf::solve_assignment;

@@ -1,9 +1,9 @@
 //! The deterministic search: the same nodes, counts and answer for any number of threads.
 //!
-//! The search goes in rounds. A fixed number of workers, more than most machines have threads, each
-//! get a node by a fixed rule and a few nodes of plunging from there, against the cutoff at the
-//! start of the round. Threads take workers as they come. What the workers found is put together in
-//! the order of the workers once all are done, so nothing depends on who was faster.
+//! The search works in rounds. A fixed number of workers, more than most machines have threads,
+//! each get a node by a fixed rule and plunge from there for a few nodes, with the cutoff at the
+//! start of the round. Threads take workers in any order. The results are merged in the order of
+//! the workers once all are done, so nothing depends on which worker was faster.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,9 +1,9 @@
 //! The opportunistic search: one thread, or several that exchange everything at once.
 //!
-//! A worker plunges: it goes on with one child and keeps the other in a local queue. Thieves take the
-//! oldest, which has the best bound of them, if it is better than all in the common queue. When a
-//! plunge ends, what is left of the local queue goes to the common one, and the best bound is next.
-//! Threads start only when nodes wait for them.
+//! A worker plunges: it continues with one child and keeps the other in a local queue. Other
+//! workers steal the oldest, which has the best bound of them, if it is better than all in the
+//! common queue. When a plunge ends, the rest of the local queue goes to the common one, and the
+//! best bound is next. Threads start only if nodes wait for them.
 
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicUsize, Ordering};
