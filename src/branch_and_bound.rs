@@ -20,9 +20,9 @@ use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
 ///
-/// A model is lowered (indicators and logic to rows), assembled, presolved, and searched; incumbents are
-/// accepted only when they pass the model's own
-/// [`Verification`](crate::solution::Verification), implications included.
+/// A model is lowered to rows, assembled, presolved and searched. An incumbent is accepted only if
+/// it passes the [`Verification`](crate::solution::Verification) against the model, including its
+/// implications.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -46,7 +46,7 @@ pub struct BranchAndBound {
 }
 
 impl BranchAndBound {
-    /// With options.
+    /// A solver with these options.
     pub fn new(options: Options) -> Self {
         BranchAndBound { options }
     }
@@ -92,7 +92,7 @@ impl Solver for BranchAndBound {
     }
 }
 
-/// The verified answer from what was found, in values of the model's variables.
+/// The verified solution, in values of the model's variables.
 fn solution(model: &Model, options: &Options, found: Found) -> Result<Solution, Error> {
     let (sign, feasibility) = (model.sense().sign(), options.feasibility);
     let mut points = found.points.into_iter();

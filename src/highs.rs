@@ -61,13 +61,13 @@ pub struct HighsSolver {
 }
 
 impl HighsSolver {
-    /// With options.
+    /// A solver with these options.
     pub fn new(options: Options) -> Self {
         HighsSolver { options }
     }
 }
 
-/// What HiGHS found, in terms of the program's minimisation.
+/// The result of HiGHS, in terms of the program's minimisation.
 struct Found {
     status: HighsModelStatus,
     values: Option<Vec<f64>>,
@@ -131,7 +131,8 @@ impl Solver for HighsSolver {
 }
 
 impl HighsSolver {
-    /// What needs no HiGHS: limits that are met at once, empty bounds, programs without columns.
+    /// Cases that need no HiGHS: limits that are reached at once, empty bounds, programs without
+    /// columns.
     fn early(&self, program: &Program, token: &StopToken) -> Option<Termination> {
         if let Some(ended) = token.ended() {
             return Some(ended);
@@ -196,7 +197,7 @@ impl HighsSolver {
         Ok((termination, (bound, values, statistics)))
     }
 
-    /// Runs HiGHS on a thread of its own: its pool of threads belongs to the thread that calls it,
+    /// Runs HiGHS on a separate thread, because its pool of threads belongs to the calling thread
     /// and keeps the number of threads of the first call.
     fn call(
         &self,

@@ -1,8 +1,7 @@
 //! The reduction of a program at a node to a smaller continuous program.
 //!
 //! Fixed columns are substituted, rows with one free column become bounds, rows that the bounds
-//! imply are dropped, and parallel rows are merged: two opposite inequalities become one
-//! equality. Measured on wall programs this halves the iterations of an interior-point solver.
+//! imply are dropped, and parallel rows are merged: two opposite inequalities become one equality.
 //!
 //! Everything dropped is implied (up to rounding) by what is kept, so a dual bound of the reduced
 //! program is a dual bound of the node.
