@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use carom::collision_tolerant::{
-    Objective, PlanningOptions, Program, Scenario, explain, shortest_plan,
+    Objective, PlanningOptions, PlanningProgram, Scenario, explain, shortest_plan,
 };
 use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions, Transition};
 use carom::hybrid::{LinearSystem, Mat, ShortestOptions};
@@ -38,7 +38,7 @@ fn sweeps(criterion: &mut Criterion) {
         )
     });
     let tube = swept.clone().tube(485).expect("485 steps are allowed");
-    let program = Program::build(&scenario(0.005), 485, Objective::Feasibility);
+    let program = PlanningProgram::build(&scenario(0.005), 485, Objective::Feasibility);
     let program = program.expect("the paper's scenario is valid");
     let variables = program.horizon_variables(&scenario(0.005));
     group.bench_function("tighten", |b| {
@@ -80,7 +80,7 @@ fn time_to_spare(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("time_to_spare_30_steps");
     group.sample_size(10);
     let scenario = scenario(0.1);
-    let program = Program::build(&scenario, 30, Objective::Effort);
+    let program = PlanningProgram::build(&scenario, 30, Objective::Effort);
     let program = program.expect("the paper's scenario is valid");
     let variables = program.horizon_variables(&scenario);
     group.bench_function("sets", |b| {

@@ -7,7 +7,9 @@ mod instances;
 
 use std::hint::black_box;
 
-use carom::collision_tolerant::{Objective, PlanningOptions, Program as Paper, Scenario, compare};
+use carom::collision_tolerant::{
+    Objective, PlanningOptions, PlanningProgram as Paper, Scenario, compare,
+};
 use carom::internals::presolve::{Domain, Propagator, Reduction, probe, reduce};
 use carom::internals::program::Program;
 use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation};

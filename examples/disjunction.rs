@@ -64,7 +64,7 @@ fn stops_in_regions() -> Result<Model, Error> {
 fn main() -> Result<(), Error> {
     let mut solver = BranchAndBound::default();
     for mut model in [around_boxes()?, stops_in_regions()?] {
-        println!("{}\n{}", model.name(), reformulate::compare(&model, &mut solver)?);
+        println!("{}\n{}", model.name(), reformulate::compare_methods(&model, &mut solver)?);
         for method in Method::ALL {
             for programs in [false, true] {
                 let reformulation = Reformulation::default();

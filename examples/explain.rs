@@ -2,7 +2,7 @@
 //!
 //! Run with `cargo run --release --example explain`.
 
-use carom::collision_tolerant::{Program, Scenario};
+use carom::collision_tolerant::{PlanningProgram, Scenario};
 use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation, violations};
 use carom::hybrid::DamageLimits;
 use carom::prelude::*;
@@ -14,7 +14,7 @@ fn main() -> Result<(), Error> {
     // impact may be faster than 3 m/s.
     let limits = DamageLimits::default().with_per_impact(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
-    let program = Program::explainable(&scenario, 40)?;
+    let program = PlanningProgram::explainable(&scenario, 40)?;
 
     let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
     println!("{why}\n");

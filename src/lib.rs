@@ -149,7 +149,7 @@
 //! let mut solver = BranchAndBound::default();
 //! let solution = solver.solve(&model)?;
 //! assert_eq!(solution.point().map(|point| point.selected(&site)), Some(Ok(Some(1))));
-//! let table = reformulate::compare(&model, &mut solver)?;
+//! let table = reformulate::compare_methods(&model, &mut solver)?;
 //! assert!(table.entries()[2].root_bound > table.entries()[0].root_bound);
 //! # Ok::<(), carom::Error>(())
 //! ```

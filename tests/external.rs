@@ -16,7 +16,9 @@ use std::time::{Duration, Instant};
 
 use carom::ErrorKind;
 use carom::conformance::{Capability, Suite};
-use carom::external::{Answer, Cbc, Claim, Dialect, ExternalSolver, Files, Glpk, Highs, Scip};
+use carom::external::{
+    Cbc, Claim, Dialect, ExternalAnswer, ExternalSolver, Files, Glpk, Highs, Scip,
+};
 use carom::prelude::*;
 use common::config;
 use common::enumeration::optimum;
@@ -27,7 +29,7 @@ use proptest::prelude::*;
 // -- what programs write ------------------------------------------------------------------------
 
 /// Maximises 3 c0 + 2 c1 - c2 as a minimisation: -11 at (3, 1, 0).
-fn expect(answer: Result<Answer, String>, bound: Option<f64>) {
+fn expect(answer: Result<ExternalAnswer, String>, bound: Option<f64>) {
     let answer = answer.unwrap();
     assert_eq!(
         (answer.claim, answer.objective, answer.bound),
@@ -83,11 +85,11 @@ fn other_endings_are_told_apart() {
     let falling = "LP RELAXATION HAS NO DUAL FEASIBLE SOLUTION\n";
     assert_eq!(glpk("s mip 1 3 u 0\n", falling), Claim::Unbounded);
     let either = "Model status\nPrimal infeasible or unbounded\n\n# Primal solution values\nNone\n";
-    assert_eq!(Highs.read(Some(either), "").unwrap(), Answer::new(Claim::Unbounded));
+    assert_eq!(Highs.read(Some(either), "").unwrap(), ExternalAnswer::new(Claim::Unbounded));
     let empty = Highs.read(Some("Model status\nEmpty\n"), "").unwrap();
     assert_eq!((empty.claim, empty.objective), (Claim::Optimal, Some(0.0)));
     let highs = "Model status\nInfeasible\n\n# Primal solution values\nNone\n";
-    assert_eq!(Highs.read(Some(highs), "").unwrap(), Answer::new(Claim::Infeasible));
+    assert_eq!(Highs.read(Some(highs), "").unwrap(), ExternalAnswer::new(Claim::Infeasible));
     let scip = "SCIP Status        : problem is solved [infeasible]\nDual Bound   : +1e+20\n";
     assert_eq!(Scip.read(Some("no solution available\n"), scip).unwrap().claim, Claim::Infeasible);
     for dialect in [&Cbc as &dyn Dialect, &Glpk, &Highs, &Scip] {
@@ -207,7 +209,7 @@ fn the_file_is_a_minimisation_with_plain_names() {
             let path = |p: &PathBuf| p.to_string_lossy().into_owned();
             vec![path(&files.model), path(&files.solution)]
         }
-        fn read(&self, solution: Option<&str>, _: &str) -> Result<Answer, String> {
+        fn read(&self, solution: Option<&str>, _: &str) -> Result<ExternalAnswer, String> {
             Err(solution.unwrap_or("nothing").replace('\n', ";"))
         }
     }

@@ -15,7 +15,7 @@ use web_time::Duration;
 
 use super::error::ScenarioError;
 use super::plan::{PlanOutcome, outcome};
-use super::program::{Objective, Program};
+use super::program::{Objective, PlanningProgram};
 use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
@@ -227,7 +227,7 @@ impl Search<'_> {
     fn feasible(&mut self, steps: usize, limit: Option<f64>) -> Result<Answer, Error> {
         let mut scenario = self.scenario;
         scenario.damage.per_impact = limit;
-        let mut program = Program::build(&scenario, steps, Objective::Feasibility)?;
+        let mut program = PlanningProgram::build(&scenario, steps, Objective::Feasibility)?;
         match tighten(&scenario, &mut scenario.reach_sets()?, &mut program, &self.token)? {
             true => self.solve(&program),
             false => Ok(Answer::Refuted),
@@ -236,7 +236,7 @@ impl Search<'_> {
 
     /// The smallest possible largest impact speed with the contacts of a plan, in m/s.
     fn soften(&mut self, steps: usize, plan: &Trajectory) -> Result<f64, Error> {
-        let mut program = Program::build(&self.scenario, steps, Objective::LargestDamage)?;
+        let mut program = PlanningProgram::build(&self.scenario, steps, Objective::LargestDamage)?;
         for (zeta, &contact) in program.contact.iter().flatten().zip(&plan.contact) {
             program.model.fix(zeta, f64::from(u8::from(contact)))?;
         }
@@ -248,7 +248,7 @@ impl Search<'_> {
         })
     }
 
-    fn solve(&mut self, program: &Program) -> Result<Answer, Error> {
+    fn solve(&mut self, program: &PlanningProgram) -> Result<Answer, Error> {
         if let Some(reason) = self.token.ended() {
             self.stopped = Some(reason);
             return Ok(Answer::Stopped);

@@ -1,16 +1,16 @@
 //! The program with its limits as statements, for explanations of why there is no plan.
 
-use super::program::{Ends, Objective, Program};
+use super::program::{Ends, Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::{ContactLaw, DamageLimits, Horizon};
 use crate::interval::Interval;
 use crate::model::Row;
 
-impl Program {
+impl PlanningProgram {
     /// Writes the program of a scenario over a horizon for explanations: start, goal and limits are
     /// named statements over wider domains, so that [`explain`](mod@crate::explain) can name them.
-    /// Everything else is background. The plans are the same as those of [`Program::build`], which
+    /// Everything else is background. The plans are the same as those of [`PlanningProgram::build`], which
     /// is much faster to solve. There is no objective.
     ///
     /// | statement | meaning | paper |
@@ -27,12 +27,12 @@ impl Program {
     /// the given time. The goal's acceleration is never applied, so it contradicts nothing.
     ///
     /// ```
-    /// use carom::collision_tolerant::{Program, Scenario};
+    /// use carom::collision_tolerant::{PlanningProgram, Scenario};
     /// use carom::explain::{ExplainOptions, infeasibility};
     /// use carom::prelude::*;
     ///
     /// // 2 s are too short: 47 steps of 0.05 s are needed.
-    /// let program = Program::explainable(&Scenario::paper().with_time_step(0.05), 40)?;
+    /// let program = PlanningProgram::explainable(&Scenario::paper().with_time_step(0.05), 40)?;
     /// let mut solver = BranchAndBound::default();
     /// let why = infeasibility(&program.model, &mut solver, &ExplainOptions::default())?;
     /// assert!(why.is_irreducible() && why.solves() <= 20);
@@ -42,11 +42,11 @@ impl Program {
     ///
     /// # Errors
     ///
-    /// As for [`Program::build`].
+    /// As for [`PlanningProgram::build`].
     pub fn explainable(scenario: &Scenario, steps: usize) -> Result<Self, Error> {
         scenario.check()?;
         let wide = widened(scenario, &Horizon::new(steps, scenario.time_step)?);
-        let mut program = Program::write(&wide, steps, Objective::Feasibility, Ends::Open)?;
+        let mut program = PlanningProgram::write(&wide, steps, Objective::Feasibility, Ends::Open)?;
         program.state_ends(scenario)?;
         program.state_limits(scenario)?;
         Ok(program)

@@ -7,12 +7,12 @@
 //! | task | item | built from |
 //! | --- | --- | --- |
 //! | describe the task | [`Scenario`] | |
-//! | write the programs, (1)-(21) | [`Program`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
+//! | write the programs, (1)-(21) | [`PlanningProgram`] | [`hybrid`](crate::hybrid) and [`model`](crate::model) |
 //! | plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
 //! | find the shortest plan, with a proof | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
-//! | read the result | [`Plan`]: a [`Trajectory`] and its [`Certificate`] | two replays |
+//! | read the result | [`Plan`]: a [`Trajectory`] and its [`PlanCertificate`] | two replays |
 //! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
-//! | ask which limits prevent a plan | [`Program::explainable`] | [`crate::explain`] |
+//! | ask which limits prevent a plan | [`PlanningProgram::explainable`] | [`crate::explain`] |
 //! | find limits on damage | [`damage_interval()`] | |
 //!
 //! Every plan is replayed by two simulators that share no code with the programs' rows. A plan that
@@ -43,12 +43,12 @@ pub mod trajectory;
 
 pub use damage_interval::{DamageInterval, End, IntervalOptions, damage_interval};
 pub use error::ScenarioError;
-pub use plan::{Certificate, Plan, PlanOutcome, plan, plan_with};
-pub use program::{Objective, Program};
+pub use plan::{Plan, PlanCertificate, PlanOutcome, plan, plan_with};
+pub use program::{Objective, PlanningProgram};
 pub use reach::explain;
 pub use scenario::{Collisions, Endpoint, Scenario};
 pub use shortest::{
-    Comparison, PlanningOptions, ShortestPlan, compare, shortest_plan, shortest_plan_with,
+    PlanComparison, PlanningOptions, ShortestPlan, compare, shortest_plan, shortest_plan_with,
 };
 pub use tables::Saving;
 pub use trajectory::{Impact, Trajectory};

@@ -1,6 +1,6 @@
 //! Planning over a fixed horizon, with a certificate for every plan.
 
-use super::program::{Objective, Program};
+use super::program::{Objective, PlanningProgram};
 use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
@@ -14,7 +14,7 @@ use crate::tolerance;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Certificate {
+pub struct PlanCertificate {
     /// The check of the solution against the program: bounds, rows, and every implication, with
     /// rounded binaries.
     pub verification: Verification,
@@ -33,7 +33,7 @@ pub struct Plan {
     /// The samples and impacts.
     pub trajectory: Trajectory,
     /// Why it can be trusted.
-    pub certificate: Certificate,
+    pub certificate: PlanCertificate,
     /// Value of the objective, in the unit of [`Objective`].
     pub objective: f64,
     /// Proved lower bound of the objective over this horizon, in the same unit.
@@ -89,7 +89,7 @@ impl PlanOutcome {
 /// Plans a scenario over a fixed horizon.
 ///
 /// Reach sets come first. They may prove that there is no plan, and they fix contacts and tighten
-/// bounds of the program before it is solved. [`Program::build`] does not use them.
+/// bounds of the program before it is solved. [`PlanningProgram::build`] does not use them.
 ///
 /// ```
 /// use carom::collision_tolerant::{Objective, Scenario, plan};
@@ -133,7 +133,7 @@ pub fn plan_with(
     solver: &mut dyn Solver,
     control: &mut Control<'_>,
 ) -> Result<PlanOutcome, Error> {
-    let mut program = Program::build(scenario, steps, objective)?;
+    let mut program = PlanningProgram::build(scenario, steps, objective)?;
     let token = StopToken::new(solver.options().time_limit, control.interrupt());
     if !tighten(scenario, &mut scenario.reach_sets()?, &mut program, &token)? {
         return Ok(PlanOutcome::Infeasible(Statistics::default()));
@@ -145,7 +145,7 @@ pub fn plan_with(
 /// Turns a solution into a certified plan.
 pub(super) fn outcome(
     scenario: &Scenario,
-    program: &Program,
+    program: &PlanningProgram,
     solution: &Solution,
 ) -> Result<PlanOutcome, Error> {
     if solution.point().is_some() {
@@ -163,7 +163,7 @@ impl Plan {
     /// Replays a solution twice and certifies it, or returns why it cannot be trusted.
     pub(super) fn certify(
         scenario: &Scenario,
-        program: &Program,
+        program: &PlanningProgram,
         solution: &Solution,
     ) -> Result<Self, Error> {
         let trajectory = Trajectory::read(scenario, program, solution)?;
@@ -177,7 +177,7 @@ impl Plan {
         let objective = solution.objective().ok_or_else(no_point)?;
         Ok(Plan {
             trajectory,
-            certificate: Certificate { verification, discrete, continuous },
+            certificate: PlanCertificate { verification, discrete, continuous },
             objective,
             bound: solution.bound(),
             termination: solution.termination(),

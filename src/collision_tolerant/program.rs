@@ -35,7 +35,7 @@ pub(super) enum Ends {
 /// The program of one horizon: its model and the handles of its variables.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct Program {
+pub struct PlanningProgram {
     /// The model.
     pub model: Model,
     /// Its horizon.
@@ -54,25 +54,25 @@ pub struct Program {
     pub damage: Option<Damage>,
 }
 
-impl Borrow<Model> for Program {
+impl Borrow<Model> for PlanningProgram {
     fn borrow(&self) -> &Model {
         &self.model
     }
 }
 
-impl BorrowMut<Model> for Program {
+impl BorrowMut<Model> for PlanningProgram {
     fn borrow_mut(&mut self) -> &mut Model {
         &mut self.model
     }
 }
 
-impl Program {
+impl PlanningProgram {
     /// Writes the program of a scenario over a horizon.
     ///
     /// ```
-    /// use carom::collision_tolerant::{Objective, Program, Scenario};
+    /// use carom::collision_tolerant::{Objective, PlanningProgram, Scenario};
     ///
-    /// let program = Program::build(&Scenario::paper(), 457, Objective::Feasibility)?;
+    /// let program = PlanningProgram::build(&Scenario::paper(), 457, Objective::Feasibility)?;
     /// let zeta = program.contact.expect("collisions are tolerated");
     /// assert_eq!(zeta.len(), 457);
     /// # Ok::<(), carom::Error>(())
@@ -87,7 +87,7 @@ impl Program {
     /// Those of [`Scenario::check`] and of [`Horizon::new`].
     pub fn build(scenario: &Scenario, steps: usize, objective: Objective) -> Result<Self, Error> {
         scenario.check()?;
-        Program::write(scenario, steps, objective, Ends::Fixed)
+        PlanningProgram::write(scenario, steps, objective, Ends::Fixed)
     }
 
     /// Writes the program of a scenario that has been checked.
@@ -104,7 +104,7 @@ impl Program {
         });
 
         let [position, velocity, acceleration] = add_states(&mut model, scenario, &horizon, ends)?;
-        let mut program = Program {
+        let mut program = PlanningProgram {
             model,
             horizon,
             position,

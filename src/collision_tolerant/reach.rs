@@ -1,9 +1,11 @@
 //! A scenario as a hybrid system, and as a family of programs over the horizon.
 
-use super::program::{Objective, Program};
+use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Endpoint, Scenario};
 use crate::error::Error;
-use crate::hybrid::reach::{Explanation, HorizonVariables, HybridSystem, ReachSets, SetOptions};
+use crate::hybrid::reach::{
+    HorizonVariables, HybridSystem, ReachExplanation, ReachSets, SetOptions,
+};
 use crate::hybrid::{ContactLaw, Horizon, HorizonModel, Waiting};
 use crate::interval::Interval;
 use crate::model::{Family, Model};
@@ -67,7 +69,7 @@ impl Scenario {
     }
 }
 
-impl Program {
+impl PlanningProgram {
     /// The variables that represent the states and transitions of [`Scenario::hybrid_system`].
     pub fn horizon_variables(&self, scenario: &Scenario) -> HorizonVariables {
         let states = [self.position.clone(), self.velocity.clone()];
@@ -105,10 +107,10 @@ pub(super) struct Programs {
 }
 
 impl HorizonModel for Programs {
-    type Program = Program;
+    type Program = PlanningProgram;
 
-    fn build(&self, steps: usize) -> Result<Program, Error> {
-        Program::build(&self.scenario, steps, Objective::Feasibility)
+    fn build(&self, steps: usize) -> Result<Self::Program, Error> {
+        PlanningProgram::build(&self.scenario, steps, Objective::Feasibility)
     }
 
     fn waiting(&self) -> Waiting {
@@ -127,11 +129,11 @@ impl HorizonModel for Programs {
         self.scenario.reach_sets().map(Some)
     }
 
-    fn variables(&self, program: &Program) -> HorizonVariables {
+    fn variables(&self, program: &PlanningProgram) -> HorizonVariables {
         program.horizon_variables(&self.scenario)
     }
 
-    fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = Program> + '_>> {
+    fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = PlanningProgram> + '_>> {
         let (factor, worth) = COARSER;
         let scenario = self.scenario.with_time_step(factor * self.scenario.time_step);
         let can = scenario.collisions == Collisions::Tolerated && self.lower_hint() >= worth;
@@ -145,7 +147,7 @@ impl HorizonModel for Programs {
 /// # Errors
 ///
 /// Those of [`Scenario::check`] and of [`Horizon::new`].
-pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<Explanation>, Error> {
+pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<ReachExplanation>, Error> {
     scenario.reach_sets()?.explain(steps)
 }
 
@@ -154,7 +156,7 @@ pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<Explanation>,
 pub(super) fn tighten(
     scenario: &Scenario,
     sets: &mut ReachSets,
-    program: &mut Program,
+    program: &mut PlanningProgram,
     token: &StopToken,
 ) -> Result<bool, Error> {
     let Some(tube) = sets.tube_until(program.horizon.steps(), token)? else { return Ok(true) };

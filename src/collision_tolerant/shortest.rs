@@ -3,7 +3,7 @@
 use web_time::Duration;
 
 use super::plan::{Plan, PlanOutcome, outcome};
-use super::program::{Objective, Program};
+use super::program::{Objective, PlanningProgram};
 use super::reach::Programs;
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
@@ -178,7 +178,7 @@ impl Refinement<'_> {
         let mut needed = proved > 0;
         if !needed {
             let careful = self.scenario.collision_free();
-            let program = Program::build(&careful, steps, Objective::Feasibility)?;
+            let program = PlanningProgram::build(&careful, steps, Objective::Feasibility)?;
             let Some(solution) = self.solve(&program)? else { return Ok(()) };
             shortest.refinements.push(*solution.statistics());
             needed = match outcome(&careful, &program, &solution)? {
@@ -195,7 +195,7 @@ impl Refinement<'_> {
             return Ok(());
         }
         // As few as possible.
-        let mut program = Program::build(self.scenario, steps, Objective::Impacts)?;
+        let mut program = PlanningProgram::build(self.scenario, steps, Objective::Impacts)?;
         if needed {
             program.require_contact()?;
         }
@@ -213,7 +213,7 @@ impl Refinement<'_> {
     }
 
     /// Solves within the remaining time of the search; `None` if there is none.
-    fn solve(&mut self, program: &Program) -> Result<Option<Solution>, Error> {
+    fn solve(&mut self, program: &PlanningProgram) -> Result<Option<Solution>, Error> {
         if self.token.is_over() {
             return Ok(None);
         }
@@ -225,14 +225,14 @@ impl Refinement<'_> {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
-pub struct Comparison {
+pub struct PlanComparison {
     /// Collisions forbidden.
     pub free: ShortestPlan,
     /// Collisions tolerated.
     pub tolerant: ShortestPlan,
 }
 
-impl Comparison {
+impl PlanComparison {
     /// Whether hitting the wall pays off, that is, whether the tolerant plan is proved to be
     /// shorter. `None` if a search was stopped before that was known.
     pub fn hitting_pays(&self) -> Option<bool> {
@@ -255,7 +255,7 @@ pub fn compare(
     scenario: &Scenario,
     options: &PlanningOptions,
     solver: &mut dyn Solver,
-) -> Result<Comparison, Error> {
+) -> Result<PlanComparison, Error> {
     let free = shortest_plan(&scenario.collision_free(), options, solver)?;
     let mut options = options.clone();
     options.upper_hint = free.steps.or(options.upper_hint);
@@ -264,5 +264,5 @@ pub fn compare(
         &options,
         solver,
     )?;
-    Ok(Comparison { free, tolerant })
+    Ok(PlanComparison { free, tolerant })
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::program::Program;
+use super::program::PlanningProgram;
 use super::scenario::Scenario;
 use crate::error::Error;
 use crate::hybrid::simulate::continuous::advance;
@@ -56,7 +56,7 @@ impl Trajectory {
     /// Reads a trajectory from the solution of a program.
     pub(super) fn read(
         scenario: &Scenario,
-        program: &Program,
+        program: &PlanningProgram,
         solution: &Solution,
     ) -> Result<Self, Error> {
         let values = |family: &crate::model::Family| {

@@ -8,7 +8,7 @@ use super::capability::Capability;
 /// The answer of a program.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Answer {
+pub enum Truth {
     /// The optimum, in the model's own sense, and the values of variables that are unique there.
     Optimal(f64, Vec<(Variable, f64)>),
     /// No point satisfies the program.
@@ -26,14 +26,14 @@ pub struct Case {
     /// The program.
     pub model: Model,
     /// Its answer.
-    pub answer: Answer,
+    pub answer: Truth,
     /// The capabilities that a backend needs for it.
     pub needs: Vec<Capability>,
 }
 
 impl Case {
     /// A case whose needs follow from the model and the answer.
-    pub(super) fn new(model: Model, answer: Answer) -> Self {
+    pub(super) fn new(model: Model, answer: Truth) -> Self {
         let mut needs = Vec::new();
         let mut need = |needed: bool, capability| needed.then(|| needs.push(capability));
         let kind = |wanted: VariableKind| model.variables().any(|v| v.kind() == wanted);
@@ -49,7 +49,7 @@ impl Case {
         need(model.logical_constraint_count() > 0, Capability::Logic);
         need(model.disjunction_count() > 0, Capability::Disjunctions);
         need(model.function_count() > 0, Capability::Functions);
-        need(answer == Answer::Unbounded, Capability::Unbounded);
+        need(answer == Truth::Unbounded, Capability::Unbounded);
         Case { name: model.name().to_owned(), model, answer, needs }
     }
 }
@@ -60,15 +60,15 @@ pub(super) struct Cases(pub(super) Vec<Case>);
 
 impl Cases {
     pub(super) fn optimal(&mut self, model: &Model, optimum: f64, values: &[(Variable, f64)]) {
-        self.0.push(Case::new(model.clone(), Answer::Optimal(optimum, values.to_vec())));
+        self.0.push(Case::new(model.clone(), Truth::Optimal(optimum, values.to_vec())));
     }
 
     pub(super) fn infeasible(&mut self, model: &Model) {
-        self.0.push(Case::new(model.clone(), Answer::Infeasible));
+        self.0.push(Case::new(model.clone(), Truth::Infeasible));
     }
 
     pub(super) fn unbounded(&mut self, model: &Model) {
-        self.0.push(Case::new(model.clone(), Answer::Unbounded));
+        self.0.push(Case::new(model.clone(), Truth::Unbounded));
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn usable(solver: &mut dyn Solver, interrupt: &Interrupt, complaints:
         Ok(solution) => {
             let mut again = Complaints::default();
             judge(solver.options(), &case, &solution, &mut again);
-            if let super::Outcome::Failed(texts) = again.outcome() {
+            if let super::CaseOutcome::Failed(texts) = again.outcome() {
                 texts.iter().for_each(|text| complaints.add(format!("afterwards {text}")));
             }
         }
@@ -117,7 +117,7 @@ fn stopped(
 /// A small program and one whose tree is large.
 fn small_and_large() -> Result<[Case; 2], Error> {
     let model = linear::parity()?;
-    let answer = super::Answer::Optimal(1.0, Vec::new());
+    let answer = super::Truth::Optimal(1.0, Vec::new());
     Ok([linear::knapsack()?, Case::new(model, answer)])
 }
 
@@ -204,7 +204,7 @@ pub(super) fn model_unchanged(solver: &mut dyn Solver, complaints: &mut Complain
     // It can be changed and solved again: without the last item, the first two are worth 17.
     let largest = case.model.variable_by_name(("x", 3)).and_then(|x| case.model.fix(x, 0.0));
     if or_complain(largest, complaints).is_some() {
-        case.answer = super::Answer::Optimal(17.0, Vec::new());
+        case.answer = super::Truth::Optimal(17.0, Vec::new());
         complaints.about("after a change of the model");
         judge::solve(solver, &case, complaints);
     }

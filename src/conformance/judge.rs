@@ -4,8 +4,8 @@ use crate::model::{Affine, Model};
 use crate::solution::{PrimalStatus, Solution, Termination, Verification};
 use crate::solver::{Options, Solver};
 
-use super::answer::{Answer, Case};
-use super::report::Outcome;
+use super::answer::{Case, Truth};
+use super::report::CaseOutcome;
 
 /// Slack of a bound, relative and absolute: "never beyond the optimum" up to rounding.
 const ROUNDING: f64 = 1e-9;
@@ -43,8 +43,8 @@ impl Complaints {
         self.texts.is_empty()
     }
 
-    pub(super) fn outcome(self) -> Outcome {
-        if self.texts.is_empty() { Outcome::Passed } else { Outcome::Failed(self.texts) }
+    pub(super) fn outcome(self) -> CaseOutcome {
+        if self.texts.is_empty() { CaseOutcome::Passed } else { CaseOutcome::Failed(self.texts) }
     }
 }
 
@@ -60,9 +60,9 @@ pub(super) fn solve(solver: &mut dyn Solver, case: &Case, complaints: &mut Compl
 pub(super) fn optimum(case: &Case) -> f64 {
     let worst = case.model.sense().sign() * f64::INFINITY;
     match case.answer {
-        Answer::Optimal(optimum, _) => optimum,
-        Answer::Infeasible => worst,
-        Answer::Unbounded => -worst,
+        Truth::Optimal(optimum, _) => optimum,
+        Truth::Infeasible => worst,
+        Truth::Unbounded => -worst,
     }
 }
 
@@ -76,9 +76,9 @@ pub(super) fn judge(
     let (ended, optimum) = (solution.termination(), optimum(case));
     sound(&case.model, solution, optimum, options, complaints);
     let wanted = match case.answer {
-        Answer::Optimal(..) => Termination::Optimal,
-        Answer::Infeasible => Termination::Infeasible,
-        Answer::Unbounded => Termination::Unbounded,
+        Truth::Optimal(..) => Termination::Optimal,
+        Truth::Infeasible => Termination::Infeasible,
+        Truth::Unbounded => Termination::Unbounded,
     };
     if ended != wanted {
         complaints.add(format!("it ended with `{ended}` instead of `{wanted}`"));
@@ -90,10 +90,10 @@ pub(super) fn judge(
     complaints.unless(solution.is_infeasible() == (wanted == Termination::Infeasible), || {
         "`is_infeasible` contradicts the termination".into()
     });
-    let Answer::Optimal(_, values) = &case.answer else {
+    let Truth::Optimal(_, values) = &case.answer else {
         let bound = solution.bound();
         complaints.unless(bound == optimum, || format!("the bound is {bound}, not {optimum}"));
-        let infeasible = case.answer == Answer::Infeasible;
+        let infeasible = case.answer == Truth::Infeasible;
         complaints.unless(!infeasible || solution.point().is_none(), || {
             "there is a point although the program is claimed to be infeasible".into()
         });

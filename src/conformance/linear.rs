@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::model::{Affine, Model};
 
-use super::answer::{Answer, Case, Cases, minimizing, sum};
+use super::answer::{Case, Cases, Truth, minimizing, sum};
 
 const INF: f64 = f64::INFINITY;
 
@@ -14,7 +14,7 @@ pub(super) fn knapsack() -> Result<Case, Error> {
     m.add("capacity", sum(&[4.0, 5.0, 3.0, 7.0], &x).le(10.0))?;
     m.maximize(sum(&[8.0, 9.0, 5.0, 13.0], &x))?;
     let values = x.iter().zip([0.0, 0.0, 1.0, 1.0]).collect();
-    Ok(Case::new(m, Answer::Optimal(18.0, values)))
+    Ok(Case::new(m, Truth::Optimal(18.0, values)))
 }
 
 /// Twice a sum of 31 binaries and `odd` make 31, so `odd` is 1 at the optimum. Refuting 0

@@ -27,9 +27,9 @@ mod linear;
 mod mixed;
 mod report;
 
-pub use answer::{Answer, Case};
+pub use answer::{Case, Truth};
 pub use capability::Capability;
-pub use report::{Outcome, Report};
+pub use report::{CaseOutcome, Report};
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -116,7 +116,8 @@ impl Suite {
                 }
             }
             Err(error) => {
-                report.add("the programs of the suite", Outcome::Failed(vec![error.to_string()]));
+                report
+                    .add("the programs of the suite", CaseOutcome::Failed(vec![error.to_string()]));
             }
         }
         for (name, needs, check) in CONDUCT {
@@ -135,7 +136,7 @@ impl Suite {
         report: &mut Report,
     ) {
         if let Some(&lacking) = needs.iter().find(|capability| self.lacking.contains(capability)) {
-            report.add(name, Outcome::Skipped(lacking));
+            report.add(name, CaseOutcome::Skipped(lacking));
             return;
         }
         let mut complaints = Complaints::default();

@@ -7,7 +7,7 @@ use super::capability::Capability;
 /// The result of a case.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Outcome {
+pub enum CaseOutcome {
     /// Everything is as it must be.
     Passed,
     /// What is wrong, in words.
@@ -21,7 +21,7 @@ pub enum Outcome {
 #[must_use]
 pub struct Report {
     backend: String,
-    cases: Vec<(String, Outcome)>,
+    cases: Vec<(String, CaseOutcome)>,
 }
 
 impl Report {
@@ -29,26 +29,26 @@ impl Report {
         Report { backend: backend.to_owned(), cases: Vec::new() }
     }
 
-    pub(super) fn add(&mut self, name: &str, outcome: Outcome) {
+    pub(super) fn add(&mut self, name: &str, outcome: CaseOutcome) {
         self.cases.push((name.to_owned(), outcome));
     }
 
     /// The cases in the order in which they ran; programs run twice.
-    pub fn cases(&self) -> impl ExactSizeIterator<Item = (&str, &Outcome)> {
+    pub fn cases(&self) -> impl ExactSizeIterator<Item = (&str, &CaseOutcome)> {
         self.cases.iter().map(|(name, outcome)| (&name[..], outcome))
     }
 
     /// The cases that failed, with what is wrong.
     pub fn failures(&self) -> impl Iterator<Item = (&str, &[String])> {
         self.cases().filter_map(|(name, outcome)| match outcome {
-            Outcome::Failed(complaints) => Some((name, &complaints[..])),
+            CaseOutcome::Failed(complaints) => Some((name, &complaints[..])),
             _ => None,
         })
     }
 
     /// Whether no case failed and at least one was run.
     pub fn passed(&self) -> bool {
-        let ran = self.cases.iter().any(|(_, outcome)| *outcome == Outcome::Passed);
+        let ran = self.cases.iter().any(|(_, outcome)| *outcome == CaseOutcome::Passed);
         ran && self.failures().next().is_none()
     }
 
@@ -65,10 +65,11 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count = |test: fn(&Outcome) -> bool| self.cases.iter().filter(|(_, o)| test(o)).count();
-        let passed = count(|outcome| *outcome == Outcome::Passed);
-        let failed = count(|outcome| matches!(outcome, Outcome::Failed(_)));
-        let skipped = count(|outcome| matches!(outcome, Outcome::Skipped(_)));
+        let count =
+            |test: fn(&CaseOutcome) -> bool| self.cases.iter().filter(|(_, o)| test(o)).count();
+        let passed = count(|outcome| *outcome == CaseOutcome::Passed);
+        let failed = count(|outcome| matches!(outcome, CaseOutcome::Failed(_)));
+        let skipped = count(|outcome| matches!(outcome, CaseOutcome::Skipped(_)));
         writeln!(f, "{}: {passed} passed, {failed} failed, {skipped} skipped", self.backend)?;
         for (name, complaints) in self.failures() {
             writeln!(f, "failed: {name}")?;
@@ -78,7 +79,7 @@ impl fmt::Display for Report {
         }
         let mut told: Vec<Capability> = Vec::new();
         for (_, outcome) in self.cases() {
-            if let Outcome::Skipped(capability) = *outcome
+            if let CaseOutcome::Skipped(capability) = *outcome
                 && !told.contains(&capability)
             {
                 told.push(capability);

@@ -40,7 +40,8 @@ pub enum Claim {
 
 /// The answer of a program, about the minimisation in its file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
+#[non_exhaustive]
+pub struct ExternalAnswer {
     /// The claim.
     pub claim: Claim,
     /// Values by column name; columns that are not listed are 0.
@@ -53,10 +54,10 @@ pub struct Answer {
     pub nodes: Option<u64>,
 }
 
-impl Answer {
+impl ExternalAnswer {
     /// An answer that consists only of a claim.
     pub fn new(claim: Claim) -> Self {
-        Answer { claim, values: None, objective: None, bound: None, nodes: None }
+        ExternalAnswer { claim, values: None, objective: None, bound: None, nodes: None }
     }
 }
 
@@ -85,5 +86,5 @@ pub trait Dialect: fmt::Debug + Send {
     /// # Errors
     ///
     /// A description of what could not be read.
-    fn read(&self, solution: Option<&str>, printed: &str) -> Result<Answer, String>;
+    fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String>;
 }

@@ -29,7 +29,7 @@ mod process;
 mod programs;
 mod translate;
 
-pub use dialect::{Answer, Claim, Dialect, Files};
+pub use dialect::{Claim, Dialect, ExternalAnswer, Files};
 pub use programs::{Cbc, Glpk, Highs, Scip};
 
 use crate::branch_and_bound::BranchAndBound;
@@ -228,7 +228,7 @@ pub(crate) fn settled(
 /// The termination and the bound, in the sense of the model, that follow from a claim.
 fn judged(
     options: &Options,
-    answer: &Answer,
+    answer: &ExternalAnswer,
     stopped: Option<Termination>,
     translated: &translate::Translated,
 ) -> (Termination, f64) {

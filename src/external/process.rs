@@ -9,7 +9,7 @@ use std::thread;
 use tempfile::TempDir;
 use web_time::{Duration, Instant};
 
-use super::dialect::{Answer, Claim, Dialect, Files};
+use super::dialect::{Claim, Dialect, ExternalAnswer, Files};
 use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
 use crate::solver::{Options, StopToken};
@@ -34,10 +34,13 @@ pub(super) struct Run<'a> {
 impl Run<'_> {
     /// Runs the program on a model and reads the answer. Also returns why the program was stopped, if
     /// it was.
-    pub(super) fn answer(&self, model: &str) -> Result<(Answer, Option<Termination>), Error> {
+    pub(super) fn answer(
+        &self,
+        model: &str,
+    ) -> Result<(ExternalAnswer, Option<Termination>), Error> {
         let time_left = self.token.left();
         if let Some(reason) = self.token.ended() {
-            return Ok((Answer::new(Claim::Unknown), Some(reason)));
+            return Ok((ExternalAnswer::new(Claim::Unknown), Some(reason)));
         }
         let folder = private_folder()
             .map_err(|e| self.refused("no temporary folder can be made for", FOLDER, e))?;
@@ -77,7 +80,7 @@ impl Run<'_> {
         let (printed, solution) = (read(&log)?.unwrap_or_default(), read(&files.solution)?);
         match self.dialect.read(solution.as_deref(), &printed) {
             Ok(answer) => Ok((answer, stopped)),
-            Err(_) if stopped.is_some() => Ok((Answer::new(Claim::Unknown), stopped)),
+            Err(_) if stopped.is_some() => Ok((ExternalAnswer::new(Claim::Unknown), stopped)),
             Err(what) => {
                 let last: Vec<&str> = printed.lines().rev().take(3).collect();
                 let last: Vec<&str> = last.into_iter().rev().collect();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use web_time::Duration;
 
-use super::dialect::{Answer, Claim, Dialect, Files};
+use super::dialect::{Claim, Dialect, ExternalAnswer, Files};
 use crate::solution::Termination;
 use crate::solver::Options;
 
@@ -51,7 +51,7 @@ impl Dialect for Cbc {
         arguments
     }
 
-    fn read(&self, solution: Option<&str>, printed: &str) -> Result<Answer, String> {
+    fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String> {
         let solution = solution.ok_or("it wrote no solution")?;
         let mut lines = solution.lines();
         let first = lines.next().ok_or("its solution is empty")?;
@@ -69,7 +69,7 @@ impl Dialect for Cbc {
         } else {
             Claim::Unknown
         };
-        let mut answer = Answer::new(claim);
+        let mut answer = ExternalAnswer::new(claim);
         answer.bound = labelled(printed, "Lower bound:");
         answer.nodes = labelled(printed, "Enumerated nodes:").map(|nodes| nodes as u64);
         let no_point = lower.contains("no integer solution");
@@ -106,9 +106,9 @@ impl Dialect for Glpk {
         arguments
     }
 
-    fn read(&self, solution: Option<&str>, printed: &str) -> Result<Answer, String> {
+    fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String> {
         let solution = solution.ok_or("it wrote no solution")?;
-        let mut answer = Answer::new(Claim::Unknown);
+        let mut answer = ExternalAnswer::new(Claim::Unknown);
         let mut values = Vec::new();
         for line in solution.lines() {
             let words: Vec<&str> = line.split_whitespace().collect();
@@ -186,12 +186,12 @@ impl Dialect for Highs {
         Some(lines.join("\n"))
     }
 
-    fn read(&self, solution: Option<&str>, printed: &str) -> Result<Answer, String> {
+    fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String> {
         let solution = solution.ok_or("it wrote no solution")?;
         let mut lines = solution.lines();
         let status = lines.by_ref().skip_while(|line| !line.starts_with("Model status")).nth(1);
         let status = status.ok_or("its solution names no status")?.trim();
-        let mut answer = Answer::new(match status {
+        let mut answer = ExternalAnswer::new(match status {
             "Optimal" => Claim::Optimal,
             "Infeasible" => Claim::Infeasible,
             // A second run without the objective tells which.
@@ -257,24 +257,25 @@ impl Dialect for Scip {
         commands.into_iter().flat_map(|command| ["-c".to_owned(), command]).collect()
     }
 
-    fn read(&self, solution: Option<&str>, printed: &str) -> Result<Answer, String> {
+    fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String> {
         let status = printed.lines().rev().find_map(|line| line.strip_prefix("SCIP Status"));
         let status = status.ok_or("it printed no status")?;
         let says = |text: &str| status.contains(text);
-        let mut answer = Answer::new(if says("[optimal solution found]") || says("[gap limit") {
-            Claim::Optimal
-        } else if says("[infeasible]") {
-            Claim::Infeasible
-        } else if says("[unbounded]") || says("[infeasible or unbounded]") {
-            // A second run without the objective tells which.
-            Claim::Unbounded
-        } else if says("[time limit reached]") {
-            Claim::Limit(Termination::TimeLimit)
-        } else if says("[node limit reached]") || says("[total node limit reached]") {
-            Claim::Limit(Termination::NodeLimit)
-        } else {
-            Claim::Unknown
-        });
+        let mut answer =
+            ExternalAnswer::new(if says("[optimal solution found]") || says("[gap limit") {
+                Claim::Optimal
+            } else if says("[infeasible]") {
+                Claim::Infeasible
+            } else if says("[unbounded]") || says("[infeasible or unbounded]") {
+                // A second run without the objective tells which.
+                Claim::Unbounded
+            } else if says("[time limit reached]") {
+                Claim::Limit(Termination::TimeLimit)
+            } else if says("[node limit reached]") || says("[total node limit reached]") {
+                Claim::Limit(Termination::NodeLimit)
+            } else {
+                Claim::Unknown
+            });
         answer.bound = labelled(printed, "Dual Bound");
         answer.nodes = labelled(printed, "Solving Nodes").map(|nodes| nodes as u64);
         let solution = solution.unwrap_or("");

@@ -26,21 +26,21 @@ pub struct MethodSize {
     pub root_bound: f64,
 }
 
-/// Sizes and root bounds by method; made by [`compare`].
+/// Sizes and root bounds by method; made by [`compare_methods`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Comparison {
+pub struct MethodComparison {
     entries: Vec<MethodSize>,
 }
 
-impl Comparison {
+impl MethodComparison {
     /// One entry per method, in the order of [`Method::ALL`].
     pub fn entries(&self) -> &[MethodSize] {
         &self.entries
     }
 }
 
-impl fmt::Display for Comparison {
+impl fmt::Display for MethodComparison {
     /// A table with one line per method.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "method     rows  columns  non-zeros  root bound")?;
@@ -65,7 +65,7 @@ impl fmt::Display for Comparison {
 /// let (near, far) = ([x.le(2.0), y.le(1.0)], [x.ge(6.0), y.within(4.0, 5.0)]);
 /// model.add("box", either(near).or(far))?;
 /// model.maximize(y - x)?;
-/// let table = reformulate::compare(&model, &mut BranchAndBound::default())?;
+/// let table = reformulate::compare_methods(&model, &mut BranchAndBound::default())?;
 /// let bounds: Vec<f64> = table.entries().iter().map(|entry| entry.root_bound.round()).collect();
 /// // The optimum is 1, which an M over the whole box does not prove.
 /// assert_eq!(bounds, [2.0, 1.0, 1.0]);
@@ -75,7 +75,10 @@ impl fmt::Display for Comparison {
 /// # Errors
 ///
 /// Those of [`lower`](super::lower) and of the solver.
-pub fn compare<S: Solver + ?Sized>(model: &Model, solver: &mut S) -> Result<Comparison, Error> {
+pub fn compare_methods<S: Solver + ?Sized>(
+    model: &Model,
+    solver: &mut S,
+) -> Result<MethodComparison, Error> {
     let mut entries = Vec::with_capacity(Method::ALL.len());
     for method in Method::ALL {
         let lowered: Lowered = lower_by(model, Some(method))?;
@@ -89,5 +92,5 @@ pub fn compare<S: Solver + ?Sized>(model: &Model, solver: &mut S) -> Result<Comp
             root_bound: relaxed.bound(),
         });
     }
-    Ok(Comparison { entries })
+    Ok(MethodComparison { entries })
 }

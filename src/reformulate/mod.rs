@@ -37,7 +37,7 @@ mod product;
 mod report;
 
 pub use audit::{Audit, Leak};
-pub use compare::{Comparison, MethodSize, compare};
+pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::{Error, ErrorKind};

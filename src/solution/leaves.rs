@@ -6,6 +6,7 @@ use crate::model::Variable;
 /// for it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LeafBox {
     /// Variables with their lower and upper bounds; a missing bound is infinite. Variables that are
     /// not listed have the bounds of the model.
@@ -19,6 +20,7 @@ pub struct LeafBox {
 /// Bounds of one variable of a [`LeafBox`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LeafBound {
     /// The variable.
     pub variable: Variable,
@@ -30,7 +32,19 @@ pub struct LeafBound {
     pub upper: f64,
 }
 
+impl LeafBound {
+    /// Bounds of a variable, in its unit; infinite where there is none.
+    pub fn new(variable: Variable, lower: f64, upper: f64) -> Self {
+        LeafBound { variable, lower, upper }
+    }
+}
+
 impl LeafBox {
+    /// A box and the objective bound that was proved in it.
+    pub fn new(bounds: Vec<LeafBound>, bound: f64) -> Self {
+        LeafBox { bounds, bound }
+    }
+
     /// The same box over other variables. `to` maps each variable to its replacement, or to `None`
     /// to drop its bounds.
     pub fn mapped(&self, to: impl Fn(Variable) -> Option<Variable>) -> LeafBox {

@@ -15,7 +15,9 @@ mod verification;
 pub use leaves::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
 pub use point::{Evaluate, Point};
 pub use pool::{Pool, PoolPoint};
-pub use statistics::{Heuristic, HeuristicCount, Heuristics, RelaxationCounts, Statistics, Times};
+pub use statistics::{
+    Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,
+};
 pub use status::{PrimalStatus, Termination};
 pub(crate) use verification::for_reading;
 pub use verification::{Checked, Verification, Violation, ViolationKind};
@@ -48,6 +50,7 @@ pub struct Solution {
 
 /// The result that a backend reports; [`Solution::new`] checks it against the model.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Outcome {
     /// Why the backend stopped.
     pub termination: Termination,
@@ -58,6 +61,18 @@ pub struct Outcome {
     pub bound: f64,
     /// Counts and time.
     pub statistics: Statistics,
+}
+
+impl Outcome {
+    /// What a backend reports; the fields say what each part means.
+    pub fn new(
+        termination: Termination,
+        values: Option<Vec<f64>>,
+        bound: f64,
+        statistics: Statistics,
+    ) -> Self {
+        Outcome { termination, values, bound, statistics }
+    }
 }
 
 impl Solution {

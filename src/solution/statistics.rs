@@ -67,7 +67,7 @@ pub struct Statistics {
     /// What the threads spent their time on.
     pub times: Times,
     /// What each source of points tried and found.
-    pub heuristics: Heuristics,
+    pub heuristics: HeuristicCounts,
     /// Wall-clock time of the solve.
     pub time: Duration,
 }
@@ -176,7 +176,7 @@ pub struct HeuristicCount {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
-pub struct Heuristics {
+pub struct HeuristicCounts {
     leaf: HeuristicCount,
     relaxation: HeuristicCount,
     rounding: HeuristicCount,
@@ -238,7 +238,7 @@ impl fmt::Display for Heuristic {
     }
 }
 
-impl Heuristics {
+impl HeuristicCounts {
     /// The counts of one source.
     pub fn of(&self, heuristic: Heuristic) -> HeuristicCount {
         match heuristic {

@@ -49,6 +49,7 @@ pub struct Checked {
 /// A statement that a point violates by more than the tolerance.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Violation {
     /// What is violated.
     pub kind: ViolationKind,

@@ -25,7 +25,7 @@ use crate::model::{Model, ModelTag, Variable};
 /// // x before y, and x first of all in the middle of its range.
 /// let halve = |node: &NodeView<'_>| {
 ///     let range = node.bounds(x).ok()?;
-///     (range.upper - range.lower >= 8.0).then_some(SplitAt { variable: x, value: 4.0 })
+///     (range.upper - range.lower >= 8.0).then_some(SplitAt::new(x, 4.0))
 /// };
 /// let guidance = Guidance::default().with_priority(x, 1).with_branching(&halve);
 /// let mut control = Control::default().with_guidance(guidance);
@@ -142,12 +142,20 @@ impl<F: Fn(&NodeView<'_>) -> Vec<(Variable, f64)> + Sync> Proposal for F {
 
 /// A split of a node into `variable <= floor(value)` and `variable >= floor(value) + 1`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SplitAt {
     /// An integer variable.
     pub variable: Variable,
     /// The largest value of the lower part, rounded down. At the upper bound, the last integer
     /// below it is used.
     pub value: f64,
+}
+
+impl SplitAt {
+    /// A split of `variable` at `value`.
+    pub fn new(variable: Variable, value: f64) -> Self {
+        SplitAt { variable, value }
+    }
 }
 
 /// A node as a rule sees it.

@@ -11,6 +11,17 @@ use crate::{Source, code, sources};
 /// The most public types, traits and free functions.
 const MOST: usize = 200;
 
+/// Functions that do the same for several formats of files, each in the module of its format.
+const BY_FORMAT: [&str; 2] = ["read", "write"];
+
+/// Structs that the caller fills, field by field, and whose fields are all there can be.
+const COMPLETE: [&str; 4] = [
+    "hybrid::contact::ContactStep",
+    "hybrid::contact::roll_out::RollOut",
+    "hybrid::simulate::Samples",
+    "interval::Interval",
+];
+
 /// A public type, trait or function, or a re-export, as a module declares it.
 enum Entry<'a> {
     Item(Item<'a>),
@@ -203,7 +214,7 @@ fn a_public_name_stands_for_one_thing() {
         for path in public.keys() {
             meanings.entry(&path[path.len() - 1]).or_default().push(path.join("::"));
         }
-        meanings.retain(|_, paths| paths.len() > 1);
+        meanings.retain(|name, paths| paths.len() > 1 && !BY_FORMAT.contains(&name.as_str()));
         assert!(meanings.is_empty(), "names with several meanings: {meanings:#?}");
     });
 }
@@ -214,7 +225,8 @@ fn public_fields_leave_room_for_more() {
         let closed = public.iter().filter(|(_, item)| {
             item.is_some_and(|item| item.has_public_fields && !item.is_non_exhaustive)
         });
-        let closed: Vec<String> = closed.map(|(path, _)| path.join("::")).collect();
+        let mut closed: Vec<String> = closed.map(|(path, _)| path.join("::")).collect();
+        closed.retain(|name| !COMPLETE.contains(&name.as_str()));
         assert!(closed.is_empty(), "not `#[non_exhaustive]`: {closed:#?}");
     });
 }

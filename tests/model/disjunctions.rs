@@ -154,7 +154,7 @@ proptest! {
         }
         // No relaxation is weaker than the one before it, where all start from the same bounds.
         model.set_reformulation(Reformulation::default());
-        let table = reformulate::compare(&model, &mut BranchAndBound::default()).unwrap();
+        let table = reformulate::compare_methods(&model, &mut BranchAndBound::default()).unwrap();
         let bounds: Vec<f64> = table.entries().iter().map(|entry| entry.root_bound).collect();
         for pair in bounds.windows(2) {
             prop_assert!(not_above(pair[0], pair[1]), "{table}");
@@ -190,7 +190,7 @@ fn the_text_form_names_selectors_and_rows() {
 fn sizes_are_those_of_the_formulas() {
     let (model, ..) = boxes(Method::BigM);
     let mut solver = BranchAndBound::default();
-    let table = reformulate::compare(&model, &mut solver).unwrap();
+    let table = reformulate::compare_methods(&model, &mut solver).unwrap();
     let sizes: Vec<_> = table.entries().iter().map(|e| (e.method, e.rows, e.columns)).collect();
     // One row selects; six sides; in the hull two rows a copy for the bounds, and a sum each.
     assert_eq!(

@@ -1,8 +1,8 @@
 //! The paper's figures, the scenario's checks, and what a plan promises.
 
 use carom::collision_tolerant::{
-    Collisions, Endpoint, IntervalOptions, Objective, PlanOutcome, PlanningOptions, Program,
-    Scenario, compare, damage_interval, plan, shortest_plan,
+    Collisions, Endpoint, IntervalOptions, Objective, PlanOutcome, PlanningOptions,
+    PlanningProgram, Scenario, compare, damage_interval, plan, shortest_plan,
 };
 use carom::hybrid::{ContactLaw, DamageLimits, ShortestOptions, ShortestStatus, Verdict, Wall};
 use carom::prelude::*;
@@ -232,7 +232,7 @@ fn impacts_are_reported_with_their_physics() {
 
 #[test]
 fn end_conditions_pin_the_first_and_the_last_acceleration() {
-    let program = Program::build(&Scenario::paper(), 3, Objective::Feasibility).unwrap();
+    let program = PlanningProgram::build(&Scenario::paper(), 3, Objective::Feasibility).unwrap();
     let bounds = |variable| program.model.variable_ref(variable).unwrap().bounds();
     let fixed = |variable, value: f64| {
         let found = bounds(variable);
@@ -255,7 +255,7 @@ fn limits_that_exclude_zero_acceleration_hold() {
     let scenario = Scenario::paper().with_start(rest).with_goal(rest).with_time_step(0.1);
     let pushed = scenario.with_acceleration(1.0, 2.0);
     for scenario in [pushed, pushed.collision_free()] {
-        let program = Program::build(&scenario, 3, Objective::Feasibility).unwrap();
+        let program = PlanningProgram::build(&scenario, 3, Objective::Feasibility).unwrap();
         for a in &program.acceleration {
             let bounds = program.model.variable_ref(a).unwrap().bounds();
             assert_eq!((bounds.lower, bounds.upper), (1.0, 2.0));

@@ -347,7 +347,7 @@ fn damage_states_follow_the_papers_rows() {
     let mut model = Model::new("damage");
     let v = model.continuous_family("v", 2, -3.0, 5.0).unwrap();
     let zeta = model.binary_family("zeta", 2).unwrap();
-    let speed = |t: usize| carom::hybrid::ImpactSpeed { speed: -v[t], zero_in_flight: false };
+    let speed = |t: usize| carom::hybrid::ImpactSpeed::new(-v[t], false);
     let contacts = [(zeta[0], speed(0)), (zeta[1], speed(1))];
     let limits = DamageLimits::default().with_per_impact(2.0).with_cumulative(2.5).with_weight(0.5);
     let damage = Damage::add(&mut model, &contacts, &limits).unwrap();
@@ -373,7 +373,7 @@ fn damage_needs_no_switch_where_the_law_has_one() {
     let mut model = Model::new("damage");
     let f = model.continuous("f", 0.0, 5.0).unwrap();
     let zeta = model.binary("zeta").unwrap();
-    let speed = carom::hybrid::ImpactSpeed { speed: f.into(), zero_in_flight: true };
+    let speed = carom::hybrid::ImpactSpeed::new(f, true);
     Damage::add(&mut model, &[(zeta, speed)], &DamageLimits::default()).unwrap();
     assert_eq!(
         statements(&model),
@@ -477,7 +477,7 @@ impl<F: Fn(usize) -> Termination> Solver for Script<F> {
         let mut statistics = Statistics::default();
         statistics.nodes = 2;
         statistics.relaxations = u64::from(steps % 2 == 1);
-        Solution::new(model, Outcome { termination, values, bound: 0.0, statistics }, 1e-6)
+        Solution::new(model, Outcome::new(termination, values, 0.0, statistics), 1e-6)
     }
 }
 

@@ -21,7 +21,7 @@ const INF: f64 = f64::INFINITY;
 const ROUNDING: f64 = 1e-9;
 
 /// The optimum of a program, and the values there.
-type Answer = (f64, Vec<(Variable, f64)>);
+type Truth = (f64, Vec<(Variable, f64)>);
 
 fn model(name: &str) -> Model {
     Model::new(name)
@@ -65,7 +65,7 @@ fn assert_sound(model: &Model, solution: &Solution, optimum: f64) {
     assert_eq!(solution.gap(), gap, "{name}");
 }
 
-fn assert_answer(options: &Options, model: &Model, solution: &Solution, answer: &Answer) {
+fn assert_answer(options: &Options, model: &Model, solution: &Solution, answer: &Truth) {
     let (name, (optimum, values)) = (model.name(), answer);
     assert_eq!(solution.termination(), Termination::Optimal, "{name}");
     assert!(solution.is_optimal() && !solution.is_infeasible(), "{name}");
@@ -84,7 +84,7 @@ fn assert_answer(options: &Options, model: &Model, solution: &Solution, answer: 
 // -- programs -----------------------------------------------------------------------------------
 
 /// Values 8, 9, 5, 13, weights 4, 5, 3, 7, capacity 10: the last two, 18. The relaxation has 19.14.
-fn knapsack() -> (Model, Answer) {
+fn knapsack() -> (Model, Truth) {
     let mut m = model("knapsack");
     let x = m.binary_family("x", 4).unwrap();
     let sum = |a: [f64; 4]| a.iter().zip(&x).map(|(&a, x)| a * x).sum::<Affine>();
@@ -408,7 +408,7 @@ impl Solver for Enumeration {
         let values = best.map(|(_, values)| values);
         Solution::new(
             model,
-            Outcome { termination, values, bound, statistics },
+            Outcome::new(termination, values, bound, statistics),
             self.options.feasibility,
         )
     }
@@ -491,7 +491,7 @@ fn claim(
     values: Option<&[f64]>,
 ) -> Result<Solution, Error> {
     let values = values.map(<[f64]>::to_vec);
-    let outcome = Outcome { termination, values, bound: 1.0, statistics: Statistics::default() };
+    let outcome = Outcome::new(termination, values, 1.0, Statistics::default());
     Parrot { options: Options::default(), outcome }.solve(model)
 }
 
@@ -516,12 +516,12 @@ impl Solver for Spoiled {
 
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         let solution = self.inner.solve_with(model, control)?;
-        let mut outcome = Outcome {
-            termination: solution.termination(),
-            values: solution.point().map(|point| point.as_slice().to_vec()),
-            bound: solution.bound(),
-            statistics: *solution.statistics(),
-        };
+        let mut outcome = Outcome::new(
+            solution.termination(),
+            solution.point().map(|point| point.as_slice().to_vec()),
+            solution.bound(),
+            *solution.statistics(),
+        );
         (self.spoil)(&mut outcome);
         Solution::new(model, outcome, self.options().feasibility)
     }

@@ -46,12 +46,12 @@ impl Whim<'_> {
             0 => return None,
             1 => f64::NAN,
             2 => 1e9,
-            3 => return Some(SplitAt { variable: foreign(), value: 0.0 }),
+            3 => return Some(SplitAt::new(foreign(), 0.0)),
             4 => node.value(variable).ok()?,
             5 => node.bounds(variable).ok()?.lower,
             k => k as f64 - 6.0,
         };
-        Some(SplitAt { variable, value })
+        Some(SplitAt::new(variable, value))
     }
 
     fn propose(&self, node: &NodeView<'_>) -> Vec<(Variable, f64)> {
@@ -135,7 +135,7 @@ fn splits_of_a_rule_are_taken_and_counted() {
     let first_open = |node: &NodeView<'_>| {
         let open = |v: &Variable| node.bounds(*v).is_ok_and(|b| b.lower < b.upper);
         let variable = x.iter().find(open)?;
-        Some(SplitAt { variable, value: node.value(variable).ok()? })
+        Some(SplitAt::new(variable, node.value(variable).ok()?))
     };
     let solution = solve(&model, Guidance::default().with_branching(&first_open));
     assert!(solution.is_optimal());
@@ -151,7 +151,7 @@ fn splits_that_divide_nothing_are_refused_and_counted() {
     let y = model.continuous("y", 0.0, 1.0).unwrap();
     let other = foreign();
     for (variable, value) in [(y, 0.5), (other, 0.0), (x[0], f64::NAN), (x[0], 5.5), (x[0], -1.0)] {
-        let rule = move |_: &NodeView<'_>| Some(SplitAt { variable, value });
+        let rule = move |_: &NodeView<'_>| Some(SplitAt::new(variable, value));
         let solution = solve(&model, Guidance::default().with_branching(&rule));
         assert!(solution.is_optimal());
         assert_eq!(solution.objective(), Some(2.0));

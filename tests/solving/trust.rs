@@ -425,12 +425,8 @@ fn advice_can_be_followed() {
 
 /// A backend that answers one point and calls it optimal.
 fn claimed(model: &Model, values: &[f64]) -> Solution {
-    let outcome = Outcome {
-        termination: Termination::Optimal,
-        values: Some(values.to_vec()),
-        bound: -INF,
-        statistics: Statistics::default(),
-    };
+    let outcome =
+        Outcome::new(Termination::Optimal, Some(values.to_vec()), -INF, Statistics::default());
     Solution::new(model, outcome, 1e-6).unwrap()
 }
 

@@ -129,12 +129,20 @@ pub struct ContactStep {
 
 /// The impact speed of a step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ImpactSpeed {
     /// The speed into the wall if ζ(t) = 1, in m/s.
     pub speed: Affine,
     /// Whether the law keeps `speed` at 0 if ζ(t) = 0, and never negative. Otherwise the expression
     /// has no meaning in flight.
     pub zero_in_flight: bool,
+}
+
+impl ImpactSpeed {
+    /// The speed into the wall, in m/s, and whether it is 0 in flight.
+    pub fn new(speed: impl Into<Affine>, zero_in_flight: bool) -> Self {
+        ImpactSpeed { speed: speed.into(), zero_in_flight }
+    }
 }
 
 /// A wall, its restitution, and the contact law.

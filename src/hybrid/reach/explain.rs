@@ -29,7 +29,7 @@ const LIFTED_WIDTHS: f64 = 1e3;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Explanation {
+pub struct ReachExplanation {
     /// The horizon, in steps.
     pub steps: usize,
     /// The sample at which no state is left.
@@ -95,7 +95,7 @@ impl ReachSets {
     /// # Errors
     ///
     /// As for [`tube`](ReachSets::tube).
-    pub fn explain(&mut self, steps: usize) -> Result<Option<Explanation>, Error> {
+    pub fn explain(&mut self, steps: usize) -> Result<Option<ReachExplanation>, Error> {
         let tube = self.tube(steps)?;
         let Some(sample) = tube.died() else { return Ok(None) };
         let (sample, findings) = match self.missing_end() {
@@ -106,7 +106,7 @@ impl ReachSets {
             None => self.findings(&tube, sample),
         };
         let remedies = self.remedies(steps)?;
-        Ok(Some(Explanation { steps, sample, findings, remedies }))
+        Ok(Some(ReachExplanation { steps, sample, findings, remedies }))
     }
 
     /// The limit that excludes the start or the goal itself.
@@ -292,7 +292,7 @@ impl fmt::Display for Obstacle {
     }
 }
 
-impl fmt::Display for Explanation {
+impl fmt::Display for ReachExplanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let steps = |count: usize| match count {
             1 => "1 step".to_owned(),

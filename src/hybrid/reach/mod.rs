@@ -12,7 +12,7 @@
 //! | sets of states | [`ReachSets`], [`ReachSet`], [`SetOptions`] |
 //! | the sets of one horizon | [`Tube`] |
 //! | tighten a program | [`Tube::tighten`], [`HorizonVariables`], [`TighteningReport`] |
-//! | why there is no plan | [`ReachSets::explain`], [`Explanation`] |
+//! | why there is no plan | [`ReachSets::explain`], [`ReachExplanation`] |
 //! | a picture, with a plan | [`Tube::to_svg`], [`ReachSet::outline`] |
 //!
 //! [`shortest_horizon`](super::shortest_horizon()) uses all of this for a
@@ -100,7 +100,7 @@ mod template;
 mod tighten;
 mod tube;
 
-pub use explain::{Explanation, Finding, Obstacle};
+pub use explain::{Finding, Obstacle, ReachExplanation};
 pub use set::ReachSet;
 pub use sets::{ReachSets, SetOptions};
 pub use system::{Halfspace, HybridSystem, Transition};

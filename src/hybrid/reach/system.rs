@@ -26,7 +26,7 @@ pub struct Halfspace {
     pub normal: Vec<f64>,
     /// The limit, in any unit you choose.
     pub limit: f64,
-    /// Whether it could be dropped, unlike physics. An [explanation](super::Explanation) says
+    /// Whether it could be dropped, unlike physics. An [explanation](super::ReachExplanation) says
     /// whether dropping it would help.
     pub is_limit: bool,
 }

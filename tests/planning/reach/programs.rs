@@ -1,7 +1,7 @@
 //! What tubes write into programs: no plan is ever lost.
 
 use crate::common::config;
-use carom::collision_tolerant::{Endpoint, Objective, Program, Scenario};
+use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::hybrid::reach::{
     HorizonVariables, HybridSystem, ReachSets, Reason, SetOptions, TighteningReport, Transition,
 };
@@ -52,7 +52,8 @@ fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
 /// Writes the tube into the plan's program and checks that the plan still fits.
 fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
     let steps = plan.contact.len();
-    let mut program = Program::build(&plan.scenario, steps, Objective::Feasibility).unwrap();
+    let mut program =
+        PlanningProgram::build(&plan.scenario, steps, Objective::Feasibility).unwrap();
     let tube = plan.scenario.reach_sets().unwrap().tube(steps).unwrap();
     let variables = program.horizon_variables(&plan.scenario);
     let report = tube.tighten(&mut program.model, &variables).unwrap();
@@ -121,7 +122,7 @@ proptest! {
 #[test]
 fn the_report_says_what_was_done_and_why() {
     let scenario = Scenario::paper().with_time_step(0.05);
-    let mut program = Program::build(&scenario, 48, Objective::Feasibility).unwrap();
+    let mut program = PlanningProgram::build(&scenario, 48, Objective::Feasibility).unwrap();
     let variables = program.horizon_variables(&scenario);
     let tube = scenario.reach_sets().unwrap().tube(48).unwrap();
     let report = tube.tighten(&mut program.model, &variables).unwrap();
@@ -147,7 +148,7 @@ fn the_report_says_what_was_done_and_why() {
     assert_eq!(report.to_string(), text);
 
     // The row is optional.
-    let mut plain = Program::build(&scenario, 48, Objective::Feasibility).unwrap();
+    let mut plain = PlanningProgram::build(&scenario, 48, Objective::Feasibility).unwrap();
     let variables = plain.horizon_variables(&scenario).with_event_row(false);
     let without = tube.tighten(&mut plain.model, &variables).unwrap();
     assert_eq!((without.rows.len(), without.fixed.len()), (0, report.fixed.len()));
@@ -187,7 +188,7 @@ fn modes_that_are_no_events_need_no_row() {
 fn a_user_may_exclude_what_the_sets_need() {
     // Every plan of 47 steps hits the wall; a program that forbids it has none.
     let scenario = Scenario::paper().with_time_step(0.05);
-    let mut program = Program::build(&scenario, 47, Objective::Feasibility).unwrap();
+    let mut program = PlanningProgram::build(&scenario, 47, Objective::Feasibility).unwrap();
     let variables = program.horizon_variables(&scenario);
     let tube = scenario.reach_sets().unwrap().tube(47).unwrap();
     assert_eq!(tube.fewest_events(), Some(1));

@@ -90,10 +90,10 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
     // One event layer, very coarse polygons and a wide margin make blunt sets.
     struct Blunt(Scenario);
     impl HorizonModel for Blunt {
-        type Program = carom::collision_tolerant::Program;
+        type Program = carom::collision_tolerant::PlanningProgram;
         fn build(&self, steps: usize) -> Result<Self::Program, Error> {
             let feasible = carom::collision_tolerant::Objective::Feasibility;
-            carom::collision_tolerant::Program::build(&self.0, steps, feasible)
+            carom::collision_tolerant::PlanningProgram::build(&self.0, steps, feasible)
         }
         fn waiting(&self) -> Waiting {
             self.0.waiting()

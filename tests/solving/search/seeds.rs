@@ -35,12 +35,9 @@ fn seed(variables: &[Variable], guess: &Numbers, boxes: &Boxes) -> TreeSeed {
     let mut other = Model::new("other");
     let foreign = other.binary("z").unwrap();
     let at = |j: usize| variables.get(j).copied().unwrap_or(foreign);
-    let leaf = |(bounds, bound): &(Vec<(usize, f64, f64)>, f64)| LeafBox {
-        bounds: bounds
-            .iter()
-            .map(|&(j, lower, upper)| LeafBound { variable: at(j), lower, upper })
-            .collect(),
-        bound: *bound,
+    let leaf = |(bounds, bound): &(Vec<(usize, f64, f64)>, f64)| {
+        let bounds = bounds.iter().map(|&(j, lower, upper)| LeafBound::new(at(j), lower, upper));
+        LeafBox::new(bounds.collect(), *bound)
     };
     TreeSeed::new()
         .with_guess(guess.iter().map(|&(j, value)| (at(j), value)))
