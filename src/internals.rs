@@ -1,6 +1,11 @@
 //! What the tests and benches of this crate use of the solving tower. No part of the public
 //! interface: it may change in any release.
 
+pub mod conformance {
+    pub use crate::conformance::answer::{Case, Truth};
+    pub use crate::conformance::programs::answers;
+}
+
 pub mod presolve {
     pub use crate::presolve::{
         Compressed, Domain, Implications, Literal, Propagator, Reduced, Reduction, probe,
@@ -30,4 +35,8 @@ pub mod search {
     pub mod cuts {
         pub use crate::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
     }
+}
+
+pub mod simulate {
+    pub use crate::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
 }

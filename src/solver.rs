@@ -31,7 +31,7 @@ mod seed;
 mod stop_token;
 
 pub use certificate::{Certificate, certify};
-pub use control::{Control, Interrupt, OnIncumbent};
+pub use control::{Control, Interrupt};
 pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
 pub use heuristics::Heuristics;
 pub use log::Log;

@@ -8,6 +8,7 @@ use crate::solution::{Solution, Termination};
 use crate::solver::{Control, Event, Interrupt, Options, Solver};
 
 use super::answer::Case;
+use super::answer::Truth;
 use super::judge::{self, Complaints, judge, sound};
 use super::{answers, linear};
 
@@ -117,7 +118,7 @@ fn stopped(
 /// A small program and one whose tree is large.
 fn small_and_large() -> Result<[Case; 2], Error> {
     let model = linear::parity()?;
-    let answer = super::Truth::Optimal(1.0, Vec::new());
+    let answer = Truth::Optimal(1.0, Vec::new());
     Ok([linear::knapsack()?, Case::new(model, answer)])
 }
 
@@ -204,7 +205,7 @@ pub(super) fn model_unchanged(solver: &mut dyn Solver, complaints: &mut Complain
     // It can be changed and solved again: without the last item, the first two are worth 17.
     let largest = case.model.variable_by_name(("x", 3)).and_then(|x| case.model.fix(x, 0.0));
     if or_complain(largest, complaints).is_some() {
-        case.answer = super::Truth::Optimal(17.0, Vec::new());
+        case.answer = Truth::Optimal(17.0, Vec::new());
         complaints.about("after a change of the model");
         judge::solve(solver, &case, complaints);
     }

@@ -14,10 +14,8 @@
 //! let suite = Suite::default().without([Capability::Functions]); // what it does not offer
 //! suite.run(&mut solver).assert_passed();
 //! ```
-//!
-//! [`answers`] returns the programs of the suite with their answers.
 
-mod answer;
+pub(crate) mod answer;
 mod capability;
 mod conduct;
 mod hybrid;
@@ -25,9 +23,9 @@ mod interrupts;
 mod judge;
 mod linear;
 mod mixed;
+pub(crate) mod programs;
 mod report;
 
-pub use answer::{Case, Truth};
 pub use capability::Capability;
 pub use report::{CaseOutcome, Report};
 
@@ -35,25 +33,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use web_time::Duration;
 
-use crate::error::Error;
 use crate::solver::{Options, Solver};
 
 use judge::Complaints;
+use programs::answers;
 
 /// A guard: a backend that respects its time limit fails a case and does not hang.
 const GUARD: Duration = Duration::from_secs(60);
-
-/// The programs of the suite with their answers, for other tests (files, lowering, ...).
-///
-/// # Errors
-///
-/// The errors of building a model; none in practice.
-pub fn answers() -> Result<Vec<Case>, Error> {
-    let mut cases = linear::cases()?;
-    cases.extend(mixed::cases()?);
-    cases.extend(hybrid::cases()?);
-    Ok(cases)
-}
 
 /// The suite, for a backend that lacks some capabilities; by default it lacks none.
 #[derive(Debug, Clone, Default)]

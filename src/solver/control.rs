@@ -68,7 +68,7 @@ pub struct Control<'a> {
 }
 
 /// The callback for new best points.
-pub type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;
+type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;
 
 impl<'a> Control<'a> {
     /// Calls back on every [`Event`], on the thread that called the solver.

@@ -2,7 +2,8 @@
 //! can be added later.
 //!
 //! The sources are read as text: what `pub mod` and `pub use` make reachable from the crate root,
-//! without what is hidden from the documentation. Methods, constants and macros do not count.
+//! without what is hidden from the documentation. Methods, constants, macros and what comes from
+//! other crates do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -78,7 +79,7 @@ impl<'a> Crate<'a> {
                 if !self.modules.contains_key(&child[..])
                     && !is_own.map(|entry| &entry.0).any(|name| name == first)
                 {
-                    return Some((path.to_vec(), None));
+                    return None;
                 }
             }
         }

@@ -2,10 +2,10 @@
 
 use crate::common::config;
 use carom::collision_tolerant::{Objective, Scenario, plan};
-use carom::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
 use carom::hybrid::{
     Contact, ContactLaw, Restitution, Samples, Wall, replay_continuous, replay_discrete,
 };
+use carom::internals::simulate::{advance, penetration_bound, speed_bound};
 use carom::prelude::*;
 use proptest::prelude::*;
 

@@ -11,7 +11,8 @@ use std::thread;
 use std::time::Duration;
 
 use carom::ErrorKind;
-use carom::conformance::{self, Capability, Case, Suite};
+use carom::conformance::{Capability, Suite};
+use carom::internals::conformance::{Case, answers};
 use carom::prelude::*;
 use carom::solution::{Outcome, Point};
 
@@ -445,7 +446,7 @@ fn a_backend_from_outside() {
 fn backends_agree_and_can_be_exchanged() {
     let mut solvers: Vec<Box<dyn Solver>> =
         vec![Box::new(BranchAndBound::default()), Box::new(Enumeration::default())];
-    let cases = conformance::answers().unwrap();
+    let cases = answers().unwrap();
     let binary = |case: &&Case| !case.needs.iter().any(|need| BEYOND_ENUMERATION.contains(need));
     assert!(cases.iter().filter(binary).count() >= 8);
     for case in cases.iter().filter(binary) {

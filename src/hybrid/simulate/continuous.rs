@@ -67,7 +67,7 @@ pub fn speed_bound(max_acceleration: f64, time_step: f64, restitution: f64) -> f
 /// times, rests there for the remaining time.
 ///
 /// ```
-/// use carom::hybrid::simulate::continuous::advance;
+/// use carom::internals::simulate::advance;
 ///
 /// // Dropped from 5 m at 10 m/s²: hits at 1 s with 10 m/s, rebounds with half of it.
 /// let ball = advance(5.0, 0.0, -10.0, 1.5, 0.5);

@@ -8,12 +8,12 @@
 //! * [`continuous`] runs the physics behind the law: accelerations are held over each step, and
 //!   impacts are located inside it.
 
-pub mod continuous;
-pub mod discrete;
+pub(crate) mod continuous;
+mod discrete;
 mod error;
 
 pub use continuous::{ContinuousReplay, replay_continuous};
-pub use discrete::{DiscreteReplay, replay_discrete};
+pub use discrete::{DiscreteReplay, ReplayedImpact, replay_discrete};
 pub use error::ReplayError;
 
 use super::horizon::Horizon;
