@@ -239,7 +239,7 @@ impl Dialect for Panicking {
         *self.folder.lock().unwrap() = files.model.parent().unwrap().to_owned();
         Vec::new()
     }
-    fn read(&self, _: Option<&str>, _: &str) -> Result<Answer, String> {
+    fn read(&self, _: Option<&str>, _: &str) -> Result<ExternalAnswer, String> {
         let mode = self.folder.lock().unwrap().metadata().unwrap().permissions().mode();
         panic!("mode {:o}", mode & 0o777)
     }
