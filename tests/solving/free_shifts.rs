@@ -229,12 +229,7 @@ fn large_terms_excuse_nothing() {
     let missed = check(at(25.0));
     assert_eq!(missed.violations()[0].kind, ViolationKind::Row);
     assert_eq!(missed.violations()[0].amount, 1.0);
-    let outcome = Outcome {
-        termination: Termination::Optimal,
-        values: Some(at(37.0)),
-        bound: 0.0,
-        statistics: Default::default(),
-    };
+    let outcome = Outcome::new(Termination::Optimal, Some(at(37.0)), 0.0, Default::default());
     let solution = Solution::new(&model, outcome, tolerance::FEASIBILITY).unwrap();
     assert_eq!((solution.termination(), solution.point()), (Termination::Stalled, None));
 }
