@@ -1,9 +1,10 @@
 //! Continuous relaxations: methods that solve them, and proofs of what the methods claim.
 //!
-//! The search knows methods only by the trait [`Relaxation`]. [`InteriorPoint`] is quick on the
-//! small sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest.
-//! Claims of either are checked: [`lower_bound`] recomputes a rigorous bound from the multipliers,
-//! and infeasibility is accepted only if the same computation proves it.
+//! A method implements the trait [`Relaxation`]. [`InteriorPoint`] is quick on the small sparse
+//! programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
+//! decides which method is asked and how hard, and is all that the rest of the crate sees. It checks
+//! what a method claims: [`lower_bound`] recomputes a rigorous bound from the multipliers, and
+//! infeasibility is accepted only if the same computation proves it.
 
 mod bound;
 mod clarabel;

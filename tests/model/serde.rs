@@ -6,7 +6,7 @@ use carom::ErrorKind;
 use carom::collision_tolerant::{Objective, Plan, Scenario, plan};
 use carom::model::{PiecewiseAffine, VariableKind};
 use carom::prelude::*;
-use carom::solver::{PoolMode, TreeSeed};
+use carom::solver::{PoolMode, RelaxationMethod, TreeSeed};
 use proptest::prelude::*;
 
 fn copy<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
@@ -111,6 +111,7 @@ fn options_survive() {
         .with_pool(3, PoolMode::Best)
         .with_pool_gap(0.25)
         .with_memory_limit(1 << 20)
+        .with_relaxation(RelaxationMethod::Clarabel)
         .with_leaves(true);
     assert_eq!(copy(&options), options);
     // Fields that a file does not have are at their defaults.
