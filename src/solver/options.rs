@@ -88,7 +88,8 @@ pub struct Options {
     pub keep_leaves: bool,
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
-    /// Which method solves the relaxations; default [`RelaxationMethod::InteriorPoint`].
+    /// Which method solves the relaxations of the search; default
+    /// [`RelaxationMethod::InteriorPoint`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
     /// Whether interchangeable columns must have non-increasing values; default off. Not used if a
     /// pool or leaves are kept, or if points come from a seed or from guidance.

@@ -7,7 +7,7 @@
 //! [`lower_bound`](super::lower_bound) and [`proves_infeasible`](super::proves_infeasible) in plain
 //! floats. The caller proves it again with twice the digits.
 //!
-//! The method gives up early, because Clarabel solves the rest.
+//! The method gives up early, because the ladder asks another one for the rest.
 
 mod condensed;
 mod iterate;
