@@ -29,7 +29,7 @@ impl BestPoints {
         BestPoints { size, mode, gap, points: Vec::new() }
     }
 
-    /// Takes a point in where it is among the best; `true` when it is the new incumbent.
+    /// Takes a point in if it is among the best. Returns whether it is the new incumbent.
     pub(super) fn offer(&mut self, accepted: Accepted) -> bool {
         let better = self.incumbent().is_none_or(|best| accepted.value < best.value);
         if let Some(same) = self.points.iter().position(|p| p.key == accepted.key) {
@@ -61,8 +61,8 @@ impl BestPoints {
         self.points.iter().map(one).sum()
     }
 
-    /// The value that new points must be better than to change anything; nothing while every point
-    /// would.
+    /// The value that new points must be better than to change anything; `None` while every point
+    /// does.
     pub(super) fn to_beat(&self) -> Option<f64> {
         match self.mode {
             PoolMode::Found => self.incumbent().map(|best| best.value),

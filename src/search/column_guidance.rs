@@ -13,7 +13,7 @@ use crate::solver::{Branching, Guidance, NodeView, Proposal};
 #[derive(Debug)]
 pub struct ColumnGuidance<'a> {
     model: &'a Model,
-    /// By variable; empty where there are none.
+    /// By variable; empty if there are none.
     priorities: Vec<i32>,
     guidance: Guidance<'a>,
     origin: Option<Origin<'a>>,

@@ -23,7 +23,7 @@ pub(super) struct EventWindows<'a> {
 }
 
 impl<'a> EventWindows<'a> {
-    /// Windows over the binaries in `order` that are open in `domain`; nothing where there are few.
+    /// Windows over the binaries in `order` that are open in `domain`; `None` if there are few.
     pub(super) fn new(base: &'a Program, domain: &Domain, order: &[usize]) -> Option<Self> {
         let open: Vec<usize> = order.iter().copied().filter(|&j| !domain.is_fixed(j)).collect();
         if open.len() < FEWEST {
@@ -85,7 +85,7 @@ impl<'a> EventWindows<'a> {
     }
 
     /// The window to split: the late half of the narrowest one that must have an event which is not
-    /// yet decided; where there is none, the widest one that is open, the latest of these.
+    /// yet decided; or else the widest one that is open, the latest of these.
     pub(super) fn next(&self, domain: &Domain) -> Option<usize> {
         let top = self.base.column_count() + self.halves.len() - 1;
         self.forced(domain, top).or_else(|| self.open(domain, top))

@@ -67,7 +67,7 @@ impl FocusNode {
             }
             return;
         }
-        // No-goods are tidied where no bound comes from them: at the root.
+        // No-goods are tidied at the root, because no bound comes from them there.
         let tidies = propagator.has_untidy_no_goods();
         while self.checkpoints.pop_if(|c| tidies || c.depth > shared).is_some() {}
         let root = Checkpoint { depth: 0, mark: self.root_mark };

@@ -115,7 +115,7 @@ pub(super) struct Node {
     pub(super) bound: f64,
     /// How far the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
-    /// The relaxation of a trial, where there was one.
+    /// The relaxation of a trial, if there was one.
     pub(super) known: Option<Box<Known>>,
     /// What the parent's relaxation has left.
     pub(super) warm: Option<WarmState>,

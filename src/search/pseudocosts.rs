@@ -13,7 +13,7 @@ pub(super) struct Pseudocosts {
     count: Vec<[u32; 2]>,
     /// Over all columns, by direction.
     total: [(f64, u32); 2],
-    /// What was learned and not yet told to others, where there are any.
+    /// What was learned and not yet told to other workers, if there are any.
     fresh: Option<Vec<Lesson>>,
 }
 

@@ -28,8 +28,7 @@ pub(super) struct Root {
 }
 
 impl Root {
-    /// What propagation, and probing where it is wanted, find until the token is over. Propagation
-    /// keeps the token.
+    /// Propagates, and probes if `probing`, until the token is over. Propagation keeps the token.
     pub(super) fn new(program: &Program, token: &StopToken, probing: bool) -> Self {
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);

@@ -45,7 +45,7 @@ pub(super) fn in_time(program: &Program) -> Option<Vec<usize>> {
     (count >= STEPS && WIDEST * widest <= binaries.len()).then_some(binaries)
 }
 
-/// Distances of all columns from one, in shared rows; nothing for those that are not linked.
+/// Distances of all columns from one, in shared rows; `None` for those that are not linked.
 fn distances(program: &Program, start: usize) -> Vec<Option<usize>> {
     let mut distance = vec![None; program.column_count()];
     let mut seen = vec![false; program.row_count()];

@@ -52,7 +52,7 @@ pub(super) struct State {
     /// Nodes that were handed to workers.
     pub(super) started: u64,
     statistics: Statistics,
-    /// Ends of the tree, where they are wanted.
+    /// Ends of the tree, if they are asked for.
     leaves: Vec<(Path, f64)>,
     pub(super) guess: Option<GuessEnd>,
     pub(super) seeded: Option<Seeded>,
@@ -171,7 +171,7 @@ impl<'a> Tree<'a> {
         (nodes + steps + leaves + state.points.bytes()) as u64
     }
 
-    /// A worker's share of the memory that is left, where there is a limit.
+    /// A worker's share of the memory that is left, if there is a limit.
     pub(super) fn memory_left(&self) -> Option<u64> {
         let limit = self.task.options.memory_limit?;
         let state = self.lock();

@@ -104,7 +104,7 @@ impl<'a> TreeView<'a> {
         self.tree.incumbent()
     }
 
-    /// Memory that a search inside this one may take, where there is a limit.
+    /// Memory that a search inside this one may take, if there is a limit.
     pub(super) fn memory_left(&self) -> Option<u64> {
         self.tree.memory_left()
     }
@@ -211,7 +211,7 @@ impl<'a> TreeView<'a> {
         share.stalled = Some(share.stalled.map_or(bound, |old| old.min(bound)));
     }
 
-    /// Keeps an end of the tree, where they are wanted.
+    /// Keeps an end of the tree, if they are asked for.
     pub(super) fn keep_leaf(&self, path: &Path, bound: f64) {
         if self.tree.task.options.keep_leaves {
             self.share.borrow_mut().leaves.push((path.clone(), bound));

@@ -8,7 +8,7 @@ use crate::solver::{NodeView, SplitAt};
 /// By how much a value may be outside the bounds (no unit).
 const HAIR: f64 = 1e-6;
 
-/// The split in columns, where it divides a node: the column, and the last value of the lower part.
+/// The split in columns, if it divides a node: the column, and the last value of the lower part.
 fn checked(
     program: &Program,
     node: &NodeView<'_>,
@@ -24,7 +24,7 @@ fn checked(
     divides.then(|| (column, split.value.floor().max(lower).min(upper - 1.0)))
 }
 
-/// The split that the user wants, where it divides the current node.
+/// The split that the user wants, if it divides the current node.
 pub(super) fn split_of_user(ctx: &Context<'_>, x: &[f64], bound: f64) -> Option<Split> {
     let rule = ctx.shared.task.guidance.branching()?;
     let (asked, found) = ctx.show(x, bound, |node, bounds| {

@@ -41,7 +41,7 @@ pub fn implied_bound_cuts(
     cuts
 }
 
-/// The bounds that change when a binary takes a value; nothing when it cannot.
+/// The bounds that change when a binary takes a value; `None` if it cannot.
 fn bounds_at(
     program: &Program,
     domain: &mut Domain,

@@ -65,7 +65,7 @@ pub fn mixed_integer_rounding_cuts(
     cuts
 }
 
-/// A row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` where that side is nearer.
+/// A row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer.
 fn equality(program: &Program, row: usize, x: &[f64]) -> Option<Aggregate> {
     let (columns, values) = program.row(row);
     let (lower, upper) = (program.row_lower[row], program.row_upper[row]);

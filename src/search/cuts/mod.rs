@@ -44,7 +44,7 @@ const PARALLEL: f64 = 0.9;
 /// Room, relative to the cut's terms, up to which a cut counts as binding.
 const BINDING: f64 = 1e-6;
 
-/// Adds cuts to a program; nothing where they do not pay.
+/// Adds cuts to a program. Returns `None` if they do not pay.
 ///
 /// # Arguments
 ///

@@ -1,7 +1,7 @@
 //! The budget of a heuristic: a share of the cost of the search, which grows with its success.
 
-/// Interior-point iterations that a heuristic may take whatever the search has cost, where it has a
-/// free start: as long as there is no point.
+/// Interior-point iterations that a heuristic may take whatever the search has cost, if it has a
+/// free start: while there is no point.
 const START: u64 = 50;
 
 /// What it may take of the iterations of the whole search while every call is a success.

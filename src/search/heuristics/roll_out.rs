@@ -21,7 +21,7 @@ use crate::search::leaf::try_assignment;
 use crate::search::local_bounds::{fix_near, propagate_since};
 
 /// Width up to which a continuous column counts as known, relative to what it had at first; in the
-/// column's unit where it had no bounds.
+/// column's unit if it had no bounds.
 const NARROW: f64 = 1e-4;
 
 /// Shares of unknown columns in a row are compared in so many steps.
@@ -43,7 +43,7 @@ pub(super) fn roll_out(ctx: &mut Context<'_>, point: &[f64]) {
 }
 
 /// A point whose integers are what the inputs of another one lead to; `None` if they lead to a
-/// contradiction. The domain is left where that ends.
+/// contradiction. The domain is left as it is then.
 fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<Vec<f64>> {
     let mut frontier = Frontier::new(program, &ctx.node.domain);
     while let Some(j) = frontier.next() {
