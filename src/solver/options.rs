@@ -51,7 +51,7 @@ pub struct Options {
     /// Absolute gap at which to stop (objective's unit, `>= 0`); default
     /// [`tolerance::ABSOLUTE_GAP`].
     pub absolute_gap: f64,
-    /// Feasibility tolerance of rows and bounds (`1e-9..=1e-3`); default
+    /// Absolute feasibility tolerance of rows and bounds, in their units (`1e-9..=1e-3`); default
     /// [`tolerance::FEASIBILITY`].
     pub feasibility: f64,
     /// Integrality tolerance of relaxations (`1e-9..=1e-2`); default

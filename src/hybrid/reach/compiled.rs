@@ -67,7 +67,7 @@ impl Compiled {
     /// # Arguments
     ///
     /// * `inputs`: the ranges of the inputs.
-    /// * `margin`: how much every limit is loosened, per unit of the row's scale.
+    /// * `margin`: how much every limit is loosened, in proportion to magnitudes beyond 1000.
     /// * `sizes`: magnitudes of the states, for that scale.
     /// * `further`: template directions in addition to the axes and the normals of the limits.
     pub(super) fn new(
