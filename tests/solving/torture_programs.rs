@@ -29,11 +29,14 @@ proptest! {
         let verdict = verdict(seed);
         prop_assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
     }
+}
 
-    #[test]
-    fn no_wrong_answer_to_large_numbers(seed in any::<u64>()) {
+/// Terms of 1e6 to 1e10.
+#[test]
+fn no_wrong_answer_to_large_numbers() {
+    for seed in 0..500 {
         let verdict = verdict_of(&generator::large(seed), seed);
-        prop_assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
+        assert!(!matches!(verdict, Verdict::Wrong(_)), "seed {seed}: {verdict:?}");
     }
 }
 
