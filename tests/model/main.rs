@@ -12,3 +12,4 @@ mod logic;
 mod reify;
 #[cfg(feature = "serde")]
 mod serde;
+mod threads;
