@@ -12,7 +12,7 @@ use super::name::Name;
 use super::reformulation::BigM;
 use super::row::Row;
 use super::statement::{Sealed, Statement, stored};
-use super::store::{IndicatorData, Model, StatementIndex};
+use super::store::{IndicatorData, Model, StatementKind};
 use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
@@ -239,7 +239,7 @@ impl Model {
             .into());
         }
         let id = Indicator::new(self.stored.indicators.len(), self.stored.tag);
-        self.claim_statement(&name, StatementIndex::Indicator(id.index))?;
+        self.claim_statement(&name, (StatementKind::Indicator, id.index))?;
         self.stored.indicators.push(IndicatorData { name, condition, row, big_m });
         Ok(id)
     }

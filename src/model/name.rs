@@ -16,8 +16,7 @@ use crate::error::{Error, ErrorKind};
 /// assert_eq!(Name::from(("x", 17)).to_string(), "x[17]");
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "Parts"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Parts"))]
 pub struct Name {
     family: String,
     step: Option<usize>,

@@ -13,6 +13,31 @@ use super::stored::StoredTerm;
 use super::variable::VariableKind;
 use crate::interval::Interval;
 
+/// The methods that every view of a variable or a statement has.
+macro_rules! id_and_name {
+    ($($view:ident: $handle:ident),*) => {$(
+        impl<'a> $view<'a> {
+            /// The handle.
+            pub fn id(&self) -> $handle {
+                self.id
+            }
+
+            /// The name.
+            pub fn name(&self) -> &'a Name {
+                &self.data.name
+            }
+        }
+    )*};
+}
+
+id_and_name! {
+    VariableRef: Variable,
+    ConstraintRef: Constraint,
+    IndicatorRef: Indicator,
+    DisjunctionRef: Disjunction,
+    LogicalConstraintRef: LogicalConstraint
+}
+
 /// A variable of a model, for reading.
 #[derive(Debug, Clone, Copy)]
 pub struct VariableRef<'a> {
@@ -21,16 +46,6 @@ pub struct VariableRef<'a> {
 }
 
 impl<'a> VariableRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Variable {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
     /// The kind.
     pub fn kind(&self) -> VariableKind {
         self.data.kind
@@ -55,16 +70,6 @@ pub struct ConstraintRef<'a> {
 }
 
 impl<'a> ConstraintRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Constraint {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
     /// The terms, sorted by variable.
     pub fn terms(&self) -> &'a [(Variable, f64)] {
         &self.data.row.terms
@@ -84,16 +89,6 @@ pub struct IndicatorRef<'a> {
 }
 
 impl<'a> IndicatorRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Indicator {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
     /// The condition; [`Logic::as_literal`] returns `Some` for a plain literal.
     pub fn condition(&self) -> &'a Logic {
         &self.data.condition
@@ -123,16 +118,6 @@ pub struct DisjunctionRef<'a> {
 }
 
 impl<'a> DisjunctionRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> Disjunction {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
     /// The method chosen for this disjunction, if any.
     pub fn method(&self) -> Option<Method> {
         self.data.method
@@ -181,16 +166,6 @@ pub struct LogicalConstraintRef<'a> {
 }
 
 impl<'a> LogicalConstraintRef<'a> {
-    /// The handle.
-    pub fn id(&self) -> LogicalConstraint {
-        self.id
-    }
-
-    /// The name.
-    pub fn name(&self) -> &'a Name {
-        &self.data.name
-    }
-
     /// The formula.
     pub fn logic(&self) -> &'a Logic {
         &self.data.logic

@@ -6,7 +6,7 @@ use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint};
 use super::name::Name;
 use super::refs::{ConstraintRef, IndicatorRef, LogicalConstraintRef};
 use super::statement::Statement;
-use super::store::{StatementIndex, foreign};
+use super::store::{StatementKind, foreign};
 use crate::error::{Error, ErrorKind};
 
 impl Model {
@@ -85,13 +85,8 @@ impl Model {
     ///
     /// [`ErrorKind::UnknownName`].
     pub fn disjunction_by_name(&self, name: impl Into<Name>) -> Result<Disjunction, Error> {
-        let name = name.into();
-        match self.statement_names.get(&name) {
-            Some(StatementIndex::Disjunction(index)) => {
-                Ok(Disjunction { index, tag: self.stored.tag })
-            }
-            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "disjunction" }.into()),
-        }
+        let index = self.named(name.into(), StatementKind::Disjunction, "disjunction")?;
+        Ok(Disjunction { index, tag: self.tag() })
     }
 
     /// The linear row with a name.
@@ -100,13 +95,8 @@ impl Model {
     ///
     /// [`ErrorKind::UnknownName`].
     pub fn constraint_by_name(&self, name: impl Into<Name>) -> Result<Constraint, Error> {
-        let name = name.into();
-        match self.statement_names.get(&name) {
-            Some(StatementIndex::Constraint(index)) => {
-                Ok(Constraint { index, tag: self.stored.tag })
-            }
-            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "linear row" }.into()),
-        }
+        let index = self.named(name.into(), StatementKind::Constraint, "linear row")?;
+        Ok(Constraint { index, tag: self.tag() })
     }
 
     /// The indicator with a name.
@@ -115,11 +105,8 @@ impl Model {
     ///
     /// [`ErrorKind::UnknownName`].
     pub fn indicator_by_name(&self, name: impl Into<Name>) -> Result<Indicator, Error> {
-        let name = name.into();
-        match self.statement_names.get(&name) {
-            Some(StatementIndex::Indicator(index)) => Ok(Indicator { index, tag: self.stored.tag }),
-            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: "indicator" }.into()),
-        }
+        let index = self.named(name.into(), StatementKind::Indicator, "indicator")?;
+        Ok(Indicator { index, tag: self.tag() })
     }
 
     /// The logic statement with a name.
@@ -131,15 +118,16 @@ impl Model {
         &self,
         name: impl Into<Name>,
     ) -> Result<LogicalConstraint, Error> {
-        let name = name.into();
+        let index = self.named(name.into(), StatementKind::Logical, "logic statement")?;
+        Ok(LogicalConstraint { index, tag: self.tag() })
+    }
+
+    /// The position of the statement with a name, among those of its kind; `noun` is the kind in
+    /// words.
+    fn named(&self, name: Name, kind: StatementKind, noun: &'static str) -> Result<u32, Error> {
         match self.statement_names.get(&name) {
-            Some(StatementIndex::Logical(index)) => {
-                Ok(LogicalConstraint { index, tag: self.stored.tag })
-            }
-            _ => {
-                Err(ErrorKind::UnknownName { name: name.to_string(), kind: "logic statement" }
-                    .into())
-            }
+            Some((of_kind, index)) if of_kind == kind => Ok(index),
+            _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: noun }.into()),
         }
     }
 

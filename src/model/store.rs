@@ -103,13 +103,16 @@ pub(super) struct FunctionData {
     pub(super) function: Function,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub(super) enum StatementIndex {
-    Constraint(u32),
-    Indicator(u32),
-    Logical(u32),
-    Disjunction(u32),
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum StatementKind {
+    Constraint,
+    Indicator,
+    Logical,
+    Disjunction,
 }
+
+/// A statement: its kind, and its position among the statements of this kind.
+pub(super) type StatementIndex = (StatementKind, u32);
 
 impl Model {
     /// An empty model: no variables, no rows, objective "minimise 0".
@@ -219,7 +222,7 @@ impl Model {
         row: StoredRow,
     ) -> Result<Constraint, Error> {
         let id = Constraint::new(self.stored.constraints.len(), self.stored.tag);
-        self.claim_statement(&name, StatementIndex::Constraint(id.index))?;
+        self.claim_statement(&name, (StatementKind::Constraint, id.index))?;
         self.stored.constraints.push(ConstraintData { name, row });
         Ok(id)
     }
@@ -230,7 +233,7 @@ impl Model {
         logic: Logic,
     ) -> Result<LogicalConstraint, Error> {
         let id = LogicalConstraint::new(self.stored.logic.len(), self.stored.tag);
-        self.claim_statement(&name, StatementIndex::Logical(id.index))?;
+        self.claim_statement(&name, (StatementKind::Logical, id.index))?;
         self.stored.logic.push(LogicalData { name, logic });
         Ok(id)
     }
@@ -242,7 +245,7 @@ impl Model {
         terms: Vec<StoredTerm>,
     ) -> Result<Disjunction, Error> {
         let id = Disjunction::new(self.stored.disjunctions.len(), self.stored.tag);
-        self.claim_statement(&name, StatementIndex::Disjunction(id.index))?;
+        self.claim_statement(&name, (StatementKind::Disjunction, id.index))?;
         self.stored.disjunctions.push(DisjunctionData { name, method, terms });
         Ok(id)
     }
@@ -260,7 +263,7 @@ impl Model {
         };
         let mut statement_names = NameTable::new();
         for (row, k) in stored.constraints.iter().zip(0..) {
-            statement_names.claim(&row.name, StatementIndex::Constraint(k));
+            statement_names.claim(&row.name, (StatementKind::Constraint, k));
         }
         let variable_names = self.variable_names.clone();
         Model { stored, variable_names, statement_names, revision: fresh_revision() }

@@ -7,7 +7,7 @@ use super::Model;
 use super::name::Name;
 use super::name_table::NameTable;
 use super::refs::{ConstraintRef, DisjunctionRef, IndicatorRef, LogicalConstraintRef};
-use super::store::{StatementIndex, Stored};
+use super::store::{StatementIndex, StatementKind, Stored};
 
 /// A statement of any kind.
 #[derive(Debug, Clone, Copy)]
@@ -30,12 +30,12 @@ impl<'a> AnyStatement<'a> {
 
     fn index(&self) -> StatementIndex {
         match self {
-            AnyStatement::Row(row) => StatementIndex::Constraint(row.id().index),
-            AnyStatement::Indicator(indicator) => StatementIndex::Indicator(indicator.id().index),
+            AnyStatement::Row(row) => (StatementKind::Constraint, row.id().index),
+            AnyStatement::Indicator(indicator) => (StatementKind::Indicator, indicator.id().index),
             AnyStatement::Disjunction(disjunction) => {
-                StatementIndex::Disjunction(disjunction.id().index)
+                (StatementKind::Disjunction, disjunction.id().index)
             }
-            AnyStatement::Logic(logical) => StatementIndex::Logical(logical.id().index),
+            AnyStatement::Logic(logical) => (StatementKind::Logical, logical.id().index),
         }
     }
 }

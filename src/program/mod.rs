@@ -61,6 +61,12 @@ impl Program {
         (&self.rows.symbolic().col_idx()[range.clone()], &self.rows.val()[range])
     }
 
+    /// The sum of a row's terms at a point.
+    pub(crate) fn activity(&self, row: usize, x: &[f64]) -> f64 {
+        let (columns, values) = self.row(row);
+        columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum()
+    }
+
     /// Row indices and coefficients of a column.
     pub fn column(&self, column: usize) -> (&[usize], &[f64]) {
         let range = self.columns.symbolic().col_range(column);

@@ -10,8 +10,7 @@ use web_time::Duration;
 /// [`nodes`](Self::nodes).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Statistics {
     /// Nodes of the tree that were processed, including the root.
     pub nodes: u64,
@@ -76,8 +75,7 @@ pub struct Statistics {
 /// are counted; [`Statistics::relaxations`] is the sum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RelaxationCounts {
     /// By the crate's own interior-point method.
     pub interior_point: u64,
@@ -105,8 +103,7 @@ impl RelaxationCounts {
 /// all threads: a relaxation inside a heuristic counts as relaxation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Times {
     /// Bound propagation.
     pub propagation: Duration,
@@ -156,8 +153,7 @@ pub enum Heuristic {
 /// What one source of points tried and found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct HeuristicCount {
     /// How often it was called.
     pub calls: u64,
@@ -174,8 +170,7 @@ pub struct HeuristicCount {
 
 /// What each source of points tried and found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct HeuristicCounts {
     leaf: HeuristicCount,
     relaxation: HeuristicCount,
@@ -206,53 +201,36 @@ impl Heuristic {
 
     /// The letter that marks its points in a [`Log`](crate::solver::Log).
     pub fn mark(self) -> char {
+        self.mark_and_name().0
+    }
+
+    fn mark_and_name(self) -> (char, &'static str) {
         match self {
-            Heuristic::Leaf => 'L',
-            Heuristic::Relaxation => '*',
-            Heuristic::Rounding => 'R',
-            Heuristic::RollOut => 'O',
-            Heuristic::Guess => 'G',
-            Heuristic::Proposal => 'P',
-            Heuristic::Diving => 'D',
-            Heuristic::Neighbourhood => 'N',
-            Heuristic::LocalBranching => 'B',
-            Heuristic::Pump => 'F',
+            Heuristic::Leaf => ('L', "leaf"),
+            Heuristic::Relaxation => ('*', "relaxation"),
+            Heuristic::Rounding => ('R', "rounding"),
+            Heuristic::RollOut => ('O', "roll-out"),
+            Heuristic::Guess => ('G', "guess"),
+            Heuristic::Proposal => ('P', "proposal"),
+            Heuristic::Diving => ('D', "diving"),
+            Heuristic::Neighbourhood => ('N', "neighbourhood"),
+            Heuristic::LocalBranching => ('B', "local branching"),
+            Heuristic::Pump => ('F', "pump"),
         }
     }
 }
 
 impl fmt::Display for Heuristic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Heuristic::Leaf => "leaf",
-            Heuristic::Relaxation => "relaxation",
-            Heuristic::Rounding => "rounding",
-            Heuristic::RollOut => "roll-out",
-            Heuristic::Guess => "guess",
-            Heuristic::Proposal => "proposal",
-            Heuristic::Diving => "diving",
-            Heuristic::Neighbourhood => "neighbourhood",
-            Heuristic::LocalBranching => "local branching",
-            Heuristic::Pump => "pump",
-        })
+        f.write_str(self.mark_and_name().1)
     }
 }
 
 impl HeuristicCounts {
     /// The counts of one source.
     pub fn of(&self, heuristic: Heuristic) -> HeuristicCount {
-        match heuristic {
-            Heuristic::Leaf => self.leaf,
-            Heuristic::Relaxation => self.relaxation,
-            Heuristic::Rounding => self.rounding,
-            Heuristic::RollOut => self.roll_out,
-            Heuristic::Guess => self.guess,
-            Heuristic::Proposal => self.proposal,
-            Heuristic::Diving => self.diving,
-            Heuristic::Neighbourhood => self.neighbourhood,
-            Heuristic::LocalBranching => self.local_branching,
-            Heuristic::Pump => self.pump,
-        }
+        let mut counts = *self;
+        *counts.of_mut(heuristic)
     }
 
     /// The sources and their counts.
@@ -352,24 +330,13 @@ impl Statistics {
     /// Adds the counts and times of a part of the search. Maxima are merged; the wall-clock time and
     /// the number of threads do not change.
     pub fn add(&mut self, part: &Statistics) {
-        self.nodes += part.nodes;
-        self.nested_nodes += part.nested_nodes;
-        self.relaxations += part.relaxations;
+        macro_rules! sum {
+            ($($count:ident),*) => { $(self.$count += part.$count;)* };
+        }
+        sum!(nodes, nested_nodes, relaxations, iterations, leaves, split, unfinished, incumbents);
+        sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
+        sum!(conflicts, fixed_by_no_goods, refuted_by_no_goods, user_splits, refused_splits);
         self.relaxation_counts.add(&part.relaxation_counts);
-        self.iterations += part.iterations;
-        self.refuted_by_propagation += part.refuted_by_propagation;
-        self.refuted_by_relaxation += part.refuted_by_relaxation;
-        self.cut_off += part.cut_off;
-        self.leaves += part.leaves;
-        self.split += part.split;
-        self.unfinished += part.unfinished;
-        self.closed_by_trials += part.closed_by_trials;
-        self.conflicts += part.conflicts;
-        self.fixed_by_no_goods += part.fixed_by_no_goods;
-        self.refuted_by_no_goods += part.refuted_by_no_goods;
-        self.user_splits += part.user_splits;
-        self.refused_splits += part.refused_splits;
-        self.incumbents += part.incumbents;
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);
         self.tree_bytes = self.tree_bytes.max(part.tree_bytes);

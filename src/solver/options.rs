@@ -42,8 +42,7 @@ use crate::tolerance;
 /// "Decisions" is `docs/decisions.md` in the repository, "benchmarks" is `docs/benchmarks.md`.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Options {
     /// Relative gap at which to stop (no unit, `>= 0`); default
     /// [`tolerance::RELATIVE_GAP`]. The search stops when this or the absolute gap is met.

@@ -111,8 +111,6 @@ fn tighten(work: &mut Work, row: usize) -> bool {
 }
 
 impl Undo for Tightened {
-    fn primal(&self, _: &mut [f64]) {}
-
     /// A row that only binds in its tight form binds because its columns are at their bounds, so the
     /// bounds take the pressure over.
     fn dual(&self, all: &mut Restored) {

@@ -135,7 +135,6 @@ const ROUNDS: usize = 30;
 
 /// Applies rules to a program, in their order, again and again until nothing changes.
 ///
-///
 /// ```
 /// use carom::prelude::*;
 /// use carom::presolve::root::{Presolve, Rule, presolve};

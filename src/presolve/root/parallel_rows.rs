@@ -52,8 +52,6 @@ fn ratio(work: &Work, row: usize, other: usize) -> Option<f64> {
 }
 
 impl Undo for ParallelRow {
-    fn primal(&self, _: &mut [f64]) {}
-
     fn dual(&self, all: &mut Restored) {
         let y = all.y[self.kept];
         if (y > 0.0 && self.gives[1]) || (y < 0.0 && self.gives[0]) {

@@ -14,8 +14,8 @@ use crate::program::Program;
 
 /// Undoes one reduction. Columns and rows have the numbers of the original program throughout.
 pub(super) trait Undo: Debug + Send + Sync {
-    /// Gives values to the columns that the reduction took out.
-    fn primal(&self, x: &mut [f64]);
+    /// Gives values to the columns that the reduction took out, if it took out any.
+    fn primal(&self, _x: &mut [f64]) {}
 
     /// Passes on what known values of columns that the reduction took out say about others.
     fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}

@@ -90,8 +90,6 @@ fn force(work: &mut Work, row: usize, by_lower: bool) {
 }
 
 impl Undo for ForcingRow {
-    fn primal(&self, _: &mut [f64]) {}
-
     /// The least multiplier with which every column is pressed to the bound that it is at.
     fn dual(&self, all: &mut Restored) {
         let wanted = self.continuous.iter().map(|&(j, a)| -all.d[j] / a);

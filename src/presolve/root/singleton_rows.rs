@@ -62,8 +62,6 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
 }
 
 impl Undo for SingletonRow {
-    fn primal(&self, _: &mut [f64]) {}
-
     fn dual(&self, all: &mut Restored) {
         let d = all.d[self.column];
         if (d > 0.0 && self.gives[0]) || (d < 0.0 && self.gives[1]) {

@@ -85,8 +85,7 @@ fn equality(program: &Program, row: usize, x: &[f64]) -> Option<Aggregate> {
 /// Which side of a row its slack is measured from: `1` for the upper one.
 pub(super) fn slack_sign(program: &Program, row: usize, x: &[f64]) -> f64 {
     let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
-    let (columns, values) = program.row(row);
-    let activity: f64 = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
+    let activity = program.activity(row, x);
     if upper - activity <= activity - lower { 1.0 } else { -1.0 }
 }
 
@@ -146,8 +145,7 @@ fn is_fit(program: &Program, row: usize) -> bool {
 
 /// The slack of a row at a point; slight ones count as none.
 fn slack(program: &Program, row: usize, x: &[f64]) -> f64 {
-    let (columns, values) = program.row(row);
-    let activity: f64 = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
+    let activity = program.activity(row, x);
     let slack = (program.row_upper[row] - activity).min(activity - program.row_lower[row]);
     if slack <= NEAR { 0.0 } else { slack }
 }

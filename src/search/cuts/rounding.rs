@@ -210,8 +210,7 @@ fn base(
 
 /// A slack is measured from 0.
 fn slack_from(program: &Program, row: usize, x: &[f64]) -> From {
-    let (columns, values) = program.row(row);
-    let activity: f64 = columns.iter().zip(values).map(|(&j, a)| a * x[j]).sum();
+    let activity = program.activity(row, x);
     let sign = slack_sign(program, row, x);
     let slack = if sign > 0.0 {
         program.row_upper[row] - activity
