@@ -80,16 +80,16 @@ struct Entry {
 
 impl Entry {
     fn of(method: RelaxationMethod) -> Self {
-        let (method, count): (Box<dyn Relaxation>, fn(&mut RelaxationCounts) -> &mut u64) =
-            match method {
-                RelaxationMethod::InteriorPoint => {
-                    (Box::new(InteriorPoint::new()), |c| &mut c.interior_point)
-                }
-                RelaxationMethod::Clarabel => {
-                    (Box::new(ClarabelRelaxation::new()), |c| &mut c.clarabel)
-                }
-            };
-        Entry { method, count }
+        match method {
+            RelaxationMethod::InteriorPoint => Entry {
+                method: Box::new(InteriorPoint::new()),
+                count: |counts| &mut counts.interior_point,
+            },
+            RelaxationMethod::Clarabel => Entry {
+                method: Box::new(ClarabelRelaxation::new()),
+                count: |counts| &mut counts.clarabel,
+            },
+        }
     }
 }
 

@@ -85,7 +85,7 @@ fn a_search_learns_and_uses_it() {
     assert!(s.conflicts > 0 && s.fixed_by_no_goods + s.refuted_by_no_goods > 0, "{s:?}");
 }
 
-/// Each seat of the rounds learns for itself: the search is the same on any number of threads.
+/// Each worker of the rounds learns for itself: the search is the same on any number of threads.
 #[test]
 fn rounds_learn_the_same_on_any_number_of_threads() {
     for (model, learns) in [(knapsack(30, 4), true), (knapsack(25, 1), false), (parity(12), false)]
