@@ -61,8 +61,8 @@
 //! ```
 //!
 //! [`collision_tolerant`](crate::collision_tolerant) writes limits as domains, because that is faster;
-//! [`Program::explainable`](crate::collision_tolerant::Program::explainable) writes the same program
-//! with limits as statements.
+//! [`PlanningProgram::explainable`](crate::collision_tolerant::PlanningProgram::explainable) writes
+//! the same program with limits as statements.
 
 mod domains;
 mod elastic;
