@@ -23,24 +23,10 @@ impl Block {
     }
 }
 
-/// The blocks of a program, those with fewest integers first; nothing where it is a single one.
+/// The blocks of a program, those with the fewest integers first; empty if it is a single one.
 ///
-/// What has no integers is one block, however many parts it has. Rows without columns, which may be
-/// false, go to the first block.
-///
-/// ```
-/// use carom::prelude::*;
-/// use carom::presolve::root::blocks;
-/// use carom::program::Program;
-///
-/// let mut model = Model::new("two");
-/// let [a, b, c] = ["a", "b", "c"].map(|name| model.integer(name, 0.0, 9.0).unwrap());
-/// model.add("link", (2.0 * a + 3.0 * c).le(7.0))?;
-/// let blocks = blocks(&Program::assemble(&model)?);
-/// assert_eq!(blocks[0].columns, [b.index()]);
-/// assert_eq!(blocks[1].columns, [a.index(), c.index()]);
-/// # Ok::<(), carom::Error>(())
-/// ```
+/// Everything without integers is one block. Rows without columns, which may be false, belong to the
+/// first block.
 pub(crate) fn blocks(program: &Program) -> Vec<Block> {
     let n = program.column_count();
     let mut parts = Parts { parent: (0..n).collect() };
@@ -51,7 +37,7 @@ pub(crate) fn blocks(program: &Program) -> Vec<Block> {
     for j in 0..n {
         program.quadratic_column(j).0.iter().for_each(|&i| parts.join(i, j));
     }
-    // What has no integers hangs together with the first of its kind.
+    // Parts without integers are joined with the first of them.
     let mut has_integers = vec![false; n];
     program.integers.iter().for_each(|&j| has_integers[parts.root(j)] = true);
     let mut first = None;
@@ -93,7 +79,7 @@ pub(crate) fn blocks(program: &Program) -> Vec<Block> {
     blocks
 }
 
-/// Columns that hang together (union and find).
+/// Connected columns (union-find).
 struct Parts {
     parent: Vec<usize>,
 }
@@ -115,7 +101,7 @@ impl Parts {
 }
 
 /// The part of a program over some columns and all of their rows; `position` tells where a column
-/// is in its block. Nothing where the matrices cannot be allocated.
+/// is in its block. `None` if the matrices cannot be allocated.
 fn extract(
     program: &Program,
     columns: Vec<usize>,
@@ -150,4 +136,21 @@ fn extract(
         step: columns.iter().map(|&j| program.step[j]).collect(),
     };
     Some(Block { columns, program })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::blocks;
+    use crate::prelude::*;
+    use crate::program::Program;
+
+    #[test]
+    fn columns_without_a_common_row_are_blocks_of_their_own() {
+        let mut model = Model::new("two");
+        let [a, b, c] = ["a", "b", "c"].map(|name| model.integer(name, 0.0, 9.0).unwrap());
+        model.add("link", (2.0 * a + 3.0 * c).le(7.0)).unwrap();
+        let blocks = blocks(&Program::assemble(&model).unwrap());
+        assert_eq!(blocks[0].columns, [b.index()]);
+        assert_eq!(blocks[1].columns, [a.index(), c.index()]);
+    }
 }

@@ -133,12 +133,12 @@ pub enum Presolve {
 /// Most rounds of all rules; each is linear in the entries, and nearly all programs need fewer.
 const ROUNDS: usize = 30;
 
-/// Applies rules to a program, in their order, again and again until nothing changes.
+/// Applies rules to a program, in their order, repeatedly until nothing changes.
 ///
 /// ```
+/// use carom::internals::presolve::root::{Presolve, Rule, presolve};
+/// use carom::internals::program::Program;
 /// use carom::prelude::*;
-/// use carom::presolve::root::{Presolve, Rule, presolve};
-/// use carom::program::Program;
 /// use carom::solver::StopToken;
 ///
 /// let mut model = Model::new("chain");
