@@ -31,6 +31,10 @@
 //! optimal) or `limit` (stopped without a point). The objective is `-` if there is no point. The
 //! seconds exclude reading the file.
 
+#[macro_use]
+#[path = "common/output.rs"]
+mod output;
+
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;

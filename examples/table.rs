@@ -19,6 +19,10 @@
 //! including lowering. The exit status tells whether every answer was the listed one. See
 //! `docs/benchmarks.md`.
 
+#[macro_use]
+#[path = "common/output.rs"]
+mod output;
+
 #[path = "../tests/instances/mod.rs"]
 mod instances;
 

@@ -16,6 +16,10 @@
 //! status tells whether any answer was wrong. `tests/torture` has the generator and defines what is
 //! wrong.
 
+#[macro_use]
+#[path = "common/output.rs"]
+mod output;
+
 #[path = "../tests/common/mod.rs"]
 mod common;
 #[path = "../tests/torture/mod.rs"]

@@ -9,6 +9,10 @@
 //! M. L. Mote, J.-P. Afman, E. Feron, "A framework for collision-tolerant optimal trajectory
 //! planning of autonomous vehicles", arXiv:1611.07608.
 
+#[macro_use]
+#[path = "../common/output.rs"]
+mod output;
+
 mod cases;
 mod plots;
 mod progress;
