@@ -6,6 +6,23 @@ pub mod conformance {
     pub use crate::conformance::programs::answers;
 }
 
+pub mod hybrid {
+    pub use crate::hybrid::exponential::exponential;
+}
+
+pub mod model {
+    pub use crate::model::name_table::NameTable;
+    pub use crate::model::subset::{AnyStatement, statements, subset};
+
+    pub mod lp {
+        pub use crate::model::lp::names::{read, write};
+    }
+
+    pub mod mps {
+        pub use crate::model::mps::decimal::Decimal;
+    }
+}
+
 pub mod presolve {
     pub use crate::presolve::{
         Compressed, Domain, Implications, Literal, Propagator, Reduced, Reduction, probe,
@@ -39,4 +56,8 @@ pub mod search {
 
 pub mod simulate {
     pub use crate::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
+}
+
+pub mod sum {
+    pub use crate::sum::Sum;
 }

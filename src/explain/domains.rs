@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::oracle::Oracle;
 use crate::error::Error;
-use crate::model::{Model, Name, VariableKind};
+use crate::model::{Model, Name, VariableKind, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
@@ -30,7 +30,7 @@ pub(super) fn used_domains(
     keep: &[bool],
     oracle: &Oracle<'_>,
 ) -> Result<Vec<Name>, Error> {
-    let part = model.subset(|position| keep[position]);
+    let part = subset(model, |position| keep[position]);
     let lowered = reformulate::lower(&part)?;
     let program = Program::assemble(lowered.model())?;
     let bounded = model.variables().map(|v| {

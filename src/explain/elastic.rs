@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{
     Affine, AnyStatement, IndicatorRef, Literal, Model, Name, StoredRow, StoredTerm, Variable,
-    VariableKind, at_most, exactly,
+    VariableKind, at_most, exactly, statements, subset,
 };
 
 /// A model whose statements may give, and the variables that say by how much.
@@ -28,11 +28,11 @@ impl<'a> Elastic<'a> {
     pub(super) fn of(model: &'a Model, weights: &[f64]) -> Result<Self, Error> {
         let mut elastic = Elastic {
             original: model,
-            model: model.subset(|position| weights[position].is_infinite()),
+            model: subset(model, |position| weights[position].is_infinite()),
             slacks: Vec::new(),
         };
         let mut cost = Affine::zero();
-        let statements = model.statements().zip(weights).enumerate();
+        let statements = statements(model).zip(weights).enumerate();
         for (position, (statement, &weight)) in statements.filter(|(_, (_, w))| w.is_finite()) {
             let (below, above) = elastic.add(statement)?;
             for slack in [below, above].into_iter().flatten() {

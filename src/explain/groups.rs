@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::error::{Error, ErrorKind};
-use crate::model::{Model, Name};
+use crate::model::{Model, Name, statements};
 
 /// The statements of a model that are in question, by family. Positions are those of
-/// [`Model::statements`].
+/// [`statements`].
 pub(super) struct Groups {
     /// All statements' names.
     pub(super) names: Vec<Name>,
@@ -24,7 +24,7 @@ pub(super) struct Family {
 impl Groups {
     /// All families but those in the background.
     pub(super) fn of(model: &Model, background: &[Name]) -> Result<Self, Error> {
-        let names: Vec<Name> = model.statements().map(|s| s.name().clone()).collect();
+        let names: Vec<Name> = statements(model).map(|s| s.name().clone()).collect();
         let mut asked: Vec<bool> = names.iter().map(|n| !model.is_background(n.clone())).collect();
         for name in background {
             for position in selected(&names, name)? {

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use crate::error::Error;
-use crate::model::{AnyStatement, Model, VariableKind};
+use crate::model::{AnyStatement, Model, VariableKind, statements, subset};
 use crate::presolve::{Domain, Propagator, probe};
 use crate::program::Program;
 use crate::reformulate;
@@ -63,7 +63,7 @@ impl<'a> Oracle<'a> {
         solve_limit: Option<usize>,
     ) -> Self {
         let mut places: HashMap<String, Vec<usize>> = HashMap::new();
-        for (position, statement) in model.statements().enumerate() {
+        for (position, statement) in statements(model).enumerate() {
             places.entry(statement.name().to_string()).or_default().push(position);
         }
         let solve_limit = solve_limit.unwrap_or(usize::MAX);
@@ -116,8 +116,8 @@ impl<'a> Oracle<'a> {
     /// The model with the statements that are kept. Rows on one continuous variable also tighten its
     /// bounds, because that costs nothing and makes the big-Ms smaller.
     fn part(&self, keep: &[bool]) -> Result<Model, Error> {
-        let mut part = self.model.subset(|position| keep[position]);
-        for (_, statement) in self.model.statements().enumerate().filter(|&(k, _)| keep[k]) {
+        let mut part = subset(self.model, |position| keep[position]);
+        for (_, statement) in statements(self.model).enumerate().filter(|&(k, _)| keep[k]) {
             let AnyStatement::Row(row) = statement else { continue };
             let &[(variable, coefficient)] = row.terms() else { continue };
             let variable = part.variable_ref(variable)?;

@@ -7,7 +7,7 @@ use web_time::Duration;
 use super::elastic::Elastic;
 use super::groups::selected;
 use crate::error::{Error, ErrorKind};
-use crate::model::{Model, Name};
+use crate::model::{Model, Name, statements};
 use crate::reformulate::Side;
 use crate::setters::setters;
 use crate::solution::{Point, Termination, Verification, for_reading};
@@ -55,7 +55,7 @@ impl ElasticOptions {
 
     /// The weights of all statements; infinite for the background.
     fn resolve(&self, model: &Model) -> Result<Vec<f64>, Error> {
-        let names: Vec<Name> = model.statements().map(|s| s.name().clone()).collect();
+        let names: Vec<Name> = statements(model).map(|s| s.name().clone()).collect();
         let mut weights = vec![1.0; names.len()];
         for (name, weight) in &self.weights {
             if weight.is_nan() || *weight <= 0.0 {
@@ -194,7 +194,7 @@ pub fn relaxation(
     let values = found.as_slice()[..model.variable_count()].to_vec();
     let point = Point::new(model, values)?;
     let verification = Verification::of(model, &point, solver.options().feasibility);
-    let names: Vec<&Name> = model.statements().map(|s| s.name()).collect();
+    let names: Vec<&Name> = statements(model).map(|s| s.name()).collect();
     for slack in &elastic.slacks {
         let name = names[slack.statement];
         let text = name.to_string();

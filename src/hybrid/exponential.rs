@@ -15,7 +15,7 @@ const DEGREE: u32 = 18;
 const RADIUS: f64 = 0.5;
 
 /// `exp(matrix)` of a square, finite matrix; entries may overflow to infinity.
-pub(super) fn exponential(matrix: &Mat<f64>) -> Mat<f64> {
+pub fn exponential(matrix: &Mat<f64>) -> Mat<f64> {
     let size = matrix.nrows();
     let mut squarings = 0u32;
     let mut factor = 1.0;
@@ -43,44 +43,4 @@ pub(super) fn exponential(matrix: &Mat<f64>) -> Mat<f64> {
 fn one_norm(matrix: &Mat<f64>) -> f64 {
     let column = |j| (0..matrix.nrows()).map(|i| f64::abs(matrix[(i, j)])).sum::<f64>();
     (0..matrix.ncols()).map(column).fold(0.0, f64::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use faer::mat;
-
-    fn assert_close(found: &Mat<f64>, wanted: &Mat<f64>, relative: f64) {
-        let scale = one_norm(wanted);
-        for i in 0..wanted.nrows() {
-            for j in 0..wanted.ncols() {
-                let miss = (found[(i, j)] - wanted[(i, j)]).abs();
-                assert!(miss <= relative * scale, "entry ({i}, {j}) misses by {miss:e}");
-            }
-        }
-    }
-
-    #[test]
-    fn nilpotent_matrices_are_exact() {
-        let shift = mat![[0.0, 3.0, 0.0], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]];
-        let wanted = mat![[1.0, 3.0, 4.5], [0.0, 1.0, 3.0], [0.0, 0.0, 1.0]];
-        assert_close(&exponential(&shift), &wanted, 1e-15);
-    }
-
-    #[test]
-    fn rotations_and_poles_match_their_closed_forms() {
-        for angle in [1e-6, 0.1, 1.0, 6.0, 30.0] {
-            let (sin, cos) = f64::sin_cos(angle);
-            let found = exponential(&mat![[0.0, angle], [-angle, 0.0]]);
-            assert_close(&found, &mat![[cos, sin], [-sin, cos]], 3e-14);
-        }
-        for pole in [-30.0, -2.5, 0.0, 1e-9, 4.0, 20.0_f64] {
-            assert_close(&exponential(&mat![[pole]]), &mat![[pole.exp()]], 3e-14);
-        }
-    }
-
-    #[test]
-    fn an_empty_matrix_is_its_own_exponential() {
-        assert_eq!(exponential(&Mat::<f64>::zeros(0, 0)).nrows(), 0);
-    }
 }

@@ -43,7 +43,7 @@
 
 pub mod contact;
 pub mod damage;
-mod exponential;
+pub(crate) mod exponential;
 pub mod horizon;
 pub mod linear;
 pub mod reach;

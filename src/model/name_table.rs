@@ -9,7 +9,7 @@ use super::name::Name;
 
 /// Positions by name; the values are small and `Copy`.
 #[derive(Debug, Clone)]
-pub(super) struct NameTable<T> {
+pub struct NameTable<T> {
     families: HashMap<String, Members<T>>,
 }
 
@@ -23,17 +23,20 @@ struct Members<T> {
     sparse: BTreeMap<usize, T>,
 }
 
-impl<T: Copy> NameTable<T> {
-    pub(super) fn new() -> Self {
+impl<T> Default for NameTable<T> {
+    fn default() -> Self {
         NameTable { families: HashMap::new() }
     }
+}
 
+impl<T: Copy> NameTable<T> {
     /// Whether any member of a family, or the family's plain name, was ever claimed.
     pub(super) fn has_family(&self, family: &str) -> bool {
         self.families.contains_key(family)
     }
 
-    pub(super) fn get(&self, name: &Name) -> Option<T> {
+    /// The value of a name.
+    pub fn get(&self, name: &Name) -> Option<T> {
         let members = self.families.get(name.family())?;
         match name.step() {
             None => members.plain,
@@ -45,7 +48,7 @@ impl<T: Copy> NameTable<T> {
     }
 
     /// Gives a name a value. Returns `false` and changes nothing if it has one already.
-    pub(super) fn claim(&mut self, name: &Name, value: T) -> bool {
+    pub fn claim(&mut self, name: &Name, value: T) -> bool {
         if !self.families.contains_key(name.family()) {
             let none = Members { plain: None, dense: Vec::new(), sparse: BTreeMap::new() };
             self.families.insert(name.family().to_owned(), none);
@@ -70,7 +73,8 @@ impl<T: Copy> NameTable<T> {
         free
     }
 
-    pub(super) fn remove(&mut self, name: &Name) {
+    /// Takes a name's value away.
+    pub fn remove(&mut self, name: &Name) {
         let Some(members) = self.families.get_mut(name.family()) else { return };
         match name.step() {
             None => members.plain = None,
@@ -78,30 +82,6 @@ impl<T: Copy> NameTable<T> {
                 Some(place) => *place = None,
                 None => _ = members.sparse.remove(&step),
             },
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_claimed_once_in_any_order() {
-        let mut table = NameTable::new();
-        let names = ["x[0]", "x", "x[2]", "x[1]", "x[2]", "x[0]", "x[3]", "y[7]", "x"];
-        let claimed: Vec<bool> =
-            names.iter().enumerate().map(|(k, &name)| table.claim(&name.into(), k)).collect();
-        assert_eq!(claimed, [true, true, true, true, false, false, true, true, false]);
-        let found = |table: &NameTable<usize>, name: &str| table.get(&name.into());
-        assert_eq!(
-            ["x", "x[0]", "x[1]", "x[2]", "x[3]", "x[4]", "y", "y[7]"].map(|n| found(&table, n)),
-            [Some(1), Some(0), Some(3), Some(2), Some(6), None, None, Some(7)]
-        );
-        for name in ["x", "x[2]", "x[1]", "z", "y[8]"] {
-            table.remove(&name.into());
-            assert_eq!(found(&table, name), None);
-            assert!(table.claim(&name.into(), 9));
         }
     }
 }

@@ -135,7 +135,7 @@ impl Model {
             objective: Quadratic::zero(),
             background: BTreeSet::new(),
         };
-        let (variable_names, statement_names) = (NameTable::new(), NameTable::new());
+        let (variable_names, statement_names) = (NameTable::default(), NameTable::default());
         Model { stored, variable_names, statement_names, revision: fresh_revision() }
     }
 
@@ -261,7 +261,7 @@ impl Model {
             reformulation: self.stored.reformulation,
             ..Model::empty(self.stored.name.clone(), self.stored.tag).stored
         };
-        let mut statement_names = NameTable::new();
+        let mut statement_names = NameTable::default();
         for (row, k) in stored.constraints.iter().zip(0..) {
             statement_names.claim(&row.name, (StatementKind::Constraint, k));
         }

@@ -3,8 +3,14 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod decimal;
+mod exponential;
+mod lp_names;
+mod name_table;
 mod presolve;
 mod propagation;
 mod relaxation;
 mod strengthening;
+mod subset;
+mod sum;
 mod warm_states;

@@ -17,6 +17,7 @@ mod invariance;
 mod limits;
 mod oracle;
 mod search;
+mod stop_token;
 mod symmetry;
 mod torture_programs;
 #[cfg(feature = "tracing")]

@@ -95,7 +95,7 @@ mod bounds;
 mod build;
 mod expression;
 mod lexer;
-mod names;
+pub(crate) mod names;
 mod read;
 mod rows;
 mod section;

@@ -97,7 +97,7 @@
 
 mod bounds;
 mod build;
-mod decimal;
+pub(crate) mod decimal;
 mod fixed;
 mod read;
 mod section;
