@@ -25,9 +25,9 @@ pub mod model {
 
 pub mod presolve {
     pub use crate::presolve::{
-        Compressed, Domain, Implications, Literal, Propagator, Reduced, Reduction, probe,
-        probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
-        tighten_coefficients,
+        Compressed, Domain, Implications, Literal, NoGoods, Propagator, Reason, Reduced, Reduction,
+        Worklist, probe, probe_implications, project, reduce, tighten_big_ms,
+        tighten_by_disjunctions, tighten_coefficients,
     };
 
     pub mod root {
@@ -41,16 +41,56 @@ pub mod program {
 
 pub mod relaxation {
     pub use crate::relaxation::{
-        Claim, ClarabelRelaxation, Effort, InteriorPoint, Ladder, Relaxation, RelaxationResult,
-        WarmState, lower_bound, polish, proves_infeasible, reduced_costs,
+        Claim, ClarabelRelaxation, Effort, Extended, InteriorPoint, Ladder, Relaxation,
+        RelaxationResult, WarmState, lower_bound, polish, proves_infeasible, reduced_costs,
     };
 }
 
 pub mod search {
     pub use crate::search::{Accept, ColumnGuidance, Found, Task, search};
 
+    pub mod best_points {
+        pub use crate::search::{Accepted, BestPoints};
+    }
+
+    pub mod branching {
+        pub use crate::search::{FixingCredit, growth_rate};
+    }
+
     pub mod cuts {
         pub use crate::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
+    }
+
+    pub mod heuristics {
+        pub use crate::search::{Allowance, Frontier};
+    }
+
+    pub mod indifferent_binaries {
+        pub use crate::search::{groups, lone_binaries, settle_groups, settle_lone};
+    }
+
+    pub mod node {
+        pub use crate::search::{Decision, Node, NodeQueue, Path, StepCount};
+    }
+
+    pub mod node_probing {
+        pub use crate::search::NodeProbing;
+    }
+
+    pub mod pseudocosts {
+        pub use crate::search::{LEAST_GAIN, Pseudocosts};
+    }
+
+    pub mod seed {
+        pub use crate::search::{Part, SeedBox, divide};
+    }
+
+    pub mod symmetry {
+        pub use crate::search::classes;
+    }
+
+    pub mod time_order {
+        pub use crate::search::in_time;
     }
 }
 

@@ -32,11 +32,12 @@ pub struct Domain {
 
 /// One entry of the trail.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Change {
+pub struct Change {
     pub(super) old: f64,
     /// Twice the column, plus one for an upper bound.
     bound: u32,
-    pub(super) reason: Reason,
+    /// Why the bound changed.
+    pub reason: Reason,
 }
 
 impl Change {
@@ -106,7 +107,7 @@ impl Domain {
     }
 
     /// An entry of the trail.
-    pub(super) fn change(&self, position: usize) -> Change {
+    pub fn change(&self, position: usize) -> Change {
         self.trail[position]
     }
 

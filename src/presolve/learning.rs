@@ -66,14 +66,14 @@ pub(super) struct Learner {
 
 impl Learner {
     fn take_counts(&mut self) -> ConflictCounts {
-        let counts = std::mem::take(&mut self.no_goods.counts);
+        let counts = self.no_goods.take_counts();
         self.brought += FIXED * counts.fixed + REFUTED * counts.refuted;
         counts
     }
 
     /// Whether the next conflict is worth its analysis.
     fn pays(&mut self) -> bool {
-        let counts = &self.no_goods.counts;
+        let counts = self.no_goods.counts();
         let brought = self.brought + FIXED * counts.fixed + REFUTED * counts.refuted;
         self.account.pays(brought) && !self.no_goods.is_full()
     }

@@ -78,7 +78,7 @@ struct Watch {
 
 /// The no-goods of a search.
 #[derive(Debug, Clone)]
-pub(super) struct NoGoods {
+pub struct NoGoods {
     list: Vec<NoGood>,
     /// By bound, twice the column plus one for an upper one: who watches it.
     watches: Vec<Vec<Watch>>,
@@ -86,11 +86,12 @@ pub(super) struct NoGoods {
     single: Vec<u32>,
     /// The weight of the next use.
     weight: f64,
-    pub(super) counts: ConflictCounts,
+    counts: ConflictCounts,
 }
 
 impl NoGoods {
-    pub(super) fn new(columns: usize) -> Self {
+    /// None yet, for so many columns.
+    pub fn new(columns: usize) -> Self {
         NoGoods {
             list: Vec::new(),
             watches: vec![Vec::new(); 2 * columns],
@@ -100,15 +101,18 @@ impl NoGoods {
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    pub(super) fn is_full(&self) -> bool {
+    /// Whether there is no place for another one.
+    pub fn is_full(&self) -> bool {
         self.list.len() >= MOST
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &NoGood> {
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = &NoGood> {
         self.list.iter()
     }
 
@@ -116,9 +120,19 @@ impl NoGoods {
         self.list.get(number as usize)
     }
 
+    /// What they brought so far.
+    pub fn counts(&self) -> ConflictCounts {
+        self.counts
+    }
+
+    /// What they brought since this was last asked.
+    pub(super) fn take_counts(&mut self) -> ConflictCounts {
+        std::mem::take(&mut self.counts)
+    }
+
     /// Takes in a no-good, whose literals come in the order in which undoing would loosen them;
     /// its number.
-    pub(super) fn add(&mut self, literals: Vec<Literal>, cutoff: f64) -> u32 {
+    pub fn add(&mut self, literals: Vec<Literal>, cutoff: f64) -> u32 {
         self.counts.learned += 1;
         let activity = self.weight;
         self.list.push(NoGood { literals, cutoff, activity, used: false });
@@ -152,7 +166,7 @@ impl NoGoods {
 
     /// Drops those that are little used where there are many, and those that were never used where
     /// only used ones are wanted. Nothing on the trail may name a no-good when this is called.
-    pub(super) fn tidy(&mut self, only_used: bool) {
+    pub fn tidy(&mut self, only_used: bool) {
         if !self.is_untidy(only_used) {
             return;
         }
@@ -187,7 +201,7 @@ impl NoGoods {
     /// # Errors
     ///
     /// The number of a no-good that the bounds contradict.
-    pub(super) fn deny_single(&mut self, domain: &mut Domain, cutoff: f64) -> Result<(), u32> {
+    pub fn deny_single(&mut self, domain: &mut Domain, cutoff: f64) -> Result<(), u32> {
         for k in 0..self.single.len() {
             let number = self.single[k];
             let no_good = &self.list[number as usize];
@@ -203,7 +217,7 @@ impl NoGoods {
     /// # Errors
     ///
     /// The number of a no-good that the bounds contradict.
-    pub(super) fn follow(
+    pub fn follow(
         &mut self,
         domain: &mut Domain,
         column: usize,
@@ -264,117 +278,5 @@ impl NoGoods {
         let reason = Reason::NoGood(number);
         domain.apply_because(denial.column, denial.is_upper, denial.value, reason);
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::program::Program;
-
-    /// Binaries alone.
-    fn domain(columns: usize) -> Domain {
-        let mut model = crate::model::Model::new("binaries");
-        model.binary_family("v", columns).expect("a family");
-        Domain::new(&Program::assemble(&model).expect("a program"))
-    }
-
-    fn at_one(column: usize) -> Literal {
-        Literal { column, is_upper: false, value: 1.0 }
-    }
-
-    /// Decides a column at 1 and follows all that changed.
-    fn decide(
-        no_goods: &mut NoGoods,
-        domain: &mut Domain,
-        column: usize,
-        cutoff: f64,
-    ) -> Result<(), u32> {
-        let mut next = domain.mark();
-        domain.apply(column, false, 1.0);
-        while next < domain.mark() {
-            let change = domain.change(next);
-            next += 1;
-            no_goods.follow(domain, change.column(), change.is_upper(), cutoff)?;
-        }
-        Ok(())
-    }
-
-    #[test]
-    fn a_literal_denies_exactly_what_it_says() {
-        let literal = Literal { column: 0, is_upper: true, value: 2.0 };
-        for lower in 0..4 {
-            for upper in lower..4 {
-                let bounds = [f64::from(lower), f64::from(upper)];
-                assert_eq!(literal.holds(bounds), upper <= 2);
-                assert_eq!(literal.fails(bounds), lower >= 3);
-                assert_eq!(literal.denial().holds(bounds), literal.fails(bounds));
-                assert_eq!(literal.denial().fails(bounds), literal.holds(bounds));
-            }
-        }
-    }
-
-    #[test]
-    fn the_last_literal_is_denied_in_any_order_and_after_undoing() {
-        let orders = [[0, 1, 2, 3], [3, 2, 1, 0], [1, 3, 0, 2], [2, 0, 3, 1]];
-        let mut domain = domain(4);
-        let mut no_goods = NoGoods::new(4);
-        let number = no_goods.add((0..4).map(at_one).collect(), f64::INFINITY);
-        for order in orders.iter().cycle().take(20) {
-            for (k, &column) in order[..3].iter().enumerate() {
-                decide(&mut no_goods, &mut domain, column, 0.0).expect("no contradiction");
-                let last = domain.bounds(order[3]);
-                assert_eq!(last, if k == 2 { [0.0, 0.0] } else { [0.0, 1.0] });
-            }
-            let change = domain.change(domain.mark() - 1);
-            assert_eq!(change.reason, Reason::NoGood(number));
-            domain.undo_to(0);
-        }
-        assert_eq!((no_goods.counts.fixed, no_goods.counts.refuted), (20, 0));
-    }
-
-    #[test]
-    fn what_holds_up_to_a_cutoff_says_nothing_beyond_it() {
-        let mut domain = domain(2);
-        let mut no_goods = NoGoods::new(2);
-        no_goods.add(vec![at_one(0), at_one(1)], 5.0);
-        decide(&mut no_goods, &mut domain, 0, 6.0).expect("no contradiction");
-        assert_eq!(domain.bounds(1), [0.0, 1.0]);
-        domain.undo_to(0);
-        decide(&mut no_goods, &mut domain, 0, 5.0).expect("no contradiction");
-        assert_eq!(domain.bounds(1), [0.0, 0.0]);
-    }
-
-    #[test]
-    fn single_literals_are_denied_at_once() {
-        let mut domain = domain(2);
-        let mut no_goods = NoGoods::new(2);
-        let number = no_goods.add(vec![at_one(1)], f64::INFINITY);
-        no_goods.deny_single(&mut domain, 0.0).expect("no contradiction");
-        assert_eq!(domain.bounds(1), [0.0, 0.0]);
-        domain.undo_to(0);
-        domain.apply(1, false, 1.0);
-        assert_eq!(no_goods.deny_single(&mut domain, 0.0), Err(number));
-    }
-
-    #[test]
-    fn the_store_is_bounded_and_keeps_what_is_used() {
-        let (mut domain, mut no_goods) = (domain(2), NoGoods::new(2));
-        no_goods.add(vec![at_one(0), at_one(1)], f64::INFINITY);
-        for _ in 1..MOST {
-            no_goods.add(vec![at_one(1), at_one(0)], f64::NEG_INFINITY);
-        }
-        assert!(no_goods.is_full());
-        for _ in 0..3 {
-            for _ in 0..600 {
-                decide(&mut no_goods, &mut domain, 0, 0.0).expect("no contradiction");
-                assert_eq!(domain.bounds(1), [0.0, 0.0]);
-                domain.undo_to(0);
-            }
-            no_goods.tidy(false);
-            assert!(!no_goods.is_full() && !no_goods.is_empty());
-        }
-        no_goods.tidy(true);
-        assert_eq!(no_goods.iter().count(), 1);
     }
 }

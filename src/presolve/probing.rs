@@ -89,7 +89,7 @@ impl ProbingRecord {
 
 /// How much is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Trials {
+pub struct Trials {
     /// The most trials.
     pub most: usize,
     /// The most of them in a row that find nothing.

@@ -5,7 +5,7 @@
 
 /// Rows by number; a set with a position and a direction.
 #[derive(Debug, Clone)]
-pub(super) struct Worklist {
+pub struct Worklist {
     /// By level, from the rows up: a bit a row, a bit a word below, and so on.
     levels: Vec<Vec<u64>>,
     at: usize,
@@ -16,7 +16,7 @@ const BITS: usize = u64::BITS as usize;
 
 impl Worklist {
     /// For so many rows.
-    pub(super) fn new(rows: usize) -> Self {
+    pub fn new(rows: usize) -> Self {
         let mut levels = vec![vec![0; rows.div_ceil(BITS).max(1)]];
         while let Some(last) = levels.last().filter(|level| level.len() > 1) {
             levels.push(vec![0; last.len().div_ceil(BITS)]);
@@ -24,8 +24,9 @@ impl Worklist {
         Worklist { levels, at: 0, falling: false }
     }
 
+    /// Puts a row in.
     #[inline]
-    pub(super) fn insert(&mut self, row: usize) {
+    pub fn insert(&mut self, row: usize) {
         let mut k = row;
         for level in &mut self.levels {
             let word = &mut level[k / BITS];
@@ -53,7 +54,7 @@ impl Worklist {
     /// Takes the next row of the sweep, which turns where there is none. What is put in once the list
     /// has been empty begins with a sweep up.
     #[inline]
-    pub(super) fn pop(&mut self) -> Option<usize> {
+    pub fn pop(&mut self) -> Option<usize> {
         let found = self.next().or_else(|| {
             self.falling = !self.falling;
             self.next()
@@ -109,68 +110,8 @@ impl Worklist {
     }
 
     /// Takes all rows, in their order.
-    pub(super) fn drain(&mut self, each: impl FnMut(usize)) {
+    pub fn drain(&mut self, each: impl FnMut(usize)) {
         self.rewind();
         std::iter::from_fn(|| self.pop()).for_each(each);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use proptest::prelude::*;
-
-    use super::*;
-
-    #[test]
-    fn a_sweep_takes_what_lies_ahead_and_turns() {
-        let mut list = Worklist::new(300_000);
-        [5, 299_999, 70, 4096].into_iter().for_each(|row| list.insert(row));
-        assert_eq!(list.pop(), Some(5));
-        assert_eq!(list.pop(), Some(70));
-        // Ahead of the sweep, behind it, and where it is.
-        [80, 3, 70].into_iter().for_each(|row| list.insert(row));
-        let order: Vec<usize> = std::iter::from_fn(|| list.pop()).collect();
-        assert_eq!(order, [70, 80, 4096, 299_999, 3]);
-        // An empty list begins again from below.
-        [9, 2].into_iter().for_each(|row| list.insert(row));
-        assert_eq!(list.pop(), Some(2));
-        let mut rest = Vec::new();
-        list.drain(|row| rest.push(row));
-        assert_eq!(rest, [9]);
-        assert_eq!(list.pop(), None);
-    }
-
-    proptest! {
-        #[test]
-        fn it_is_a_set_in_the_order_of_sweeps(
-            rows in 1usize..10_000,
-            steps in proptest::collection::vec((0usize..4, any::<usize>()), 1..300),
-        ) {
-            let (mut list, mut set) = (Worklist::new(rows), BTreeSet::new());
-            let (mut at, mut falling) = (0, false);
-            for (what, row) in steps {
-                if what > 0 {
-                    list.insert(row % rows);
-                    set.insert(row % rows);
-                    continue;
-                }
-                let next = |set: &BTreeSet<usize>, falling: bool| match falling {
-                    true => set.range(..=at).next_back().copied(),
-                    false => set.range(at..).next().copied(),
-                };
-                let mut expected = next(&set, falling);
-                if expected.is_none() {
-                    falling = !falling;
-                    expected = next(&set, falling);
-                }
-                prop_assert_eq!(list.pop(), expected);
-                match expected {
-                    Some(row) => (at, _) = (row, set.remove(&row)),
-                    None => (at, falling) = (0, false),
-                }
-            }
-        }
     }
 }

@@ -8,15 +8,17 @@ use crate::sum::{exact_product, exact_sum};
 ///
 /// Sums and products of a few hundred terms are exact to about 1e-30 of the terms' magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Extended {
-    pub(super) high: f64,
-    pub(super) low: f64,
+pub struct Extended {
+    /// The sum, rounded.
+    pub high: f64,
+    /// The rest.
+    pub low: f64,
 }
 
 impl Extended {
     /// `self + a b`.
     #[must_use]
-    pub(super) fn plus_product(self, a: Extended, b: Extended) -> Extended {
+    pub fn plus_product(self, a: Extended, b: Extended) -> Extended {
         let (product, error) = exact_product(a.high, b.high);
         let error = error + (a.high * b.low + a.low * b.high);
         let (sum, rest) = exact_sum(self.high, product);
@@ -27,7 +29,7 @@ impl Extended {
 
     /// `self + a`.
     #[must_use]
-    pub(super) fn plus(self, a: f64) -> Extended {
+    pub fn plus(self, a: f64) -> Extended {
         self.plus_product(a.into(), 1.0.into())
     }
 }
@@ -43,22 +45,5 @@ impl Neg for Extended {
 
     fn neg(self) -> Extended {
         Extended { high: -self.high, low: -self.low }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn keeps_what_floats_lose() {
-        let third = 1.0 / 3.0;
-        // 3 * (1/3 rounded) - 1 = -2^-54 exactly.
-        let residual = Extended::from(-1.0).plus_product(3.0.into(), third.into());
-        assert_eq!(residual.high + residual.low, -(0.5_f64.powi(54)));
-        let sum = Extended::from(1e17).plus(1.0).plus(-1e17);
-        assert_eq!(sum, 1.0.into());
-        let fine = Extended { high: 1.0, low: 1e-20 };
-        assert_eq!(Extended::from(-1.0).plus_product(fine, 1.0.into()).high, 1e-20);
     }
 }

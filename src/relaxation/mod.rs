@@ -18,6 +18,7 @@ mod warm_state;
 
 pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
+pub use extended::Extended;
 pub use interior::InteriorPoint;
 pub use ladder::Ladder;
 pub(crate) use ladder::{Purpose, Question, Verdict};

@@ -22,14 +22,14 @@ const LARGEST: usize = 8;
 
 /// Binaries of which at most, at least, or exactly one is to be 1.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Group {
+pub struct Group {
     columns: Vec<usize>,
     /// Whether one of them must be 1.
     wants_one: bool,
 }
 
 /// The groups of a program: rows over a few binaries with equal coefficients.
-pub(super) fn groups(program: &Program) -> Vec<Group> {
+pub fn groups(program: &Program) -> Vec<Group> {
     let group = |row: usize| {
         let (columns, values) = program.row(row);
         let first = *values.first()?;
@@ -44,7 +44,7 @@ pub(super) fn groups(program: &Program) -> Vec<Group> {
 }
 
 /// The binaries without a cost that are in no group.
-pub(super) fn lone_binaries(program: &Program, groups: &[Group]) -> Vec<usize> {
+pub fn lone_binaries(program: &Program, groups: &[Group]) -> Vec<usize> {
     let mut lone: Vec<bool> =
         (0..program.column_count()).map(|j| is_binary(program, j) && is_free(program, j)).collect();
     groups.iter().flat_map(|group| &group.columns).for_each(|&j| lone[j] = false);
@@ -61,7 +61,7 @@ fn is_free(program: &Program, j: usize) -> bool {
 }
 
 /// Gives binaries of groups whole values where the rows allow it at the rest of the point.
-pub(super) fn settle_groups(
+pub fn settle_groups(
     program: &Program,
     domain: &Domain,
     groups: &[Group],
@@ -93,7 +93,7 @@ pub(super) fn settle_groups(
 }
 
 /// Moves binaries to the end that is nearest to a whole value, one after the other.
-pub(super) fn settle_lone(
+pub fn settle_lone(
     program: &Program,
     domain: &Domain,
     columns: &[usize],
@@ -213,50 +213,4 @@ fn holds(program: &Program, j: usize, point: &[f64]) -> bool {
         let miss = MISS * scale;
         sum >= program.row_lower[row] - miss && sum <= program.row_upper[row] + miss
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::Model;
-
-    /// Two modes, left of 4 and right of 3; both rows leave the binaries room between.
-    #[test]
-    fn what_is_violated_stays_fractional_and_goes_as_far_as_it_can() {
-        let mut model = Model::new("modes");
-        let x = model.continuous("x", 0.0, 10.0).unwrap();
-        let (left, right) = (model.binary("left").unwrap(), model.binary("right").unwrap());
-        model.add("l", (x + 8.0 * left).le(10.0)).unwrap();
-        model.add("r", (x - 7.0 * right).ge(0.0)).unwrap();
-        model.add("one", (left + right).equals(1.0)).unwrap();
-        let program = Program::assemble(&model).unwrap();
-        let (domain, groups) = (Domain::new(&program), groups(&program));
-        let settled = |x: f64| {
-            let mut point = vec![x, 0.5, 0.5];
-            settle_groups(&program, &domain, &groups, 1e-6, &mut point);
-            point
-        };
-        assert_eq!(settled(1.0), [1.0, 1.0, 0.0]);
-        assert_eq!(settled(8.0), [8.0, 0.0, 1.0]);
-        // Left at most 5/8, right at most 5/7.
-        let between = settled(5.0);
-        assert!((between[1] - 2.0 / 7.0).abs() < 1e-12 && (between[2] - 5.0 / 7.0).abs() < 1e-12);
-    }
-
-    /// At least one eighth by the row below, at most a half by the row above: nearer to 0.
-    #[test]
-    fn binaries_alone_go_to_the_nearer_end() {
-        let mut model = Model::new("alone");
-        let x = model.continuous("x", 0.0, 10.0).unwrap();
-        let on = model.binary("on").unwrap();
-        model.add("below", (x - 8.0 * on).le(0.0)).unwrap();
-        model.add("above", (x + 8.0 * on).le(5.0)).unwrap();
-        let program = Program::assemble(&model).unwrap();
-        let (domain, groups) = (Domain::new(&program), groups(&program));
-        let alone = lone_binaries(&program, &groups);
-        assert_eq!((groups, alone.clone()), (Vec::new(), vec![1]));
-        let mut point = vec![1.0, 0.3];
-        settle_lone(&program, &domain, &alone, 1e-6, &mut point);
-        assert_eq!(point, [1.0, 0.125]);
-    }
 }

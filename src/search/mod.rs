@@ -90,5 +90,18 @@ pub use column_guidance::ColumnGuidance;
 pub use driver::search;
 pub(crate) use found::ClosedNode;
 pub use found::Found;
-pub(crate) use seed::{GuessEnd, Seed, SeedBox};
+pub use seed::SeedBox;
+pub(crate) use seed::{GuessEnd, Seed};
 pub use task::{Accept, Task};
+
+// For `internals` only.
+pub use best_points::{Accepted, BestPoints};
+pub use branching::{FixingCredit, growth_rate};
+pub use heuristics::{Allowance, Frontier};
+pub use indifferent_binaries::{groups, lone_binaries, settle_groups, settle_lone};
+pub use node::{Decision, Node, NodeQueue, Path, StepCount};
+pub use node_probing::NodeProbing;
+pub use pseudocosts::{LEAST_GAIN, Pseudocosts};
+pub use seed::{Part, divide};
+pub use symmetry::classes;
+pub use time_order::in_time;

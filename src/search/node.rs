@@ -13,14 +13,17 @@ use crate::relaxation::WarmState;
 
 /// One bound change by branching.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Decision {
-    pub(super) column: usize,
-    pub(super) is_upper: bool,
-    pub(super) value: f64,
+pub struct Decision {
+    /// The column.
+    pub column: usize,
+    /// Whether the upper bound changes.
+    pub is_upper: bool,
+    /// The new bound, in the column's unit.
+    pub value: f64,
 }
 
 /// Counts the steps of a tree that are alive.
-pub(super) type StepCount = Arc<AtomicUsize>;
+pub type StepCount = Arc<AtomicUsize>;
 
 /// A decision, and those before it.
 #[derive(Debug)]
@@ -46,7 +49,7 @@ impl Drop for Step {
 
 /// The decisions from the root to a node.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Path {
+pub struct Path {
     last: Option<Arc<Step>>,
 }
 
@@ -55,7 +58,7 @@ impl Path {
     pub(super) const STEP_BYTES: usize = size_of::<Step>() + 2 * size_of::<usize>();
 
     /// This path and a decision more.
-    pub(super) fn then(&self, decision: &Decision, count: &StepCount) -> Self {
+    pub fn then(&self, decision: &Decision, count: &StepCount) -> Self {
         count.fetch_add(1, Memory::Relaxed);
         let step = Step {
             parent: self.last.clone(),
@@ -68,11 +71,12 @@ impl Path {
     }
 
     /// Number of decisions.
-    pub(super) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.last.as_ref().map_or(0, |step| step.depth as usize)
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether it leads to the root.
+    pub fn is_empty(&self) -> bool {
         self.last.is_none()
     }
 
@@ -92,7 +96,7 @@ impl Path {
     }
 
     /// Writes the decisions in their order into a buffer.
-    pub(super) fn write_to(&self, buffer: &mut Vec<Decision>) {
+    pub fn write_to(&self, buffer: &mut Vec<Decision>) {
         buffer.clear();
         buffer.extend(self.backwards());
         buffer.reverse();
@@ -110,9 +114,11 @@ pub(super) struct Known {
 
 /// An open node: the decisions from the root, and a proved bound on its subtree.
 #[derive(Debug, Clone)]
-pub(super) struct Node {
-    pub(super) path: Path,
-    pub(super) bound: f64,
+pub struct Node {
+    /// The decisions from the root.
+    pub path: Path,
+    /// The proved bound, in the unit of the (minimised) objective.
+    pub bound: f64,
     /// How far the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
     /// The relaxation of a trial, if there was one.
@@ -120,12 +126,12 @@ pub(super) struct Node {
     /// What the parent's relaxation has left.
     pub(super) warm: Option<WarmState>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
-    pub(super) serial: u64,
+    pub serial: u64,
 }
 
 impl Node {
     /// The root of a tree.
-    pub(super) fn root() -> Self {
+    pub fn root() -> Self {
         let (path, bound) = (Path::default(), f64::NEG_INFINITY);
         Node { path, bound, fraction: 0.0, known: None, warm: None, serial: 0 }
     }
@@ -158,16 +164,18 @@ impl Ord for Node {
 
 /// Open nodes, best bound first.
 #[derive(Debug, Default)]
-pub(super) struct NodeQueue {
+pub struct NodeQueue {
     heap: BinaryHeap<Node>,
 }
 
 impl NodeQueue {
-    pub(super) fn push(&mut self, node: Node) {
+    /// Adds an open node.
+    pub fn push(&mut self, node: Node) {
         self.heap.push(node);
     }
 
-    pub(super) fn pop(&mut self) -> Option<Node> {
+    /// Takes the next node.
+    pub fn pop(&mut self) -> Option<Node> {
         self.heap.pop()
     }
 
@@ -176,72 +184,12 @@ impl NodeQueue {
     }
 
     /// The smallest bound of an open node; `+inf` when there is none.
-    pub(super) fn best_bound(&self) -> f64 {
+    pub fn best_bound(&self) -> f64 {
         self.heap.peek().map_or(f64::INFINITY, |node| node.bound)
     }
 
     /// All open nodes, in no order.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Node> {
         self.heap.iter()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn decision(column: usize) -> Decision {
-        Decision { column, is_upper: column.is_multiple_of(2), value: column as f64 }
-    }
-
-    #[test]
-    fn siblings_share_their_ancestors() {
-        let count = StepCount::default();
-        let mut path = Path::default();
-        for column in 0..1000 {
-            path = path.then(&decision(column), &count);
-        }
-        let siblings = [path.then(&decision(1000), &count), path.then(&decision(1001), &count)];
-        drop(path);
-        assert_eq!(count.load(Memory::Relaxed), 1002);
-        let mut decisions = Vec::new();
-        siblings[1].write_to(&mut decisions);
-        assert_eq!(decisions.len(), siblings[1].len());
-        assert!(decisions[..1000].iter().enumerate().all(|(k, d)| *d == decision(k)));
-        assert_eq!(decisions[1000], decision(1001));
-        drop(siblings);
-        assert_eq!(count.load(Memory::Relaxed), 0);
-    }
-
-    #[test]
-    fn long_paths_go_without_recursion() {
-        let count = StepCount::default();
-        let mut path = Path::default();
-        for column in 0..1_000_000 {
-            path = path.then(&decision(column), &count);
-        }
-        drop(path);
-        assert_eq!(count.load(Memory::Relaxed), 0);
-    }
-
-    #[test]
-    fn the_best_bound_comes_first_then_depth_then_youth() {
-        let count = StepCount::default();
-        let deep = Path::default().then(&decision(0), &count);
-        let node = |path: &Path, bound: f64, serial| Node {
-            path: path.clone(),
-            bound,
-            serial,
-            ..Node::root()
-        };
-        let mut queue = NodeQueue::default();
-        for (path, bound, serial) in
-            [(&deep, 2.0, 1), (&Path::default(), 1.0, 2), (&deep, 1.0, 3), (&deep, 1.0, 4)]
-        {
-            queue.push(node(path, bound, serial));
-        }
-        assert_eq!(queue.best_bound(), 1.0);
-        let order: Vec<u64> = std::iter::from_fn(|| queue.pop()).map(|node| node.serial).collect();
-        assert_eq!(order, [4, 3, 2, 1]);
     }
 }

@@ -23,7 +23,8 @@ const BOUND: i64 = 50;
 const REFUTED: i64 = 400;
 
 /// The account of one worker.
-pub(super) struct NodeProbing {
+#[derive(Debug)]
+pub struct NodeProbing {
     credit: i64,
     /// Whether the root, probed before the search, is still to come.
     at_root: bool,
@@ -32,7 +33,8 @@ pub(super) struct NodeProbing {
 }
 
 impl NodeProbing {
-    pub(super) fn new(columns: usize) -> Self {
+    /// An account with full credit, for a program with so many columns.
+    pub fn new(columns: usize) -> Self {
         NodeProbing { credit: CREDIT, at_root: true, record: ProbingRecord::new(columns) }
     }
 
@@ -42,35 +44,17 @@ impl NodeProbing {
     }
 
     /// Trials for the next node.
-    pub(super) fn trials(&self) -> Trials {
+    pub fn trials(&self) -> Trials {
         let most = usize::try_from(self.credit).unwrap_or(0).clamp(ALWAYS, MOST);
         Trials { most, patience: PATIENCE }
     }
 
     /// Books what a node's probing took and brought.
-    pub(super) fn book(&mut self, trials: usize, bounds: usize, refuted: bool) {
+    pub fn book(&mut self, trials: usize, bounds: usize, refuted: bool) {
         let trials = i64::try_from(trials).unwrap_or(i64::MAX);
         let bounds = i64::try_from(bounds).unwrap_or(i64::MAX);
         let refuted = if refuted { REFUTED } else { 0 };
         let gain = bounds.saturating_mul(BOUND).saturating_add(refuted).saturating_sub(trials);
         self.credit = self.credit.saturating_add(gain).clamp(-CREDIT, CREDIT);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn probing_that_brings_nothing_ends_and_comes_back() {
-        let mut probing = NodeProbing::new(0);
-        for _ in 0..100 {
-            probing.book(probing.trials().most, 0, false);
-        }
-        assert_eq!(probing.trials().most, ALWAYS);
-        for _ in 0..50 {
-            probing.book(probing.trials().most, 20, false);
-        }
-        assert_eq!(probing.trials().most, MOST);
     }
 }

@@ -4,11 +4,11 @@
 //! column.
 
 /// Gains below this count as this much (objective's unit), so that products stay comparable.
-pub(super) const LEAST_GAIN: f64 = 1e-9;
+pub const LEAST_GAIN: f64 = 1e-9;
 
 /// Average growth of the bound per unit of fraction, downwards and upwards, by column.
 #[derive(Debug, Clone)]
-pub(super) struct Pseudocosts {
+pub struct Pseudocosts {
     sum: Vec<[f64; 2]>,
     count: Vec<[u32; 2]>,
     /// Over all columns, by direction.
@@ -26,7 +26,8 @@ struct Lesson {
 }
 
 impl Pseudocosts {
-    pub(super) fn new(columns: usize) -> Self {
+    /// Nothing known of so many columns.
+    pub fn new(columns: usize) -> Self {
         Pseudocosts {
             sum: vec![[0.0; 2]; columns],
             count: vec![[0; 2]; columns],
@@ -36,7 +37,7 @@ impl Pseudocosts {
     }
 
     /// Learns from a child: `gain` of the bound after moving a column by `fraction`.
-    pub(super) fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
+    pub fn learn(&mut self, column: usize, up: bool, gain: f64, fraction: f64) {
         if gain.is_finite() && fraction > 1e-6 {
             let lesson = Lesson { column, side: usize::from(up), gain: gain.max(0.0) / fraction };
             self.take_in(lesson);
@@ -69,23 +70,24 @@ impl Pseudocosts {
     }
 
     /// Whether both sides of a column have taught something.
-    pub(super) fn known(&self, column: usize) -> bool {
+    pub fn known(&self, column: usize) -> bool {
         self.count[column].iter().all(|&c| c > 0)
     }
 
-    pub(super) fn known_up(&self, column: usize) -> bool {
+    /// Whether raising a column has taught something.
+    pub fn known_up(&self, column: usize) -> bool {
         self.count[column][1] > 0
     }
 
     /// Expected gain of raising a column by `fraction`, if anything is known.
-    pub(super) fn gain_up(&self, column: usize, fraction: f64) -> Option<f64> {
+    pub fn gain_up(&self, column: usize, fraction: f64) -> Option<f64> {
         let count = self.count[column][1];
         (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
     }
 
     /// Expected gains of lowering and of raising a column to the next whole value; those of
     /// columns that nothing is known about are the average ones.
-    pub(super) fn gains(&self, column: usize, value: f64) -> [f64; 2] {
+    pub fn gains(&self, column: usize, value: f64) -> [f64; 2] {
         let expected = |side: usize, fraction: f64| {
             let (sum, count) = match self.count[column][side] {
                 0 => self.total[side],
@@ -101,26 +103,5 @@ impl Pseudocosts {
     pub(super) fn score(&self, column: usize, value: f64) -> f64 {
         let [down, up] = self.gains(column, value);
         down * up
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unknown_columns_are_average() {
-        let mut costs = Pseudocosts::new(2);
-        assert_eq!(costs.gains(0, 0.5), [LEAST_GAIN; 2]);
-        for gain in [1.0, 2.0, 3.0] {
-            costs.learn(0, true, gain, 0.5);
-        }
-        assert!(!costs.known(0) && costs.known_up(0));
-        assert_eq!(costs.gain_up(0, 0.5), Some(2.0));
-        assert_eq!((costs.gain_up(1, 0.5), costs.gains(1, 0.5)[1]), (None, 2.0));
-        // An infinite gain, or that of a column that has hardly moved, teaches nothing.
-        costs.learn(0, false, f64::INFINITY, 0.5);
-        costs.learn(0, false, 1.0, 0.0);
-        assert!(!costs.known(0));
     }
 }

@@ -18,7 +18,7 @@ const WIDEST: usize = 4;
 
 /// The binaries of a program in the order of time, where its rows are a chain. Which end is the
 /// late one is decided by the order of the columns.
-pub(super) fn in_time(program: &Program) -> Option<Vec<usize>> {
+pub fn in_time(program: &Program) -> Option<Vec<usize>> {
     let binary = |&j: &usize| program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
     let mut binaries: Vec<usize> = program.integers.iter().copied().filter(binary).collect();
     let &first = binaries.first()?;
@@ -69,46 +69,4 @@ fn distances(program: &Program, start: usize) -> Vec<Option<usize>> {
 
 fn farthest(distance: &[Option<usize>]) -> Option<usize> {
     (0..distance.len()).filter(|&j| distance[j].is_some()).max_by_key(|&j| (distance[j], j))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::Model;
-
-    /// A chain of twelve steps, written down in a strange order.
-    #[test]
-    fn the_order_of_columns_and_names_does_not_matter() {
-        const STEPS: usize = 12;
-        let order: Vec<usize> = (0..STEPS).map(|k| (5 * k) % STEPS).collect();
-        let mut model = Model::new("chain");
-        let mut state = [None; STEPS + 1];
-        let mut hit = [None; STEPS];
-        for &t in &order {
-            state[t] = Some(model.continuous(format!("q{}", 7 * t % 13), 0.0, 9.0).unwrap());
-            hit[t] = Some(model.binary(format!("h{}", 5 * t % 13)).unwrap());
-        }
-        state[STEPS] = Some(model.continuous("end", 0.0, 9.0).unwrap());
-        for &t in &order {
-            let (now, next) = (state[t].unwrap(), state[t + 1].unwrap());
-            model.add(format!("r{t}"), (next - now - hit[t].unwrap()).within(-1.0, 1.0)).unwrap();
-        }
-        let program = Program::assemble(&model).unwrap();
-        let found = in_time(&program).unwrap();
-        let mut wanted: Vec<usize> = hit.iter().map(|h| h.unwrap().index()).collect();
-        if found[0] != wanted[0] {
-            wanted.reverse();
-        }
-        assert_eq!(found, wanted);
-    }
-
-    #[test]
-    fn a_knapsack_is_no_chain() {
-        let mut model = Model::new("knapsack");
-        let z = model.binary_family("z", 12).unwrap();
-        for pair in z.as_slice().windows(2) {
-            model.add(format!("p{}", pair[0].index()), (pair[0] + z[0] + pair[1]).le(2.0)).unwrap();
-        }
-        assert_eq!(in_time(&Program::assemble(&model).unwrap()), None);
-    }
 }

@@ -5,12 +5,16 @@ mod common;
 
 mod decimal;
 mod exponential;
+mod extended;
 mod lp_names;
 mod name_table;
+mod no_goods;
 mod presolve;
 mod propagation;
 mod relaxation;
+mod search;
 mod strengthening;
 mod subset;
 mod sum;
 mod warm_states;
+mod worklist;

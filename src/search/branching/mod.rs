@@ -27,10 +27,11 @@ mod user_branching;
 
 use column::choose_column;
 use disjunction::split_disjunction;
-use growth::growth_rate;
+pub use growth::growth_rate;
 use split::both_sides;
 pub(super) use split::{Child, RelaxedPoint, Split};
-use strong_fixing::{FixingCredit, fix_by_trials};
+pub use strong_fixing::FixingCredit;
+use strong_fixing::fix_by_trials;
 use user_branching::split_of_user;
 
 use super::context::Context;
@@ -45,7 +46,7 @@ pub(super) struct Branching {
 
 impl Branching {
     pub(super) fn new(columns: usize) -> Self {
-        Branching { pseudocosts: Pseudocosts::new(columns), credit: FixingCredit::new() }
+        Branching { pseudocosts: Pseudocosts::new(columns), credit: FixingCredit::default() }
     }
 }
 

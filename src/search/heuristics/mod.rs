@@ -17,12 +17,13 @@ mod proposals;
 mod roll_out;
 mod rounding;
 
-use allowance::Allowance;
+pub use allowance::Allowance;
 use diving::dive_where_it_pays;
 use feasibility_pump::pump_at_root;
 pub(super) use guess::try_guess;
 use neighbourhood::{Neighbourhoods, search_near_incumbent};
 use proposals::try_proposals;
+pub use roll_out::Frontier;
 use roll_out::roll_out;
 use rounding::round_and_propagate;
 

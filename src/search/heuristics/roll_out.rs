@@ -46,7 +46,7 @@ pub(super) fn roll_out(ctx: &mut Context<'_>, point: &[f64]) {
 /// contradiction. The domain is left as it is then.
 fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<Vec<f64>> {
     let mut frontier = Frontier::new(program, &ctx.node.domain);
-    while let Some(j) = frontier.next() {
+    while let Some(j) = frontier.next_column() {
         let mark = ctx.node.domain.mark();
         if program.integral[j] {
             if !fix_near(ctx, j, point[j]) {
@@ -79,7 +79,8 @@ fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<V
 }
 
 /// What is known, and where to go on.
-struct Frontier<'a> {
+#[derive(Debug)]
+pub struct Frontier<'a> {
     program: &'a Program,
     /// Width of every column at which it is known.
     narrow: Vec<f64>,
@@ -93,7 +94,8 @@ struct Frontier<'a> {
 }
 
 impl<'a> Frontier<'a> {
-    fn new(program: &'a Program, domain: &Domain) -> Self {
+    /// Knows the columns that the domain has fixed.
+    pub fn new(program: &'a Program, domain: &Domain) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
         let narrow = |j: usize| match domain.upper(j) - domain.lower(j) {
             _ if program.integral[j] => 0.0,
@@ -134,7 +136,8 @@ impl<'a> Frontier<'a> {
         }
     }
 
-    fn learn(&mut self, j: usize) {
+    /// Takes in that a column is known.
+    pub fn learn(&mut self, j: usize) {
         if std::mem::replace(&mut self.known[j], true) {
             return;
         }
@@ -145,7 +148,7 @@ impl<'a> Frontier<'a> {
     }
 
     /// The column to choose next; `None` if no row has two unknown ones.
-    fn next(&mut self) -> Option<usize> {
+    pub fn next_column(&mut self) -> Option<usize> {
         while let Some(&Reverse((share, row))) = self.rows.peek() {
             if self.unknown[row] < 2 || share != self.share(row) {
                 self.rows.pop();
@@ -160,47 +163,5 @@ impl<'a> Frontier<'a> {
             return columns.filter(|&j| !self.known[j]).min_by_key(rank);
         }
         None
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::Model;
-
-    /// Three steps of a double integrator that starts at rest: the inputs come one after the other, in the
-    /// order of time, although they stand last.
-    #[test]
-    fn inputs_come_in_the_order_of_time() {
-        const STEPS: usize = 3;
-        let mut model = Model::new("cart");
-        let place = model.continuous_family("place", STEPS + 1, -10.0, 10.0).unwrap();
-        let speed = model.continuous_family("speed", STEPS + 1, -10.0, 10.0).unwrap();
-        let push = model.continuous_family("push", STEPS, -1.0, 1.0).unwrap();
-        for (first, name) in [(place[0], "here"), (speed[0], "rest")] {
-            model.add(name, first.equals(0.0)).unwrap();
-        }
-        for t in 0..STEPS {
-            let moved = place[t + 1] - place[t] - speed[t] - 0.5 * push[t];
-            model.add(format!("place{t}"), moved.equals(0.0)).unwrap();
-            let pushed = speed[t + 1] - speed[t] - push[t];
-            model.add(format!("speed{t}"), pushed.equals(0.0)).unwrap();
-        }
-        let program = Program::assemble(&model).unwrap();
-        let mut domain = Domain::new(&program);
-        for j in [place[0].index(), speed[0].index()] {
-            domain.apply(j, false, 0.0);
-            domain.apply(j, true, 0.0);
-        }
-        let mut frontier = Frontier::new(&program, &domain);
-        for t in 0..STEPS {
-            // In the last step the states reach no further than the input.
-            assert!(t == STEPS - 1 || frontier.next() == Some(push[t].index()));
-            // What propagation would conclude.
-            for known in [push[t], place[t + 1], speed[t + 1]] {
-                frontier.learn(known.index());
-            }
-        }
-        assert_eq!(frontier.next(), None);
     }
 }

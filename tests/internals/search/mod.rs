@@ -1,0 +1,14 @@
+//! Parts of the tree search, one by one.
+
+mod allowance;
+mod best_points;
+mod growth;
+mod indifferent_binaries;
+mod node;
+mod node_probing;
+mod pseudocosts;
+mod roll_out;
+mod seed;
+mod strong_fixing;
+mod symmetry;
+mod time_order;
