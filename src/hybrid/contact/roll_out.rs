@@ -10,13 +10,13 @@ use crate::solver::{NodeView, Proposal};
 /// the node keep their values. Under [`ContactLaw::Literal`] there is no proposal.
 ///
 /// ```
-/// use carom::collision_tolerant::{Objective, Program, Scenario};
+/// use carom::collision_tolerant::{Objective, PlanningProgram, Scenario};
 /// use carom::hybrid::RollOut;
 /// use carom::prelude::*;
 /// use carom::solver::Guidance;
 ///
 /// let scenario = Scenario::paper().with_restitution(0.5)?.with_time_step(0.1);
-/// let program = Program::build(&scenario, 30, Objective::Effort)?;
+/// let program = PlanningProgram::build(&scenario, 30, Objective::Effort)?;
 /// let roll_out = RollOut {
 ///     contact: scenario.contact,
 ///     time_step: scenario.time_step,

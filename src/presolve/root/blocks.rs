@@ -141,7 +141,7 @@ fn extract(
 #[cfg(test)]
 mod tests {
     use super::blocks;
-    use crate::prelude::*;
+    use crate::model::Model;
     use crate::program::Program;
 
     #[test]
