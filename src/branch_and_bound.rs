@@ -3,9 +3,11 @@
 //! * `pipeline` - lower, assemble, presolve, search, restore
 //! * `stage` - cuts and search after presolve
 //! * `blocks` - independent blocks, one after the other
+//! * `multipliers` - shadow prices and reduced costs of programs without integers
 //! * `seeding` - seeds and leaves: from variables to columns, and back
 
 mod blocks;
+mod multipliers;
 mod pipeline;
 mod seeding;
 mod stage;
@@ -13,7 +15,7 @@ mod stage;
 use crate::error::Error;
 use crate::model::Model;
 use crate::search::{ColumnGuidance, Found};
-use crate::solution::{Outcome, Solution};
+use crate::solution::{Multipliers, Outcome, Solution};
 use crate::solver::{Control, Options, Solver, StopToken, TreeSeed};
 use pipeline::Pipeline;
 use seeding::{leaf_of, report, seed_of};
@@ -75,11 +77,17 @@ impl Solver for BranchAndBound {
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
         let pipeline = Pipeline { model, options, token: &token, guidance: &guidance, seed };
-        let mut found = pipeline.run(control)?;
+        let (mut found, derivatives) = pipeline.run(control)?;
         found.statistics.time = token.elapsed();
         let seed_report =
             given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
-        let solution = solution(model, options, found)?.with_seed_report(seed_report);
+        let sign = model.sense().sign();
+        let signed = |values: Vec<f64>| values.into_iter().map(|v| sign * v + 0.0).collect();
+        let multipliers =
+            derivatives.map(|d| Multipliers::new(model, signed(d.rows), signed(d.columns)));
+        let solution = solution(model, options, found)?
+            .with_seed_report(seed_report)
+            .with_multipliers(multipliers);
         #[cfg(feature = "tracing")]
         tracing::info!(
             termination = %solution.termination(),

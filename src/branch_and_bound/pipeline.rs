@@ -1,5 +1,6 @@
 //! One solve: lower, assemble, presolve, search, restore.
 
+use super::multipliers::{Derivatives, derivatives};
 use super::stage::Stage;
 use crate::error::Error;
 use crate::model::Model;
@@ -23,11 +24,14 @@ pub(super) struct Pipeline<'a> {
 }
 
 impl Pipeline<'_> {
-    /// What is found of the model's program; points are values of its variables. Nothing is known
-    /// where a limit comes before the search.
-    pub(super) fn run(&self, control: &mut Control<'_>) -> Result<Found, Error> {
+    /// What is found of the model's program; points are values of its variables. Nothing is known if a
+    /// limit comes before the search. With multipliers of the lowered model if it has no integers.
+    pub(super) fn run(
+        &self,
+        control: &mut Control<'_>,
+    ) -> Result<(Found, Option<Derivatives>), Error> {
         let Some(lowered) = reformulate::lower_until(self.model, None, self.token)? else {
-            return Ok(self.stopped());
+            return Ok((self.stopped(), None));
         };
         let program = Program::assemble(lowered.model())?;
         let way_back = lowered.into_way_back();
@@ -40,14 +44,15 @@ impl Pipeline<'_> {
         };
         let presolved = match presolve(&program, rules, self.token)? {
             Presolve::Presolved(presolved) => presolved,
-            Presolve::Infeasible => return Ok(Found::infeasible()),
-            Presolve::Stopped => return Ok(self.stopped()),
+            Presolve::Infeasible => return Ok((Found::infeasible(), None)),
+            Presolve::Stopped => return Ok((self.stopped(), None)),
         };
         let postsolve = &presolved.postsolve;
         let guidance = self.guidance.presolved(postsolve, &program);
         let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..seed.clone() };
         let seed = self.seed.map(carried);
-        drop(program);
+        // Only multipliers need it from here on.
+        let continuous = program.integers.is_empty().then_some(program);
         let restore = |values: &[f64]| way_back.restore(&postsolve.point(values));
         let stage = Stage {
             model: self.model,
@@ -59,6 +64,10 @@ impl Pipeline<'_> {
             as_is,
         };
         let mut found = stage.run(control, seed.as_ref());
+        let optimal = found.points.first().filter(|_| found.termination == Termination::Optimal);
+        let derivatives = continuous.zip(optimal).and_then(|(program, values)| {
+            derivatives(&program, &presolved, &postsolve.point(values), self.token)
+        });
         found.points = found.points.iter().map(|values| restore(values)).collect();
         found.guess = match found.guess {
             Some(GuessEnd::Point(values)) => Some(GuessEnd::Point(restore(&values))),
@@ -75,7 +84,7 @@ impl Pipeline<'_> {
             other => other,
         };
         self.charge(presolved.rounding, &mut found)?;
-        Ok(found)
+        Ok((found, derivatives))
     }
 
     fn stopped(&self) -> Found {

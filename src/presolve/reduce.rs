@@ -78,6 +78,38 @@ impl Compressed {
 }
 
 impl Reduced {
+    /// All columns and rows of a program, integrality aside.
+    pub fn whole(program: &Program) -> Reduced {
+        let n = program.column_count();
+        let vectors = |starts: &[usize], index: &[usize], value: &[f64]| Compressed {
+            start: starts.to_vec(),
+            index: index.to_vec(),
+            value: value.to_vec(),
+        };
+        let mut quadratic = Compressed { start: vec![0], ..Compressed::default() };
+        for j in 0..n {
+            let (rows, values) = program.quadratic_column(j);
+            for (&i, &p) in rows.iter().zip(values).filter(|(i, _)| **i <= j) {
+                quadratic.index.push(i);
+                quadratic.value.push(p);
+            }
+            quadratic.start.push(quadratic.index.len());
+        }
+        let rows = program.rows.symbolic();
+        Reduced {
+            columns: (0..n).collect(),
+            values: program.lower.clone(),
+            quadratic,
+            linear: program.linear.clone(),
+            offset: program.offset,
+            rows: vectors(rows.row_ptr(), rows.col_idx(), program.rows.val()),
+            row_lower: program.row_lower.clone(),
+            row_upper: program.row_upper.clone(),
+            lower: program.lower.clone(),
+            upper: program.upper.clone(),
+        }
+    }
+
     /// Whether the objective is constant.
     pub fn is_feasibility_problem(&self) -> bool {
         self.quadratic.index.is_empty() && self.linear.iter().all(|&q| q == 0.0)

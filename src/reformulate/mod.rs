@@ -105,7 +105,9 @@ impl Lowered {
         let own = |v: Variable| (v.index() < self.original).then_some(v);
         let leaves = found.leaves().iter().map(|leaf| leaf.mapped(own)).collect();
         let solution = Solution::new(model, outcome, feasibility)?.with_leaves(leaves);
-        solution.with_pool(model, others, complete, feasibility)
+        let multipliers = found.multipliers().map(|multipliers| multipliers.of(model));
+        let solution = solution.with_pool(model, others, complete, feasibility)?;
+        Ok(solution.with_multipliers(multipliers))
     }
 
     /// Maps a point of the lowered model, one value per variable, to a point of the original: drops

@@ -6,6 +6,7 @@
 //! integrality and rows, and the meaning of indicators, disjunctions, logic and functions.
 
 mod leaves;
+mod multipliers;
 mod point;
 mod pool;
 mod statistics;
@@ -13,6 +14,7 @@ mod status;
 mod verification;
 
 pub use leaves::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
+pub use multipliers::Multipliers;
 pub use point::{Evaluate, Point};
 pub use pool::{Pool, PoolPoint};
 pub use statistics::{
@@ -46,6 +48,8 @@ pub struct Solution {
     leaves: Vec<LeafBox>,
     #[cfg_attr(feature = "serde", serde(default))]
     seed: Option<SeedReport>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    multipliers: Option<Multipliers>,
 }
 
 /// The result that a backend reports; [`Solution::new`] checks it against the model.
@@ -128,6 +132,7 @@ impl Solution {
             pool,
             leaves: Vec::new(),
             seed: None,
+            multipliers: None,
         })
     }
 
@@ -166,6 +171,39 @@ impl Solution {
     pub fn with_seed_report(mut self, report: Option<SeedReport>) -> Self {
         self.seed = report;
         self
+    }
+
+    /// Notes shadow prices and reduced costs; they are dropped unless the solution is optimal.
+    pub(crate) fn with_multipliers(mut self, multipliers: Option<Multipliers>) -> Self {
+        self.multipliers = multipliers.filter(|_| self.is_optimal());
+        self
+    }
+
+    /// Shadow prices of rows and reduced costs of variables.
+    ///
+    /// `None` unless the backend is [`BranchAndBound`](crate::branch_and_bound::BranchAndBound), the
+    /// solution is optimal, and neither the model nor its lowered form has integers. It is also `None`
+    /// if the multipliers do not pass their [check](Multipliers).
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("diet");
+    /// let bread = model.continuous("bread", 0.0, 10.0)?;
+    /// let cheese = model.continuous("cheese", 0.0, 10.0)?;
+    /// let energy = model.add("energy", (2.0 * bread + 4.0 * cheese).ge(12.0))?;
+    /// model.minimize(1.0 * bread + 3.0 * cheese)?;
+    ///
+    /// let solution = BranchAndBound::default().solve(&model)?;
+    /// let multipliers = solution.multipliers().expect("a linear program");
+    /// // One more unit of energy costs half a loaf; cheese is dearer than its energy by 1.
+    /// assert!((multipliers.shadow_price(energy)? - 0.5).abs() < 1e-6);
+    /// assert!((multipliers.reduced_cost(cheese)? - 1.0).abs() < 1e-6);
+    /// assert_eq!(multipliers.reduced_cost(bread)?, 0.0);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn multipliers(&self) -> Option<&Multipliers> {
+        self.multipliers.as_ref()
     }
 
     /// The best points found, with distinct values of the integer variables, best first. There are

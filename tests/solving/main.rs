@@ -15,6 +15,7 @@ mod free_shifts;
 mod guidance;
 mod invariance;
 mod limits;
+mod multipliers;
 mod oracle;
 mod search;
 mod stop_token;

@@ -1,0 +1,122 @@
+//! Multipliers of a continuous program: from a relaxation of the presolved program, back through
+//! presolve, and checked against the original one.
+
+use crate::presolve::Reduced;
+use crate::presolve::root::Presolved;
+use crate::program::Program;
+use crate::relaxation::{Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation};
+use crate::solver::StopToken;
+use crate::sum::Sum;
+use crate::tolerance;
+
+/// Reduced costs below this fraction of their largest term, and pressures of rows below this fraction
+/// of the largest one, are rounding (no unit).
+const ROUNDING: f64 = 1e-8;
+
+/// Multipliers of a program, as derivatives of its minimum: one a row and one a column.
+#[derive(Debug, Clone)]
+pub(super) struct Derivatives {
+    pub(super) rows: Vec<f64>,
+    pub(super) columns: Vec<f64>,
+}
+
+/// The multipliers at an optimal point of a program without integral columns, or `None` if they cannot
+/// be verified or the token is over.
+pub(super) fn derivatives(
+    program: &Program,
+    presolved: &Presolved,
+    point: &[f64],
+    token: &StopToken,
+) -> Option<Derivatives> {
+    if program.is_feasibility_problem() {
+        let (rows, columns) = (vec![0.0; program.row_count()], vec![0.0; program.column_count()]);
+        return Some(Derivatives { rows, columns });
+    }
+    let left = Reduced::whole(&presolved.program);
+    if left.columns.is_empty() {
+        return checked(program, presolved, point, &[], &vec![0.0; left.rows.len()]);
+    }
+    let mut methods: [(Box<dyn Relaxation>, u32); 2] =
+        [(Box::new(InteriorPoint::new()), 1), (Box::new(ClarabelRelaxation::new()), 10)];
+    methods.iter_mut().find_map(|(method, refinements)| {
+        let effort = Effort {
+            iterations: 200,
+            tolerance: 1e-11,
+            refinements: *refinements,
+            cutoff: f64::INFINITY,
+            token,
+        };
+        let answer = method.solve(&left, &effort);
+        let solved = answer.claim == Claim::Solved;
+        solved.then(|| checked(program, presolved, point, &answer.x, &answer.y))?
+    })
+}
+
+/// Restores multipliers of the presolved program, and checks them at a point of the original.
+fn checked(
+    program: &Program,
+    presolved: &Presolved,
+    point: &[f64],
+    x: &[f64],
+    y: &[f64],
+) -> Option<Derivatives> {
+    let mut y = presolved.restore(x, y).ok()?.y;
+    let activities: Vec<f64> = (0..y.len()).map(|row| activity(program, row, point)).collect();
+    drop_rounding(program, &activities, &mut y);
+    let mut excess = Sum::new(0.0);
+    for (row, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+        let room =
+            [activities[row] - program.row_lower[row], program.row_upper[row] - activities[row]];
+        excess.add_product(y.abs(), room[usize::from(y > 0.0)].abs());
+    }
+    let mut columns = Vec::with_capacity(point.len());
+    for (j, &value) in point.iter().enumerate() {
+        let (d, size) = reduced_cost(program, j, point, &y);
+        let d = if d.abs() <= ROUNDING * size { 0.0 } else { d };
+        let limit = if d > 0.0 { program.lower[j] } else { program.upper[j] };
+        if d != 0.0 {
+            excess.add_product(d.abs(), (value - limit).abs());
+        }
+        columns.push(d);
+    }
+    let allowed = tolerance::COMPLEMENTARITY * program.objective(point).abs().max(1.0);
+    // Not a number where a multiplier presses on a limit that is not there.
+    let rows = y.into_iter().map(|y| 0.0 - y).collect();
+    (excess.value() <= allowed).then_some(Derivatives { rows, columns })
+}
+
+/// Multipliers become 0 if they press on no limit, or are rounding and their row does not bind.
+fn drop_rounding(program: &Program, activities: &[f64], y: &mut [f64]) {
+    let size = |row: usize| program.row(row).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    let pressure: Vec<f64> = y.iter().enumerate().map(|(row, y)| y.abs() * size(row)).collect();
+    let largest = pressure.iter().fold(0.0_f64, |m, &p| m.max(p));
+    for (row, y) in y.iter_mut().enumerate() {
+        let limit = if *y > 0.0 { program.row_upper[row] } else { program.row_lower[row] };
+        let binds =
+            (activities[row] - limit).abs() <= tolerance::FEASIBILITY * limit.abs().max(1.0);
+        if limit.is_infinite() || (!binds && pressure[row] <= ROUNDING * largest) {
+            *y = 0.0;
+        }
+    }
+}
+
+fn activity(program: &Program, row: usize, x: &[f64]) -> f64 {
+    let (columns, values) = program.row(row);
+    let mut sum = Sum::new(0.0);
+    columns.iter().zip(values).for_each(|(&j, &a)| sum.add_product(a, x[j]));
+    sum.value()
+}
+
+/// `q + Px + A'y` of a column, and the largest of its terms.
+fn reduced_cost(program: &Program, column: usize, x: &[f64], y: &[f64]) -> (f64, f64) {
+    let mut sum = Sum::new(program.linear[column]);
+    let mut size = program.linear[column].abs();
+    let parts = [(program.quadratic_column(column), x), (program.column(column), y)];
+    for ((index, values), with) in parts {
+        for (&k, &a) in index.iter().zip(values) {
+            sum.add_product(a, with[k]);
+            size = size.max((a * with[k]).abs());
+        }
+    }
+    (sum.value(), size)
+}
