@@ -13,8 +13,9 @@
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--gap G`: relative gap at which to stop, 1e-6 by default
 //! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve`, `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`,
-//!   `diving`, `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be said several times
+//! * `--without PART`: leave out `presolve` or a part of it (`reductions`, `disjunctive-tightening`,
+//!   `big-m-tightening`), `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`, `diving`,
+//!   `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be given several times
 //! * `--with PART`: add a heuristic, or all `heuristics`
 //! * `--relaxation METHOD`: solve relaxations by `interior-point` (the default, with Clarabel if it
 //!   gives up) or by `clarabel` alone
@@ -204,7 +205,10 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             }
             "--node-limit" => arguments.options.node_limit = Some(number(&word, &value()?)?),
             "--without" => match value()?.as_str() {
-                "presolve" => arguments.options.presolve = false,
+                "presolve" => arguments.options = arguments.options.with_presolve(false),
+                "reductions" => arguments.options.reductions = false,
+                "disjunctive-tightening" => arguments.options.disjunctive_tightening = false,
+                "big-m-tightening" => arguments.options.big_m_tightening = false,
                 "probing" => arguments.options.probing = false,
                 "cuts" => arguments.options.cuts = false,
                 "blocks" => arguments.options.blocks = false,

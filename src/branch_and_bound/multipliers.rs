@@ -2,15 +2,15 @@
 //! presolve, and checked against the original one.
 
 use crate::presolve::Reduced;
-use crate::presolve::root::Presolved;
+use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
 use crate::program::Program;
-use crate::relaxation::{Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation};
+use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::StopToken;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// Reduced costs below this fraction of their largest term, and pressures of rows below this fraction
-/// of the largest one, are rounding (no unit).
+/// Reduced costs, and pressures of rows on columns, below this fraction of the largest coefficient of
+/// the objective or of their own terms are rounding (no unit).
 const ROUNDING: f64 = 1e-8;
 
 /// Multipliers of a program, as derivatives of its minimum: one a row and one a column.
@@ -26,29 +26,32 @@ pub(super) fn derivatives(
     program: &Program,
     presolved: &Presolved,
     point: &[f64],
+    ladder: &mut Ladder,
     token: &StopToken,
 ) -> Option<Derivatives> {
     if program.is_feasibility_problem() {
         let (rows, columns) = (vec![0.0; program.row_count()], vec![0.0; program.column_count()]);
         return Some(Derivatives { rows, columns });
     }
+    // An interior-point method wants an interior.
+    let small = &presolved.program;
+    let anew = if small.lower.iter().zip(&small.upper).any(|(lower, upper)| lower == upper) {
+        Some(presolve(program, &Rule::ALL, token).ok()?)
+    } else {
+        None
+    };
+    let presolved = match &anew {
+        Some(Presolve::Presolved(presolved)) => presolved,
+        Some(_) => return None,
+        None => presolved,
+    };
     let left = Reduced::whole(&presolved.program);
     if left.columns.is_empty() {
         return checked(program, presolved, point, &[], &vec![0.0; left.rows.len()]);
     }
-    let mut methods: [(Box<dyn Relaxation>, u32); 2] =
-        [(Box::new(InteriorPoint::new()), 1), (Box::new(ClarabelRelaxation::new()), 10)];
-    methods.iter_mut().find_map(|(method, refinements)| {
-        let effort = Effort {
-            iterations: 200,
-            tolerance: 1e-11,
-            refinements: *refinements,
-            cutoff: f64::INFINITY,
-            token,
-        };
-        let answer = method.solve(&left, &effort);
-        let solved = answer.claim == Claim::Solved;
-        solved.then(|| checked(program, presolved, point, &answer.x, &answer.y))?
+    ladder.solve_until(&left, Purpose::Multipliers, token, |result| {
+        let solved = result.claim == Claim::Solved;
+        solved.then(|| checked(program, presolved, point, &result.x, &result.y))?
     })
 }
 
@@ -62,7 +65,9 @@ fn checked(
 ) -> Option<Derivatives> {
     let mut y = presolved.restore(x, y).ok()?.y;
     let activities: Vec<f64> = (0..y.len()).map(|row| activity(program, row, point)).collect();
-    drop_rounding(program, &activities, &mut y);
+    let costs = program.linear.iter().chain(program.quadratic.val());
+    let scale = costs.fold(0.0_f64, |m, c| m.max(c.abs()));
+    drop_rounding(program, &activities, scale, &mut y);
     let mut excess = Sum::new(0.0);
     for (row, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
         let room =
@@ -72,7 +77,7 @@ fn checked(
     let mut columns = Vec::with_capacity(point.len());
     for (j, &value) in point.iter().enumerate() {
         let (d, size) = reduced_cost(program, j, point, &y);
-        let d = if d.abs() <= ROUNDING * size { 0.0 } else { d };
+        let d = if d.abs() <= ROUNDING * size.max(scale) { 0.0 } else { d };
         let limit = if d > 0.0 { program.lower[j] } else { program.upper[j] };
         if d != 0.0 {
             excess.add_product(d.abs(), (value - limit).abs());
@@ -86,15 +91,13 @@ fn checked(
 }
 
 /// Multipliers become 0 if they press on no limit, or are rounding and their row does not bind.
-fn drop_rounding(program: &Program, activities: &[f64], y: &mut [f64]) {
+fn drop_rounding(program: &Program, activities: &[f64], scale: f64, y: &mut [f64]) {
     let size = |row: usize| program.row(row).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-    let pressure: Vec<f64> = y.iter().enumerate().map(|(row, y)| y.abs() * size(row)).collect();
-    let largest = pressure.iter().fold(0.0_f64, |m, &p| m.max(p));
     for (row, y) in y.iter_mut().enumerate() {
         let limit = if *y > 0.0 { program.row_upper[row] } else { program.row_lower[row] };
         let binds =
             (activities[row] - limit).abs() <= tolerance::FEASIBILITY * limit.abs().max(1.0);
-        if limit.is_infinite() || (!binds && pressure[row] <= ROUNDING * largest) {
+        if limit.is_infinite() || (!binds && y.abs() * size(row) <= ROUNDING * scale) {
             *y = 0.0;
         }
     }

@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::presolve::root::{Presolve, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate;
+use crate::relaxation::Ladder;
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
 use crate::solution::{Point, Termination};
 use crate::solver::{Control, Options, StopToken};
@@ -36,7 +37,7 @@ impl Pipeline<'_> {
         let program = Program::assemble(lowered.model())?;
         let way_back = lowered.into_way_back();
         let as_is = self.is_about_columns();
-        let rules: &[Rule] = match self.options.presolve && !as_is {
+        let rules: &[Rule] = match self.options.reductions && !as_is {
             false => &[],
             // Nothing that is known may be reduced away.
             true if self.seed.is_some() || self.guidance.proposes() => &Rule::FAITHFUL,
@@ -66,7 +67,9 @@ impl Pipeline<'_> {
         let mut found = stage.run(control, seed.as_ref());
         let optimal = found.points.first().filter(|_| found.termination == Termination::Optimal);
         let derivatives = continuous.zip(optimal).and_then(|(program, values)| {
-            derivatives(&program, &presolved, &postsolve.point(values), self.token)
+            let mut ladder = Ladder::new(self.options.relaxation);
+            let point = postsolve.point(values);
+            derivatives(&program, &presolved, &point, &mut ladder, self.token)
         });
         found.points = found.points.iter().map(|values| restore(values)).collect();
         found.guess = match found.guess {

@@ -83,11 +83,18 @@ impl Stage<'_> {
         };
         let make = || Ladder::new(options.relaxation);
         let mut ladder = make();
-        let tightens = options.presolve && !self.as_is;
         let exact = program;
-        let boxed = if tightens { tighten_by_disjunctions(program, token) } else { None };
+        let boxed = if options.disjunctive_tightening && !self.as_is {
+            tighten_by_disjunctions(program, token)
+        } else {
+            None
+        };
         let program = boxed.as_ref().unwrap_or(program);
-        let tight = if tightens { tighten_big_ms(program, token) } else { None };
+        let tight = if options.big_m_tightening && !self.as_is {
+            tighten_big_ms(program, token)
+        } else {
+            None
+        };
         let program = tight.as_ref().unwrap_or(program);
         let cut = if options.cuts && !self.as_is {
             strengthen(program, token, &mut ladder)

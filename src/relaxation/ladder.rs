@@ -36,6 +36,8 @@ pub enum Purpose {
     Bound,
     /// A direction in which the objective may fall without limit.
     Direction,
+    /// Multipliers for the user.
+    Multipliers,
 }
 
 /// Who is asked.
@@ -69,6 +71,7 @@ fn attempts(purpose: Purpose) -> &'static [Attempt] {
         Purpose::Separation => &[(Last, 60, 1e-8, 1)],
         Purpose::Bound => &[(Last, 100, 1e-9, 2)],
         Purpose::Direction => &[(Last, 200, 1e-9, 10)],
+        Purpose::Multipliers => &[(First, 200, 1e-11, 1), (Last, 200, 1e-11, 10)],
     }
 }
 
@@ -218,6 +221,20 @@ impl Ladder {
         token: &StopToken,
     ) -> RelaxationResult {
         self.ask(self.attempts(purpose)[0], program, f64::INFINITY, token, None)
+    }
+
+    /// Solves a program with one attempt of a purpose after the other until a result is accepted.
+    pub fn solve_until<T>(
+        &mut self,
+        program: &Reduced,
+        purpose: Purpose,
+        token: &StopToken,
+        mut accept: impl FnMut(RelaxationResult) -> Option<T>,
+    ) -> Option<T> {
+        let attempts = self.attempts(purpose).iter();
+        attempts
+            .copied()
+            .find_map(|attempt| accept(self.ask(attempt, program, f64::INFINITY, token, None)))
     }
 
     /// Solves the program of a node and verifies what the methods claim, trying harder while the

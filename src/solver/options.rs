@@ -33,7 +33,9 @@ use crate::tolerance;
 /// | `relaxation` | [`RelaxationMethod`] | `InteriorPoint` | `InteriorPoint` | `InteriorPoint` | benchmarks, *Relaxations by either method* |
 /// | `symmetry` | on or off | off | off | off | decisions, *Symmetry* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
-/// | `presolve` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
+/// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
+/// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
+/// | `big_m_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `probing` | on or off | on | on | on | decisions, *Probing at every node* |
 /// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
 /// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
@@ -96,10 +98,18 @@ pub struct Options {
     /// Whether the search learns no-goods over bounds of integers from nodes and trials that
     /// propagation refutes; default off. Each thread learns separately.
     pub conflicts: bool,
-    /// Whether the program is presolved before the search; default on. Not used if a pool or leaves
+    /// Whether presolve reduces the program before the search: its rules remove rows and columns,
+    /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves
     /// are kept, if a seed has leaves, or if guidance has a branching rule, because these refer to
     /// the original columns. Guesses, proposed points and priorities are mapped through it.
-    pub presolve: bool,
+    pub reductions: bool,
+    /// Whether presolve tightens bounds by propagating every case of a covering row
+    /// `z_1 + ... + z_k >= 1` (constructive disjunction); default on. Left
+    /// out for pools, leaves and splits, as reductions are.
+    pub disjunctive_tightening: bool,
+    /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on. Left
+    /// out for pools, leaves and splits, as reductions are.
+    pub big_m_tightening: bool,
     /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
     /// the nodes, to exclude values before a relaxation is solved; default on.
     pub probing: bool,
@@ -146,7 +156,9 @@ impl Default for Options {
             relaxation: RelaxationMethod::InteriorPoint,
             symmetry: false,
             conflicts: false,
-            presolve: true,
+            reductions: true,
+            disjunctive_tightening: true,
+            big_m_tightening: true,
             probing: true,
             blocks: true,
             cuts: true,
@@ -225,8 +237,12 @@ impl Options {
         with_symmetry(symmetry: bool) => symmetry = symmetry;
         /// Sets whether the search learns from conflicts.
         with_conflicts(conflicts: bool) => conflicts = conflicts;
-        /// Sets whether the program is presolved before the search.
-        with_presolve(presolve: bool) => presolve = presolve;
+        /// Sets whether presolve reduces the program.
+        with_reductions(reductions: bool) => reductions = reductions;
+        /// Sets whether presolve tightens bounds by the cases of covering rows.
+        with_disjunctive_tightening(tightening: bool) => disjunctive_tightening = tightening;
+        /// Sets whether presolve shrinks big-Ms by pairs of rows.
+        with_big_m_tightening(tightening: bool) => big_m_tightening = tightening;
         /// Sets whether binaries are probed.
         with_probing(probing: bool) => probing = probing;
         /// Sets whether parts without a common row are searched one after the other.
@@ -235,6 +251,16 @@ impl Options {
         with_cuts(cuts: bool) => cuts = cuts;
         /// Sets the primal heuristics.
         with_heuristics(heuristics: Heuristics) => heuristics = heuristics;
+    }
+
+    /// Sets whether the program is presolved before the search: sets
+    /// [`reductions`](Self::reductions), [`disjunctive_tightening`](Self::disjunctive_tightening) and
+    /// [`big_m_tightening`](Self::big_m_tightening) together.
+    #[must_use]
+    pub fn with_presolve(self, presolve: bool) -> Self {
+        self.with_reductions(presolve)
+            .with_disjunctive_tightening(presolve)
+            .with_big_m_tightening(presolve)
     }
 
     /// Refuses values outside their ranges; every backend calls it first.

@@ -59,8 +59,7 @@ proptest! {
     fn points_that_were_met_are_points(case in case(Shape::BOUNDED), size in 2..=5_usize) {
         let (model, _) = case.build();
         // Pools are searched for in the program as it is.
-        let mut options = Options::default();
-        options.presolve = false;
+        let options = Options::default().with_presolve(false);
         let plain = BranchAndBound::new(options.clone()).solve(&model).unwrap();
         let options = options.with_pool(size, PoolMode::Found);
         let solution = BranchAndBound::new(options).solve(&model).unwrap();
