@@ -27,8 +27,8 @@ pub const RELATIVE_GAP: f64 = 1e-6;
 /// Default absolute gap `incumbent - bound` at which a search stops, in the objective's unit.
 pub const ABSOLUTE_GAP: f64 = 1e-7;
 
-/// Most that the products of multipliers with the distances to the limits that they press on may add
-/// up to, relative to the objective (no unit; the objective counts as at least 1).
+/// Largest distance between the optimal objective and the bound that its multipliers prove, relative to
+/// the objective (no unit; an objective below 1 counts as 1).
 pub const COMPLEMENTARITY: f64 = 1e-6;
 
 /// Relative width by which a propagated bound of a continuous variable is loosened, so that

@@ -63,20 +63,23 @@ fn checked(
     x: &[f64],
     y: &[f64],
 ) -> Option<Derivatives> {
-    let mut y = presolved.restore(x, y).ok()?.y;
-    let activities: Vec<f64> = (0..y.len()).map(|row| activity(program, row, point)).collect();
+    let restored = presolved.restore(x, y).ok()?;
+    let (x, mut y) = (restored.x, restored.y);
+    let activities: Vec<f64> = (0..y.len()).map(|row| activity(program, row, &x)).collect();
     let costs = program.linear.iter().chain(program.quadratic.val());
     let scale = costs.fold(0.0_f64, |m, c| m.max(c.abs()));
     drop_rounding(program, &activities, scale, &mut y);
-    let mut excess = Sum::new(0.0);
+    // How far the point is above the bound that the pair of `x` and `y` proves.
+    let mut excess = Sum::new(program.objective(point));
+    excess.add(-program.objective(&x));
     for (row, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
         let room =
             [activities[row] - program.row_lower[row], program.row_upper[row] - activities[row]];
         excess.add_product(y.abs(), room[usize::from(y > 0.0)].abs());
     }
-    let mut columns = Vec::with_capacity(point.len());
-    for (j, &value) in point.iter().enumerate() {
-        let (d, size) = reduced_cost(program, j, point, &y);
+    let mut columns = Vec::with_capacity(x.len());
+    for (j, &value) in x.iter().enumerate() {
+        let (d, size) = reduced_cost(program, j, &x, &y);
         let d = if d.abs() <= ROUNDING * size.max(scale) { 0.0 } else { d };
         let limit = if d > 0.0 { program.lower[j] } else { program.upper[j] };
         if d != 0.0 {

@@ -17,11 +17,10 @@ use crate::model::{Constraint, Model, ModelTag, Variable};
 /// If the optimum is degenerate, the derivatives to both sides differ, and a multiplier is one of the
 /// numbers between them.
 ///
-/// [`BranchAndBound`](crate::branch_and_bound::BranchAndBound) computes them from a relaxation,
-/// carries them back through presolve, and checks them against the model's rows before it gives them:
-/// their signs are right, and the products of all multipliers with the distances to the limits that
-/// they press on add up to at most [`tolerance::COMPLEMENTARITY`](crate::tolerance::COMPLEMENTARITY)
-/// of the objective.
+/// [`BranchAndBound`](crate::branch_and_bound::BranchAndBound) computes them from a relaxation, carries
+/// them back through presolve, and checks them before it gives them: their signs are right, and the
+/// bound that they prove is within [`tolerance::COMPLEMENTARITY`](crate::tolerance::COMPLEMENTARITY) of
+/// the objective.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Multipliers {
