@@ -13,7 +13,7 @@ pub const INFINITE: f64 = 1e20;
 /// Default feasibility tolerance of rows and bounds, in the row's own unit, absolute.
 ///
 /// A point satisfies `l <= a'x <= u` if it violates the row by at most this plus the rounding of
-/// its values, see [`allowed_miss`]. Range `1e-9..=1e-3`.
+/// its values, [`ROUNDING`] times the sum of its terms' magnitudes. Range `1e-9..=1e-3`.
 pub const FEASIBILITY: f64 = 1e-6;
 
 /// Default distance to the nearest integer at which a relaxed value counts as integral
@@ -109,19 +109,12 @@ pub const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// * `feasibility`: the absolute tolerance, in the row's unit.
 /// * `magnitude`: the sum of `|a_j x_j|` and of the limit's magnitude, in the row's unit; 0 for a
 ///   row of integers with whole coefficients, which has no rounding.
-///
-/// ```
-/// use carom::tolerance::{FEASIBILITY, allowed_miss};
-///
-/// assert!(allowed_miss(FEASIBILITY, 1e6) < 1.001 * FEASIBILITY);
-/// assert!(allowed_miss(FEASIBILITY, 1e11) < 1e-4);
-/// ```
-pub fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
+pub(crate) fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
     feasibility + ROUNDING * magnitude
 }
 
 /// The factor by which margins that only loosen something grow: one thousandth of the largest
-/// magnitude, but at least 1. It is far above [`allowed_miss`], so reach sets contain every
+/// magnitude, but at least 1. It is far above `allowed_miss`, so reach sets contain every
 /// accepted plan.
 ///
 /// # Arguments
@@ -131,4 +124,15 @@ pub fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
 pub(crate) fn margin_scale(largest_term: f64, limit: f64) -> f64 {
     let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
     (largest_term.max(limit) * 1e-3).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FEASIBILITY, allowed_miss};
+
+    #[test]
+    fn only_rounding_grows_with_the_terms() {
+        assert!(allowed_miss(FEASIBILITY, 1e6) < 1.001 * FEASIBILITY);
+        assert!(allowed_miss(FEASIBILITY, 1e11) < 1e-4);
+    }
 }
