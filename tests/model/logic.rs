@@ -280,6 +280,33 @@ fn what_is_refused() {
     );
 }
 
+/// A formula inside so many alternating levels of `&` and `|`.
+fn nested(logic: &Logic, levels: u32, v: &[Variable]) -> Logic {
+    let wrap = |inside, level| if level % 2 == 0 { inside & v[0] } else { inside | v[1] };
+    (0..levels).fold(logic.clone(), wrap)
+}
+
+#[test]
+fn chains_stay_flat_and_deep_formulas_are_refused() {
+    let (mut model, b) = binaries(2);
+    let (mut or, mut xor, mut not) = (b[0] | b[1], b[0].xor(b[1]), Logic::from(b[0]));
+    for _ in 0..20_000 {
+        or = or | b[0];
+        not = !not;
+    }
+    for _ in 0..500 {
+        xor = xor.xor(b[1]);
+    }
+    let limit = 100;
+    for (logic, depth) in [(or, 2), (xor, 2), (not, 1)] {
+        model.clone().add("deep", nested(&logic, limit - depth, &b)).unwrap();
+        let error = model.add("deep", nested(&logic, limit - depth + 1, &b)).unwrap_err();
+        assert_eq!(error, Error::from(ErrorKind::TooDeep { name: "deep".into(), limit }));
+    }
+    let error = model.add("deep", nested(&b[0].into(), 40_000, &b)).unwrap_err();
+    assert_eq!(error, Error::from(ErrorKind::TooDeep { name: "deep".into(), limit }));
+}
+
 /// The text form shows what was written.
 #[test]
 fn texts() {

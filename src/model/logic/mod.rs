@@ -203,31 +203,3 @@ pub fn exactly<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) ->
     let of = of.into_iter().map(T::into).collect();
     Node::Count { at_least: count, at_most: count, of }.into()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::error::{Error, ErrorKind};
-    use crate::model::Model;
-
-    #[test]
-    fn chains_stay_flat_and_deep_formulas_are_refused() {
-        let mut model = Model::new("m");
-        let b = model.binary_family("b", 2).unwrap();
-        let (mut or, mut xor, mut not) = (b[0] | b[1], b[0].xor(b[1]), Logic::from(b[0]));
-        for _ in 0..20_000 {
-            or = or | b[0];
-            not = !not;
-        }
-        for _ in 0..500 {
-            xor = xor.xor(b[1]);
-        }
-        assert_eq!((or.depth, xor.depth, not.depth), (2, 2, 1));
-        let mut nested = Logic::from(b[0]);
-        for _ in 0..20_000 {
-            nested = (nested & b[0]) | b[1];
-        }
-        let error = model.add("deep", nested).unwrap_err();
-        assert_eq!(error, Error::from(ErrorKind::TooDeep { name: "deep".into(), limit: DEEPEST }));
-    }
-}

@@ -132,27 +132,3 @@ fn word_length(text: &str) -> usize {
     }
     text.len()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn texts(text: &str) -> Vec<&str> {
-        let pieces = pieces(text).unwrap();
-        pieces.iter().map(|piece| piece.token.text).collect()
-    }
-
-    #[test]
-    fn words_numbers_and_symbols() {
-        assert_eq!(texts("3x1+2.5e-3y"), ["3", "x1", "+", "2.5e-3", "y", ""]);
-        assert_eq!(texts("x<-5"), ["x", "<", "-", "5", ""]);
-        assert_eq!(texts("z=1->x=>.5"), ["z", "=", "1", "->", "x", "=>", ".5", ""]);
-        assert_eq!(
-            texts("[x[1]^2+y*z]/2"),
-            ["[", "x[1]", "^", "2", "+", "y", "*", "z", "]", "/", "2", ""]
-        );
-        assert_eq!(texts("3e 2e+ 1.e5 1.x"), ["3", "e", "2", "e", "+", "1.e5", "1.", "x", ""]);
-        assert_eq!(texts("a \\ b\n\tc\r\n"), ["a", "c", ""]);
-        assert_eq!(texts("höhe\u{a0}.x s.t."), ["höhe", ".x", "s.t.", ""]);
-    }
-}

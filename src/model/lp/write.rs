@@ -223,20 +223,3 @@ fn bound(variable: &VariableRef<'_>, column: &str) -> Option<String> {
         _ => None,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::Affine;
-
-    #[test]
-    fn long_rows_are_broken_before_signs() {
-        let mut model = Model::new("");
-        let x = model.continuous_family("long_name", 20, 0.0, 1.0).unwrap();
-        let sum: Affine = x.iter().map(|v| 0.5 * v).sum();
-        model.add("sum", sum.le(1.0)).unwrap();
-        let text = text(&model).unwrap();
-        assert!(text.lines().all(|line| line.chars().count() <= WIDTH + 10), "{text}");
-        assert!(text.contains("\n  + 0.5 long_name{"), "{text}");
-    }
-}

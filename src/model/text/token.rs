@@ -83,34 +83,3 @@ pub(crate) fn split<'a>(line_text: &'a str, line: usize, tokens: &mut Vec<Token<
         rest = &rest[end..];
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn tokens(line: &str) -> Vec<Token<'_>> {
-        let mut tokens = Vec::new();
-        split(line, 3, &mut tokens);
-        tokens
-    }
-
-    #[test]
-    fn columns_count_characters() {
-        let found = tokens("  höhe\u{a0}x  y ");
-        let texts: Vec<_> = found.iter().map(|t| t.text).collect();
-        assert_eq!(texts, ["höhe", "x", "y"]);
-        assert_eq!(found[2].error("here").to_string(), "line 3, column 11: here");
-    }
-
-    #[test]
-    fn numbers() {
-        let value = |text: &'static str| tokens(text)[0].number();
-        assert_eq!(value("-1.5D+02"), Ok(-150.0));
-        assert_eq!(value("1.e1"), Ok(10.0));
-        assert_eq!(value("Infinity"), Ok(f64::INFINITY));
-        assert_eq!(value("-1e30"), Ok(f64::NEG_INFINITY));
-        assert!(value("nan").is_err());
-        assert!(value("1,5").is_err());
-        assert!(tokens("1e31")[0].finite().is_err());
-    }
-}

@@ -247,3 +247,27 @@ fn line_ends_marks_and_tabs() {
     assert_eq!(model.to_string(), "minimize x\nsubject to\n  c: x >= 1\nwhere\n  x >= 0\n");
     assert_eq!(error("").split(':').next(), Some("line 1, column 1"));
 }
+
+/// Tokens end where the next one begins, with or without white space in between.
+#[test]
+fn words_numbers_and_symbols() {
+    assert_eq!(row("r: 3x1+2.5e-3y>=1"), "r: 0.0025 y + 3 x1 >= 1");
+    assert_eq!(row("r: x<-5"), "r: x <= -5");
+    assert_eq!(row("r: z=1->x=>.5\nbin z"), "r: z = 1 implies x >= 0.5");
+    assert_eq!(row("r: 3e +2e+ 1.e5 y+1.x>=0"), "r: x + 100000 y + 5 e >= 0");
+
+    let objective = |text: &str| lp::read(&format!("min {text} st end")).map(|m| m.to_string());
+    let (tight, spaced) = ("[x[1]^2+y*z]/2", "[ x[1] ^ 2 + y * z ] / 2");
+    assert_eq!(objective(tight), objective(spaced));
+    let squares = ["[x[1]^2+y*z+y^2+z^2]/2", "[ x[1] ^ 2 + y * z + y ^ 2 + z ^ 2 ] / 2"];
+    let [tight, spaced] = squares.map(|text| objective(text).unwrap());
+    assert_eq!(tight, spaced);
+    assert!(tight.starts_with("minimize 0.5 x[1]^2 + "), "{tight}");
+
+    let names = |text: &str| {
+        let model = read(&format!("min bin {text} end"));
+        model.variables().map(|v| v.name().to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(names("a \\ b\n\tc\r\n"), ["a", "c"]);
+    assert_eq!(names("höhe\u{a0}.x s.t."), ["höhe", ".x"]);
+}

@@ -123,3 +123,14 @@ fn rows_named_like_halves() {
     assert!(text.contains(" r%25ge: x >= 0.25\n r%25le: x <= 0.75\n"), "{text}");
     assert_same(&model, &read(&text));
 }
+
+#[test]
+fn long_rows_are_broken_before_signs() {
+    let mut model = Model::new("");
+    let x = model.continuous_family("long_name", 20, 0.0, 1.0).unwrap();
+    let sum: Affine = x.iter().map(|v| 0.5 * v).sum();
+    model.add("sum", sum.le(1.0)).unwrap();
+    let text = lp::write(&model).unwrap();
+    assert!(text.lines().all(|line| line.chars().count() <= 110), "{text}");
+    assert!(text.contains("\n  + 0.5 long_name{"), "{text}");
+}

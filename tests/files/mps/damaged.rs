@@ -1,6 +1,6 @@
 //! Damaged files: every error with its line and column.
 
-use super::{error, with};
+use super::{error, read, with};
 
 #[test]
 fn errors_name_line_and_column() {
@@ -225,4 +225,13 @@ fn errors_in_indicators() {
             "line 16, column 5: row `most` already has a condition, given in line 15",
         ),
     ]);
+}
+
+#[test]
+fn columns_count_characters() {
+    let text =
+        |value: char| format!("ROWS\n N c\n L x\nCOLUMNS\n  höhe\u{a0}x  {value} \nENDATA\n");
+    let model = read(&text('2'));
+    assert!(model.to_string().contains("  x: 2 höhe <= 0\n"), "{model}");
+    assert_eq!(error(&text('y')), "line 5, column 11: `y` is not a number");
 }

@@ -226,3 +226,19 @@ fn unusual_names() {
     );
     assert_same(&model, &read(&mps::write(&model).unwrap()));
 }
+
+#[test]
+fn numbers() {
+    let lower = |text: &str| bounds(&read(&with(&format!("BOUNDS\n LO B x {text}\n"))), "x").1;
+    assert_eq!(lower("-1.5D+02"), -150.0);
+    assert_eq!(lower("1.e1"), 10.0);
+    assert_eq!(lower("-1e30"), f64::NEG_INFINITY);
+    // Without this, it is 1.
+    assert_eq!(bounds(&read(&with("BOUNDS\n UP B k Infinity\n")), "k").2, f64::INFINITY);
+    for text in ["nan", "1,5"] {
+        let message = error(&with(&format!("BOUNDS\n LO B x {text}\n")));
+        assert!(message.ends_with(&format!("`{text}` is not a number")), "{message}");
+    }
+    let message = error("ROWS\n N c\nCOLUMNS\n x c 1e31\nENDATA\n");
+    assert!(message.contains("`1e31` counts as infinite"), "{message}");
+}
