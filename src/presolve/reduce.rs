@@ -11,8 +11,8 @@ use super::parallel::{Patterns, ratio};
 use crate::program::Program;
 use crate::sum::Sum;
 
-/// Columns closer together than this (relative to their magnitude, at least 1) count as fixed;
-/// row sides implied up to this margin count as implied.
+/// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
+/// implied up to this margin count as implied.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.
@@ -432,7 +432,7 @@ impl Reducer {
             if *lower - *upper > CROSSED * scale {
                 return Err(Contradiction);
             }
-            if *upper - *lower <= NEGLIGIBLE * scale {
+            if *upper - *lower <= NEGLIGIBLE.max(4.0 * f64::EPSILON * scale) {
                 let middle = 0.5 * (*lower + *upper);
                 (*lower, *upper) = (middle, middle);
             }

@@ -91,12 +91,15 @@ fn tighten(work: &mut Work, row: usize) -> bool {
     }
     let old = work.rows[row].clone();
     let whole = old.iter().all(|&(j, a)| work.integral[j] && is_whole(a)) && is_whole(limit);
-    let margin = if whole { 0.0 } else { MARGIN * (range.scale * old.len() as f64) };
+    let scale = range.scale * old.len() as f64;
+    // Limits are rounded to their last digit each time; whole numbers are not.
+    let (margin, rounding) =
+        if whole { (0.0, 0.0) } else { (MARGIN * scale, 2.0 * f64::EPSILON * scale) };
     let mut entries = old.clone();
     let mut changed = false;
     for (j, value) in &mut entries {
         let is_binary = work.integral[*j] && work.lower[*j] == 0.0 && work.upper[*j] == 1.0;
-        changed |= is_binary && side.shrink(value, margin, 0.0);
+        changed |= is_binary && side.shrink(value, margin, rounding);
     }
     if !changed {
         return false;
