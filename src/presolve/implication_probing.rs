@@ -23,7 +23,7 @@ const NOTED: usize = 2_000_000;
 ///
 /// # Errors
 ///
-/// The [`Conflict`] that proves the domain empty.
+/// The `Conflict` that proves the domain empty.
 pub fn probe_implications(
     program: &Program,
     domain: &mut Domain,

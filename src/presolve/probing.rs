@@ -103,7 +103,7 @@ pub struct Trials {
 ///
 /// # Errors
 ///
-/// The [`Conflict`] that proves the domain empty.
+/// The `Conflict` that proves the domain empty.
 pub fn probe(
     program: &Program,
     domain: &mut Domain,
@@ -123,7 +123,7 @@ pub fn probe(
 ///
 /// # Errors
 ///
-/// The [`Conflict`] that proves the domain empty.
+/// The `Conflict` that proves the domain empty.
 pub(crate) fn probe_again(
     program: &Program,
     domain: &mut Domain,

@@ -133,7 +133,7 @@ fn next_impact(gap: f64, rate: f64, acceleration: f64) -> Option<(f64, f64)> {
     Some((time, speed))
 }
 
-/// Replays a plan in continuous time; see the [module page](self).
+/// Replays a plan in continuous time; see [`simulate`](crate::hybrid::simulate).
 ///
 /// In the step-by-step comparison, impacts within [`tolerance::CONTACT_TIE`] of the wall happen in
 /// the step in which the plan has them.

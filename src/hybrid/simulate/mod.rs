@@ -3,9 +3,9 @@
 //! They work in `f64` and share no code with the rows of the contact laws, so they check plans
 //! independently:
 //!
-//! * [`discrete`] runs the same discrete law open loop from the first sample and decides contacts
+//! * [`replay_discrete`] runs the same discrete law open loop from the first sample and decides contacts
 //!   itself;
-//! * [`continuous`] runs the physics behind the law: accelerations are held over each step, and
+//! * [`replay_continuous`] runs the physics behind the law: accelerations are held over each step, and
 //!   impacts are located inside it.
 
 pub(crate) mod continuous;
