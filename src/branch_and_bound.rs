@@ -1,10 +1,4 @@
 //! The default backend: the whole pipeline, one function per step.
-//!
-//! * `pipeline` - lower, assemble, presolve, search, restore
-//! * `stage` - cuts and search after presolve
-//! * `blocks` - independent blocks, one after the other
-//! * `multipliers` - shadow prices and reduced costs of programs without integers
-//! * `seeding` - seeds and leaves: from variables to columns, and back
 
 mod blocks;
 mod multipliers;

@@ -8,7 +8,6 @@ use crate::model::{Model, Name, statements};
 /// The statements of a model that are in question, by family. Positions are those of
 /// [`statements`].
 pub(super) struct Groups {
-    /// All statements' names.
     pub(super) names: Vec<Name>,
     /// The families, in the order of their first statements.
     pub(super) families: Vec<Family>,

@@ -49,7 +49,6 @@ pub(super) struct Oracle<'a> {
     /// Statements by the names that verifications use.
     places: HashMap<String, Vec<usize>>,
     pub(super) known: Vec<Known>,
-    /// Solves so far.
     pub(super) solves: usize,
     /// Parts refuted by propagation and probing alone.
     pub(super) propagations: usize,

@@ -303,7 +303,6 @@ impl Model {
         result
     }
 
-    /// Whether a statement has this name.
     pub(crate) fn has_statement(&self, name: &Name) -> bool {
         self.statement_names.get(name).is_some()
     }

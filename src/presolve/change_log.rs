@@ -6,7 +6,6 @@
 /// Blocks of rows; as many as a word has bits.
 const BLOCKS: usize = 128;
 
-/// A set of blocks.
 pub(super) type Blocks = u128;
 
 /// When each block of rows changed, and which blocks propagation visits.
@@ -40,7 +39,6 @@ impl ChangeLog {
         self.visited |= 1 << self.block(row);
     }
 
-    /// The block of a row, as a set.
     pub(super) fn blocks_of(&self, row: usize) -> Blocks {
         1 << self.block(row)
     }

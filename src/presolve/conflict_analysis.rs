@@ -48,7 +48,6 @@ pub(super) struct Sources<'a> {
     pub(super) entries: &'a [Entry],
     pub(super) implications: &'a Implications,
     pub(super) no_goods: &'a NoGoods,
-    /// The cutoff in force.
     pub(super) cutoff: f64,
 }
 

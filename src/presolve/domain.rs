@@ -111,7 +111,6 @@ impl Domain {
         self.trail[position]
     }
 
-    /// All bounds.
     pub(super) fn all(&self) -> &[[f64; 2]] {
         &self.bounds
     }

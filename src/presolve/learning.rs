@@ -24,7 +24,6 @@ const SELDOM: u64 = 50;
 #[derive(Debug, Clone)]
 struct Account {
     credit: i64,
-    /// Conflicts seen.
     conflicts: u64,
     /// What no-goods had brought when it was last booked.
     booked: u64,

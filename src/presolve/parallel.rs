@@ -46,7 +46,6 @@ impl Patterns {
         std::iter::successors(vector(self.last[bucket]), move |&k| vector(self.before[k]))
     }
 
-    /// Adds a vector to a bucket.
     pub(super) fn insert(&mut self, vector: usize, bucket: usize) {
         if self.before.len() <= vector {
             self.before.resize(vector + 1, NONE);

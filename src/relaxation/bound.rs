@@ -286,7 +286,6 @@ pub(super) fn is_equality(program: &Reduced, row: usize) -> bool {
     program.row_lower[row] == program.row_upper[row]
 }
 
-/// Largest coefficient of a row.
 pub(super) fn largest(program: &Reduced, row: usize) -> f64 {
     program.rows.vector(row).1.iter().fold(f64::MIN_POSITIVE, |m, a| m.max(a.abs()))
 }

@@ -144,7 +144,6 @@ pub enum Verdict {
     Descent,
     /// A proved bound and a point, not necessarily optimal.
     Relaxed {
-        /// The proved bound.
         bound: f64,
         /// The point, one entry a reduced column.
         x: Vec<f64>,

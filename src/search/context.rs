@@ -97,7 +97,6 @@ impl<'a> Context<'a> {
         self.program().integers.iter().all(|&j| self.node.domain.is_fixed(j))
     }
 
-    /// Whether all integers of a point are integral.
     pub(super) fn is_integral(&self, point: &[f64]) -> bool {
         let integrality = self.options().integrality;
         let whole = |j: &usize| (point[*j] - point[*j].round()).abs() <= integrality;

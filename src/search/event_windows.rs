@@ -40,7 +40,6 @@ impl<'a> EventWindows<'a> {
         Some(windows)
     }
 
-    /// The program with its windows.
     pub(super) fn program(&self) -> &Program {
         &self.program
     }

@@ -28,7 +28,6 @@ pub(super) struct FocusNode {
 }
 
 impl FocusNode {
-    /// The root.
     pub(super) fn root(domain: &Domain) -> Self {
         FocusNode {
             domain: domain.clone(),

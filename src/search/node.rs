@@ -90,7 +90,6 @@ impl Path {
         })
     }
 
-    /// The last decision.
     pub(super) fn last(&self) -> Option<Decision> {
         self.backwards().next()
     }

@@ -68,7 +68,6 @@ pub(super) struct Share {
 }
 
 impl<'a> Tree<'a> {
-    /// A tree for a number of workers.
     pub(super) fn new(task: Task<'a>, seed: Option<&'a Seed>, workers: usize) -> Self {
         let mut queue = NodeQueue::default();
         queue.push(Node::root());

@@ -22,7 +22,6 @@ const ROOMY: usize = 1000;
 /// One worker's view of the tree.
 pub(super) struct TreeView<'a> {
     pub(super) tree: &'a Tree<'a>,
-    /// The number of the worker.
     pub(super) id: usize,
     exchange: Exchange,
     share: RefCell<Share>,
@@ -74,7 +73,6 @@ impl<'a> TreeView<'a> {
         self.tree.strengthen(bound)
     }
 
-    /// A path with further decisions.
     pub(super) fn path_with(&self, path: &Path, decisions: &[Decision]) -> Path {
         let step = |path: Path, decision| path.then(decision, &self.tree.steps);
         decisions.iter().fold(path.clone(), step)

@@ -1,10 +1,12 @@
 //! A compiled hybrid system: blocks of unconnected states, and for each block the maps, generators
 //! and limits of every transition.
 
+use std::sync::Arc;
+
 use faer::Mat;
 
 use super::rounding::EPSILON;
-use super::shape::{Geometry, Map, Matrix, Shape};
+use super::shape::{Map, Matrix, Shape};
 use super::system::{Halfspace, HybridSystem};
 use super::template::Template;
 use crate::interval::Interval;
@@ -15,7 +17,6 @@ use crate::tolerance::margin_scale;
 pub(super) struct Block {
     /// Numbers of the states, ascending.
     pub(super) states: Vec<usize>,
-    pub(super) geometry: Geometry,
     /// Domains and limits at every sample.
     pub(super) limits: Vec<Cut>,
     /// The set within the limits.
@@ -168,14 +169,14 @@ fn block(
     }
     limits.extend(cuts(&system.limits));
 
-    let geometry = geometry(system, further, states);
+    let template = template(system, further, states);
     let reach =
         |k: usize, d: &Interval| (-limits[2 * k + 1].limit, limits[2 * k].limit.max(d.lower));
     let (low, high): (Vec<f64>, Vec<f64>) =
         domains.iter().enumerate().map(|(k, d)| reach(k, d)).unzip();
-    let mut domain = Shape::from_box(&geometry, &low, &high);
+    let mut domain = Shape::from_box(template.as_ref(), &low, &high);
     for cut in &limits[2 * states.len()..] {
-        domain.clip(&geometry, &cut.normal, cut.limit);
+        domain.clip(&cut.normal, cut.limit);
     }
 
     let steps = system.transitions.iter().map(|transition| {
@@ -199,29 +200,33 @@ fn block(
                 generators.push(generator);
             }
         }
-        let flow = Map::new(matrix, shift, &geometry);
+        let flow = Map::new(matrix, shift, template.as_deref());
         let reset = transition.reset.as_ref().map(|reset| {
-            Map::new(part(&reset.matrix, states, states), local(&reset.offset), &geometry)
+            Map::new(part(&reset.matrix, states, states), local(&reset.offset), template.as_deref())
         });
         let size = |&i: &usize| match transition.reset {
             Some(_) => margin * margin_scale(sizes[i], 0.0),
             None => 0.0,
         };
         let reset_slack = states.iter().map(size).collect();
-        let mut predictions = domain.map(&geometry, &flow).add_segments(&geometry, &generators);
-        predictions.widen(&geometry, &slack);
+        let mut predictions = domain.map(&flow).add_segments(&generators);
+        predictions.widen(&slack);
         let (before, after) = (cuts(&transition.guards), cuts(&transition.prediction_guards));
         Step { before, flow, generators, slack, after, reset, reset_slack, predictions }
     });
     let steps = steps.collect();
-    Block { states: states.to_vec(), geometry, limits, domain, steps }
+    Block { states: states.to_vec(), limits, domain, steps }
 }
 
-/// Exact polygons for two states; otherwise a template of the axes, the limits' normals, the
-/// user's directions and, in small blocks, the diagonals.
-fn geometry(system: &HybridSystem, further: &[Vec<f64>], states: &[usize]) -> Geometry {
+/// `None`, which means exact polygons, for two states; otherwise a template of the axes, the limits'
+/// normals, the user's directions and, in small blocks, the diagonals.
+fn template(
+    system: &HybridSystem,
+    further: &[Vec<f64>],
+    states: &[usize],
+) -> Option<Arc<Template>> {
     if states.len() == 2 {
-        return Geometry::Plane;
+        return None;
     }
     let guards =
         system.transitions.iter().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
@@ -239,10 +244,7 @@ fn geometry(system: &HybridSystem, further: &[Vec<f64>], states: &[usize]) -> Ge
             }
         }
     }
-    let template = Template::new(states.len(), &directions);
-    let exact = vec![0.0; states.len()];
-    let own = template.directions().iter().map(|d| template.combinations(d, &exact)).collect();
-    Geometry::Template(template, own)
+    Some(Arc::new(Template::new(states.len(), &directions)))
 }
 
 fn part(matrix: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Matrix {

@@ -239,7 +239,7 @@ fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
     }
     let blocks = reached.shapes.iter().zip(&needed.shapes).zip(&system.blocks);
     blocks.into_iter().find_map(|((a, b), block)| {
-        let (normal, first, second) = a.separation(&block.geometry, b)?;
+        let (normal, first, second) = a.separation(b)?;
         let size = normal.iter().fold(0.0_f64, |size, n| size.max(n.abs()));
         let named = block.states.iter().zip(&normal).filter(|(_, n)| **n != 0.0);
         let factors = named.map(|(&i, n)| (system.states[i].0.clone(), n / size)).collect();

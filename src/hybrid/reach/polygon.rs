@@ -6,7 +6,6 @@
 
 use super::rounding::{EPSILON, magnitude};
 
-/// A point of the plane.
 pub(super) type Point = [f64; 2];
 
 /// A convex set of the plane: a polygon, a segment, a point, or the empty set.
@@ -20,7 +19,6 @@ pub(super) struct Polygon {
     size: Point,
 }
 
-/// The directions of the axes.
 const AXES: [Point; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
 
 /// The support of the empty set.
@@ -29,7 +27,6 @@ const NOWHERE: f64 = f64::NEG_INFINITY;
 /// A line that separates two sets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Separation {
-    /// Normal of the line.
     pub(super) normal: Point,
     /// Largest value of `normal . z` over the first set.
     pub(super) first: f64,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::compiled::{Compiled, Cut};
-use super::shape::{Geometry, Shape};
+use super::shape::Shape;
 use super::system::check_ends;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::interval::Interval;
@@ -56,8 +56,8 @@ impl ReachSet {
         let mut shapes = Vec::with_capacity(system.blocks.len());
         for (b, block) in system.blocks.iter().enumerate() {
             let (low, high): (Vec<f64>, Vec<f64>) = block.states.iter().map(wide).unzip();
-            let mut shape = Shape::from_box(&block.geometry, &low, &high);
-            if let Err(emptied) = cut(&mut shape, &block.geometry, &block.limits, b, Place::Limit) {
+            let mut shape = block.domain.boxed(&low, &high);
+            if let Err(emptied) = cut(&mut shape, &block.limits, b, Place::Limit) {
                 return Ok(Err(emptied));
             }
             shapes.push(shape);
@@ -72,7 +72,7 @@ impl ReachSet {
             for (sign, limit) in [(1.0, range.upper), (-1.0, -range.lower)] {
                 let mut normal = vec![0.0; block.states.len()];
                 normal[k] = sign;
-                if shape.clip(&block.geometry, &normal, limit).is_some() {
+                if shape.clip(&normal, limit).is_some() {
                     return false;
                 }
             }
@@ -95,7 +95,7 @@ impl ReachSet {
         Ok(blocks
             .map(|(block, shape)| {
                 let local: Vec<f64> = block.states.iter().map(|&i| direction[i]).collect();
-                shape.support(&block.geometry, &local)
+                shape.support(&local)
             })
             .fold(0.0, crate::interval::add_up))
     }
@@ -113,8 +113,7 @@ impl ReachSet {
         }
         Ok(self.system.blocks.iter().zip(&self.shapes).all(|(block, shape)| {
             let point: Vec<f64> = block.states.iter().map(|&i| state[i]).collect();
-            let point = Shape::from_box(&block.geometry, &point, &point);
-            shape.separation(&block.geometry, &point).is_none()
+            shape.separation(&shape.boxed(&point, &point)).is_none()
         }))
     }
 
@@ -137,18 +136,14 @@ impl ReachSet {
 
     /// Same as [`intersects`](ReachSet::intersects), for sets of one system.
     pub(super) fn meets(&self, other: &ReachSet) -> bool {
-        let pairs = self.shapes.iter().zip(&other.shapes).zip(&self.system.blocks);
-        let mut pairs = pairs.map(|((a, b), block)| a.separation(&block.geometry, b));
-        pairs.all(|separation| separation.is_none())
+        self.shapes.iter().zip(&other.shapes).all(|(a, b)| a.separation(b).is_none())
     }
 
     /// Whether every state of this set certainly lies in another one of the same system.
     pub(super) fn lies_in(&self, other: &ReachSet) -> bool {
-        let blocks = self.shapes.iter().zip(&other.shapes);
-        let mut blocks = blocks.zip(&self.system.blocks);
-        blocks.all(|((inner, outer), block)| match (inner, outer, &block.geometry) {
-            (Shape::Planar(inner), Shape::Planar(outer), _) => outer.covers(inner),
-            (Shape::Template(inner), Shape::Template(outer), Geometry::Template(..)) => {
+        self.shapes.iter().zip(&other.shapes).all(|(inner, outer)| match (inner, outer) {
+            (Shape::Planar(inner), Shape::Planar(outer)) => outer.covers(inner),
+            (Shape::Template(inner), Shape::Template(outer)) => {
                 inner.limits.iter().zip(&outer.limits).all(|(a, b)| a <= b)
             }
             _ => false,
@@ -228,9 +223,9 @@ pub(super) fn bounding_box(system: &Compiled, shapes: &[Shape]) -> Vec<Interval>
         for (k, &state) in block.states.iter().enumerate() {
             let mut axis = vec![0.0; block.states.len()];
             axis[k] = 1.0;
-            let upper = shape.support(&block.geometry, &axis);
+            let upper = shape.support(&axis);
             axis[k] = -1.0;
-            ranges[state] = Interval::new(-shape.support(&block.geometry, &axis), upper);
+            ranges[state] = Interval::new(-shape.support(&axis), upper);
         }
     }
     ranges
@@ -239,13 +234,12 @@ pub(super) fn bounding_box(system: &Compiled, shapes: &[Shape]) -> Vec<Interval>
 /// Applies limits one by one.
 pub(super) fn cut(
     shape: &mut Shape,
-    geometry: &Geometry,
     cuts: &[Cut],
     block: usize,
     place: impl Fn(usize) -> Place,
 ) -> Result<(), Emptied> {
     for (k, cut) in cuts.iter().enumerate() {
-        if let Some(nearest) = shape.clip(geometry, &cut.normal, cut.limit) {
+        if let Some(nearest) = shape.clip(&cut.normal, cut.limit) {
             return Err(Emptied { block, place: place(k), nearest });
         }
     }

@@ -91,7 +91,6 @@ impl SetOptions {
 /// The sets of one sample, by the number of events; the last layer is "this many or more".
 pub(super) type Layers = Vec<Option<ReachSet>>;
 
-/// Layers that are shared.
 pub(super) type Shared = Arc<Layers>;
 
 /// Reach sets of a hybrid system: forward from a set of starts, by the number of steps done, and
@@ -300,7 +299,6 @@ impl ReachSets {
         }
     }
 
-    /// The sets of the goal.
     pub(super) fn goal_layers(&self) -> Shared {
         Arc::clone(&self.backward[0])
     }
@@ -365,7 +363,6 @@ impl ReachSets {
     }
 }
 
-/// Joins a set with a layer.
 pub(super) fn add(layer: &mut Option<ReachSet>, set: ReachSet) {
     *layer = Some(match layer.take() {
         Some(present) => present.join(&set),

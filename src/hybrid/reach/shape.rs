@@ -1,23 +1,17 @@
 //! A set within one block of states, and the maps between such sets.
 
+use std::sync::Arc;
+
 use super::polygon::Polygon;
 use super::rounding::{EPSILON, magnitude};
 use super::template::{Combinations, Polyhedron, Template};
 
-/// How sets of a block are represented.
-#[derive(Debug, Clone)]
-pub(super) enum Geometry {
-    /// Two states: exact polygons.
-    Plane,
-    /// Other numbers of states: limits along fixed directions, and the combinations of each
-    /// direction.
-    Template(Template, Vec<Combinations>),
-}
-
 /// A set of a block's states.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) enum Shape {
+    /// Two states: exact polygons.
     Planar(Polygon),
+    /// Other numbers of states: limits along fixed directions.
     Template(Polyhedron),
 }
 
@@ -64,26 +58,21 @@ fn product(a: &Matrix, b: &Matrix, size: impl Fn(f64) -> f64) -> Matrix {
 }
 
 impl Map {
-    pub(super) fn new(matrix: Matrix, offset: Vec<f64>, geometry: &Geometry) -> Self {
-        let pull = pull_back(&matrix, geometry);
+    /// A map between sets of a template, or between polygons.
+    pub(super) fn new(matrix: Matrix, offset: Vec<f64>, template: Option<&Template>) -> Self {
+        let pull_back = |matrix| template.map_or_else(Vec::new, |t| pull_back(matrix, t));
+        let pull = pull_back(&matrix);
         let inverse = invert(&matrix).map(|(inverse, error)| {
-            let pull = pull_back(&inverse, geometry);
+            let pull = pull_back(&inverse);
             Inverse { matrix: inverse, error, pull }
         });
         Map { matrix, offset, pull, inverse }
     }
 }
 
-fn pull_back(matrix: &Matrix, geometry: &Geometry) -> Vec<Combinations> {
-    match geometry {
-        Geometry::Plane => Vec::new(),
-        Geometry::Template(template, _) => {
-            let directions = template.directions().iter();
-            let pulled =
-                |d: &Vec<f64>| template.combinations(&transposed(matrix, d), &rounded(matrix, d));
-            directions.map(pulled).collect()
-        }
-    }
+fn pull_back(matrix: &Matrix, template: &Template) -> Vec<Combinations> {
+    let pulled = |d: &Vec<f64>| template.combinations(&transposed(matrix, d), &rounded(matrix, d));
+    template.directions().iter().map(pulled).collect()
 }
 
 /// The inverse and a bound of its error, or `None` if the matrix is nearly singular.
@@ -130,14 +119,19 @@ fn invert(matrix: &Matrix) -> Option<(Matrix, Matrix)> {
 }
 
 impl Shape {
-    pub(super) fn from_box(geometry: &Geometry, low: &[f64], high: &[f64]) -> Self {
-        match geometry {
-            Geometry::Plane => {
-                Shape::Planar(Polygon::from_box([low[0], low[1]], [high[0], high[1]]))
-            }
-            Geometry::Template(template, _) => {
-                Shape::Template(Polyhedron::from_box(template, low, high))
-            }
+    /// A box: a polygon without a template.
+    pub(super) fn from_box(template: Option<&Arc<Template>>, low: &[f64], high: &[f64]) -> Self {
+        match template {
+            None => Shape::Planar(Polygon::from_box([low[0], low[1]], [high[0], high[1]])),
+            Some(template) => Shape::Template(Polyhedron::from_box(template, low, high)),
+        }
+    }
+
+    /// A box, represented like this set.
+    pub(super) fn boxed(&self, low: &[f64], high: &[f64]) -> Self {
+        match self {
+            Shape::Planar(_) => Shape::from_box(None, low, high),
+            Shape::Template(set) => Shape::from_box(Some(&set.template), low, high),
         }
     }
 
@@ -161,19 +155,19 @@ impl Shape {
     }
 
     /// Propagates the limits of a template to each other, after some of them were lowered.
-    pub(super) fn settle(&mut self, geometry: &Geometry) {
-        if let (Shape::Template(set), Geometry::Template(_, own)) = (self, geometry) {
-            set.settle(own);
+    pub(super) fn settle(&mut self) {
+        if let Shape::Template(set) = self {
+            set.settle();
         }
     }
 
     /// Keeps the part with `normal . z <= limit`. If that is empty, returns the smallest value of
     /// the left side. [`settle`](Shape::settle) updates the other limits of a template.
-    pub(super) fn clip(&mut self, geometry: &Geometry, normal: &[f64], limit: f64) -> Option<f64> {
-        match (self, geometry) {
-            (Shape::Planar(polygon), _) => polygon.clip([normal[0], normal[1]], limit),
-            (Shape::Template(set), Geometry::Template(template, _)) => {
-                let (direction, factor) = template.multiple(normal)?;
+    pub(super) fn clip(&mut self, normal: &[f64], limit: f64) -> Option<f64> {
+        match self {
+            Shape::Planar(polygon) => polygon.clip([normal[0], normal[1]], limit),
+            Shape::Template(set) => {
+                let (direction, factor) = set.template.multiple(normal)?;
                 // Opposite directions are adjacent.
                 let nearest = -set.limits.get(direction ^ 1)?;
                 let limit = limit / factor;
@@ -184,40 +178,36 @@ impl Shape {
                 set.limits.clear();
                 Some(nearest * factor)
             }
-            (Shape::Template(_), Geometry::Plane) => None,
         }
     }
 
     /// The image under a map.
-    pub(super) fn map(&self, geometry: &Geometry, map: &Map) -> Shape {
-        match (self, geometry) {
-            (Shape::Planar(polygon), _) => {
+    pub(super) fn map(&self, map: &Map) -> Shape {
+        match self {
+            Shape::Planar(polygon) => {
                 let m = &map.matrix;
                 let rows = [[m[0][0], m[0][1]], [m[1][0], m[1][1]]];
                 Shape::Planar(polygon.map(rows, [map.offset[0], map.offset[1]]))
             }
-            (Shape::Template(set), Geometry::Template(template, _)) => {
-                Shape::Template(pulled(set, template, &map.pull, &map.offset))
-            }
-            (Shape::Template(_), Geometry::Plane) => self.clone(),
+            Shape::Template(set) => Shape::Template(pulled(set, &map.pull, &map.offset)),
         }
     }
 
     /// The part of `whole` that a map sends into this set.
-    pub(super) fn preimage(&self, geometry: &Geometry, map: &Map, whole: &Shape) -> Shape {
+    pub(super) fn preimage(&self, map: &Map, whole: &Shape) -> Shape {
         if self.is_empty() {
             return self.clone();
         }
         match &map.inverse {
-            Some(inverse) => self.unmap(geometry, map, inverse),
-            None => self.restrict(geometry, map, whole),
+            Some(inverse) => self.unmap(map, inverse),
+            None => self.restrict(map, whole),
         }
     }
 
-    fn unmap(&self, geometry: &Geometry, map: &Map, inverse: &Inverse) -> Shape {
+    fn unmap(&self, map: &Map, inverse: &Inverse) -> Shape {
         let back: Vec<f64> = map.offset.iter().map(|c| -c).collect();
-        match (self, geometry) {
-            (Shape::Planar(polygon), _) => {
+        match self {
+            Shape::Planar(polygon) => {
                 let moved = polygon.map([[1.0, 0.0], [0.0, 1.0]], [back[0], back[1]]);
                 let reach = |axis: usize| {
                     let (v, r) = (moved.vertices().iter().map(|v| v[axis]), moved.margin()[axis]);
@@ -230,48 +220,45 @@ impl Shape {
                 image.widen([error[0], error[1]]);
                 Shape::Planar(image)
             }
-            (Shape::Template(set), Geometry::Template(template, _)) => {
+            Shape::Template(set) => {
                 let mut moved = set.clone();
-                for (limit, direction) in moved.limits.iter_mut().zip(template.directions()) {
+                for (limit, direction) in moved.limits.iter_mut().zip(set.template.directions()) {
                     let terms: Vec<f64> = direction.iter().zip(&back).map(|(d, c)| d * c).collect();
                     let size = terms.iter().map(|t| t.abs()).sum::<f64>() + limit.abs();
                     *limit += terms.iter().sum::<f64>() + 8.0 * EPSILON * size;
                 }
-                let n = template.states();
+                let n = set.template.states();
                 let reach: Vec<f64> = (0..n)
                     .map(|i| moved.limits[2 * i].abs().max(moved.limits[2 * i + 1].abs()))
                     .collect();
                 let error = apply(&inverse.error, &reach);
-                let mut image = pulled(&moved, template, &inverse.pull, &vec![0.0; n]);
-                for (limit, direction) in image.limits.iter_mut().zip(template.directions()) {
+                let mut image = pulled(&moved, &inverse.pull, &vec![0.0; n]);
+                for (limit, direction) in image.limits.iter_mut().zip(set.template.directions()) {
                     *limit += direction.iter().zip(&error).map(|(d, e)| d.abs() * e).sum::<f64>();
                 }
                 Shape::Template(image)
             }
-            (Shape::Template(_), Geometry::Plane) => self.clone(),
         }
     }
 
     /// The preimage under a singular map: this set's limits, pulled back one by one.
-    fn restrict(&self, geometry: &Geometry, map: &Map, whole: &Shape) -> Shape {
+    fn restrict(&self, map: &Map, whole: &Shape) -> Shape {
         if map.matrix.iter().flatten().all(|&entry| entry == 0.0) {
             // Everything maps to one point.
-            let point = Shape::from_box(geometry, &map.offset, &map.offset);
-            let misses = self.separation(geometry, &point).is_some();
+            let misses = self.separation(&self.boxed(&map.offset, &map.offset)).is_some();
             return if misses { self.nothing() } else { whole.clone() };
         }
         let mut part = whole.clone();
         let mut limits: Vec<(Vec<f64>, f64)> = Vec::new();
-        match (self, geometry) {
-            (Shape::Planar(polygon), _) => {
+        match self {
+            Shape::Planar(polygon) => {
                 let halfplanes = polygon.halfplanes().into_iter();
                 limits.extend(halfplanes.map(|(normal, limit)| (normal.to_vec(), limit)));
             }
-            (Shape::Template(set), Geometry::Template(template, _)) => {
-                let directions = template.directions().iter().cloned();
+            Shape::Template(set) => {
+                let directions = set.template.directions().iter().cloned();
                 limits.extend(directions.zip(set.limits.iter().copied()));
             }
-            (Shape::Template(_), Geometry::Plane) => {}
         }
         for (normal, limit) in limits {
             let pulled = transposed(&map.matrix, &normal);
@@ -280,7 +267,7 @@ impl Shape {
             let rest = limit - shift + 8.0 * EPSILON * (limit.abs() + terms.sum::<f64>());
             let rest = rest + rounded(&map.matrix, &normal).iter().sum::<f64>() * whole.size();
             if magnitude(pulled.iter().copied()) > 0.0 {
-                part.clip(geometry, &pulled, rest);
+                part.clip(&pulled, rest);
             } else if rest < 0.0 {
                 return part.nothing();
             }
@@ -291,24 +278,24 @@ impl Shape {
     fn nothing(&self) -> Shape {
         match self {
             Shape::Planar(_) => Shape::Planar(Polygon::hull_of(Vec::new(), [0.0, 0.0])),
-            Shape::Template(_) => Shape::Template(Polyhedron::empty()),
+            Shape::Template(set) => Shape::Template(set.with_limits(Vec::new())),
         }
     }
 
     /// The sum with the segments from `-g` to `g`.
-    pub(super) fn add_segments(&self, geometry: &Geometry, generators: &[Vec<f64>]) -> Shape {
+    pub(super) fn add_segments(&self, generators: &[Vec<f64>]) -> Shape {
         let mut sum = self.clone();
         if self.is_empty() {
             return sum;
         }
-        match (&mut sum, geometry) {
-            (Shape::Planar(polygon), _) => {
+        match &mut sum {
+            Shape::Planar(polygon) => {
                 for g in generators {
                     *polygon = polygon.add_segment([g[0], g[1]]);
                 }
             }
-            (Shape::Template(set), Geometry::Template(template, _)) => {
-                for (limit, direction) in set.limits.iter_mut().zip(template.directions()) {
+            Shape::Template(set) => {
+                for (limit, direction) in set.limits.iter_mut().zip(set.template.directions()) {
                     let along = |g: &Vec<f64>| -> f64 {
                         direction.iter().zip(g).map(|(d, x)| d * x).sum::<f64>().abs()
                     };
@@ -316,7 +303,6 @@ impl Shape {
                     *limit += growth + 8.0 * EPSILON * (growth + limit.abs());
                 }
             }
-            (Shape::Template(_), Geometry::Plane) => {}
         }
         sum
     }
@@ -333,15 +319,14 @@ impl Shape {
     }
 
     /// The sum with the box `[-r, r]`.
-    pub(super) fn widen(&mut self, geometry: &Geometry, by: &[f64]) {
-        match (self, geometry) {
-            (Shape::Planar(polygon), _) => polygon.widen([by[0], by[1]]),
-            (Shape::Template(set), Geometry::Template(template, _)) => {
-                for (limit, direction) in set.limits.iter_mut().zip(template.directions()) {
+    pub(super) fn widen(&mut self, by: &[f64]) {
+        match self {
+            Shape::Planar(polygon) => polygon.widen([by[0], by[1]]),
+            Shape::Template(set) => {
+                for (limit, direction) in set.limits.iter_mut().zip(set.template.directions()) {
                     *limit += direction.iter().zip(by).map(|(d, r)| d.abs() * r).sum::<f64>();
                 }
             }
-            (Shape::Template(_), Geometry::Plane) => {}
         }
     }
 
@@ -360,38 +345,34 @@ impl Shape {
     }
 
     /// Largest value of `direction . z`, rounded up.
-    pub(super) fn support(&self, geometry: &Geometry, direction: &[f64]) -> f64 {
+    pub(super) fn support(&self, direction: &[f64]) -> f64 {
         if self.is_empty() {
             return f64::NEG_INFINITY;
         }
-        match (self, geometry) {
-            (Shape::Planar(polygon), _) => polygon.support([direction[0], direction[1]]),
-            (Shape::Template(set), Geometry::Template(template, _)) => {
-                template.combinations(direction, &vec![0.0; direction.len()]).bound(set)
+        match self {
+            Shape::Planar(polygon) => polygon.support([direction[0], direction[1]]),
+            Shape::Template(set) => {
+                let exact = vec![0.0; direction.len()];
+                set.template.combinations(direction, &exact).bound(&set.limits)
             }
-            (Shape::Template(_), Geometry::Plane) => f64::INFINITY,
         }
     }
 
     /// A direction that separates this set from another, with its largest value over this set and
     /// its smallest value over the other, which is larger. `None` if separation is not certain.
-    pub(super) fn separation(
-        &self,
-        geometry: &Geometry,
-        other: &Shape,
-    ) -> Option<(Vec<f64>, f64, f64)> {
+    pub(super) fn separation(&self, other: &Shape) -> Option<(Vec<f64>, f64, f64)> {
         if self.is_empty() || other.is_empty() {
             return None;
         }
-        match (self, other, geometry) {
-            (Shape::Planar(a), Shape::Planar(b), _) => {
+        match (self, other) {
+            (Shape::Planar(a), Shape::Planar(b)) => {
                 a.separation(b).map(|s| (s.normal.to_vec(), s.first, s.second))
             }
-            (Shape::Template(a), Shape::Template(b), Geometry::Template(template, _)) => {
+            (Shape::Template(a), Shape::Template(b)) => {
                 (0..a.limits.len()).find_map(|k| {
                     // Opposite directions are adjacent.
                     let (high, low) = (a.limits[k], -b.limits[k ^ 1]);
-                    (high < low).then(|| (template.directions()[k].clone(), high, low))
+                    (high < low).then(|| (a.template.directions()[k].clone(), high, low))
                 })
             }
             _ => None,
@@ -400,20 +381,15 @@ impl Shape {
 }
 
 /// The limits of `{M z + c}` along every template direction, for z in a set.
-fn pulled(
-    set: &Polyhedron,
-    template: &Template,
-    pull: &[Combinations],
-    offset: &[f64],
-) -> Polyhedron {
+fn pulled(set: &Polyhedron, pull: &[Combinations], offset: &[f64]) -> Polyhedron {
     if set.is_empty() {
-        return Polyhedron::empty();
+        return set.clone();
     }
     let limit = |(direction, combinations): (&Vec<f64>, &Combinations)| {
-        let bound = combinations.bound(set);
+        let bound = combinations.bound(&set.limits);
         let terms: Vec<f64> = direction.iter().zip(offset).map(|(d, c)| d * c).collect();
         let size = terms.iter().map(|t| t.abs()).sum::<f64>() + bound.abs();
         bound + terms.iter().sum::<f64>() + 8.0 * EPSILON * size
     };
-    Polyhedron { limits: template.directions().iter().zip(pull).map(limit).collect() }
+    set.with_limits(set.template.directions().iter().zip(pull).map(limit).collect())
 }

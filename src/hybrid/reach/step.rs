@@ -16,20 +16,20 @@ pub(super) fn predict(
     let parts = blocks.map(|(b, (block, shape))| {
         let step = &block.steps[transition];
         let mut flown = if step.before.is_empty() {
-            shape.map(&block.geometry, &step.flow)
+            shape.map(&step.flow)
         } else {
             let mut start = shape.clone();
             let guard = |k| Place::Guard(transition, k);
-            cut(&mut start, &block.geometry, &step.before, b, guard)?;
-            start.map(&block.geometry, &step.flow)
+            cut(&mut start, &step.before, b, guard)?;
+            start.map(&step.flow)
         };
-        flown = flown.add_segments(&block.geometry, &step.generators);
-        flown.widen(&block.geometry, &step.slack);
+        flown = flown.add_segments(&step.generators);
+        flown.widen(&step.slack);
         flown.keep_within(&step.predictions);
         check(&flown, b)?;
         let guard = |k| Place::Prediction(transition, k);
-        cut(&mut flown, &block.geometry, &step.after, b, guard)?;
-        settled(flown, block, b)
+        cut(&mut flown, &step.after, b, guard)?;
+        settled(flown, b)
     });
     parts.collect()
 }
@@ -44,14 +44,14 @@ pub(super) fn arrive(
     let parts = blocks.map(|(b, (block, shape))| {
         let step = &block.steps[transition];
         let mut next = match &step.reset {
-            Some(reset) => shape.map(&block.geometry, reset),
+            Some(reset) => shape.map(reset),
             None => shape.clone(),
         };
-        next.widen(&block.geometry, &step.reset_slack);
+        next.widen(&step.reset_slack);
         next.keep_within(&block.domain);
         check(&next, b)?;
-        cut(&mut next, &block.geometry, &block.limits, b, Place::Limit)?;
-        settled(next, block, b)
+        cut(&mut next, &block.limits, b, Place::Limit)?;
+        settled(next, b)
     });
     let shapes = parts.collect::<Result<_, Emptied>>()?;
     Ok(ReachSet { system: Arc::clone(system), shapes })
@@ -84,33 +84,33 @@ fn predecessors_in(
     shape: &Shape,
     b: usize,
 ) -> Result<Shape, Emptied> {
-    let (geometry, step) = (&block.geometry, &block.steps[transition]);
+    let step = &block.steps[transition];
     let mut predicted = match &step.reset {
         Some(reset) => {
             let mut wide = shape.clone();
-            wide.widen(geometry, &step.reset_slack);
-            wide.preimage(geometry, reset, &step.predictions)
+            wide.widen(&step.reset_slack);
+            wide.preimage(reset, &step.predictions)
         }
         None => shape.clone(),
     };
     predicted.keep_within(&step.predictions);
     check(&predicted, b)?;
-    cut(&mut predicted, geometry, &step.after, b, |k| Place::Prediction(transition, k))?;
+    cut(&mut predicted, &step.after, b, |k| Place::Prediction(transition, k))?;
     // Segments are symmetric, so adding them also inverts the addition.
-    let mut free = predicted.add_segments(geometry, &step.generators);
-    free.widen(geometry, &step.slack);
-    let mut start = free.preimage(geometry, &step.flow, &block.domain);
+    let mut free = predicted.add_segments(&step.generators);
+    free.widen(&step.slack);
+    let mut start = free.preimage(&step.flow, &block.domain);
     start.keep_within(&block.domain);
     check(&start, b)?;
-    cut(&mut start, geometry, &step.before, b, |k| Place::Guard(transition, k))?;
-    cut(&mut start, geometry, &block.limits, b, Place::Limit)?;
-    settled(start, block, b)
+    cut(&mut start, &step.before, b, |k| Place::Guard(transition, k))?;
+    cut(&mut start, &block.limits, b, Place::Limit)?;
+    settled(start, b)
 }
 
 /// The shape with consistent limits.
-fn settled(mut shape: Shape, block: &Block, number: usize) -> Result<Shape, Emptied> {
-    shape.settle(&block.geometry);
-    check(&shape, number)?;
+fn settled(mut shape: Shape, block: usize) -> Result<Shape, Emptied> {
+    shape.settle();
+    check(&shape, block)?;
     Ok(shape)
 }
 

@@ -6,20 +6,24 @@
 //! combinations are found once for each map, so a step needs no linear program. Sets of one state
 //! are exact, and so are boxes under diagonal maps.
 
+use std::sync::Arc;
+
 use super::rounding::{EPSILON, magnitude};
 
 /// The largest number of template directions for which combinations of three are tried.
 const MOST_TRIPLES: usize = 20;
 
 /// The directions of a template; the axes' come first, `+` before `-`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Template {
     directions: Vec<Vec<f64>>,
+    own: Vec<Combinations>,
 }
 
 /// A set, by its limits along the template's directions; the empty set if `limits` is empty.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Polyhedron {
+    pub(super) template: Arc<Template>,
     pub(super) limits: Vec<f64>,
 }
 
@@ -40,7 +44,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 impl Template {
     /// The axes, and further directions.
     pub(super) fn new(states: usize, further: &[Vec<f64>]) -> Self {
-        let mut template = Template { directions: Vec::new() };
+        let mut template = Template { directions: Vec::new(), own: Vec::new() };
         for axis in 0..states {
             for sign in [1.0, -1.0] {
                 let mut direction = vec![0.0; states];
@@ -56,6 +60,9 @@ impl Template {
                 }
             }
         }
+        let exact = vec![0.0; states];
+        template.own =
+            template.directions.iter().map(|d| template.combinations(d, &exact)).collect();
         template
     }
 
@@ -157,18 +164,18 @@ impl Template {
 }
 
 impl Combinations {
-    /// An upper bound of the direction over a set.
-    pub(super) fn bound(&self, set: &Polyhedron) -> f64 {
+    /// An upper bound of the direction over the set with these limits along the template.
+    pub(super) fn bound(&self, limits: &[f64]) -> f64 {
         let mut best = f64::INFINITY;
         for (way, rest) in self.ways.iter().zip(&self.rests) {
             let mut sum = 0.0;
             let mut size = 0.0;
             for &(k, factor) in way {
-                sum += factor * set.limits[k];
-                size += (factor * set.limits[k]).abs();
+                sum += factor * limits[k];
+                size += (factor * limits[k]).abs();
             }
             for (i, r) in rest.iter().enumerate() {
-                sum += r * set.limits[2 * i].abs().max(set.limits[2 * i + 1].abs());
+                sum += r * limits[2 * i].abs().max(limits[2 * i + 1].abs());
             }
             best = best.min(sum + (8 + rest.len()) as f64 * EPSILON * size);
         }
@@ -177,22 +184,26 @@ impl Combinations {
 }
 
 impl Polyhedron {
-    pub(super) fn empty() -> Self {
-        Polyhedron { limits: Vec::new() }
-    }
-
     /// The box `[low, high]`.
-    pub(super) fn from_box(template: &Template, low: &[f64], high: &[f64]) -> Self {
+    pub(super) fn from_box(template: &Arc<Template>, low: &[f64], high: &[f64]) -> Self {
         let limit = |direction: &Vec<f64>| {
             let ends = direction.iter().zip(low.iter().zip(high));
             let terms: Vec<f64> = ends.map(|(d, (l, h))| (d * l).max(d * h)).collect();
             terms.iter().sum::<f64>() + 8.0 * EPSILON * terms.iter().map(|t| t.abs()).sum::<f64>()
         };
-        Polyhedron { limits: template.directions.iter().map(limit).collect() }
+        Polyhedron {
+            template: Arc::clone(template),
+            limits: template.directions.iter().map(limit).collect(),
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.limits.is_empty()
+    }
+
+    /// A set of the same template.
+    pub(super) fn with_limits(&self, limits: Vec<f64>) -> Self {
+        Polyhedron { template: Arc::clone(&self.template), limits }
     }
 
     /// Lowers the limit along a template direction.
@@ -204,12 +215,12 @@ impl Polyhedron {
 
     /// Propagates every limit to the others. Crossed limits of opposite directions mean that the
     /// set is empty.
-    pub(super) fn settle(&mut self, own: &[Combinations]) {
+    pub(super) fn settle(&mut self) {
         if self.is_empty() {
             return;
         }
-        for (k, combinations) in own.iter().enumerate() {
-            let bound = combinations.bound(self);
+        for (k, combinations) in self.template.own.iter().enumerate() {
+            let bound = combinations.bound(&self.limits);
             self.limits[k] = self.limits[k].min(bound);
         }
         // Opposite directions are adjacent.
@@ -228,6 +239,6 @@ impl Polyhedron {
             return self.clone();
         }
         let limits = self.limits.iter().zip(&other.limits).map(|(a, b)| a.max(*b)).collect();
-        Polyhedron { limits }
+        self.with_limits(limits)
     }
 }

@@ -84,7 +84,6 @@ impl Edges {
         (step * self.layers + layer) * self.transitions + transition
     }
 
-    /// The edges of a step.
     fn row(&self, step: usize) -> &[bool] {
         let width = self.layers * self.transitions;
         &self.alive[step * width..(step + 1) * width]

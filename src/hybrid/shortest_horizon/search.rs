@@ -163,7 +163,6 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     Ok(found)
 }
 
-/// A feasible horizon.
 struct Feasible<P> {
     steps: usize,
     program: P,

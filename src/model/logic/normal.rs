@@ -58,7 +58,6 @@ impl Formula {
         }
     }
 
-    /// The normal form of the negation.
     pub(crate) fn negated(&self) -> Formula {
         let each = |of: &[Formula]| of.iter().map(Formula::negated).collect();
         match self {

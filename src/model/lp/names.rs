@@ -45,7 +45,6 @@ fn coded(name: &Name, all: bool) -> String {
     text
 }
 
-/// Decodes a name.
 fn decoded(text: &str) -> Name {
     let step = text.strip_suffix('}').and_then(|text| {
         let (family, step) = text.rsplit_once('{')?;

@@ -75,7 +75,6 @@ impl Decimal {
         self.to_string().parse().unwrap_or(f64::NAN)
     }
 
-    /// Number of significant digits.
     pub(super) fn significant(&self) -> usize {
         self.digits.len()
     }

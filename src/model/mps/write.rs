@@ -12,7 +12,6 @@ use crate::model::text::lines::{lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
-/// A row of the file.
 struct Line<'a> {
     name: String,
     terms: &'a [(Variable, f64)],

@@ -19,7 +19,6 @@ impl<'a> Token<'a> {
         Token { text: &line_text[start..start + length], line_text, line, start }
     }
 
-    /// An error at this place.
     pub(crate) fn error(&self, message: impl Into<String>) -> Error {
         self.parse_error(message).into()
     }

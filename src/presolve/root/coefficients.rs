@@ -26,19 +26,13 @@ struct Tightened {
     tight: Sparse,
 }
 
-pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
-    let mut changes = 0;
-    for row in work.live_rows() {
-        if work.is_late(work.rows[row].len()) {
-            break;
-        }
-        if work.rows[row].len() < 2 {
-            continue;
-        }
-        changes += usize::from(tighten(work, row));
-        if work.rows[row].iter().all(|&(j, _)| work.integral[j]) {
-            changes += usize::from(divide(work, row)?);
-        }
+pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
+    if work.rows[row].len() < 2 {
+        return Ok(0);
+    }
+    let mut changes = usize::from(tighten(work, row));
+    if work.rows[row].iter().all(|&(j, _)| work.integral[j]) {
+        changes += usize::from(divide(work, row)?);
     }
     Ok(changes)
 }

@@ -9,26 +9,19 @@
 use super::substitute::{is_stable, substitute};
 use super::work::{Work, is_whole};
 
-pub(super) fn apply(work: &mut Work) -> usize {
-    let mut changes = 0;
-    for row in work.live_rows() {
-        if work.is_late(work.rows[row].len()) {
-            break;
-        }
-        if !work.is_equality(row) {
-            continue;
-        }
-        let [one, two] = work.rows[row][..] else { continue };
-        let candidates = [(one, two), (two, one)];
-        let best = candidates
-            .into_iter()
-            .filter(|&(gone, stays)| may_go(work, row, gone, stays))
-            .min_by_key(|&(gone, _)| (work.uses[gone.0].len(), gone.0));
-        let Some((gone, _)) = best else { continue };
-        substitute(work, gone.0, row, true);
-        changes += 1;
+pub(super) fn apply(work: &mut Work, row: usize) -> usize {
+    if !work.is_equality(row) {
+        return 0;
     }
-    changes
+    let [one, two] = work.rows[row][..] else { return 0 };
+    let candidates = [(one, two), (two, one)];
+    let best = candidates
+        .into_iter()
+        .filter(|&(gone, stays)| may_go(work, row, gone, stays))
+        .min_by_key(|&(gone, _)| (work.uses[gone.0].len(), gone.0));
+    let Some((gone, _)) = best else { return 0 };
+    substitute(work, gone.0, row, true);
+    1
 }
 
 fn may_go(work: &Work, row: usize, gone: (usize, f64), stays: (usize, f64)) -> bool {

@@ -12,18 +12,12 @@ struct FixedColumn {
 pub(super) fn apply(work: &mut Work) -> usize {
     let fixed: Vec<usize> =
         work.live_columns().into_iter().filter(|&j| work.lower[j] == work.upper[j]).collect();
-    let mut changes = 0;
-    for &column in &fixed {
-        if work.is_late(work.uses[column].len()) {
-            break;
-        }
+    work.each_column(fixed, |work, column| {
         fix(work, column, work.lower[column]);
-        changes += 1;
-    }
-    changes
+        1
+    })
 }
 
-/// Puts a column at a value.
 pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
     let old = work.remember(column);
     for &(row, a) in &old.entries {

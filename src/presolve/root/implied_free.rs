@@ -13,32 +13,24 @@ const MOST_ROWS: usize = 4;
 /// By how many entries the matrix may grow with one substitution.
 const FILL: isize = 0;
 
-pub(super) fn apply(work: &mut Work) -> usize {
-    let mut changes = 0;
-    for row in work.live_rows() {
-        if work.is_late(work.rows[row].len()) {
-            break;
-        }
-        if !work.is_equality(row) || !(2..=LONGEST).contains(&work.rows[row].len()) {
-            continue;
-        }
-        let candidates = work.rows[row].iter().map(|&(j, _)| j);
-        let chosen = candidates
-            .filter(|&j| {
-                !work.integral[j]
-                    && work.is_straight(j)
-                    && work.uses[j].len() <= MOST_ROWS
-                    && fill(work, j, row) <= FILL
-                    && is_stable(work, j, row)
-                    && is_implied_free(work, j)
-            })
-            .min_by_key(|&j| (fill(work, j, row), j));
-        if let Some(column) = chosen {
-            substitute(work, column, row, false);
-            changes += 1;
-        }
+pub(super) fn apply(work: &mut Work, row: usize) -> usize {
+    if !work.is_equality(row) || !(2..=LONGEST).contains(&work.rows[row].len()) {
+        return 0;
     }
-    changes
+    let candidates = work.rows[row].iter().map(|&(j, _)| j);
+    let chosen = candidates
+        .filter(|&j| {
+            !work.integral[j]
+                && work.is_straight(j)
+                && work.uses[j].len() <= MOST_ROWS
+                && fill(work, j, row) <= FILL
+                && is_stable(work, j, row)
+                && is_implied_free(work, j)
+        })
+        .min_by_key(|&j| (fill(work, j, row), j));
+    let Some(column) = chosen else { return 0 };
+    substitute(work, column, row, false);
+    1
 }
 
 /// The most entries that a substitution can add, less those that it takes away.

@@ -1,24 +1,7 @@
 //! Presolve before the search: a smaller program with the same optimum, and the way back.
 //!
-//! * `work` - the program during reduction
-//! * `postsolve` - the stack of undos: values, multipliers and reduced costs of the original
-//! * `substitute` - substitution of a column by an equality, shared by several rules
-//!
-//! Each rule has its own file. They are applied in turn until none finds anything:
-//!
-//! * `fixed_columns` - columns with a single value
-//! * `singleton_rows` - rows over one column become bounds
-//! * `redundant_rows` - sides that the bounds imply
-//! * `parallel_rows` - rows that are multiples of another one
-//! * `doubletons` - equalities over two columns
-//! * `lineality` - columns that can be shifted together without changing any row or the objective
-//! * `slack_columns` - continuous columns in a single row
-//! * `implied_free` - columns whose bounds an equality implies
-//! * `dominated_columns` - columns whose reduced cost has a known sign
-//! * `parallel_columns` - columns that are multiples of another one
-//! * `coefficients` - rows of integers, divided and rounded; big-Ms that can shrink
-//!
-//! Finally, `blocks` finds independent parts.
+//! Each [`Rule`] has its own file. They are applied in turn until none finds anything; then `blocks`
+//! finds independent parts.
 
 mod blocks;
 mod coefficients;
@@ -105,16 +88,16 @@ impl Rule {
     fn apply(self, work: &mut Work) -> Result<usize, Infeasible> {
         match self {
             Rule::FixedColumns => Ok(fixed_columns::apply(work)),
-            Rule::SingletonRows => singleton_rows::apply(work),
-            Rule::RedundantRows => redundant_rows::apply(work),
+            Rule::SingletonRows => work.each_row(singleton_rows::apply),
+            Rule::RedundantRows => work.each_row(redundant_rows::apply),
             Rule::ParallelRows => parallel_rows::apply(work),
-            Rule::Doubletons => Ok(doubletons::apply(work)),
+            Rule::Doubletons => work.each_row(|work, row| Ok(doubletons::apply(work, row))),
             Rule::Lineality => Ok(lineality::apply(work)),
-            Rule::SlackColumns => Ok(slack_columns::apply(work)),
-            Rule::ImpliedFree => Ok(implied_free::apply(work)),
+            Rule::SlackColumns => Ok(work.each_column(work.live_columns(), slack_columns::apply)),
+            Rule::ImpliedFree => work.each_row(|work, row| Ok(implied_free::apply(work, row))),
             Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
             Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
-            Rule::Coefficients => coefficients::apply(work),
+            Rule::Coefficients => work.each_row(coefficients::apply),
         }
     }
 }

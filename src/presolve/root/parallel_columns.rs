@@ -22,26 +22,20 @@ struct ParallelColumn {
 
 pub(super) fn apply(work: &mut Work) -> usize {
     let mut seen = Patterns::new(work.uses.len());
-    let mut changes = 0;
-    for column in work.live_columns() {
-        if work.is_late(work.uses[column].len()) {
-            break;
-        }
+    work.each_column(work.live_columns(), |work, column| {
         if !work.is_straight(column) || work.uses[column].is_empty() {
-            continue;
+            return 0;
         }
         let bucket = seen.bucket(work.uses[column].iter().copied());
         let kept =
             seen.candidates(bucket).find_map(|other| Some((other, ratio(work, column, other)?)));
-        match kept {
-            Some((kept, ratio)) => {
-                merge(work, column, kept, ratio);
-                changes += 1;
-            }
-            None => seen.insert(column, bucket),
-        }
-    }
-    changes
+        let Some((kept, ratio)) = kept else {
+            seen.insert(column, bucket);
+            return 0;
+        };
+        merge(work, column, kept, ratio);
+        1
+    })
 }
 
 /// The factor from `other` to `column`, or `None` if they cannot be merged.

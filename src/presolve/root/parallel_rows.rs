@@ -16,20 +16,16 @@ struct ParallelRow {
 
 pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
     let mut seen = Patterns::new(work.rows.len());
-    let mut changes = 0;
-    for row in work.live_rows() {
-        if work.is_late(work.rows[row].len()) {
-            break;
-        }
+    work.each_row(|work, row| {
         if work.rows[row].is_empty() {
-            continue;
+            return Ok(0);
         }
         let bucket = seen.bucket(work.rows[row].iter().map(|&(j, _)| j));
         let kept =
             seen.candidates(bucket).find_map(|other| Some((other, ratio(work, row, other)?)));
         let Some((kept, ratio)) = kept else {
             seen.insert(row, bucket);
-            continue;
+            return Ok(0);
         };
         let (p, q) = (work.row_lower[row] / ratio, work.row_upper[row] / ratio);
         let (lower, upper) = (p.min(q), p.max(q));
@@ -39,9 +35,8 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
         work.settle_row(kept)?;
         work.drop_row(row);
         work.push(ParallelRow { row, kept, ratio, gives });
-        changes += 1;
-    }
-    Ok(changes)
+        Ok(1)
+    })
 }
 
 /// The factor from `other` to `row`, or `None` if they are not parallel.

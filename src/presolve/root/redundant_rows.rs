@@ -22,48 +22,42 @@ struct ForcingRow {
     by_lower: bool,
 }
 
-pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
+pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
+    let range = work.range(work.rows[row].iter());
+    let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
+    let excess = CROSSED * range.scale.max(finite(lower)).max(finite(upper));
+    if range.least > upper + excess || range.most < lower - excess {
+        return Err(Infeasible);
+    }
+    let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
+    let forcing = if lower.is_finite() && range.most <= lower + margin {
+        Some(true)
+    } else if upper.is_finite() && range.least >= upper - margin {
+        Some(false)
+    } else {
+        None
+    };
+    let tells = |&(j, a): &(usize, f64)| {
+        let width = work.upper[j] - work.lower[j];
+        // However wide a column is, it is moved by no more than a part of its unit.
+        width == 0.0 || a.abs() * width.min(1.0) >= TELLING * margin
+    };
+    if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
+        force(work, row, by_lower);
+        return Ok(1);
+    }
     let mut changes = 0;
-    for row in work.live_rows() {
-        if work.is_late(work.rows[row].len()) {
-            break;
-        }
-        let range = work.range(work.rows[row].iter());
-        let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
-        let excess = CROSSED * range.scale.max(finite(lower)).max(finite(upper));
-        if range.least > upper + excess || range.most < lower - excess {
-            return Err(Infeasible);
-        }
-        let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
-        let forcing = if lower.is_finite() && range.most <= lower + margin {
-            Some(true)
-        } else if upper.is_finite() && range.least >= upper - margin {
-            Some(false)
-        } else {
-            None
-        };
-        let tells = |&(j, a): &(usize, f64)| {
-            let width = work.upper[j] - work.lower[j];
-            // However wide a column is, it is moved by no more than a part of its unit.
-            width == 0.0 || a.abs() * width.min(1.0) >= TELLING * margin
-        };
-        if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
-            force(work, row, by_lower);
-            changes += 1;
-            continue;
-        }
-        if upper.is_finite() && range.most <= upper + margin {
-            work.row_upper[row] = f64::INFINITY;
-            changes += 1;
-        }
-        if lower.is_finite() && range.least >= lower - margin {
-            work.row_lower[row] = f64::NEG_INFINITY;
-            changes += 1;
-        }
-        if work.row_lower[row].is_infinite() && work.row_upper[row].is_infinite() {
-            work.drop_row(row);
-            changes += 1;
-        }
+    if upper.is_finite() && range.most <= upper + margin {
+        work.row_upper[row] = f64::INFINITY;
+        changes += 1;
+    }
+    if lower.is_finite() && range.least >= lower - margin {
+        work.row_lower[row] = f64::NEG_INFINITY;
+        changes += 1;
+    }
+    if work.row_lower[row].is_infinite() && work.row_upper[row].is_infinite() {
+        work.drop_row(row);
+        changes += 1;
     }
     Ok(changes)
 }

@@ -18,47 +18,40 @@ struct SingletonRow {
     gives: [bool; 2],
 }
 
-pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
-    let mut changes = 0;
-    for row in work.live_rows() {
-        if work.is_late(work.rows[row].len()) {
-            break;
-        }
-        match work.rows[row][..] {
-            [] => {
-                let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
-                let missed = lower.max(-upper);
-                if missed > MISSED * missed.abs().max(1.0) {
-                    return Err(Infeasible);
-                }
-                work.drop_row(row);
+pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
+    match work.rows[row][..] {
+        [] => {
+            let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
+            let missed = lower.max(-upper);
+            if missed > MISSED * missed.abs().max(1.0) {
+                return Err(Infeasible);
             }
-            [(column, a)] => {
-                // A side that the column's bounds miss by a hair says nothing, however small its
-                // coefficient: `1e-17 z <= 0` does not fix a binary.
-                let (p, q) = (a * work.lower[column], a * work.upper[column]);
-                let margin = |limit: f64| NEGLIGIBLE * limit.abs().max(1.0);
-                let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
-                if p.min(q) >= lower - margin(lower) {
-                    lower = f64::NEG_INFINITY;
-                }
-                if p.max(q) <= upper + margin(upper) {
-                    upper = f64::INFINITY;
-                }
-                let (p, q) = (lower / a, upper / a);
-                let (lower, upper) = (p.min(q), p.max(q));
-                let gives = [lower > work.lower[column], upper < work.upper[column]];
-                work.intersect(column, lower, upper)?;
-                work.drop_row(row);
-                if !work.integral[column] && (gives[0] || gives[1]) {
-                    work.push(SingletonRow { row, column, coefficient: a, gives });
-                }
-            }
-            _ => continue,
+            work.drop_row(row);
         }
-        changes += 1;
+        [(column, a)] => {
+            // A side that the column's bounds miss by a hair says nothing, however small its
+            // coefficient: `1e-17 z <= 0` does not fix a binary.
+            let (p, q) = (a * work.lower[column], a * work.upper[column]);
+            let margin = |limit: f64| NEGLIGIBLE * limit.abs().max(1.0);
+            let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
+            if p.min(q) >= lower - margin(lower) {
+                lower = f64::NEG_INFINITY;
+            }
+            if p.max(q) <= upper + margin(upper) {
+                upper = f64::INFINITY;
+            }
+            let (p, q) = (lower / a, upper / a);
+            let (lower, upper) = (p.min(q), p.max(q));
+            let gives = [lower > work.lower[column], upper < work.upper[column]];
+            work.intersect(column, lower, upper)?;
+            work.drop_row(row);
+            if !work.integral[column] && (gives[0] || gives[1]) {
+                work.push(SingletonRow { row, column, coefficient: a, gives });
+            }
+        }
+        _ => return Ok(0),
     }
-    Ok(changes)
+    Ok(1)
 }
 
 impl Undo for SingletonRow {

@@ -19,30 +19,24 @@ struct Slack {
     rest: Vec<(usize, f64)>,
 }
 
-pub(super) fn apply(work: &mut Work) -> usize {
-    let mut changes = 0;
-    for column in work.live_columns() {
-        if work.is_late(work.uses[column].len()) {
-            break;
-        }
-        let [row] = work.uses[column][..] else { continue };
-        if work.integral[column] || !work.is_straight(column) || work.rows[row].len() < 2 {
-            continue;
-        }
-        if work.linear[column] != 0.0 && !work.is_equality(row) {
-            bind(work, column, row);
-        }
-        if work.is_equality(row) {
-            if is_stable(work, column, row) {
-                substitute(work, column, row, true);
-                changes += 1;
-            }
-        } else if work.linear[column] == 0.0 {
-            widen(work, column, row);
-            changes += 1;
-        }
+pub(super) fn apply(work: &mut Work, column: usize) -> usize {
+    let [row] = work.uses[column][..] else { return 0 };
+    if work.integral[column] || !work.is_straight(column) || work.rows[row].len() < 2 {
+        return 0;
     }
-    changes
+    if work.linear[column] != 0.0 && !work.is_equality(row) {
+        bind(work, column, row);
+    }
+    if work.is_equality(row) {
+        if is_stable(work, column, row) {
+            substitute(work, column, row, true);
+            return 1;
+        }
+    } else if work.linear[column] == 0.0 {
+        widen(work, column, row);
+        return 1;
+    }
+    0
 }
 
 /// Makes a row an equality where a column's cost presses it against a limit and no bound does.

@@ -118,6 +118,37 @@ impl Work {
         self.token.spend(8 + 4 * entries)
     }
 
+    /// Applies a rule to one live row after another until it is late, and adds up the changes.
+    pub(super) fn each_row(
+        &mut self,
+        mut rule: impl FnMut(&mut Work, usize) -> Result<usize, Infeasible>,
+    ) -> Result<usize, Infeasible> {
+        let mut changes = 0;
+        for row in self.live_rows() {
+            if self.is_late(self.rows[row].len()) {
+                break;
+            }
+            changes += rule(self, row)?;
+        }
+        Ok(changes)
+    }
+
+    /// Applies a rule to one column after another until it is late, and adds up the changes.
+    pub(super) fn each_column(
+        &mut self,
+        columns: Vec<usize>,
+        mut rule: impl FnMut(&mut Work, usize) -> usize,
+    ) -> usize {
+        let mut changes = 0;
+        for column in columns {
+            if self.is_late(self.uses[column].len()) {
+                break;
+            }
+            changes += rule(self, column);
+        }
+        changes
+    }
+
     pub(super) fn live_rows(&self) -> Vec<usize> {
         (0..self.rows.len()).filter(|&i| self.row_alive[i]).collect()
     }

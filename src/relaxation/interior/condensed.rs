@@ -115,7 +115,6 @@ enum Kind {
     Equality,
 }
 
-/// The kind of each row.
 fn kinds(program: &Scaled) -> Vec<Kind> {
     let mut kinds = vec![Kind::Short; program.rows.len()];
     program.equalities.iter().for_each(|&(i, _)| kinds[i] = Kind::Equality);

@@ -9,13 +9,6 @@
 //!   unit of fraction, initialised by trying both children of a column (strong branching). A child
 //!   that the trial refutes is never queued. Disjunctions are split into their sides if the tree is
 //!   expected to grow more slowly that way.
-//!
-//! * `split` - splits and their children
-//! * `user_branching` - splits by the user's rule
-//! * `column` - the best column, `strong_branching` - children on trial
-//! * `disjunction` - splitting "one of these" into its sides
-//! * `strong_fixing` - trying values that the relaxed point does not take
-//! * `growth` - how fast a tree grows
 
 mod column;
 mod disjunction;

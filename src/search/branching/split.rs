@@ -20,7 +20,6 @@ pub(crate) struct RelaxedPoint<'x> {
 /// A child of a split: what it decides, and what a trial has found out about it.
 pub(crate) struct Child {
     pub(crate) decisions: Vec<Decision>,
-    /// Proved bound.
     pub(crate) bound: f64,
     pub(crate) known: Option<Box<Known>>,
 }

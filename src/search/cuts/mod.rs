@@ -1,10 +1,5 @@
 //! Cuts at the root: rows that every integral point satisfies and the relaxed point violates.
 //!
-//! * `implied_bounds` - the effect of a binary's value on the bounds of other columns
-//! * `mixed_integer_rounding` - aggregated rows, bounds substituted, divided and rounded
-//! * `rounding` - the rounding of one aggregate
-//! * `cut` - a cut, and the margins that make it safe
-//!
 //! Rounds of relaxing and cutting continue while they lift the bound. Cuts that are not active in
 //! the last relaxation are dropped, and all of them if the bound has hardly improved.
 
@@ -22,7 +17,6 @@ use crate::program::Program;
 use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::StopToken;
 
-/// Most rounds.
 const ROUNDS: usize = 15;
 
 /// Most cuts of a round.

@@ -1,12 +1,4 @@
 //! Primal heuristics, and when each one runs.
-//!
-//! * `rounding` - rounding with propagation, the most certain integers first
-//! * `roll_out` - the inputs of the relaxed point, and what follows from them
-//! * `diving` - fixing, propagating and relaxing repeatedly
-//! * `feasibility_pump` - alternate rounding and projection
-//! * `neighbourhood` - small searches near the best point
-//! * `proposals` - points that the user proposes, `guess` - a MIP start
-//! * `allowance` - how much a heuristic may spend
 
 mod allowance;
 mod diving;
@@ -58,7 +50,6 @@ impl Heuristics {
         }
     }
 
-    /// Counts a node.
     pub(super) fn count_node(&mut self) {
         self.nodes += 1;
     }

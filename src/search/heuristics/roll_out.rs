@@ -85,7 +85,6 @@ pub struct Frontier<'a> {
     /// Width of every column at which it is known.
     narrow: Vec<f64>,
     known: Vec<bool>,
-    /// Unknown columns of every row.
     unknown: Vec<usize>,
     /// Which rows have continuous columns.
     moves: Vec<bool>,
