@@ -60,7 +60,7 @@ fn product(a: &Matrix, b: &Matrix, size: impl Fn(f64) -> f64) -> Matrix {
 impl Map {
     /// A map between sets of a template, or between polygons.
     pub(super) fn new(matrix: Matrix, offset: Vec<f64>, template: Option<&Template>) -> Self {
-        let pull_back = |matrix| template.map_or_else(Vec::new, |t| pull_back(matrix, t));
+        let pull_back = |matrix: &Matrix| template.map_or_else(Vec::new, |t| pull_back(matrix, t));
         let pull = pull_back(&matrix);
         let inverse = invert(&matrix).map(|(inverse, error)| {
             let pull = pull_back(&inverse);

@@ -118,25 +118,6 @@ const ROUNDS: usize = 30;
 
 /// Applies rules to a program, in their order, repeatedly until nothing changes.
 ///
-/// ```
-/// use carom::internals::presolve::root::{Presolve, Rule, presolve};
-/// use carom::internals::program::Program;
-/// use carom::prelude::*;
-/// use carom::solver::StopToken;
-///
-/// let mut model = Model::new("chain");
-/// let v = model.continuous_family("v", 3, -10.0, 10.0)?;
-/// model.add("start", v[0].equals(1.0))?;
-/// model.add("a", (v[1] - 2.0 * v[0]).equals(0.0))?;
-/// model.add("b", (v[2] - 2.0 * v[1]).equals(0.0))?;
-/// let program = Program::assemble(&model)?;
-///
-/// let Presolve::Presolved(presolved) = presolve(&program, &Rule::ALL, &StopToken::default())? else { panic!() };
-/// assert_eq!(presolved.program.column_count(), 0);
-/// assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
-/// # Ok::<(), carom::Error>(())
-/// ```
-///
 /// # Errors
 ///
 /// [`ErrorKind::Allocation`](crate::ErrorKind::Allocation) when the matrices cannot be allocated.

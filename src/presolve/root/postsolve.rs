@@ -102,16 +102,6 @@ impl Postsolve {
         &self.rows
     }
 
-    /// Number of reductions.
-    pub fn len(&self) -> usize {
-        self.undos.len()
-    }
-
-    /// Whether nothing was reduced.
-    pub fn is_empty(&self) -> bool {
-        self.undos.is_empty()
-    }
-
     /// The original's point; missing values count as 0, and values too many are ignored.
     pub fn point(&self, x: &[f64]) -> Vec<f64> {
         let mut full = scatter(self.column_count, &self.columns, x);

@@ -120,3 +120,19 @@ proptest! {
         compare(&case, &Rule::ALL)?;
     }
 }
+
+#[test]
+fn a_chain_of_equalities_is_solved() {
+    let mut model = Model::new("chain");
+    let v = model.continuous_family("v", 3, -10.0, 10.0).unwrap();
+    model.add("start", v[0].equals(1.0)).unwrap();
+    model.add("a", (v[1] - 2.0 * v[0]).equals(0.0)).unwrap();
+    model.add("b", (v[2] - 2.0 * v[1]).equals(0.0)).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let presolved = match presolve(&program, &Rule::ALL, &StopToken::default()).unwrap() {
+        Presolve::Presolved(presolved) => presolved,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(presolved.program.column_count(), 0);
+    assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
+}
