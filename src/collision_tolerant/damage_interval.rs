@@ -19,7 +19,7 @@ use super::program::{Objective, PlanningProgram};
 use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::setters::setters;
 use crate::solution::Termination;
 use crate::solver::{Interrupt, Solver, StopToken};
@@ -131,7 +131,7 @@ impl DamageInterval {
 ///
 /// # Errors
 ///
-/// [`ScenarioError`] if collisions are forbidden or waiting is not free; [`ErrorKind::OutOfRange`]
+/// [`ScenarioError`] if collisions are forbidden or waiting is not free; [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange)
 /// for a resolution out of its range; otherwise as for [`plan`](super::plan()).
 pub fn damage_interval(
     scenario: &Scenario,
@@ -165,8 +165,8 @@ fn check(scenario: &Scenario, options: &IntervalOptions) -> Result<(), Error> {
         return Err(ScenarioError::CannotWait.into());
     }
     if !(1e-5..=1e3).contains(&options.resolution) {
-        let (what, range) = ("the resolution (m/s)".into(), "within [1e-5, 1e3]".into());
-        return Err(ErrorKind::OutOfRange { what, value: options.resolution, range }.into());
+        let (what, range) = ("the resolution (m/s)", "within [1e-5, 1e3]");
+        return Err(Error::out_of_range(what, options.resolution, range));
     }
     Ok(())
 }

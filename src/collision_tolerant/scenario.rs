@@ -188,8 +188,8 @@ impl Scenario {
         }
         self.acceleration.check("acceleration")?;
         if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
-            let (what, range) = ("the largest speed (m/s)".into(), "finite and positive".into());
-            return Err(ErrorKind::OutOfRange { what, value: self.max_speed, range }.into());
+            let (what, range) = ("the largest speed (m/s)", "finite and positive");
+            return Err(Error::out_of_range(what, self.max_speed, range));
         }
         if let Some(domain) = self.domain {
             domain.check("domain")?;

@@ -59,6 +59,21 @@ impl Error {
         Error::with_source(ErrorKind::Other, source)
     }
 
+    /// [`ErrorKind::OutOfRange`].
+    pub(crate) fn out_of_range(
+        what: impl Into<String>,
+        value: f64,
+        range: impl Into<String>,
+    ) -> Self {
+        let (what, range) = (what.into(), range.into());
+        Error {
+            inner: Arc::new(Inner {
+                kind: ErrorKind::OutOfRange { what, value, range },
+                source: None,
+            }),
+        }
+    }
+
     /// What went wrong.
     pub fn kind(&self) -> &ErrorKind {
         &self.inner.kind

@@ -6,7 +6,7 @@ use web_time::Duration;
 
 use super::elastic::Elastic;
 use super::groups::selected;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::model::{Model, Name, statements};
 use crate::reformulate::Side;
 use crate::setters::setters;
@@ -59,12 +59,11 @@ impl ElasticOptions {
         let mut weights = vec![1.0; names.len()];
         for (name, weight) in &self.weights {
             if weight.is_nan() || *weight <= 0.0 {
-                return Err(ErrorKind::OutOfRange {
-                    what: format!("the weight of `{name}`"),
-                    value: *weight,
-                    range: "greater than 0; infinite for a statement that never gives".into(),
-                }
-                .into());
+                return Err(Error::out_of_range(
+                    format!("the weight of `{name}`"),
+                    *weight,
+                    "greater than 0; infinite for a statement that never gives",
+                ));
             }
             let weight = if *weight < tolerance::INFINITE { *weight } else { f64::INFINITY };
             selected(&names, name)?.into_iter().for_each(|position| weights[position] = weight);
@@ -171,9 +170,9 @@ impl Relaxed {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::UnknownName`] for a name that the model does not have, [`ErrorKind::OutOfRange`]
+/// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a name that the model does not have, [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange)
 /// for a weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
-/// [`ErrorKind::UnboundedIndicator`] if an indicator has no finite big-M.
+/// [`ErrorKind::UnboundedIndicator`](crate::ErrorKind::UnboundedIndicator) if an indicator has no finite big-M.
 pub fn relaxation(
     model: &Model,
     solver: &mut dyn Solver,

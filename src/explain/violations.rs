@@ -46,8 +46,8 @@ pub fn violations(
         }
     }
     if !(feasibility.is_finite() && feasibility >= 0.0) {
-        let (what, range) = ("the feasibility tolerance".into(), "finite and not negative".into());
-        return Err(ErrorKind::OutOfRange { what, value: feasibility, range }.into());
+        let (what, range) = ("the feasibility tolerance", "finite and not negative");
+        return Err(Error::out_of_range(what, feasibility, range));
     }
     let point = Point::new(model, values.to_vec())?;
     let mut found = Verification::of(model, &point, feasibility).violations().to_vec();

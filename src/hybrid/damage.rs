@@ -73,8 +73,7 @@ impl DamageLimits {
             if let Some(value) = value
                 && !(value.is_finite() && value >= 0.0)
             {
-                let range = "finite and not negative".into();
-                return Err(ErrorKind::OutOfRange { what: what.into(), value, range }.into());
+                return Err(Error::out_of_range(what, value, "finite and not negative"));
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! The planning horizon: number and length of steps.
 
 use super::linear::check_time_step;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::tolerance;
 
 /// A horizon of `steps` steps of `time_step` seconds: samples `t = 0, 1, ..., steps`.
@@ -32,7 +32,7 @@ impl Horizon {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`].
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange).
     pub fn new(steps: usize, time_step: f64) -> Result<Self, Error> {
         check_steps("the number of steps", steps)?;
         check_time_step(time_step)?;
@@ -61,5 +61,5 @@ pub(super) fn check_steps(what: &str, steps: usize) -> Result<(), Error> {
         return Ok(());
     }
     let range = format!("from 1 to {}", tolerance::MAX_STEPS);
-    Err(ErrorKind::OutOfRange { what: what.into(), value: steps as f64, range }.into())
+    Err(Error::out_of_range(what, steps as f64, range))
 }

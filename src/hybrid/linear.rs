@@ -114,11 +114,11 @@ impl LinearSystem {
             c: (0..n).map(|i| discrete[(i, n + m)]).collect(),
         };
         system.check().map_err(|_| {
-            Error::from(ErrorKind::OutOfRange {
-                what: "the time step of the zero-order hold".into(),
-                value: time_step,
-                range: "short enough for the discrete system to stay finite".into(),
-            })
+            Error::out_of_range(
+                "the time step of the zero-order hold",
+                time_step,
+                "short enough for the discrete system to stay finite",
+            )
         })?;
         Ok(system)
     }
@@ -291,8 +291,7 @@ pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {
     if time_step.is_finite() && time_step > 0.0 {
         return Ok(());
     }
-    let range = "finite and positive".into();
-    Err(ErrorKind::OutOfRange { what: "the time step (s)".into(), value: time_step, range }.into())
+    Err(Error::out_of_range("the time step (s)", time_step, "finite and positive"))
 }
 
 /// The serialised form of a system: rows of numbers.

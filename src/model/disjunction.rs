@@ -178,14 +178,11 @@ impl Statement for Either {
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<Selected, Error> {
         if self.depth > DEEPEST {
-            return Err(ErrorKind::OutOfRange {
-                what: format!("the number of levels of `{name}`"),
-                value: f64::from(self.depth),
-                range: format!(
-                    "at most {DEEPEST}; give inner disjunctions statements of their own"
-                ),
-            }
-            .into());
+            return Err(Error::out_of_range(
+                format!("the number of levels of `{name}`"),
+                f64::from(self.depth),
+                format!("at most {DEEPEST}; give inner disjunctions statements of their own"),
+            ));
         }
         let method = self.method;
         model.all_or_nothing(|model| {
@@ -207,7 +204,7 @@ fn store(
     let count = of.terms.len();
     let wrong = |what: &str, value: usize, range: String| {
         let what = format!("the number of {what} of `{name}`");
-        Err(ErrorKind::OutOfRange { what, value: value as f64, range }.into())
+        Err(Error::out_of_range(what, value as f64, range))
     };
     if count == 0 {
         return wrong("terms", 0, "at least 1".into());

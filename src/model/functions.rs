@@ -224,12 +224,11 @@ impl Model {
             }
         }
         if function.expressions().is_empty() {
-            return Err(ErrorKind::OutOfRange {
-                what: format!("the number of expressions in `{name}`"),
-                value: 0.0,
-                range: "at least 1".into(),
-            }
-            .into());
+            return Err(Error::out_of_range(
+                format!("the number of expressions in `{name}`"),
+                0.0,
+                "at least 1",
+            ));
         }
         for expression in function.expressions() {
             for (variable, coefficient) in expression.terms() {

@@ -142,12 +142,11 @@ impl Statement for Reification {
     fn add_to(self, model: &mut Model, name: Name) -> Result<Reified, Error> {
         let Reification { condition, row, margin } = self;
         if !(margin > 0.0 && margin < tolerance::INFINITE) {
-            return Err(ErrorKind::OutOfRange {
-                what: format!("the margin of `{name}`"),
-                value: margin,
-                range: "finite and greater than 0".into(),
-            }
-            .into());
+            return Err(Error::out_of_range(
+                format!("the margin of `{name}`"),
+                margin,
+                "finite and greater than 0",
+            ));
         }
         let row = stored(row, model, &name)?;
         let side = |lower: f64, upper: f64| {
@@ -166,12 +165,11 @@ impl Statement for Reification {
         let lost = row.upper.is_finite() && above.lower <= row.upper
             || row.lower.is_finite() && below.upper >= row.lower;
         if lost {
-            return Err(ErrorKind::OutOfRange {
-                what: format!("the margin of `{name}`"),
-                value: margin,
-                range: "large enough to tell apart from the row's limit in double precision".into(),
-            }
-            .into());
+            return Err(Error::out_of_range(
+                format!("the margin of `{name}`"),
+                margin,
+                "large enough to tell apart from the row's limit in double precision",
+            ));
         }
         let fails = !condition.clone();
         let add = |model: &mut Model, name: Name, condition: Logic, row: StoredRow| {
@@ -231,12 +229,11 @@ impl Model {
         if let BigM::Given(value) | BigM::Assumed(value) = big_m
             && !(0.0..tolerance::INFINITE).contains(&value)
         {
-            return Err(ErrorKind::OutOfRange {
-                what: format!("the big-M of `{name}`"),
+            return Err(Error::out_of_range(
+                format!("the big-M of `{name}`"),
                 value,
-                range: "finite and not negative".into(),
-            }
-            .into());
+                "finite and not negative",
+            ));
         }
         let id = Indicator::new(self.stored.indicators.len(), self.stored.tag);
         self.claim_statement(&name, (StatementKind::Indicator, id.index))?;

@@ -164,13 +164,12 @@ fn check_value(name: &Name, value: f64, range: Interval) -> Result<(), Error> {
     if range.contains(value) {
         return Ok(());
     }
-    Err(ErrorKind::OutOfRange {
-        what: format!("the value of the parameter `{name}`"),
+    Err(Error::out_of_range(
+        format!("the value of the parameter `{name}`"),
         value,
-        range: format!(
+        format!(
             "within its declared range [{}, {}]; widen that with `set_parameter_range`",
             range.lower, range.upper
         ),
-    }
-    .into())
+    ))
 }

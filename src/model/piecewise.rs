@@ -1,6 +1,6 @@
 //! Piecewise-affine functions of one variable, given by their breakpoints.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::interval::Interval;
 use crate::tolerance;
 
@@ -27,26 +27,24 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] if there are fewer than two points, if the `x` do not increase
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) if there are fewer than two points, if the `x` do not increase
     /// strictly, or if a number is not finite.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
-        let out = |what: String, value: f64, range: String| {
-            Err(ErrorKind::OutOfRange { what, value, range }.into())
-        };
         if points.len() < 2 {
-            let what = "the number of breakpoints of a piecewise-affine function".into();
-            return out(what, points.len() as f64, "at least 2".into());
+            let what = "the number of breakpoints of a piecewise-affine function";
+            return Err(Error::out_of_range(what, points.len() as f64, "at least 2"));
         }
         for (k, &(x, y)) in points.iter().enumerate() {
             for (value, axis) in [(x, "x"), (y, "y")] {
                 if value.is_nan() || value.abs() >= tolerance::INFINITE {
-                    return out(format!("the {axis} of breakpoint {k}"), value, "finite".into());
+                    let what = format!("the {axis} of breakpoint {k}");
+                    return Err(Error::out_of_range(what, value, "finite"));
                 }
             }
             if k > 0 && x <= points[k - 1].0 {
                 let range = format!("greater than {}, the one before", points[k - 1].0);
-                return out(format!("the x of breakpoint {k}"), x, range);
+                return Err(Error::out_of_range(format!("the x of breakpoint {k}"), x, range));
             }
         }
         Ok(PiecewiseAffine { points })
@@ -72,7 +70,7 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] if `lower` or `upper` is not finite.
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) if `lower` or `upper` is not finite.
     pub fn extended(&self, lower: f64, upper: f64) -> Result<Self, Error> {
         let mut points = self.points.clone();
         let line = |(x0, y0): (f64, f64), (x1, y1): (f64, f64), x: f64| {

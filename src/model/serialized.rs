@@ -9,7 +9,7 @@ use super::store::{
     VariableData,
 };
 use super::stored::{StoredRow, StoredTerm};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 
 impl TryFrom<Stored> for Model {
     type Error = Error;
@@ -81,7 +81,7 @@ fn checked(
     name.check()?;
     let wrong = |what: &str, value: u32, range: String| {
         let what = format!("the number of {what} of `{name}`");
-        Err(ErrorKind::OutOfRange { what, value: f64::from(value), range }.into())
+        Err(Error::out_of_range(what, f64::from(value), range))
     };
     if terms.is_empty() {
         return wrong("terms", 0, "at least 1".into());

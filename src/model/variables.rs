@@ -210,12 +210,11 @@ fn variable_bounds(
 ) -> Result<(f64, f64), Error> {
     let (lower, upper) = bounds(lower, upper, name)?;
     if kind == VariableKind::Binary && (lower < 0.0 || upper > 1.0) {
-        return Err(ErrorKind::OutOfRange {
-            what: format!("a bound of the binary `{name}`"),
-            value: if lower < 0.0 { lower } else { upper },
-            range: "within [0, 1]".into(),
-        }
-        .into());
+        return Err(Error::out_of_range(
+            format!("a bound of the binary `{name}`"),
+            if lower < 0.0 { lower } else { upper },
+            "within [0, 1]",
+        ));
     }
     Ok((lower, upper))
 }

@@ -6,7 +6,7 @@
 //! `w = p e + b0 e + 2 b1 e + ...`.
 
 use super::lowering::Lowering;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Variable, VariableKind};
 
@@ -38,16 +38,15 @@ pub(super) fn apply(
     }
     let width = high - low;
     if width > WIDEST {
-        return Err(ErrorKind::OutOfRange {
-            what: format!(
+        return Err(Error::out_of_range(
+            format!(
                 "the range of the integer `{}` in the product `{}`",
                 lowering.model.name_of(factor),
                 lowering.statement()
             ),
-            value: width,
-            range: format!("at most {WIDEST}; tighten its bounds"),
-        }
-        .into());
+            width,
+            format!("at most {WIDEST}; tighten its bounds"),
+        ));
     }
     let range = lowering.bounded_range(of)?.hull(Interval::point(0.0));
     let (mut number, mut sum) = (Affine::constant(low), low * of);

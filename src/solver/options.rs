@@ -5,7 +5,7 @@ use web_time::Duration;
 use super::heuristics::Heuristics;
 use super::relaxation_method::RelaxationMethod;
 use super::rules::BranchingRule;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::setters::setters;
 use crate::tolerance;
 
@@ -267,16 +267,10 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`], naming the option.
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange), naming the option.
     pub fn check(&self) -> Result<(), Error> {
         let check = |what: &str, value: f64, holds: bool, range: String| {
-            let error = || {
-                Error::from(ErrorKind::OutOfRange {
-                    what: format!("option `{what}`"),
-                    value,
-                    range,
-                })
-            };
+            let error = || Error::out_of_range(format!("option `{what}`"), value, range);
             if holds { Ok(()) } else { Err(error()) }
         };
         let gap = |what: &str, value: f64| {

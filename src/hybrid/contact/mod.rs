@@ -19,7 +19,7 @@ pub use roll_out::RollOut;
 use super::linear::LinearSystem;
 use super::reach::Transition;
 use super::wall::Wall;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Model, Variable};
 
@@ -49,13 +49,12 @@ impl Restitution {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`].
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange).
     pub fn new(value: f64) -> Result<Self, Error> {
         if (0.0..=1.0).contains(&value) {
             return Ok(Restitution(value));
         }
-        let (what, range) = ("the restitution".into(), "within [0, 1]".into());
-        Err(ErrorKind::OutOfRange { what, value, range }.into())
+        Err(Error::out_of_range("the restitution", value, "within [0, 1]"))
     }
 
     /// The coefficient, within `[0, 1]` (no unit).
@@ -213,7 +212,7 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a time step that is not finite and positive.
     pub fn transitions(
         &self,
         time_step: f64,

@@ -127,9 +127,8 @@ impl Tube {
     fn path(&self, first: usize, second: usize, plan: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, Error> {
         let states = self.system.states.len();
         if first >= states || second >= states || first == second {
-            let (what, range) = ("the number of a state to draw".into(), format!("below {states}"));
-            let range = format!("two different ones {range}");
-            return Err(ErrorKind::OutOfRange { what, value: second as f64, range }.into());
+            let range = format!("two different ones below {states}");
+            return Err(Error::out_of_range("the number of a state to draw", second as f64, range));
         }
         let point = |state: &Vec<f64>| {
             check_length("a state of the plan", state.len(), states)?;

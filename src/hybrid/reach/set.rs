@@ -180,9 +180,12 @@ impl ReachSet {
         let n = self.system.states.len();
         for state in [first, second] {
             if state >= n || first == second {
-                let what = "the number of a state to draw".into();
                 let range = format!("two different ones below {n}");
-                return Err(ErrorKind::OutOfRange { what, value: state as f64, range }.into());
+                return Err(Error::out_of_range(
+                    "the number of a state to draw",
+                    state as f64,
+                    range,
+                ));
             }
         }
         for (block, shape) in self.system.blocks.iter().zip(&self.shapes) {

@@ -57,9 +57,8 @@ impl SetOptions {
     }
 
     fn check(&self, states: usize) -> Result<(), Error> {
-        let refuse = |what: &str, value: f64, range: &str| {
-            Err(ErrorKind::OutOfRange { what: what.into(), value, range: range.into() }.into())
-        };
+        let refuse =
+            |what: &str, value: f64, range: &str| Err(Error::out_of_range(what, value, range));
         if self.events > 64 {
             return refuse(
                 "the number of events of reach sets",

@@ -203,9 +203,7 @@ impl HybridSystem {
         for (what, count) in counts {
             if count == 0 {
                 let what = format!("the number of {what} of the hybrid system");
-                return Err(
-                    ErrorKind::OutOfRange { what, value: 0.0, range: "at least 1".into() }.into()
-                );
+                return Err(Error::out_of_range(what, 0.0, "at least 1"));
             }
         }
         for (name, range) in self.states.iter().chain(&self.inputs) {
@@ -276,8 +274,8 @@ fn check_numbers(
             return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
         }
         if value.abs() >= INFINITE {
-            let (what, range) = (format!("{what} of `{name}`"), "below 1e20 in magnitude".into());
-            return Err(ErrorKind::OutOfRange { what, value, range }.into());
+            let what = format!("{what} of `{name}`");
+            return Err(Error::out_of_range(what, value, "below 1e20 in magnitude"));
         }
     }
     Ok(())

@@ -223,10 +223,8 @@ impl Tube {
         let count = self.system.transitions.len();
         for (number, family) in &variables.transitions {
             if *number >= count {
-                let (what, value) = ("the number of a transition".into(), *number as f64);
-                return Err(
-                    ErrorKind::OutOfRange { what, value, range: format!("below {count}") }.into()
-                );
+                let (what, value) = ("the number of a transition", *number as f64);
+                return Err(Error::out_of_range(what, value, format!("below {count}")));
             }
             check_length("a transition family of the horizon", family.len(), self.steps())?;
         }
