@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg};
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, check_finite};
 
 /// A closed interval `[lower, upper]`, either end possibly infinite.
 ///
@@ -61,11 +61,8 @@ impl Interval {
     /// variable or a limit.
     pub(crate) fn check(&self, name: &str) -> Result<(), Error> {
         let Interval { lower, upper } = *self;
-        for (what, value) in [("the lower limit", lower), ("the upper limit", upper)] {
-            if !value.is_finite() {
-                return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
-            }
-        }
+        check_finite(name, "the lower limit", [lower])?;
+        check_finite(name, "the upper limit", [upper])?;
         if lower > upper {
             return Err(ErrorKind::CrossedBounds { name: name.into(), lower, upper }.into());
         }

@@ -20,6 +20,8 @@ use super::reach::tighten;
 use super::scenario::{Collisions, Scenario};
 use super::trajectory::Trajectory;
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::setters::setters;
 use crate::solution::Termination;
 use crate::solver::{Interrupt, Solver, StopToken};
@@ -131,7 +133,7 @@ impl DamageInterval {
 ///
 /// # Errors
 ///
-/// [`ScenarioError`] if collisions are forbidden or waiting is not free; [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange)
+/// [`ScenarioError`] if collisions are forbidden or waiting is not free; [`ErrorKind::OutOfRange`]
 /// for a resolution out of its range; otherwise as for [`plan`](super::plan()).
 pub fn damage_interval(
     scenario: &Scenario,

@@ -1,7 +1,9 @@
 //! Scenarios: start, goal, limits, wall, contact and damage.
 
 use super::error::ScenarioError;
-use crate::error::{Error, ErrorKind};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite};
 use crate::hybrid::{Contact, ContactLaw, DamageLimits, Horizon, Restitution, Waiting, Wall};
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -177,15 +179,10 @@ impl Scenario {
                 ("the acceleration", end.acceleration),
             ];
             for (what, value) in numbers {
-                if let Some(value) = value.filter(|value| !value.is_finite()) {
-                    return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
-                }
+                check_finite(name, what, value)?;
             }
         }
-        let (what, value) = ("the position", self.contact.wall.position());
-        if !value.is_finite() {
-            return Err(ErrorKind::NotFinite { name: "wall".into(), what, value }.into());
-        }
+        check_finite("wall", "the position", [self.contact.wall.position()])?;
         self.acceleration.check("acceleration")?;
         if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
             let (what, range) = ("the largest speed (m/s)", "finite and positive");

@@ -88,6 +88,18 @@ pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) ->
     Err(ErrorKind::Length { what, found, expected }.into())
 }
 
+/// Refuses NaN and infinities; `name` is whose numbers they are, `what` is one of them.
+pub(crate) fn check_finite(
+    name: impl fmt::Display,
+    what: &'static str,
+    numbers: impl IntoIterator<Item = f64>,
+) -> Result<(), Error> {
+    match numbers.into_iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(ErrorKind::NotFinite { name: name.to_string(), what, value }.into()),
+        None => Ok(()),
+    }
+}
+
 impl From<ErrorKind> for Error {
     fn from(kind: ErrorKind) -> Self {
         Error { inner: Arc::new(Inner { kind, source: None }) }

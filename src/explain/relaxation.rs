@@ -7,6 +7,8 @@ use web_time::Duration;
 use super::elastic::Elastic;
 use super::groups::selected;
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::model::{Model, Name, statements};
 use crate::reformulate::Side;
 use crate::setters::setters;
@@ -170,9 +172,9 @@ impl Relaxed {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a name that the model does not have, [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange)
+/// [`ErrorKind::UnknownName`] for a name that the model does not have, [`ErrorKind::OutOfRange`]
 /// for a weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
-/// [`ErrorKind::UnboundedIndicator`](crate::ErrorKind::UnboundedIndicator) if an indicator has no finite big-M.
+/// [`ErrorKind::UnboundedIndicator`] if an indicator has no finite big-M.
 pub fn relaxation(
     model: &Model,
     solver: &mut dyn Solver,

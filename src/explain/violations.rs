@@ -1,6 +1,8 @@
 //! What a point violates.
 
-use crate::error::{Error, ErrorKind, check_length};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite, check_length};
 use crate::model::Model;
 use crate::solution::{Point, Verification, Violation};
 
@@ -40,10 +42,7 @@ pub fn violations(
 ) -> Result<Vec<Violation>, Error> {
     check_length("the point", values.len(), model.variable_count())?;
     for (variable, &value) in model.variables().zip(values) {
-        if !value.is_finite() {
-            let name = variable.name().to_string();
-            return Err(ErrorKind::NotFinite { name, what: "the value", value }.into());
-        }
+        check_finite(variable.name(), "the value", [value])?;
     }
     if !(feasibility.is_finite() && feasibility >= 0.0) {
         let (what, range) = ("the feasibility tolerance", "finite and not negative");

@@ -1,7 +1,9 @@
 //! Damage of contacts, and limits on it; the paper's equations (14)-(20).
 
 use super::contact::ImpactSpeed;
-use crate::error::{Error, ErrorKind};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite};
 use crate::model::{Affine, Family, Model, Variable};
 use crate::setters::setters;
 
@@ -134,12 +136,7 @@ impl Damage {
             let range = model.range(&impact.speed)?;
             let lowest = if impact.zero_in_flight { 0.0 } else { range.lower.min(0.0) };
             let highest = range.upper.max(0.0).min(limits.per_impact.unwrap_or(f64::INFINITY));
-            for value in [lowest, highest] {
-                if !value.is_finite() {
-                    let name = format!("D[{t}]");
-                    return Err(ErrorKind::NotFinite { name, what: "a bound", value }.into());
-                }
-            }
+            check_finite(format_args!("D[{t}]"), "a bound", [lowest, highest])?;
             model.set_bounds(values[t], lowest, highest)?;
             lowest_total += lowest;
             highest_total += highest;

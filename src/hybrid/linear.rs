@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::exponential::exponential;
-use crate::error::{Error, ErrorKind, check_length};
+use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::model::{Affine, Constraint, Model};
 
 /// A discrete linear time-invariant system `x⁺ = A x + B u + c`.
@@ -269,22 +269,17 @@ impl LinearSystem {
         let entries = |matrix: &Mat<f64>| {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             let index = (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
-            let bad = index.map(|index| matrix[index]).find(|entry| !entry.is_finite());
-            bad.map_or(Ok(()), |value| Err(not_finite(value)))
+            check_finite("the linear system", "an entry", index.map(|index| matrix[index]))
         };
         entries(&self.a)?;
         entries(&self.b)?;
-        self.c.iter().find(|entry| !entry.is_finite()).map_or(Ok(()), |&v| Err(not_finite(v)))
+        check_finite("the linear system", "an entry", self.c.iter().copied())
     }
 
     fn check_lengths(&self, state: usize, input: usize) -> Result<(), Error> {
         check_length("the state", state, self.states())?;
         check_length("the input", input, self.inputs())
     }
-}
-
-fn not_finite(value: f64) -> Error {
-    Error::from(ErrorKind::NotFinite { name: "the linear system".into(), what: "an entry", value })
 }
 
 pub(super) fn check_time_step(time_step: f64) -> Result<(), Error> {

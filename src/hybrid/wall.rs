@@ -1,6 +1,6 @@
 //! A wall: a half-line that the vehicle cannot enter.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, check_finite};
 use crate::model::Affine;
 
 /// The side of the wall on which the vehicle moves.
@@ -46,14 +46,10 @@ impl Wall {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotFinite`].
+    /// [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite).
     pub fn new(position: f64, free: FreeSide) -> Result<Self, Error> {
-        if position.is_finite() {
-            Ok(Wall { position, free })
-        } else {
-            Err(ErrorKind::NotFinite { name: "wall".into(), what: "the position", value: position }
-                .into())
-        }
+        check_finite("wall", "the position", [position])?;
+        Ok(Wall { position, free })
     }
 
     /// A wall whose free side is above it: `x >= position`.

@@ -1,6 +1,8 @@
 //! Piecewise-affine functions of one variable, given by their breakpoints.
 
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::interval::Interval;
 use crate::tolerance;
 
@@ -27,7 +29,7 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) if there are fewer than two points, if the `x` do not increase
+    /// [`ErrorKind::OutOfRange`] if there are fewer than two points, if the `x` do not increase
     /// strictly, or if a number is not finite.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
@@ -70,7 +72,7 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) if `lower` or `upper` is not finite.
+    /// [`ErrorKind::OutOfRange`] if `lower` or `upper` is not finite.
     pub fn extended(&self, lower: f64, upper: f64) -> Result<Self, Error> {
         let mut points = self.points.clone();
         let line = |(x0, y0): (f64, f64), (x1, y1): (f64, f64), x: f64| {

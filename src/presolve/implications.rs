@@ -7,9 +7,15 @@ use crate::solver::StopToken;
 pub struct Implications {
     /// By literal: what it implies; empty when there is none at all.
     by_literal: Vec<Vec<usize>>,
+    count: usize,
 }
 
 impl Implications {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     /// What a literal implies.
     pub fn of(&self, literal: usize) -> &[usize] {
         self.by_literal.get(literal).map_or(&[], Vec::as_slice)
@@ -17,7 +23,7 @@ impl Implications {
 
     /// The contrapositions that probing did not find by itself.
     pub(super) fn contraposed(noted: &[Option<Vec<usize>>], token: &StopToken) -> Implications {
-        let mut table = Implications { by_literal: vec![Vec::new(); noted.len()] };
+        let mut table = Implications { by_literal: vec![Vec::new(); noted.len()], count: 0 };
         for (literal, implied) in noted.iter().enumerate() {
             if implied.is_some() && token.is_over() {
                 break;
@@ -27,6 +33,7 @@ impl Implications {
                 let (from, to) = (other ^ 1, literal ^ 1);
                 if noted[from].as_ref().is_some_and(|known| known.binary_search(&to).is_err()) {
                     table.by_literal[from].push(to);
+                    table.count += 1;
                 }
             }
         }

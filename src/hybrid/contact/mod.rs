@@ -20,6 +20,8 @@ use super::linear::LinearSystem;
 use super::reach::Transition;
 use super::wall::Wall;
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::interval::Interval;
 use crate::model::{Affine, Model, Variable};
 
@@ -49,7 +51,7 @@ impl Restitution {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange).
+    /// [`ErrorKind::OutOfRange`].
     pub fn new(value: f64) -> Result<Self, Error> {
         if (0.0..=1.0).contains(&value) {
             return Ok(Restitution(value));
@@ -212,7 +214,7 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a time step that is not finite and positive.
+    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
     pub fn transitions(
         &self,
         time_step: f64,

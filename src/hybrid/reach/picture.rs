@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use super::set::ReachSet;
 use super::tube::Tube;
-use crate::error::{Error, ErrorKind, check_length};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite, check_length};
 use crate::interval::Interval;
 
 /// Size of the picture and of the margins around the plane, in pixels.
@@ -133,13 +135,8 @@ impl Tube {
         let point = |state: &Vec<f64>| {
             check_length("a state of the plan", state.len(), states)?;
             let point = [state[first], state[second]];
-            match point.into_iter().find(|value| !value.is_finite()) {
-                None => Ok(point),
-                Some(value) => {
-                    let (name, what) = ("the plan".into(), "a state");
-                    Err(ErrorKind::NotFinite { name, what, value }.into())
-                }
-            }
+            check_finite("the plan", "a state", point)?;
+            Ok(point)
         };
         plan.iter().map(point).collect()
     }

@@ -6,7 +6,9 @@ use super::compiled::Compiled;
 use super::set::{Emptied, ReachSet};
 use super::step::{predecessors, successors};
 use super::system::{HybridSystem, check_ends};
-use crate::error::{Error, ErrorKind, check_length};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite, check_length};
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -57,31 +59,18 @@ impl SetOptions {
     }
 
     fn check(&self, states: usize) -> Result<(), Error> {
-        let refuse =
-            |what: &str, value: f64, range: &str| Err(Error::out_of_range(what, value, range));
-        if self.events > 64 {
-            return refuse(
-                "the number of events of reach sets",
-                self.events as f64,
-                "within [0, 64]",
-            );
-        }
-        if self.vertices < 8 {
-            return refuse(
-                "the number of vertices of reach sets",
-                self.vertices as f64,
-                "at least 8",
-            );
-        }
-        if !(0.0..=1.0).contains(&self.margin) {
-            return refuse("the margin of reach sets", self.margin, "within [0, 1]");
+        let (events, vertices) = (self.events as f64, self.vertices as f64);
+        let ranges = [
+            ("number of events", events, events <= 64.0, "within [0, 64]"),
+            ("number of vertices", vertices, vertices >= 8.0, "at least 8"),
+            ("margin", self.margin, (0.0..=1.0).contains(&self.margin), "within [0, 1]"),
+        ];
+        if let Some((what, value, _, range)) = ranges.into_iter().find(|r| !r.2) {
+            return Err(Error::out_of_range(format!("the {what} of reach sets"), value, range));
         }
         for direction in &self.directions {
             check_length("a template direction", direction.len(), states)?;
-            if let Some(&value) = direction.iter().find(|x| !x.is_finite()) {
-                let (name, what) = ("a template direction".into(), "an entry");
-                return Err(ErrorKind::NotFinite { name, what, value }.into());
-            }
+            check_finite("a template direction", "an entry", direction.iter().copied())?;
         }
         Ok(())
     }

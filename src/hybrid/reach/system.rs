@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::error::{Error, ErrorKind, check_length};
+use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
 use crate::tolerance::INFINITE;
@@ -270,9 +270,7 @@ fn check_numbers(
     numbers: impl Iterator<Item = f64>,
 ) -> Result<(), Error> {
     for value in numbers {
-        if !value.is_finite() {
-            return Err(ErrorKind::NotFinite { name: name.into(), what, value }.into());
-        }
+        check_finite(name, what, [value])?;
         if value.abs() >= INFINITE {
             let what = format!("{what} of `{name}`");
             return Err(Error::out_of_range(what, value, "below 1e20 in magnitude"));

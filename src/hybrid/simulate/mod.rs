@@ -17,7 +17,9 @@ pub use discrete::{DiscreteReplay, ReplayedImpact, replay_discrete};
 pub use error::ReplayError;
 
 use super::horizon::Horizon;
-use crate::error::{Error, ErrorKind, check_length};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite, check_length};
 
 /// The samples of a plan over τ steps, as input of a replay.
 ///
@@ -79,9 +81,7 @@ impl Samples<'_> {
             ("an acceleration", self.acceleration),
         ];
         for (what, values) in groups {
-            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
-                return Err(ErrorKind::NotFinite { name: "the plan".into(), what, value }.into());
-            }
+            check_finite("the plan", what, values.iter().copied())?;
         }
         Ok(())
     }
