@@ -31,7 +31,7 @@ pub mod presolve {
     };
 
     pub mod root {
-        pub use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
+        pub use crate::presolve::root::{Block, Presolve, Presolved, Rule, blocks, presolve};
     }
 }
 

@@ -125,14 +125,3 @@ pub(crate) fn margin_scale(largest_term: f64, limit: f64) -> f64 {
     let limit = if limit.is_finite() { limit.abs() } else { 0.0 };
     (largest_term.max(limit) * 1e-3).max(1.0)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{FEASIBILITY, allowed_miss};
-
-    #[test]
-    fn only_rounding_grows_with_the_terms() {
-        assert!(allowed_miss(FEASIBILITY, 1e6) < 1.001 * FEASIBILITY);
-        assert!(allowed_miss(FEASIBILITY, 1e11) < 1e-4);
-    }
-}

@@ -13,3 +13,4 @@ mod reify;
 #[cfg(feature = "serde")]
 mod serde;
 mod threads;
+mod verification;

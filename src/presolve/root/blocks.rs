@@ -9,7 +9,7 @@ use crate::program::Program;
 
 /// A part of a program, with an offset of 0.
 #[derive(Debug, Clone)]
-pub(crate) struct Block {
+pub struct Block {
     /// The program's column of each of its columns.
     pub columns: Vec<usize>,
     /// Its rows and its share of the objective.
@@ -27,7 +27,7 @@ impl Block {
 ///
 /// Everything without integers is one block. Rows without columns, which may be false, belong to the
 /// first block.
-pub(crate) fn blocks(program: &Program) -> Vec<Block> {
+pub fn blocks(program: &Program) -> Vec<Block> {
     let n = program.column_count();
     let mut parts = Parts { parent: (0..n).collect() };
     for row in 0..program.row_count() {
@@ -136,21 +136,4 @@ fn extract(
         step: columns.iter().map(|&j| program.step[j]).collect(),
     };
     Some(Block { columns, program })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::blocks;
-    use crate::model::Model;
-    use crate::program::Program;
-
-    #[test]
-    fn columns_without_a_common_row_are_blocks_of_their_own() {
-        let mut model = Model::new("two");
-        let [a, b, c] = ["a", "b", "c"].map(|name| model.integer(name, 0.0, 9.0).unwrap());
-        model.add("link", (2.0 * a + 3.0 * c).le(7.0)).unwrap();
-        let blocks = blocks(&Program::assemble(&model).unwrap());
-        assert_eq!(blocks[0].columns, [b.index()]);
-        assert_eq!(blocks[1].columns, [a.index(), c.index()]);
-    }
 }

@@ -19,7 +19,7 @@ mod slack_columns;
 mod substitute;
 mod work;
 
-pub(crate) use blocks::{Block, blocks};
+pub use blocks::{Block, blocks};
 pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
 
