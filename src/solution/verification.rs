@@ -108,7 +108,7 @@ impl Verification {
     /// # Arguments
     ///
     /// * `feasibility`: the absolute tolerance of rows, bounds and functions, in their units. Rounding
-    ///   is forgiven as well, see [`tolerance::allowed_miss`], but not in rows of integers with
+    ///   is forgiven as well, but not in rows of integers with
     ///   whole coefficients. Integer variables must be whole within 1e-9.
     pub fn of(model: &Model, point: &Point, feasibility: f64) -> Self {
         let at = Evaluation::new(model, point.as_slice(), feasibility);
