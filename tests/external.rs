@@ -369,3 +369,60 @@ proptest! {
         }
     }
 }
+
+/// Shadow prices and reduced costs beside those of GLPK's simplex method. Random data make the
+/// optimum unique, with a single basis.
+#[test]
+fn multipliers_agree_with_glpk() {
+    if !installed().iter().any(|solver| solver.name() == "glpsol") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (file, answer) = (folder.path().join("model.mps"), folder.path().join("answer"));
+    let mut state = 1_u64;
+    let mut random = |low: f64, high: f64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (state >> 40) as f64 / (1_u64 << 24) as f64
+    };
+    for _ in 0..20 {
+        let mut model = Model::new("blend");
+        let x: Vec<_> = (0..8)
+            .map(|j| model.continuous(("x", j), random(-1.0, 0.0), random(1.0, 3.0)).unwrap())
+            .collect();
+        let rows: Vec<_> = (0..5)
+            .map(|i| {
+                let sum: Affine = x.iter().map(|&x| random(-1.0, 2.0) * x).sum();
+                let row = if i < 3 { sum.ge(random(0.5, 1.5)) } else { sum.le(random(1.0, 2.0)) };
+                model.add(("row", i), row).unwrap()
+            })
+            .collect();
+        model.minimize(x.iter().map(|&x| random(0.1, 2.0) * x).sum::<Affine>()).unwrap();
+        let solution = BranchAndBound::default().solve(&model).unwrap();
+        assert!(solution.is_optimal(), "{solution:?}");
+        let multipliers = solution.multipliers().expect("no integers");
+
+        std::fs::write(&file, carom::model::mps::write(&model).unwrap()).unwrap();
+        let arguments =
+            ["--freemps".as_ref(), file.as_os_str(), "--write".as_ref(), answer.as_os_str()];
+        assert!(Command::new("glpsol").args(arguments).output().unwrap().status.success());
+        let text = std::fs::read_to_string(&answer).unwrap();
+        // `i` or `j`, number, status, value, dual value.
+        let duals = |kind: &str| -> Vec<f64> {
+            let lines = text.lines().map(|line| line.split(' ').collect::<Vec<_>>());
+            let of_kind = lines.filter(|words| words[0] == kind);
+            of_kind.map(|words| words[4].parse().unwrap()).collect()
+        };
+        let near = |ours: f64, theirs: f64| (ours - theirs).abs() <= 1e-4 * theirs.abs().max(1.0);
+        let (prices, costs) = (duals("i"), duals("j"));
+        assert_eq!((prices.len(), costs.len()), (rows.len(), x.len()));
+        for (&row, theirs) in rows.iter().zip(prices) {
+            let ours = multipliers.shadow_price(row).unwrap();
+            assert!(near(ours, theirs), "{row:?}: {ours} beside {theirs}");
+        }
+        for (&x, theirs) in x.iter().zip(costs) {
+            let ours = multipliers.reduced_cost(x).unwrap();
+            assert!(near(ours, theirs), "{x:?}: {ours} beside {theirs}");
+        }
+    }
+}
