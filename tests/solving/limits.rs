@@ -164,7 +164,7 @@ fn finished(model: &Model, solution: &Solution, truth: Truth) -> Result<(), Test
 }
 
 proptest! {
-    #![proptest_config(config(60, "tests/regressions/limits.txt"))]
+    #![proptest_config(config(40, "tests/regressions/limits.txt"))]
 
     #[test]
     fn a_stopped_solve_is_sound_and_leaves_no_trace(

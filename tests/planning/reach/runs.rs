@@ -59,7 +59,7 @@ fn check_tube(tube: &Tube, start: &[f64], run: &[Step]) {
 }
 
 proptest! {
-    #![proptest_config(config(160, "tests/regressions/reach.txt"))]
+    #![proptest_config(config(96, "tests/regressions/reach.txt"))]
 
     #[test]
     fn random_runs_stay_in_the_sets(

@@ -38,8 +38,8 @@ fn check(options: &Options, model: &Model) {
 fn control_programs() {
     for model in [
         pendulum(12, [0.0, 0.8], false),
-        boxes(20, 4, false),
-        boxes(20, 4, true),
+        boxes(12, 4, false),
+        boxes(12, 4, true),
         puck(15, 0.33),
         wall(60, 0.05, 0.5, true),
         wall(122, 0.02, 0.5, false),

@@ -3,6 +3,7 @@
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -44,6 +45,14 @@ fn stop() -> impl Strategy<Value = Stop> {
     ]
 }
 
+/// The optimum of the knapsack of a seed, solved once.
+fn optimum(seed: u64) -> f64 {
+    static OPTIMA: [OnceLock<f64>; 3] = [const { OnceLock::new() }; 3];
+    *OPTIMA[seed as usize].get_or_init(|| {
+        BranchAndBound::default().solve(&knapsack(14, seed)).unwrap().objective().unwrap()
+    })
+}
+
 proptest! {
     #![proptest_config(config(60, "tests/regressions/limits.txt"))]
 
@@ -55,7 +64,7 @@ proptest! {
         deterministic in any::<bool>(),
     ) {
         let model = knapsack(14, seed);
-        let optimum = BranchAndBound::default().solve(&model).unwrap().objective().unwrap();
+        let optimum = optimum(seed);
         let plain = Options::default().with_threads(threads).with_deterministic(deterministic);
         let mut solver = BranchAndBound::new(plain.clone());
         let interrupt = Interrupt::new();
