@@ -6,8 +6,8 @@ use std::hint::black_box;
 use carom::collision_tolerant::{
     Objective, PlanningOptions, PlanningProgram, Scenario, explain, shortest_plan,
 };
-use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions, Transition};
-use carom::hybrid::{LinearSystem, Mat, ShortestOptions};
+use carom::hybrid::reach::{ReachSets, SetOptions};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, ShortestOptions, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};

@@ -7,10 +7,11 @@
 
 use std::error::Error as StdError;
 
-use carom::hybrid::reach::{
-    Halfspace, HorizonVariables, HybridSystem, ReachSets, SetOptions, Transition,
+use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use carom::hybrid::{
+    Halfspace, HorizonModel, HybridSystem, LinearSystem, Mat, ShortestOptions, Transition, Waiting,
+    shortest_horizon,
 };
-use carom::hybrid::{HorizonModel, LinearSystem, Mat, ShortestOptions, Waiting, shortest_horizon};
 use carom::interval::Interval;
 use carom::model::Family;
 use carom::prelude::*;

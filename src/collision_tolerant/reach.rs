@@ -3,10 +3,8 @@
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Endpoint, Scenario};
 use crate::error::Error;
-use crate::hybrid::reach::{
-    HorizonVariables, HybridSystem, ReachExplanation, ReachSets, SetOptions,
-};
-use crate::hybrid::{ContactLaw, Horizon, HorizonModel, Waiting};
+use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
+use crate::hybrid::{ContactLaw, Horizon, HorizonModel, HybridSystem, Waiting};
 use crate::interval::Interval;
 use crate::model::{Family, Model};
 use crate::solver::StopToken;

@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::exponential::exponential;
+use super::matrix::IntoMatrix;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::model::{Affine, Constraint, Model};
 
@@ -39,8 +40,12 @@ impl LinearSystem {
     ///
     /// [`ErrorKind::Shape`] and [`ErrorKind::Length`] if the shapes do not fit,
     /// [`ErrorKind::NotFinite`] for a NaN or infinite entry.
-    pub fn new(a: Mat<f64>, b: Mat<f64>, c: Vec<f64>) -> Result<Self, Error> {
-        let system = LinearSystem { a, b, c };
+    pub fn new(
+        a: impl IntoMatrix,
+        b: impl IntoMatrix,
+        c: impl Into<Vec<f64>>,
+    ) -> Result<Self, Error> {
+        let system = LinearSystem { a: a.into_matrix(), b: b.into_matrix(), c: c.into() };
         system.check()?;
         Ok(system)
     }
@@ -57,9 +62,8 @@ impl LinearSystem {
     /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
     pub fn double_integrator(time_step: f64) -> Result<Self, Error> {
         check_time_step(time_step)?;
-        let a = faer::mat![[1.0, time_step], [0.0, 1.0]];
-        let b = faer::mat![[0.5 * time_step * time_step], [time_step]];
-        LinearSystem::new(a, b, vec![0.0, 0.0])
+        let (a, b) = ([[1.0, time_step], [0.0, 1.0]], [[0.5 * time_step * time_step], [time_step]]);
+        LinearSystem::new(a, b, [0.0, 0.0])
     }
 
     /// The exact discretisation of `dx/dt = A x + B u + c` with the input held over each step.
@@ -74,11 +78,10 @@ impl LinearSystem {
     /// * `time_step`: Δt in s, finite and positive.
     ///
     /// ```
-    /// use carom::hybrid::{LinearSystem, Mat};
+    /// use carom::hybrid::LinearSystem;
     ///
     /// // dv/dt = -v + u, for one second.
-    /// let (a, b) = (Mat::from_fn(1, 1, |_, _| -1.0), Mat::from_fn(1, 1, |_, _| 1.0));
-    /// let drag = LinearSystem::zero_order_hold(&a, &b, &[0.0], 1.0)?;
+    /// let drag = LinearSystem::zero_order_hold([[-1.0]], [[1.0]], [0.0], 1.0)?;
     /// let decay = (-1.0_f64).exp();
     /// assert!((drag.a()[(0, 0)] - decay).abs() < 1e-15);
     /// assert!((drag.b()[(0, 0)] - (1.0 - decay)).abs() < 1e-15);
@@ -90,21 +93,21 @@ impl LinearSystem {
     /// As for [`LinearSystem::new`]; [`ErrorKind::OutOfRange`] for a time step that is not finite
     /// and positive, or so long that the discrete system overflows.
     pub fn zero_order_hold(
-        a: &Mat<f64>,
-        b: &Mat<f64>,
-        c: &[f64],
+        a: impl IntoMatrix,
+        b: impl IntoMatrix,
+        c: impl Into<Vec<f64>>,
         time_step: f64,
     ) -> Result<Self, Error> {
         check_time_step(time_step)?;
-        let continuous = LinearSystem::new(a.clone(), b.clone(), c.to_vec())?;
+        let continuous = LinearSystem::new(a, b, c)?;
         let (n, m) = (continuous.states(), continuous.inputs());
         let augmented = Mat::from_fn(n + m + 1, n + m + 1, |i, j| {
             time_step
                 * match (i < n, j) {
                     (false, _) => 0.0,
-                    (true, j) if j < n => a[(i, j)],
-                    (true, j) if j < n + m => b[(i, j - n)],
-                    (true, _) => c[i],
+                    (true, j) if j < n => continuous.a[(i, j)],
+                    (true, j) if j < n + m => continuous.b[(i, j - n)],
+                    (true, _) => continuous.c[i],
                 }
         });
         let discrete = exponential(&augmented);

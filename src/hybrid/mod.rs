@@ -5,9 +5,11 @@ pub mod damage;
 pub(crate) mod exponential;
 pub mod horizon;
 pub mod linear;
+mod matrix;
 pub mod reach;
 pub mod shortest_horizon;
 pub mod simulate;
+mod system;
 pub mod wall;
 
 pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution, RollOut};
@@ -16,6 +18,7 @@ pub use damage::{Damage, DamageFunction, DamageLimits};
 pub use faer::Mat;
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
+pub use matrix::IntoMatrix;
 pub use shortest_horizon::{
     Attempt, HorizonEvent, HorizonModel, Refutation, ShortestHorizon, ShortestOptions,
     ShortestStatus, Verdict, Waiting, shortest_horizon, shortest_horizon_with,
@@ -23,4 +26,5 @@ pub use shortest_horizon::{
 pub use simulate::{
     ContinuousReplay, DiscreteReplay, ReplayError, Samples, replay_continuous, replay_discrete,
 };
+pub use system::{Choice, Halfspace, HybridSystem, Schedule, Transition};
 pub use wall::{FreeSide, Wall};

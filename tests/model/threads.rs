@@ -2,7 +2,8 @@
 
 use carom::collision_tolerant::{Plan, Scenario, ShortestPlan};
 use carom::explain::Explanation;
-use carom::hybrid::reach::{HybridSystem, ReachSets};
+use carom::hybrid::HybridSystem;
+use carom::hybrid::reach::ReachSets;
 use carom::hybrid::{Contact, LinearSystem};
 use carom::prelude::*;
 use carom::reformulate::{BigMReport, Lowered};

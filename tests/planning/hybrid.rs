@@ -81,8 +81,8 @@ proptest! {
     ) {
         let a = Mat::from_fn(3, 3, |i, j| entries[3 * i + j]);
         let b = Mat::from_fn(3, 1, |i, _| inputs[i]);
-        let once = LinearSystem::zero_order_hold(&a, &b, &offset, dt).unwrap();
-        let twice = LinearSystem::zero_order_hold(&a, &b, &offset, 2.0 * dt).unwrap();
+        let once = LinearSystem::zero_order_hold(&a, &b, offset.clone(), dt).unwrap();
+        let twice = LinearSystem::zero_order_hold(&a, &b, offset.clone(), 2.0 * dt).unwrap();
         let half_way = once.step(&state, &[0.7]).unwrap();
         let there = once.step(&half_way, &[0.7]).unwrap();
         for (left, right) in there.iter().zip(twice.step(&state, &[0.7]).unwrap()) {

@@ -16,7 +16,7 @@
 use super::{ContactStep, ImpactSpeed, Restitution};
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::reach::{Halfspace, Transition};
+use crate::hybrid::system::{Halfspace, Transition};
 use crate::hybrid::wall::Wall;
 use crate::model::Model;
 

@@ -17,7 +17,7 @@ mod roll_out;
 pub use roll_out::RollOut;
 
 use super::linear::LinearSystem;
-use super::reach::Transition;
+use super::system::Transition;
 use super::wall::Wall;
 use crate::error::Error;
 #[cfg(doc)]

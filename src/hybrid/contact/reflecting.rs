@@ -23,7 +23,7 @@ use faer::Mat;
 use super::{ContactStep, ImpactSpeed, Restitution};
 use crate::error::Error;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::reach::{Halfspace, Transition};
+use crate::hybrid::system::{Halfspace, Transition};
 use crate::hybrid::wall::Wall;
 use crate::model::{Affine, Model, Variable};
 

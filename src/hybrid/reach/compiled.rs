@@ -7,8 +7,8 @@ use faer::Mat;
 
 use super::rounding::EPSILON;
 use super::shape::{Map, Matrix, Shape};
-use super::system::{Halfspace, HybridSystem};
 use super::template::Template;
+use crate::hybrid::system::{Halfspace, HybridSystem};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -81,7 +81,7 @@ impl Compiled {
         let groups = groups(system);
         let blocks =
             groups.iter().map(|states| block(system, inputs, margin, sizes, further, states));
-        let transitions = system.transitions.iter().map(|t| (t.name.clone(), t.is_event));
+        let transitions = system.transitions().map(|t| (t.name.clone(), t.is_event));
         Compiled {
             blocks: blocks.collect(),
             states: system.states.clone(),
@@ -115,14 +115,13 @@ fn groups(system: &HybridSystem) -> Vec<Vec<usize>> {
             }
         }
     };
-    for transition in &system.transitions {
+    for transition in system.transitions() {
         link_matrix(transition.flow.a());
         if let Some(reset) = &transition.reset {
             link_matrix(&reset.matrix);
         }
     }
-    let guards =
-        system.transitions.iter().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
+    let guards = system.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
     for halfspace in system.limits.iter().chain(guards) {
         let touched: Vec<usize> = (0..n).filter(|&i| halfspace.normal[i] != 0.0).collect();
         touched.windows(2).for_each(|pair| link(pair[0], pair[1]));
@@ -149,10 +148,11 @@ fn block(
         let normal = local(&halfspace.normal);
         let terms = halfspace.normal.iter().zip(sizes).map(|(n, size)| (n * size).abs());
         let largest = terms.fold(0.0, f64::max);
-        let limit = halfspace.limit + margin * margin_scale(largest, halfspace.limit);
+        let given = halfspace.limit_at(0);
+        let limit = given + margin * margin_scale(largest, given);
         let touches = normal.iter().any(|&n| n != 0.0);
         let name = halfspace.name.clone();
-        touches.then_some(Cut { name, normal, limit, given: halfspace.limit })
+        touches.then_some(Cut { name, normal, limit, given })
     };
     let cuts = |halfspaces: &[Halfspace]| halfspaces.iter().filter_map(cut).collect::<Vec<_>>();
 
@@ -179,7 +179,7 @@ fn block(
         domain.clip(&cut.normal, cut.limit);
     }
 
-    let steps = system.transitions.iter().map(|transition| {
+    let steps = system.transitions().map(|transition| {
         let matrix = part(transition.flow.a(), states, states);
         let gains = part(transition.flow.b(), states, &(0..inputs.len()).collect::<Vec<_>>());
         let mut shift = local(transition.flow.c());
@@ -202,7 +202,11 @@ fn block(
         }
         let flow = Map::new(matrix, shift, template.as_deref());
         let reset = transition.reset.as_ref().map(|reset| {
-            Map::new(part(&reset.matrix, states, states), local(&reset.offset), template.as_deref())
+            Map::new(
+                part(&reset.matrix, states, states),
+                local(&reset.offset.get(0).cloned().unwrap_or_default()),
+                template.as_deref(),
+            )
         });
         let size = |&i: &usize| match transition.reset {
             Some(_) => margin * margin_scale(sizes[i], 0.0),
@@ -228,8 +232,7 @@ fn template(
     if states.len() == 2 {
         return None;
     }
-    let guards =
-        system.transitions.iter().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
+    let guards = system.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
     let own = system.limits.iter().chain(guards).map(|halfspace| &halfspace.normal);
     let local = |normal: &Vec<f64>| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
     let mut directions: Vec<Vec<f64>> = own.chain(further).map(local).collect();

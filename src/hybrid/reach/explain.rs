@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::set::{Emptied, Place, ReachSet};
 use super::sets::ReachSets;
 use super::step::predecessors;
-use super::system::{Halfspace, HybridSystem};
 use super::tube::Tube;
 use crate::error::Error;
+use crate::hybrid::system::{Halfspace, HybridSystem};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -175,7 +175,7 @@ impl ReachSets {
         let mut changes: Vec<(String, HybridSystem)> = Vec::new();
         for (j, (name, range)) in system.inputs.iter().enumerate() {
             let mut changed = system.clone();
-            changed.inputs[j].1 = range.hull(*range * 2.0);
+            changed.inputs[j].1 = range.map(|range| range.hull(*range * 2.0));
             changes.push((format!("with twice the range of {name}"), changed));
         }
         for (i, (name, domain)) in system.states.iter().enumerate() {
@@ -199,16 +199,22 @@ impl ReachSets {
                     let mut changed = system.clone();
                     let dropped = list(&mut changed).remove(k);
                     if dropped.is_limit {
-                        let text = format!("without {} ({})", dropped.name, number(dropped.limit));
+                        let text =
+                            format!("without {} ({})", dropped.name, number(dropped.limit_at(0)));
                         changes.push((text, changed));
                     }
                 }
             };
         drop_each(system.limits.len(), &|system| &mut system.limits);
-        for (m, transition) in system.transitions.iter().enumerate() {
-            drop_each(transition.guards.len(), &|system| &mut system.transitions[m].guards);
-            let count = transition.prediction_guards.len();
-            drop_each(count, &|system| &mut system.transitions[m].prediction_guards);
+        for (c, choice) in system.choices.iter().enumerate() {
+            for (m, transition) in choice.transitions.iter().enumerate() {
+                drop_each(transition.guards.len(), &|system| {
+                    &mut system.choices[c].transitions[m].guards
+                });
+                drop_each(transition.prediction_guards.len(), &|system| {
+                    &mut system.choices[c].transitions[m].prediction_guards
+                });
+            }
         }
         let mut remedies = Vec::new();
         for (text, changed) in changes {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::compiled::{Compiled, Cut};
 use super::shape::Shape;
-use super::system::check_ends;
 use crate::error::{Error, ErrorKind, check_length};
+use crate::hybrid::system::check_ends;
 use crate::interval::Interval;
 
 /// A set of states: the product of its blocks' sets.

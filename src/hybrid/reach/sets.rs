@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::compiled::Compiled;
 use super::set::{Emptied, ReachSet};
 use super::step::{predecessors, successors};
-use super::system::{HybridSystem, check_ends};
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite, check_length};
 use crate::hybrid::horizon::check_steps;
+use crate::hybrid::system::{HybridSystem, check_ends};
 use crate::interval::Interval;
 use crate::setters::setters;
 use crate::tolerance;
@@ -151,7 +151,8 @@ impl ReachSets {
         for (what, ends) in [("the start", start), ("the goal", goal)] {
             check_length(what, ends.len(), states)?;
         }
-        let inputs: Vec<Interval> = system.inputs.iter().map(|(_, range)| *range).collect();
+        let inputs: Vec<Interval> =
+            system.inputs.iter().filter_map(|(_, range)| range.get(0).copied()).collect();
         let sizes = start.iter().zip(goal).map(|(a, b)| a.magnitude().max(b.magnitude()));
         let sizes: Vec<f64> = sizes.collect();
         let (margin, further) = (options.margin, &options.directions);

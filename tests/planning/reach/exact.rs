@@ -1,8 +1,10 @@
 //! Sets that are known exactly.
 
 use crate::common::config;
-use carom::hybrid::reach::{Halfspace, HybridSystem, ReachSet, ReachSets, SetOptions, Transition};
-use carom::hybrid::{Contact, LinearSystem, Mat, Restitution, Wall};
+use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
+use carom::hybrid::{
+    Contact, Halfspace, HybridSystem, LinearSystem, Mat, Restitution, Transition, Wall,
+};
 use carom::interval::Interval;
 use proptest::prelude::*;
 

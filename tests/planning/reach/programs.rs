@@ -2,10 +2,8 @@
 
 use crate::common::config;
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
-use carom::hybrid::reach::{
-    HorizonVariables, HybridSystem, ReachSets, Reason, SetOptions, TighteningReport, Transition,
-};
-use carom::hybrid::{ContactLaw, DamageLimits, LinearSystem, Mat, Wall};
+use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
+use carom::hybrid::{ContactLaw, DamageLimits, HybridSystem, LinearSystem, Mat, Transition, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;

@@ -2,10 +2,8 @@
 
 use carom::ErrorKind;
 use carom::collision_tolerant::Scenario;
-use carom::hybrid::reach::{
-    Halfspace, HorizonVariables, HybridSystem, ReachSets, SetOptions, Transition,
-};
-use carom::hybrid::{LinearSystem, Mat};
+use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Mat, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -43,7 +41,7 @@ fn systems_whose_parts_do_not_fit() {
     open.states[1].1.upper = f64::INFINITY;
     assert_eq!(refused(open), "the upper limit of `v` is inf; give a finite number");
     let mut crossed = push();
-    crossed.inputs[0].1 = Interval::new(1.0, -1.0);
+    crossed.inputs[0].1 = Interval::new(1.0, -1.0).into();
     assert_eq!(refused(crossed), "bounds of `a` are crossed: 1 > -1; swap or relax them");
     let mut huge = push();
     huge.states[0].1.upper = 1e20;

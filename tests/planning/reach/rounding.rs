@@ -5,8 +5,8 @@
 //! nowhere to hide, even with their margin set to 0.
 
 use crate::common::config;
-use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions};
-use carom::hybrid::{Contact, Restitution, Wall};
+use carom::hybrid::reach::{ReachSets, SetOptions};
+use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};
 use carom::interval::Interval;
 use proptest::prelude::*;
 

@@ -1,8 +1,8 @@
 //! Random runs never leave the sets.
 
 use crate::common::config;
-use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions, Transition, Tube};
-use carom::hybrid::{LinearSystem, Mat};
+use carom::hybrid::reach::{ReachSets, SetOptions, Tube};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 

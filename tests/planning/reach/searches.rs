@@ -6,12 +6,11 @@ use crate::common::config;
 use carom::collision_tolerant::{
     Endpoint, PlanningOptions, Scenario, ShortestPlan, shortest_plan, shortest_plan_with,
 };
-use carom::hybrid::reach::{
-    Halfspace, HorizonVariables, HybridSystem, ReachSets, SetOptions, Transition,
-};
+use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::{
-    Contact, ContactStep, DamageLimits, HorizonEvent, HorizonModel, LinearSystem, Mat, Refutation,
-    Restitution, ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
+    Contact, ContactStep, DamageLimits, Halfspace, HorizonEvent, HorizonModel, HybridSystem,
+    LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus, Transition,
+    Verdict, Waiting, Wall, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;

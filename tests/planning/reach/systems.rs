@@ -1,7 +1,6 @@
 //! Random hybrid systems, and runs through them in plain numbers.
 
-use carom::hybrid::reach::{Halfspace, HybridSystem, Transition};
-use carom::hybrid::{LinearSystem, Mat};
+use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Mat, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 

@@ -1,0 +1,200 @@
+//! What a hybrid system refuses.
+
+use super::halfspace::Halfspace;
+use super::transition::{Reset, Transition};
+use super::{Choice, HybridSystem};
+use crate::error::{Error, ErrorKind, check_finite, check_length};
+use crate::hybrid::linear::LinearSystem;
+use crate::interval::Interval;
+use crate::tolerance::INFINITE;
+
+impl HybridSystem {
+    /// Refuses systems whose parts do not fit together.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Shape`], [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
+    /// [`ErrorKind::CrossedBounds`], [`ErrorKind::DuplicateName`], [`ErrorKind::UnknownName`];
+    /// [`ErrorKind::OutOfRange`] for a system without states or transitions, for several choices
+    /// without a common flow, and for numbers of 1e20 and more in magnitude.
+    pub fn check(&self) -> Result<(), Error> {
+        at_least_one("states", self.states.len())?;
+        at_least_one("transitions", self.transitions().count())?;
+        for (name, domain) in &self.states {
+            check_ends(name, *domain)?;
+        }
+        let names = self.states.iter().map(|(name, _)| name);
+        check_names("state or input", names.chain(self.inputs.iter().map(|(name, _)| name)))?;
+        for (name, range) in &self.inputs {
+            range.check(&format!("the range of `{name}`"))?;
+            range.values().try_for_each(|range| check_ends(name, *range))?;
+        }
+        let (n, m) = (self.states.len(), self.inputs.len());
+        self.limits.iter().try_for_each(|limit| check_halfspace(limit, n, m))?;
+        if !self.disturbance.is_empty() {
+            check_length("the list of disturbances", self.disturbance.len(), n)?;
+            let named = self.states.iter().zip(&self.disturbance);
+            named.into_iter().try_for_each(|((name, _), range)| check_ends(name, *range))?;
+        }
+        match &self.flow {
+            Some(flow) => check_flow("the common flow", flow, n, m)?,
+            None if self.choices.len() > 1 => {
+                let count = self.choices.len() as f64;
+                let mend = "at most 1 without a common flow; give one with `with_flow`";
+                return Err(Error::out_of_range("the number of choices", count, mend));
+            }
+            None => {}
+        }
+        check_names("choice", self.choices.iter().map(|choice| &choice.name))?;
+        self.choices.iter().try_for_each(|choice| self.check_choice(choice))
+    }
+
+    fn check_choice(&self, choice: &Choice) -> Result<(), Error> {
+        let Choice { name, transitions, dwells, .. } = choice;
+        at_least_one(&format!("transitions of `{name}`"), transitions.len())?;
+        check_names("transition", transitions.iter().map(|transition| &transition.name))?;
+        for transition in transitions {
+            self.check_transition(transition)?;
+        }
+        let with_modes = transitions.iter().filter(|t| t.modes.is_some()).count();
+        if with_modes != 0 && with_modes != transitions.len() {
+            return Err(Error::out_of_range(
+                format!("the number of transitions of `{name}` that name modes"),
+                with_modes as f64,
+                "none or all of them; use `within` for those that stay in a mode",
+            ));
+        }
+        let modes = choice.modes();
+        for dwell in dwells {
+            if !modes.contains(&dwell.mode.as_str()) {
+                return Err(unknown(&dwell.mode, "mode of the system"));
+            }
+            let (least, most) = (dwell.least, dwell.most.unwrap_or(usize::MAX));
+            if least == 0 || most < least {
+                let what = format!("the dwell time of `{}`", dwell.mode);
+                let value = if least == 0 { least } else { most };
+                let range = "at least 1 step, and at most not below at least";
+                return Err(Error::out_of_range(what, value as f64, range));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_transition(&self, transition: &Transition) -> Result<(), Error> {
+        let (n, m) = (self.states.len(), self.inputs.len());
+        check_flow(&transition.name, &transition.flow, n, m)?;
+        transition.guards.iter().try_for_each(|guard| check_halfspace(guard, n, m))?;
+        transition.prediction_guards.iter().try_for_each(|guard| check_halfspace(guard, n, 0))?;
+        for (input, range) in &transition.inputs {
+            if self.inputs.iter().all(|(name, _)| name != input) {
+                return Err(unknown(input, "input of the system"));
+            }
+            range.check(&format!("the range of `{input}`"))?;
+            range.values().try_for_each(|range| check_ends(input, *range))?;
+        }
+        check_names("output", transition.outputs.iter().map(|output| &output.name))?;
+        for output in &transition.outputs {
+            check_length("the factors of an output", output.factors.len(), n)?;
+            let numbers = output.factors.iter().chain([&output.constant]);
+            check_numbers(&output.name, "a number", numbers.copied())?;
+        }
+        let Some(Reset { matrix, offset }) = &transition.reset else { return Ok(()) };
+        let (rows, columns) = (matrix.nrows(), matrix.ncols());
+        if rows != n || columns != n {
+            return shape("the matrix of a reset", rows, columns, format!("{n}x{n}"));
+        }
+        offset.check(&format!("the offset of the reset of `{}`", transition.name))?;
+        let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
+        check_numbers(&transition.name, "an entry of the reset", entries)?;
+        for offset in offset.values() {
+            check_length("the offset of a reset", offset.len(), n)?;
+            let entries = offset.iter().copied();
+            check_numbers(&transition.name, "an entry of the reset", entries)?;
+        }
+        Ok(())
+    }
+}
+
+fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
+    if count == 0 {
+        let what = format!("the number of {what} of the hybrid system");
+        return Err(Error::out_of_range(what, 0.0, "at least 1"));
+    }
+    Ok(())
+}
+
+fn unknown(name: &str, kind: &'static str) -> Error {
+    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
+}
+
+/// Refuses names that are used twice, and empty ones.
+fn check_names<'a>(
+    kind: &'static str,
+    names: impl Iterator<Item = &'a String>,
+) -> Result<(), Error> {
+    let mut seen: Vec<&String> = Vec::new();
+    for name in names {
+        if name.is_empty() {
+            return Err(ErrorKind::InvalidName { name: name.clone() }.into());
+        }
+        if seen.contains(&name) {
+            return Err(ErrorKind::DuplicateName { name: name.clone(), kind }.into());
+        }
+        seen.push(name);
+    }
+    Ok(())
+}
+
+fn shape<T>(what: &'static str, rows: usize, columns: usize, expected: String) -> Result<T, Error> {
+    Err(ErrorKind::Shape { what, rows, columns, expected }.into())
+}
+
+fn check_flow(name: &str, flow: &LinearSystem, states: usize, inputs: usize) -> Result<(), Error> {
+    let (n, m) = (flow.states(), flow.inputs());
+    if n != states || m != inputs {
+        let expected = format!("{states} states and {inputs} inputs");
+        return shape("the flow of a transition", n, m, expected);
+    }
+    let (a, b, c) = (flow.a(), flow.b(), flow.c());
+    let entries = (0..n).flat_map(|i| {
+        let row = (0..n).map(move |j| a[(i, j)]).chain((0..m).map(move |j| b[(i, j)]));
+        row.chain([c[i]])
+    });
+    check_numbers(name, "an entry of the flow", entries)
+}
+
+/// The normal has an entry per state, or one per state and input.
+fn check_halfspace(halfspace: &Halfspace, states: usize, inputs: usize) -> Result<(), Error> {
+    let length = halfspace.normal.len();
+    if length != states + inputs {
+        check_length("the normal of a half-space", length, states)?;
+    }
+    let name = &halfspace.name;
+    check_numbers(name, "a number", halfspace.normal.iter().copied())?;
+    halfspace.limit.check(&format!("the limit of `{name}`"))?;
+    let limits = halfspace.limit.values().copied();
+    check_numbers(name, "a number", limits.filter(|&limit| limit != f64::INFINITY))
+}
+
+/// Refuses ranges whose ends are not finite, crossed, or too large.
+pub(crate) fn check_ends(name: &str, range: Interval) -> Result<(), Error> {
+    range.check(name)?;
+    check_numbers(name, "a limit", [range.lower, range.upper].into_iter())
+}
+
+/// Refuses numbers that are not finite or are 1e20 and more in magnitude, because products of them
+/// could overflow.
+fn check_numbers(
+    name: &str,
+    what: &'static str,
+    numbers: impl Iterator<Item = f64>,
+) -> Result<(), Error> {
+    for value in numbers {
+        check_finite(name, what, [value])?;
+        if value.abs() >= INFINITE {
+            let what = format!("{what} of `{name}`");
+            return Err(Error::out_of_range(what, value, "below 1e20 in magnitude"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,107 @@
+//! A choice among transitions, with or without memory.
+
+use super::transition::Transition;
+use crate::setters::setters;
+
+/// How long a mode lasts once it is entered, in steps.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Dwell {
+    /// The mode.
+    pub(crate) mode: String,
+    /// At least this many samples in a row; at least 1.
+    pub(crate) least: usize,
+    /// At most this many samples in a row.
+    pub(crate) most: Option<usize>,
+}
+
+/// One of the independent choices of a step: exactly one of its transitions is taken.
+///
+/// A choice is a wall, a body or a thruster. Choices of a step are independent: the next state is
+/// that of the system's [common flow](super::HybridSystem::with_flow) plus what each choice's
+/// transition changes about it.
+///
+/// ```
+/// use carom::hybrid::{Choice, LinearSystem, Transition};
+///
+/// // A heater that stays on for at least three samples.
+/// let flow = |heat: f64| LinearSystem::new([[0.9]], [[]], [0.5 + heat]);
+/// let heater = Choice::new("heater")
+///     .with_transition(Transition::new("idle", flow(0.0)?).within("off"))
+///     .with_transition(Transition::event("start", flow(3.0)?).between("off", "on"))
+///     .with_transition(Transition::new("heat", flow(3.0)?).within("on"))
+///     .with_transition(Transition::event("stop", flow(0.0)?).between("on", "off"))
+///     .with_dwell("on", 3, None);
+/// assert_eq!(heater.modes(), ["off", "on"]);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Choice {
+    /// Its name, for variables and reports.
+    pub name: String,
+    /// Its transitions, at least one.
+    pub transitions: Vec<Transition>,
+    pub(crate) dwells: Vec<Dwell>,
+    /// Whether several transitions are meant to be possible at once, because the planner chooses
+    /// among them, as among gears. Then [`flaws`](super::HybridSystem) reports no overlap.
+    pub is_free: bool,
+    /// Whether states and inputs at which no transition is possible are meant, such as a limit
+    /// stated by guards. Then no gap is reported.
+    pub may_end: bool,
+}
+
+impl Choice {
+    /// A choice without transitions.
+    pub fn new(name: impl Into<String>) -> Self {
+        Choice {
+            name: name.into(),
+            transitions: Vec::new(),
+            dwells: Vec::new(),
+            is_free: false,
+            may_end: false,
+        }
+    }
+
+    setters! {
+        /// Declares overlaps of the transitions intended.
+        with_free_choice(is_free: bool) => is_free = is_free;
+        /// Declares gaps between the transitions intended.
+        with_dead_ends(may_end: bool) => may_end = may_end;
+    }
+
+    /// Adds a transition.
+    #[must_use]
+    pub fn with_transition(mut self, transition: Transition) -> Self {
+        self.transitions.push(transition);
+        self
+    }
+
+    /// Limits how long a mode lasts: once entered, it is kept for at least `least` samples in a
+    /// row, and for at most `most`. A plan may begin anywhere in that time and end before it is
+    /// over.
+    #[must_use]
+    pub fn with_dwell(
+        mut self,
+        mode: impl Into<String>,
+        least: usize,
+        most: impl Into<Option<usize>>,
+    ) -> Self {
+        self.dwells.push(Dwell { mode: mode.into(), least, most: most.into() });
+        self
+    }
+
+    /// The names of its modes, in the order in which the transitions name them; empty without
+    /// memory.
+    pub fn modes(&self) -> Vec<&str> {
+        let mut modes: Vec<&str> = Vec::new();
+        for (from, to) in self.transitions.iter().filter_map(|t| t.modes.as_ref()) {
+            for mode in [from, to] {
+                if !modes.contains(&mode.as_str()) {
+                    modes.push(mode);
+                }
+            }
+        }
+        modes
+    }
+}

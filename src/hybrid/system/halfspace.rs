@@ -1,0 +1,82 @@
+//! Half-spaces of states and inputs: limits and guards.
+
+use super::schedule::Schedule;
+
+/// A named half-space `normal . (state, input) <= limit`.
+///
+/// The normal has one coefficient per state, and then, if the half-space depends on the inputs too,
+/// one per input.
+///
+/// ```
+/// use carom::hybrid::Halfspace;
+///
+/// // x + 0.5 v <= 3.
+/// let brake = Halfspace::new("braking distance", [1.0, 0.5], 3.0);
+/// assert_eq!(brake.limit, 3.0.into());
+/// // A door that closes after step 2: x <= 9 in steps 0 to 2, and x <= 4 from then on.
+/// let door = Halfspace::new("door", [1.0, 0.0], vec![9.0, 9.0, 9.0, 4.0]);
+/// assert_eq!(door.limit.get(8), Some(&4.0));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Halfspace {
+    /// Its description, which explanations quote.
+    pub name: String,
+    /// One coefficient per state, and optionally one per input, in the limit's unit per unit of the
+    /// state or input.
+    pub normal: Vec<f64>,
+    /// The limit by step, in any unit you choose; infinite at steps at which nothing is limited.
+    pub limit: Schedule<f64>,
+    /// Whether it could be dropped, unlike physics. An
+    /// [explanation](crate::hybrid::reach::ReachExplanation) says whether dropping it would help.
+    pub is_limit: bool,
+}
+
+impl Halfspace {
+    /// `normal . (state, input) <= limit`.
+    pub fn new(
+        name: impl Into<String>,
+        normal: impl Into<Vec<f64>>,
+        limit: impl Into<Schedule<f64>>,
+    ) -> Self {
+        let (name, normal, limit) = (name.into(), normal.into(), limit.into());
+        Halfspace { name, normal, limit, is_limit: false }
+    }
+
+    /// `normal . (state, input) <= limit`, which could be dropped.
+    pub fn limit(
+        name: impl Into<String>,
+        normal: impl Into<Vec<f64>>,
+        limit: impl Into<Schedule<f64>>,
+    ) -> Self {
+        Halfspace { is_limit: true, ..Halfspace::new(name, normal, limit) }
+    }
+
+    /// `normal . (state, input) = value`, as two half-spaces with the same name.
+    pub fn equality(
+        name: impl Into<String>,
+        normal: impl Into<Vec<f64>>,
+        value: f64,
+    ) -> [Halfspace; 2] {
+        let (name, normal) = (name.into(), normal.into());
+        let opposite: Vec<f64> = normal.iter().map(|n| -n).collect();
+        [Halfspace::new(name.clone(), normal, value), Halfspace::new(name, opposite, -value)]
+    }
+
+    /// The coefficients of the states and of the inputs, for a system with `states` states. Those
+    /// of the inputs are empty if the half-space does not depend on them.
+    pub(crate) fn parts(&self, states: usize) -> (&[f64], &[f64]) {
+        self.normal.split_at(states.min(self.normal.len()))
+    }
+
+    /// Whether an input has a coefficient other than 0, for a system with `states` states.
+    pub(crate) fn is_joint(&self, states: usize) -> bool {
+        self.parts(states).1.iter().any(|&n| n != 0.0)
+    }
+
+    /// The limit at a step of a half-space that has been checked.
+    pub(crate) fn limit_at(&self, step: usize) -> f64 {
+        self.limit.get(step).copied().unwrap_or(f64::INFINITY)
+    }
+}

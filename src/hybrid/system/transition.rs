@@ -1,0 +1,171 @@
+//! One way to get from a sample to the next.
+
+use faer::Mat;
+
+use super::halfspace::Halfspace;
+use super::schedule::Schedule;
+use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::matrix::IntoMatrix;
+use crate::interval::Interval;
+
+/// The reset after a transition's flow: `x⁺ = R y + r`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reset {
+    /// R, n x n.
+    pub(crate) matrix: Mat<f64>,
+    /// r, n entries, by step.
+    pub(crate) offset: Schedule<Vec<f64>>,
+}
+
+/// An affine function of a transition's prediction: an impact speed, a damage.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TransitionOutput {
+    /// Its name, the same in every transition that has it.
+    pub(crate) name: String,
+    /// One coefficient per state.
+    pub(crate) factors: Vec<f64>,
+    pub(crate) constant: f64,
+}
+
+/// One way to get from a sample to the next, such as a mode or a contact.
+///
+/// A step in this transition starts in a state and with an input that satisfy its guards, follows
+/// the flow `y = A x + B u + c`, arrives at a prediction `y` that satisfies the guards on the
+/// prediction, and is reset to `x⁺ = R y + r`.
+///
+/// ```
+/// use carom::hybrid::{Halfspace, LinearSystem, Transition};
+///
+/// // A ball that meets the floor at 0 m rebounds with half its speed.
+/// let fall = LinearSystem::double_integrator(0.1)?;
+/// let bounce = Transition::event("bounce", fall)
+///     .with_prediction_guard(Halfspace::new("at the floor", [1.0, 0.0], 0.0))
+///     .with_prediction_guard(Halfspace::new("moving down", [0.0, 1.0], 0.0))
+///     .with_reset([[-0.5, 0.0], [0.0, -0.5]], [0.0, 0.0])
+///     .with_output("impact speed", [0.0, -1.0], 0.0);
+/// assert!(bounce.is_event);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Transition {
+    /// Its name, for reports.
+    pub name: String,
+    /// The flow.
+    pub flow: LinearSystem,
+    /// Limits on the state and the input at the start of the step.
+    pub guards: Vec<Halfspace>,
+    /// Limits on the flow's result, before the reset.
+    pub prediction_guards: Vec<Halfspace>,
+    /// Ranges of inputs, by their names, that replace those of the system.
+    pub inputs: Vec<(String, Schedule<Interval>)>,
+    /// The mode that it leaves and the mode that it enters, in a choice with memory.
+    pub modes: Option<(String, String)>,
+    pub(crate) reset: Option<Reset>,
+    pub(crate) outputs: Vec<TransitionOutput>,
+    /// Whether it counts as an event.
+    pub is_event: bool,
+}
+
+impl Transition {
+    /// A transition that is not an event: a mode that may last.
+    pub fn new(name: impl Into<String>, flow: LinearSystem) -> Self {
+        Transition {
+            name: name.into(),
+            flow,
+            guards: Vec::new(),
+            prediction_guards: Vec::new(),
+            inputs: Vec::new(),
+            modes: None,
+            reset: None,
+            outputs: Vec::new(),
+            is_event: false,
+        }
+    }
+
+    /// A transition that is an event: an impact, a switch.
+    pub fn event(name: impl Into<String>, flow: LinearSystem) -> Self {
+        Transition { is_event: true, ..Transition::new(name, flow) }
+    }
+
+    /// Limits the state, or the state and the input, at the start of the step.
+    #[must_use]
+    pub fn with_guard(mut self, guard: Halfspace) -> Self {
+        self.guards.push(guard);
+        self
+    }
+
+    /// Adds several guards on the start of the step, such as the two of
+    /// [`Halfspace::equality`].
+    #[must_use]
+    pub fn with_guards(mut self, guards: impl IntoIterator<Item = Halfspace>) -> Self {
+        self.guards.extend(guards);
+        self
+    }
+
+    /// Limits the flow's result, before the reset.
+    #[must_use]
+    pub fn with_prediction_guard(mut self, guard: Halfspace) -> Self {
+        self.prediction_guards.push(guard);
+        self
+    }
+
+    /// Replaces the system's range of an input in steps that take this transition; in the input's
+    /// unit. The range may exceed the system's.
+    #[must_use]
+    pub fn with_input_range(
+        mut self,
+        input: impl Into<String>,
+        range: impl Into<Schedule<Interval>>,
+    ) -> Self {
+        self.inputs.push((input.into(), range.into()));
+        self
+    }
+
+    /// Makes the transition lead from a mode to a mode, by their names. The modes of a choice are
+    /// those that its transitions name; either all of them name modes or none does.
+    #[must_use]
+    pub fn between(mut self, from: impl Into<String>, to: impl Into<String>) -> Self {
+        self.modes = Some((from.into(), to.into()));
+        self
+    }
+
+    /// Makes the transition stay in a mode.
+    #[must_use]
+    pub fn within(self, mode: impl Into<String>) -> Self {
+        let mode = mode.into();
+        self.between(mode.clone(), mode)
+    }
+
+    /// Sets the reset `x⁺ = matrix . y + offset`; with n states, `matrix` is n x n and `offset` has
+    /// n entries.
+    #[must_use]
+    pub fn with_reset(self, matrix: impl IntoMatrix, offset: impl Into<Vec<f64>>) -> Self {
+        self.with_reset_by_step(matrix, offset.into())
+    }
+
+    /// As [`with_reset`](Transition::with_reset), with an offset by step, as at a moving wall.
+    #[must_use]
+    pub fn with_reset_by_step(
+        mut self,
+        matrix: impl IntoMatrix,
+        offset: impl Into<Schedule<Vec<f64>>>,
+    ) -> Self {
+        self.reset = Some(Reset { matrix: matrix.into_matrix(), offset: offset.into() });
+        self
+    }
+
+    /// Adds an output `factors . y + constant`, where y is the prediction, with n `factors` for n
+    /// states. In transitions of the same choice without this output, it is 0.
+    #[must_use]
+    pub fn with_output(
+        mut self,
+        name: impl Into<String>,
+        factors: impl Into<Vec<f64>>,
+        constant: f64,
+    ) -> Self {
+        let (name, factors) = (name.into(), factors.into());
+        self.outputs.push(TransitionOutput { name, factors, constant });
+        self
+    }
+}
