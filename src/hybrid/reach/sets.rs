@@ -88,8 +88,8 @@ pub(super) type Shared = Arc<Layers>;
 /// object serves every horizon. Sets are computed on first use.
 ///
 /// ```
-/// use carom::hybrid::LinearSystem;
-/// use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions, Transition};
+/// use carom::hybrid::reach::{ReachSets, SetOptions};
+/// use carom::hybrid::{HybridSystem, LinearSystem, Transition};
 /// use carom::interval::Interval;
 ///
 /// // One metre from rest to rest with at most 1 m/s², in steps of 0.1 s.

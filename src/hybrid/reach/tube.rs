@@ -25,8 +25,8 @@ const STOP_EVERY: usize = 64;
 /// a tube excludes is in no plan; this is a proof.
 ///
 /// ```
-/// use carom::hybrid::{Contact, Restitution, Wall};
-/// use carom::hybrid::reach::{HybridSystem, ReachSets, SetOptions};
+/// use carom::hybrid::reach::{ReachSets, SetOptions};
+/// use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};
 /// use carom::interval::Interval;
 ///
 /// // From 10 m to 0.3 m, rest to rest, in steps of 0.05 s, over a plastic wall at 0 m.

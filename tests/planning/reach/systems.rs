@@ -73,12 +73,12 @@ impl System {
         }
         let matrix =
             |rows: &[Vec<f64>], columns| Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
-        for mode in &self.modes {
+        for (m, mode) in self.modes.iter().enumerate() {
             let (a, b) = (matrix(&mode.a, self.states), matrix(&mode.b, self.inputs));
             let flow = LinearSystem::new(a, b, mode.c.clone()).unwrap();
             let mut transition = match mode.is_event {
-                true => Transition::event("event", flow),
-                false => Transition::new("mode", flow),
+                true => Transition::event(format!("event {m}"), flow),
+                false => Transition::new(format!("mode {m}"), flow),
             };
             for (normal, limit) in &mode.guards {
                 transition = transition.with_guard(Halfspace::new("guard", normal.clone(), *limit));
