@@ -26,5 +26,5 @@ pub use shortest_horizon::{
 pub use simulate::{
     ContinuousReplay, DiscreteReplay, ReplayError, Samples, replay_continuous, replay_discrete,
 };
-pub use system::{Choice, Halfspace, HybridSystem, Schedule, Transition};
+pub use system::{Choice, Halfspace, HybridSystem, Region, Schedule, Transition};
 pub use wall::{FreeSide, Wall};

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use super::compiled::Compiled;
 use super::set::{Emptied, ReachSet};
 use super::step::{predecessors, successors};
-#[cfg(doc)]
-use crate::error::ErrorKind;
-use crate::error::{Error, check_finite, check_length};
+use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::system::{HybridSystem, check_ends};
 use crate::interval::Interval;
@@ -138,7 +136,9 @@ impl ReachSets {
     ///
     /// [`HybridSystem::check`]; [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
     /// [`ErrorKind::CrossedBounds`] for a bad start or goal; [`ErrorKind::OutOfRange`] for bad
-    /// options and for numbers of 1e20 and more in magnitude.
+    /// options and for numbers of 1e20 and more in magnitude; [`ErrorKind::Unsupported`] for
+    /// systems with several choices, modes with memory, guards or ranges that depend on inputs,
+    /// values by step, or a largest number of events.
     pub fn new(
         system: &HybridSystem,
         start: &[Interval],
@@ -146,6 +146,7 @@ impl ReachSets {
         options: SetOptions,
     ) -> Result<Self, Error> {
         system.check()?;
+        check_supported(system)?;
         let states = system.states.len();
         options.check(states)?;
         for (what, ends) in [("the start", start), ("the goal", goal)] {
@@ -357,4 +358,28 @@ pub(super) fn add(layer: &mut Option<ReachSet>, set: ReachSet) {
         Some(present) => present.join(&set),
         None => set,
     });
+}
+
+/// Refuses what the sets do not follow yet.
+fn check_supported(system: &HybridSystem) -> Result<(), Error> {
+    let n = system.states.len();
+    let mut guards = system.transitions().flat_map(|t| &t.guards);
+    let unsupported = [
+        (system.choices.len() > 1, "several choices"),
+        (system.transitions().any(|t| t.modes.is_some()), "modes with memory"),
+        (system.limits.iter().any(|h| h.is_joint(n)), "limits on inputs"),
+        (guards.any(|h| h.is_joint(n)), "guards on inputs"),
+        (system.transitions().any(|t| !t.inputs.is_empty()), "input ranges of transitions"),
+        (system.settles() > 0, "values by step"),
+        (system.most_events.is_some(), "a largest number of events"),
+    ];
+    match unsupported.iter().find(|(found, _)| *found) {
+        Some((_, what)) => Err(ErrorKind::Unsupported {
+            solver: "a reach set".into(),
+            what: (*what).into(),
+            help: "solve the program without reach sets".into(),
+        }
+        .into()),
+        None => Ok(()),
+    }
 }

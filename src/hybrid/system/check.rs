@@ -164,7 +164,11 @@ fn check_flow(name: &str, flow: &LinearSystem, states: usize, inputs: usize) -> 
 }
 
 /// The normal has an entry per state, or one per state and input.
-fn check_halfspace(halfspace: &Halfspace, states: usize, inputs: usize) -> Result<(), Error> {
+pub(super) fn check_halfspace(
+    halfspace: &Halfspace,
+    states: usize,
+    inputs: usize,
+) -> Result<(), Error> {
     let length = halfspace.normal.len();
     if length != states + inputs {
         check_length("the normal of a half-space", length, states)?;

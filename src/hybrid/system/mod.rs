@@ -7,17 +7,20 @@
 //! | a transition: flow, guards, reset, outputs | `system/transition.rs` |
 //! | a half-space | `system/halfspace.rs` |
 //! | values by step | `system/schedule.rs` |
+//! | starts and goals | `system/region.rs` |
 //! | what is refused | `system/check.rs` |
 
 mod check;
 mod choice;
 mod halfspace;
+mod region;
 mod schedule;
 mod transition;
 
 pub use choice::Choice;
 
 pub use halfspace::Halfspace;
+pub use region::Region;
 pub use schedule::Schedule;
 pub use transition::Transition;
 

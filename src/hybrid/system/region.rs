@@ -1,0 +1,211 @@
+//! Regions of states: starts and goals.
+
+use super::HybridSystem;
+use super::check::check_halfspace;
+use super::halfspace::Halfspace;
+use crate::error::{Error, ErrorKind, check_finite, check_length};
+use crate::interval::Interval;
+use crate::model::{Affine, Constraint, Model};
+use crate::tolerance::INFINITE;
+
+/// A region of states, for a start or a goal: a box, cut by half-spaces, in given modes.
+///
+/// ```
+/// use carom::hybrid::{Halfspace, Region};
+/// use carom::interval::Interval;
+///
+/// // At rest at 3 m, with the heater off.
+/// let start = Region::point([3.0, 0.0]).with_mode("heater", "off");
+/// // Anywhere from 0 m to 1 m, slower than the distance in metres.
+/// let goal = Region::from([Interval::new(0.0, 1.0), Interval::REALS])
+///     .with_halfspace(Halfspace::new("slow", [-1.0, 1.0], 0.0));
+/// assert!(goal.contains(&[0.5, 0.4], 0.0)? && !goal.contains(&[0.5, 0.6], 0.0)?);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Region {
+    /// One interval per state, in the state's unit. An infinite end means that the state's domain
+    /// is the only limit.
+    pub ranges: Vec<Interval>,
+    /// Half-spaces of the states, the same at every step.
+    pub halfspaces: Vec<Halfspace>,
+    /// Choices and modes. A choice that is named several times may be in any of those modes; a
+    /// choice that is not named may be in any mode.
+    pub modes: Vec<(String, String)>,
+}
+
+impl From<Vec<Interval>> for Region {
+    fn from(ranges: Vec<Interval>) -> Self {
+        Region { ranges, halfspaces: Vec::new(), modes: Vec::new() }
+    }
+}
+
+impl From<&[Interval]> for Region {
+    fn from(ranges: &[Interval]) -> Self {
+        ranges.to_vec().into()
+    }
+}
+
+impl<const N: usize> From<[Interval; N]> for Region {
+    fn from(ranges: [Interval; N]) -> Self {
+        ranges.to_vec().into()
+    }
+}
+
+impl<const N: usize> From<&[Interval; N]> for Region {
+    fn from(ranges: &[Interval; N]) -> Self {
+        ranges.to_vec().into()
+    }
+}
+
+impl From<&Vec<Interval>> for Region {
+    fn from(ranges: &Vec<Interval>) -> Self {
+        ranges.clone().into()
+    }
+}
+
+impl From<&Region> for Region {
+    fn from(region: &Region) -> Self {
+        region.clone()
+    }
+}
+
+impl Region {
+    /// One state, with one value per state, in any mode.
+    pub fn point(state: impl AsRef<[f64]>) -> Self {
+        state.as_ref().iter().map(|&x| Interval::point(x)).collect::<Vec<_>>().into()
+    }
+
+    /// Cuts the region with a half-space of the states.
+    #[must_use]
+    pub fn with_halfspace(mut self, halfspace: Halfspace) -> Self {
+        self.halfspaces.push(halfspace);
+        self
+    }
+
+    /// Allows a mode of a choice, by their names. Without this, every mode of a choice is allowed.
+    #[must_use]
+    pub fn with_mode(mut self, choice: impl Into<String>, mode: impl Into<String>) -> Self {
+        self.modes.push((choice.into(), mode.into()));
+        self
+    }
+
+    /// Whether a choice may be in a mode.
+    pub fn allows(&self, choice: &str, mode: &str) -> bool {
+        let mut named = self.modes.iter().filter(|(name, _)| name == choice).peekable();
+        named.peek().is_none() || named.any(|(_, allowed)| allowed == mode)
+    }
+
+    /// Whether a state lies in the region, up to `tolerance` in each range and half-space. Modes
+    /// are not looked at.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Length`].
+    pub fn contains(&self, state: &[f64], tolerance: f64) -> Result<bool, Error> {
+        check_length("the state", state.len(), self.ranges.len())?;
+        let inside = self
+            .ranges
+            .iter()
+            .zip(state)
+            .all(|(range, &x)| range.lower - tolerance <= x && x <= range.upper + tolerance);
+        let excess = |h: &Halfspace| {
+            let value: f64 = h.normal.iter().zip(state).map(|(n, x)| n * x).sum();
+            value - h.limit_at(0)
+        };
+        Ok(inside && self.halfspaces.iter().all(|h| excess(h) <= tolerance))
+    }
+
+    /// Adds rows that keep a sample in the region: `name[0]`, `name[1]`, ... Modes are left to the
+    /// caller.
+    ///
+    /// ```
+    /// use carom::hybrid::Region;
+    /// use carom::prelude::*;
+    ///
+    /// let mut model = Model::new("m");
+    /// let x = model.continuous_family("x", 3, -9.0, 9.0)?;
+    /// let v = model.continuous_family("v", 3, -1.0, 1.0)?;
+    /// Region::point([2.0, 0.0]).add(&mut model, "goal", &[x[2], v[2]])?;
+    /// assert!(model.to_string().contains("goal[0]: x[2] = 2"));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `states`: the sample's variables or expressions, in the system's order.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Length`]; the errors of [`Model::add`].
+    pub fn add<X>(
+        &self,
+        model: &mut Model,
+        name: &str,
+        states: &[X],
+    ) -> Result<Vec<Constraint>, Error>
+    where
+        for<'a> Affine: From<&'a X>,
+    {
+        check_length("the sample's states", states.len(), self.ranges.len())?;
+        let mut rows = Vec::new();
+        for (state, range) in states.iter().zip(&self.ranges) {
+            let state = Affine::from(state);
+            if range.lower == range.upper {
+                rows.push(state.equals(range.lower));
+            } else if range.lower.is_finite() || range.upper.is_finite() {
+                rows.push(state.within(range.lower, range.upper));
+            }
+        }
+        for halfspace in &self.halfspaces {
+            check_length("the normal of a half-space", halfspace.normal.len(), states.len())?;
+            let terms = halfspace.normal.iter().zip(states).filter(|(n, _)| **n != 0.0);
+            let sum: Affine = terms.map(|(n, state)| *n * Affine::from(state)).sum();
+            rows.push(sum.le(halfspace.limit_at(0)));
+        }
+        rows.into_iter().enumerate().map(|(k, row)| model.add((name, k), row)).collect()
+    }
+
+    /// Refuses regions that do not fit a system. The error names `what`, the start or the goal.
+    pub(crate) fn check(&self, system: &HybridSystem, what: &'static str) -> Result<(), Error> {
+        check_length(what, self.ranges.len(), system.states.len())?;
+        for ((name, _), range) in system.states.iter().zip(&self.ranges) {
+            for (end, value) in [("the lower limit", range.lower), ("the upper limit", range.upper)]
+            {
+                if value.is_nan() {
+                    check_finite(name, end, [value])?;
+                }
+                if value.is_finite() && value.abs() >= INFINITE {
+                    let what = format!("a limit of `{name}`");
+                    return Err(Error::out_of_range(what, value, "below 1e20 in magnitude"));
+                }
+            }
+            let Interval { lower, upper } = *range;
+            if lower > upper || lower == f64::INFINITY || upper == f64::NEG_INFINITY {
+                return Err(ErrorKind::CrossedBounds { name: name.into(), lower, upper }.into());
+            }
+        }
+        for halfspace in &self.halfspaces {
+            check_halfspace(halfspace, system.states.len(), 0)?;
+            if !halfspace.limit.is_constant() {
+                let what = format!("the number of limits of `{}` in {what}", halfspace.name);
+                let count = halfspace.limit.values().count() as f64;
+                return Err(Error::out_of_range(what, count, "1, the same at every step"));
+            }
+        }
+        for (choice, mode) in &self.modes {
+            let found = system.choices.iter().find(|c| c.name == *choice);
+            let Some(found) = found else { return Err(unknown(choice, "choice of the system")) };
+            if !found.modes().contains(&mode.as_str()) {
+                return Err(unknown(mode, "mode of the choice"));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn unknown(name: &str, kind: &'static str) -> Error {
+    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
+}
