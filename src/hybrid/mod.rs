@@ -24,7 +24,8 @@ pub use shortest_horizon::{
     ShortestStatus, Verdict, Waiting, shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
-    ContinuousReplay, DiscreteReplay, ReplayError, Samples, replay_continuous, replay_discrete,
+    Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError, Samples,
+    SimulatedStep, Simulation, SimulationOptions, replay_continuous, replay_discrete,
 };
 pub use system::{Choice, Halfspace, HybridSystem, Region, Schedule, Transition};
 pub use wall::{FreeSide, Wall};

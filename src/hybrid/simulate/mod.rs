@@ -1,20 +1,32 @@
-//! Simulators that replay plans.
+//! Simulators of hybrid systems, and replays of plans.
 //!
-//! They work in `f64` and share no code with the rows of the contact laws, so they check plans
+//! They work in `f64` and share no code with the rows of programs, so they check plans
 //! independently:
 //!
+//! * [`HybridSystem::simulate`](crate::hybrid::HybridSystem::simulate) runs a hybrid system as it is
+//!   stated: it evaluates flows, guards and resets, and says which transitions were possible;
 //! * [`replay_discrete`] runs the same discrete law open loop from the first sample and decides contacts
 //!   itself;
 //! * [`replay_continuous`] runs the physics behind the law: accelerations are held over each step, and
 //!   impacts are located inside it.
 
+mod condition;
 pub(crate) mod continuous;
 mod discrete;
 mod error;
+mod memory;
+mod options;
+mod run;
+mod simulation;
+mod step;
+mod stepper;
 
+pub use condition::Condition;
 pub use continuous::{ContinuousReplay, replay_continuous};
 pub use discrete::{DiscreteReplay, ReplayedImpact, replay_discrete};
 pub use error::ReplayError;
+pub use options::{Follow, SimulationOptions};
+pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};
 
 use super::horizon::Horizon;
 #[cfg(doc)]

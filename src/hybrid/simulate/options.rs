@@ -1,0 +1,62 @@
+//! How a run of a hybrid system begins and which transitions it takes.
+
+use crate::setters::setters;
+
+/// Which of several possible transitions a simulation takes.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Follow {
+    /// The first in the list of each choice; with several choices, the first combination whose next
+    /// state is allowed, where the last choice varies first.
+    #[default]
+    First,
+    /// These, by name, a list per step with an entry per choice. The run ends where one of them is
+    /// not possible, and after the last step the first in the list are taken.
+    Planned(Vec<Vec<String>>),
+}
+
+/// How [`HybridSystem::simulate_with`](crate::hybrid::HybridSystem::simulate_with) simulates.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct SimulationOptions {
+    /// The modes at the first sample, as pairs of choice and mode. The mode of a choice that is
+    /// not named is open, and its first transition decides.
+    pub modes: Vec<(String, String)>,
+    /// Which of several possible transitions is taken.
+    pub follow: Follow,
+    /// What is added to the next state, by step; no disturbance after the last entry.
+    pub disturbances: Vec<Vec<f64>>,
+    /// By how much a condition may be violated, in its unit; 1e-9 by default, for rounding. Beyond
+    /// a magnitude of 1000 it grows in proportion.
+    pub tolerance: f64,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        SimulationOptions {
+            modes: Vec::new(),
+            follow: Follow::First,
+            disturbances: Vec::new(),
+            tolerance: 1e-9,
+        }
+    }
+}
+
+impl SimulationOptions {
+    setters! {
+        /// Sets which of several possible transitions is taken.
+        with_follow(follow: Follow) => follow = follow;
+        /// Sets what is added to the next state, by step, in the states' units.
+        with_disturbances(disturbances: Vec<Vec<f64>>) => disturbances = disturbances;
+        /// Sets by how much a condition may be violated, in its unit; finite, at least 0.
+        with_tolerance(tolerance: f64) => tolerance = tolerance;
+    }
+
+    /// Sets the mode of a choice at the first sample.
+    pub fn with_mode(mut self, choice: impl Into<String>, mode: impl Into<String>) -> Self {
+        self.modes.push((choice.into(), mode.into()));
+        self
+    }
+}

@@ -1,0 +1,135 @@
+//! One step of a hybrid system in numbers: flows, guards and resets, evaluated as they are stated.
+
+use super::condition::{Condition, Slack};
+use super::memory::events;
+use crate::error::Error;
+use crate::hybrid::system::{HybridSystem, Transition};
+use crate::interval::Interval;
+use crate::sum::Sum;
+
+/// A sample of a run and the input of the step that begins there.
+#[derive(Debug, Clone)]
+pub(super) struct StepStart<'a> {
+    pub(super) system: &'a HybridSystem,
+    pub(super) step: usize,
+    pub(super) state: &'a [f64],
+    pub(super) input: &'a [f64],
+}
+
+/// Where a transition leads if no other choice changes anything.
+#[derive(Debug, Clone)]
+pub(super) struct Flown {
+    /// The flow's result, before the reset.
+    pub(super) prediction: Vec<f64>,
+    /// After the reset.
+    pub(super) next: Vec<f64>,
+}
+
+/// The conditions of a sample: domains, and limits on states alone.
+pub(super) fn sample_conditions(system: &HybridSystem, step: usize, state: &[f64]) -> Vec<Slack> {
+    let n = system.states.len();
+    let domains = system.states.iter().zip(state).map(|((name, domain), &value)| {
+        Slack::of_range(Condition::Domain { state: name.clone() }, *domain, value)
+    });
+    let limits = system.limits.iter().filter(|limit| !limit.is_joint(n));
+    let limits = limits.filter_map(|limit| {
+        Slack::of_halfspace(|name| Condition::Limit { name }, limit, state, step)
+    });
+    domains.chain(limits).collect()
+}
+
+impl StepStart<'_> {
+    /// The state, then the input.
+    fn joint(&self) -> Vec<f64> {
+        [self.state, self.input].concat()
+    }
+
+    /// The limits on states and inputs together.
+    pub(super) fn joint_limits(&self) -> Vec<Slack> {
+        let (n, point) = (self.system.states.len(), self.joint());
+        let limits = self.system.limits.iter().filter(|limit| limit.is_joint(n));
+        let slack =
+            |limit| Slack::of_halfspace(|name| Condition::Limit { name }, limit, &point, self.step);
+        limits.filter_map(slack).collect()
+    }
+
+    /// Where a transition leads, and the conditions of its own: guards and input ranges.
+    pub(super) fn fly(&self, transition: &Transition) -> Result<(Flown, Vec<Slack>), Error> {
+        let prediction = transition.flow.step(self.state, self.input)?;
+        let joint = self.joint();
+        let guards = transition.guards.iter().filter_map(|guard| {
+            Slack::of_halfspace(|name| Condition::Guard { name }, guard, &joint, self.step)
+        });
+        let predicted = transition.prediction_guards.iter().filter_map(|guard| {
+            let condition = |name| Condition::PredictionGuard { name };
+            Slack::of_halfspace(condition, guard, &prediction, self.step)
+        });
+        let own = self.system.inputs.iter().zip(self.input).enumerate();
+        let own = own.filter(|(_, ((name, _), _))| has_range(transition, name));
+        let ranges = own.map(|(k, ((name, _), &value))| {
+            let range = self.system.input_range(transition, k, self.step);
+            Slack::of_range(Condition::InputRange { input: name.clone() }, range, value)
+        });
+        let slacks = guards.chain(predicted).chain(ranges).collect();
+        let next = match &transition.reset {
+            None => prediction.clone(),
+            Some(reset) => {
+                let offset = reset.offset.get(self.step).into_iter().flatten();
+                let row = |(i, &offset): (usize, &f64)| {
+                    let mut sum = Sum::new(offset);
+                    for (j, &value) in prediction.iter().enumerate() {
+                        sum.add_product(reset.matrix[(i, j)], value);
+                    }
+                    sum.value()
+                };
+                offset.enumerate().map(row).collect()
+            }
+        };
+        Ok((Flown { prediction, next }, slacks))
+    }
+}
+
+impl StepStart<'_> {
+    /// The next state under one transition per choice, before any disturbance.
+    pub(super) fn next_state(&self, flown: &[&Flown]) -> Result<Vec<f64>, Error> {
+        let common = match (&self.system.flow, flown) {
+            (_, [only]) => return Ok(only.next.clone()),
+            (Some(flow), _) => flow.step(self.state, self.input)?,
+            // Refused by the system's check.
+            (None, _) => vec![0.0; self.state.len()],
+        };
+        let next = common.iter().enumerate().map(|(i, &y)| {
+            let changes = flown.iter().filter_map(|flown| flown.next.get(i)).map(|x| x - y);
+            y + changes.sum::<f64>()
+        });
+        Ok(next.collect())
+    }
+
+    /// What the transitions of a step must satisfy together: the limit on events, ranges of inputs
+    /// that none of them replaces, and the conditions of the next sample.
+    pub(super) fn together(
+        &self,
+        transitions: &[&Transition],
+        next: &[f64],
+        events_before: usize,
+    ) -> Vec<Slack> {
+        let mut slacks = sample_conditions(self.system, self.step + 1, next);
+        for ((name, range), &value) in self.system.inputs.iter().zip(self.input) {
+            if !transitions.iter().any(|transition| has_range(transition, name)) {
+                let range = range.get(self.step).copied().unwrap_or(Interval::REALS);
+                let condition = Condition::InputRange { input: name.clone() };
+                slacks.push(Slack::of_range(condition, range, value));
+            }
+        }
+        let count = transitions.iter().filter(|transition| transition.is_event).count();
+        if let (Some(most), true) = (self.system.most_events, count > 0) {
+            slacks.push(events(most, events_before + count));
+        }
+        slacks
+    }
+}
+
+/// Whether a transition replaces the range of an input.
+fn has_range(transition: &Transition, input: &str) -> bool {
+    transition.inputs.iter().any(|(own, _)| own == input)
+}
