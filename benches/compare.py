@@ -12,10 +12,17 @@ without reading. Per file the solvers take turns, `--rounds` times, and the medi
 meets the limit is not asked again. The table goes to standard output as Markdown, progress to
 standard error.
 
+A folder may hold folders, each a family of files, and several folders can be given. Answers are
+checked against `answers.txt` or `answers.csv` in the given folder; without either, against what most
+solvers claim. `--profile FILE.svg` draws the share of files solved within a factor of the best:
+
+    python3 benches/compare.py ../programs --rounds 1 --limit 15 --profile target/profile.svg
+
 Further variants of carom are compared by `--variant NAME=ARGUMENTS`, for example
 `--variant "2 threads=--threads 2"`; an ablation is a list of variants, see `--ablation`.
 """
 import argparse
+import csv
 import importlib.util
 import json
 import math
@@ -26,6 +33,8 @@ import statistics
 import subprocess
 import sys
 import time
+
+from report import agrees, families, profile, ratios, solved, table
 
 GAP = 1e-6
 
@@ -230,84 +239,56 @@ def measure(path, solvers, rounds, limit):
     return answers
 
 
-def solved(answer):
-    return answer[0] in ("optimal", "infeasible")
-
-
-def agrees(answer, truth):
-    """Whether a claim is the listed one: the same status, the objective to 1e-6 relative."""
-    status, _, _, objective = answer
-    if truth is None or not solved(answer):
-        return True
-    if truth == "infeasible" or status == "infeasible":
-        return status == truth
-    return abs(objective - truth) <= 1e-6 * max(1.0, abs(truth))
-
-
-def geometric_mean(values):
-    return math.exp(sum(math.log(max(v, 1e-6)) for v in values) / len(values)) if values else math.nan
-
-
-def cell(answer, truth):
-    status, seconds, nodes, objective = answer
-    if not solved(answer):
-        return f"> {seconds:.0f}" if status == "limit" else {"no MIQP": "no MIQP", "too large": ""}.get(status, "-" if status.startswith("error") else status)
-    mark = "" if agrees(answer, truth) else f" **{status if objective is None else f'{objective:.8g}'}**"
-    return f"{seconds:.3f} ({nodes}){mark}"
-
-
-def table(results, names, truths):
-    print("| file | status, objective | " + " | ".join(names) + " |")
-    print("| --- " * (2 + len(names)) + "|")
-    for file, answers in results.items():
-        truth = truths.get(file)
-        shown = truth if isinstance(truth, str) else "?" if truth is None else f"{truth:.8g}"
-        print(f"| {file} | {shown} | " + " | ".join(cell(answers[name], truth) for name in names) + " |")
-    print()
-
-
-def ratios(results, ours, others, truths, files, title):
-    """Geometric means over the files that both solve to the listed answer."""
-    lines = []
-    for other in others:
-        pairs = []
-        beyond = 0
-        for file in files:
-            mine, theirs = results[file][ours], results[file][other]
-            if not (solved(mine) and agrees(mine, truths.get(file))):
-                continue
-            if solved(theirs) and agrees(theirs, truths.get(file)):
-                pairs.append((mine[1], theirs[1]))
-            elif theirs[0] == "limit":
-                # A lower bound of what the other one needs.
-                pairs.append((mine[1], theirs[1]))
-                beyond += 1
-        if pairs:
-            mine, theirs = (geometric_mean(column) for column in zip(*pairs))
-            note = f" ({beyond} at the limit, counted with it)" if beyond else ""
-            lines.append(f"| {ours} | {other} | {len(pairs)}{note} | {mine:.4f} | {theirs:.4f} | {mine / theirs:.3f} |")
-    if lines:
-        print(f"{title}:\n\n| | beside | files | seconds | seconds beside | ratio |\n| --- | --- | --- | --- | --- | --- |")
-        print("\n".join(lines) + "\n")
-
-
 def quadratic(path):
+    """Whether the objective has squares or products: a section in MPS, brackets in LP."""
     with open(path) as file:
-        return any(line.startswith(("QUADOBJ", "QMATRIX")) for line in file)
+        return any(line.startswith(("QUADOBJ", "QMATRIX")) or ("]" in line and path.endswith(".lp")) for line in file)
+
+
+def value_of(answer):
+    """A listed answer: an objective or `infeasible`; `None` if it is an open question."""
+    # A file without an objective is a question of feasibility: any point will do.
+    words = {"infeasible": "infeasible", "feasible": 0.0}
+    try:
+        return words.get(answer, None) if answer in words else float(answer)
+    except ValueError:
+        return None
 
 
 def answers_of(folder):
-    """`answers.txt` in the folder: a name and an objective or `infeasible` a line."""
+    """`answers.txt` in the folder, with a name and an objective or `infeasible` a line, or
+    `answers.csv` with the columns file, status and objective."""
     truths = {}
     path = os.path.join(folder, "answers.txt")
     if os.path.exists(path):
         with open(path) as file:
-            for line in file:
-                if line.strip() and not line.startswith("#"):
-                    name, answer = line.split()[:2]
-                    truths[name] = answer if answer in ("infeasible", "feasible") else float(answer)
-    # A file without an objective is a question of feasibility: any point will do.
-    return {name: 0.0 if answer == "feasible" else answer for name, answer in truths.items()}
+            lines = [line.split()[:2] for line in file if line.strip() and not line.startswith("#")]
+            truths = {name: value_of(answer) for name, answer in lines}
+    path = os.path.join(folder, "answers.csv")
+    if os.path.exists(path):
+        with open(path) as file:
+            for row in csv.DictReader(file):
+                answer = row["objective"] if row["status"] == "optimal" else row["status"]
+                truths[os.path.splitext(row["file"])[0]] = value_of(answer)
+    return {name: answer for name, answer in truths.items() if answer is not None}
+
+
+def files_of(folder, only):
+    """Names, without extension and relative to the folder, and paths of all MPS and LP files."""
+    for parent, folders, entries in os.walk(folder):
+        folders.sort()
+        for entry in sorted(entries):
+            name, extension = os.path.splitext(os.path.relpath(os.path.join(parent, entry), folder))
+            if extension in (".mps", ".lp") and (not only or any(part in name for part in only)):
+                yield name, os.path.join(parent, entry)
+
+
+def agreed(answers):
+    """Without a listed answer: what most of those who claim one claim; `None` if nobody does."""
+    claims = [answer for answer in answers.values() if solved(answer)]
+    votes = [(sum(agrees(other, value) for other in claims), value)
+             for value in ("infeasible" if claim[0] == "infeasible" else claim[3] for claim in claims)]
+    return max(votes, key=lambda vote: vote[0])[1] if len(votes) > 1 else None
 
 
 def installed(package):
@@ -316,7 +297,7 @@ def installed(package):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", help="folder of *.mps and answers.txt")
+    parser.add_argument("folders", nargs="*", help="folders of *.mps, *.lp and answers.txt or answers.csv")
     parser.add_argument("--only", nargs="*", default=[], help="parts of names of files")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--limit", type=float, default=40.0, help="seconds a solve")
@@ -325,12 +306,13 @@ def main():
     parser.add_argument("--solve", default="target/release/examples/solve", help="carom's example")
     parser.add_argument("--variant", action="append", default=[], metavar="NAME=ARGUMENTS")
     parser.add_argument("--ablation", metavar="FILE", help="a file of variants, one `NAME=ARGUMENTS` a line; no other solver")
+    parser.add_argument("--profile", metavar="FILE", help="also draw a performance profile there, as SVG")
     parser.add_argument("--json", metavar="FILE", help="also write all answers there")
     parser.add_argument("--serve", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.serve:
         return serve(arguments.serve)
-    if not arguments.folder:
+    if not arguments.folders:
         parser.error("a folder of files is needed")
 
     variants = list(arguments.variant)
@@ -349,23 +331,29 @@ def main():
     solvers = ours + peers
     names = [solver.name for solver in solvers]
 
-    truths = answers_of(arguments.folder)
-    results, squares = {}, []
-    for entry in sorted(os.listdir(arguments.folder)):
-        file, extension = os.path.splitext(entry)
-        if extension != ".mps" or (arguments.only and not any(part in file for part in arguments.only)):
-            continue
-        path = os.path.join(arguments.folder, entry)
-        results[file] = measure(path, solvers, arguments.rounds, arguments.limit)
-        if quadratic(path):
-            squares.append(file)
-        shown = " | ".join(f"{name} {results[file][name][0]} {results[file][name][1]:.3f}" for name in names)
-        print(f"{file}: {shown}", file=sys.stderr, flush=True)
+    truths, results, squares = {}, {}, []
+    for folder in arguments.folders:
+        listed = answers_of(folder)
+        for name, path in files_of(folder, arguments.only):
+            # Files of several folders are told apart by the folder's name.
+            file = name if len(arguments.folders) == 1 else f"{os.path.basename(os.path.normpath(folder))}/{name}"
+            results[file] = measure(path, solvers, arguments.rounds, arguments.limit)
+            truth = listed[name] if name in listed else agreed(results[file])
+            if truth is not None:
+                truths[file] = truth
+            if quadratic(path):
+                squares.append(file)
+            shown = " | ".join(f"{name} {results[file][name][0]} {results[file][name][1]:.3f}" for name in names)
+            print(f"{file}: {shown}", file=sys.stderr, flush=True)
 
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan
     print(f"Seconds (nodes); median of {arguments.rounds}, in turn; limit {arguments.limit:g} s; gap {GAP:g}; "
           f"{os.cpu_count()} processors, load {load:.1f} at the end. Bold: a claim that is not the listed answer.\n")
     table(results, names, truths)
+    families(results, names, truths, arguments.limit)
+    if arguments.profile:
+        count = profile(arguments.profile, results, names, truths, arguments.limit)
+        print(f"Profile over the {count} files that all of these could read: {arguments.profile}\n")
     linear = [file for file in results if file not in squares]
     baseline = names[0] if arguments.ablation else None
     for one in ([solver.name for solver in ours[1:]] if baseline else [solver.name for solver in ours]):

@@ -1,0 +1,147 @@
+"""What `compare.py` says about its runs: tables, ratios, families, performance profiles."""
+import math
+
+# Added to every time before a geometric mean of a family, so that milliseconds do not decide.
+SHIFT = 0.01
+
+
+def solved(answer):
+    return answer[0] in ("optimal", "infeasible")
+
+
+def agrees(answer, truth):
+    """Whether a claim is the listed one: the same status, the objective to 1e-6 relative."""
+    status, _, _, objective = answer
+    if truth is None or not solved(answer):
+        return True
+    if truth == "infeasible" or status == "infeasible":
+        return status == truth
+    return abs(objective - truth) <= 1e-6 * max(1.0, abs(truth))
+
+
+def geometric_mean(values):
+    return math.exp(sum(math.log(max(v, 1e-6)) for v in values) / len(values)) if values else math.nan
+
+
+def cell(answer, truth):
+    status, seconds, nodes, objective = answer
+    if not solved(answer):
+        return f"> {seconds:.0f}" if status == "limit" else {"no MIQP": "no MIQP", "too large": ""}.get(status, "-" if status.startswith("error") else status)
+    mark = "" if agrees(answer, truth) else f" **{status if objective is None else f'{objective:.8g}'}**"
+    return f"{seconds:.3f} ({nodes}){mark}"
+
+
+def table(results, names, truths):
+    print("| file | status, objective | " + " | ".join(names) + " |")
+    print("| --- " * (2 + len(names)) + "|")
+    for file, answers in results.items():
+        truth = truths.get(file)
+        shown = truth if isinstance(truth, str) else "?" if truth is None else f"{truth:.8g}"
+        print(f"| {file} | {shown} | " + " | ".join(cell(answers[name], truth) for name in names) + " |")
+    print()
+
+
+def ratios(results, ours, others, truths, files, title):
+    """Geometric means over the files that both solve to the listed answer."""
+    lines = []
+    for other in others:
+        pairs = []
+        beyond = 0
+        for file in files:
+            mine, theirs = results[file][ours], results[file][other]
+            if not (solved(mine) and agrees(mine, truths.get(file))):
+                continue
+            if solved(theirs) and agrees(theirs, truths.get(file)):
+                pairs.append((mine[1], theirs[1]))
+            elif theirs[0] == "limit":
+                # A lower bound of what the other one needs.
+                pairs.append((mine[1], theirs[1]))
+                beyond += 1
+        if pairs:
+            mine, theirs = (geometric_mean(column) for column in zip(*pairs))
+            note = f" ({beyond} at the limit, counted with it)" if beyond else ""
+            lines.append(f"| {ours} | {other} | {len(pairs)}{note} | {mine:.4f} | {theirs:.4f} | {mine / theirs:.3f} |")
+    if lines:
+        print(f"{title}:\n\n| | beside | files | seconds | seconds beside | ratio |\n| --- | --- | --- | --- | --- | --- |")
+        print("\n".join(lines) + "\n")
+
+
+def charged(answer, truth, limit):
+    """The seconds that count: the limit for whoever does not solve the file, or solves it wrongly."""
+    return min(answer[1], limit) if solved(answer) and agrees(answer, truth) else limit
+
+
+def was_asked(answer):
+    """Whether the solver could read the file and its licence covers it."""
+    return solved(answer) or answer[0] == "limit"
+
+
+def shifted_mean(values):
+    return geometric_mean([value + SHIFT for value in values]) - SHIFT
+
+
+def families(results, names, truths, limit):
+    """Per family (folder): how many files each solver solves, and its shifted geometric mean; beside
+    others, over the files that both were asked."""
+    groups = {}
+    for file in results:
+        groups.setdefault(file.rpartition("/")[0] or "all", []).append(file)
+    ours = names[0]
+    print(f"Per family: files solved, and the geometric mean of seconds (shifted by {SHIFT:g} s; {limit:g} s for what is "
+          f"not solved); beside another solver, the ratio of {ours}'s mean to its mean over the files it could read.\n")
+    print("| family | files | " + " | ".join(names) + " |")
+    print("| --- " * (2 + len(names)) + "|")
+    for family, files in groups.items():
+        cells = []
+        for name in names:
+            asked = [file for file in files if was_asked(results[file][name])]
+            if not asked:
+                cells.append("-")
+                continue
+            done = sum(solved(results[file][name]) and agrees(results[file][name], truths.get(file)) for file in asked)
+            mean = shifted_mean([charged(results[file][name], truths.get(file), limit) for file in asked])
+            text = f"{done} of {len(asked)}, {mean:.3f}"
+            if name != ours:
+                mine = shifted_mean([charged(results[file][ours], truths.get(file), limit) for file in asked])
+                text += f" ({(mine + SHIFT) / (mean + SHIFT):.2f})"
+            cells.append(text)
+        print(f"| {family} | {len(files)} | " + " | ".join(cells) + " |")
+    print()
+
+
+def profile(path, results, names, truths, limit):
+    """A performance profile as SVG: the share of files that a solver solves within a factor of the
+    best. Only files that every solver could read count (Dolan and More, 2002)."""
+    files = [file for file in results if all(was_asked(results[file][name]) for name in names)]
+    files = [file for file in files if any(solved(results[file][name]) for name in names)]
+    if not files:
+        return 0
+    factors = {name: [] for name in names}
+    for file in files:
+        times = {name: results[file][name][1] + SHIFT for name in names
+                 if solved(results[file][name]) and agrees(results[file][name], truths.get(file))}
+        best = min(times.values(), default=math.inf)
+        for name in names:
+            factors[name].append(times[name] / best if name in times else math.inf)
+    width, height, left, top, most = 640, 380, 60, 20, (limit + SHIFT) / SHIFT
+    along = lambda factor: left + (width - left - 150) * math.log(factor) / math.log(most)
+    up = lambda share: top + (height - top - 50) * (1 - share)
+    colours = ["#1b6ca8", "#d1495b", "#66a182", "#edae49", "#6d597a", "#2e4057", "#8d99ae"]
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
+             f'<rect width="{width}" height="{height}" fill="white"/>']
+    for share in (0, 0.25, 0.5, 0.75, 1):
+        parts.append(f'<path d="M{left} {up(share):.1f}H{along(most):.1f}" stroke="#ddd"/>'
+                     f'<text x="{left - 8}" y="{up(share) + 4:.1f}" text-anchor="end">{share:.0%}</text>')
+    for factor in (1, 2, 5, 10, 100, 1000):
+        if factor <= most:
+            parts.append(f'<text x="{along(factor):.1f}" y="{height - 32}" text-anchor="middle">{factor}</text>')
+    parts.append(f'<text x="{along(math.sqrt(most)):.1f}" y="{height - 12}" text-anchor="middle">factor of the best time ({len(files)} files)</text>')
+    for k, name in enumerate(names):
+        line, colour = f"M{left} {up(0):.1f}", colours[k % len(colours)]
+        for count, factor in enumerate(sorted(f for f in factors[name] if f < math.inf), 1):
+            line += f"H{along(min(factor, most)):.1f}V{up(count / len(files)):.1f}"
+        parts.append(f'<path d="{line}H{along(most):.1f}" fill="none" stroke="{colour}" stroke-width="2"/>'
+                     f'<text x="{along(most) + 8:.1f}" y="{top + 10 + 18 * k}" fill="{colour}">{name}</text>')
+    with open(path, "w") as file:
+        file.write("\n".join(parts + ["</svg>\n"]))
+    return len(files)
