@@ -10,6 +10,7 @@ pub mod reach;
 pub mod shortest_horizon;
 pub mod simulate;
 mod system;
+mod terminal;
 pub mod wall;
 
 pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution, RollOut};
@@ -28,4 +29,5 @@ pub use simulate::{
     SimulatedStep, Simulation, SimulationOptions, replay_continuous, replay_discrete,
 };
 pub use system::{Choice, Halfspace, HybridSystem, Region, Schedule, Transition};
+pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub use wall::{FreeSide, Wall};

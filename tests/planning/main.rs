@@ -4,6 +4,7 @@
 mod common;
 
 mod collision_tolerant;
+mod costs;
 mod hybrid;
 mod physics;
 mod reach;

@@ -1,0 +1,4 @@
+//! Costs of plans, and their ends.
+
+mod lqr;
+mod terminal_sets;
