@@ -7,6 +7,7 @@ pub mod horizon;
 pub mod linear;
 mod matrix;
 pub mod reach;
+mod rows;
 pub mod shortest_horizon;
 pub mod simulate;
 mod system;
@@ -20,6 +21,7 @@ pub use faer::Mat;
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::IntoMatrix;
+pub use rows::{HybridProgram, HybridRun, RowOptions};
 pub use shortest_horizon::{
     Attempt, HorizonEvent, HorizonModel, Refutation, ShortestHorizon, ShortestOptions,
     ShortestStatus, Verdict, Waiting, shortest_horizon, shortest_horizon_with,

@@ -278,7 +278,7 @@ impl Model {
     }
 
     /// Makes several additions, or none if one of them fails.
-    pub(super) fn all_or_nothing<T>(
+    pub(crate) fn all_or_nothing<T>(
         &mut self,
         add: impl FnOnce(&mut Model) -> Result<T, Error>,
     ) -> Result<T, Error> {

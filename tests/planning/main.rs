@@ -8,4 +8,5 @@ mod costs;
 mod hybrid;
 mod physics;
 mod reach;
+mod rows;
 mod shortest;

@@ -1,0 +1,145 @@
+//! What the transitions of a choice change about the next state, and in how many independent ways.
+//!
+//! Every next state and every output is that of one transition, the *reference*, plus a change,
+//! which is 0 in the reference. Changes that do not depend on state and input are sums of
+//! binaries. Changes that are proportional to each other in all transitions share one variable.
+
+use super::bound;
+use super::map::{Behaviour, Map};
+use super::switch::Region;
+use crate::hybrid::system::Transition;
+
+/// Two changes whose numbers differ by at most this fraction are proportional (no unit).
+const PROPORTIONAL: f64 = 1e-12;
+
+/// An output represents its group if no other change of the group is this many times larger.
+const LARGER: f64 = 4.0;
+
+/// How a next state or an output changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Part {
+    /// Not at all.
+    Same,
+    /// By a constant in each transition.
+    Constant,
+    /// By a multiple of a group's variable.
+    Shared { group: usize, ratio: f64 },
+}
+
+/// The changes of a choice. Quantities are the next states, and then the outputs.
+#[derive(Debug, Clone)]
+pub(super) struct Changes {
+    /// The transition that changes nothing.
+    pub(super) reference: usize,
+    /// One per quantity.
+    pub(super) parts: Vec<Part>,
+    /// The quantity whose change is the variable of each group.
+    pub(super) groups: Vec<usize>,
+}
+
+/// A quantity of a transition: a next state or an output.
+pub(super) fn quantity(behaviour: &Behaviour, number: usize) -> &Map {
+    let states = behaviour.next.len();
+    if number < states { &behaviour.next[number] } else { &behaviour.outputs[number - states] }
+}
+
+impl Changes {
+    /// The changes of a choice.
+    ///
+    /// # Arguments
+    ///
+    /// * `steps`: the transitions at every step that differs from others.
+    /// * `regions`: where the transitions are possible, at the last of these steps.
+    pub(super) fn new(
+        transitions: &[Transition],
+        steps: &[&[Behaviour]],
+        regions: &[Region],
+    ) -> Self {
+        let last = steps.last().copied().unwrap_or_default();
+        let reference = reference(transitions, last, regions);
+        let quantities = last.first().map_or(0, |first| first.next.len() + first.outputs.len());
+        let states = last.first().map_or(0, |first| first.next.len());
+        let mut parts = vec![Part::Same; quantities];
+        let mut groups: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
+        for q in 0..quantities {
+            let change = |step: &&[Behaviour]| -> Vec<Map> {
+                let common = quantity(&step[reference], q);
+                step.iter().map(|own| quantity(own, q).minus(common)).collect()
+            };
+            let maps: Vec<Map> = steps.iter().flat_map(change).collect();
+            if maps.iter().all(Map::is_zero) {
+                continue;
+            }
+            if maps.iter().all(Map::is_constant) {
+                parts[q] = Part::Constant;
+                continue;
+            }
+            let numbers: Vec<f64> = maps.iter().flat_map(Map::numbers).collect();
+            match groups.iter_mut().find(|group| ratio(&numbers, &group[0].1).is_some()) {
+                Some(group) => group.push((q, numbers)),
+                None => groups.push(vec![(q, numbers)]),
+            }
+        }
+        let mut own = Vec::with_capacity(groups.len());
+        for (g, group) in groups.iter().enumerate() {
+            let size =
+                |numbers: &Vec<f64>| numbers.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+            let largest = group.iter().map(|(_, numbers)| size(numbers)).fold(0.0, f64::max);
+            // An error of the variable must not grow in the others, so it is the largest of its
+            // group; outputs are preferred, because users read them.
+            let output = group.iter().find(|(q, a)| *q >= states && LARGER * size(a) >= largest);
+            let own_change = output.or_else(|| group.iter().find(|(_, a)| size(a) == largest));
+            let Some((chosen, numbers)) = own_change else { continue };
+            for (q, others) in group {
+                let ratio = if q == chosen { Some(1.0) } else { ratio(others, numbers) };
+                parts[*q] = Part::Shared { group: g, ratio: ratio.unwrap_or(0.0) };
+            }
+            own.push(*chosen);
+        }
+        Changes { reference, parts, groups: own }
+    }
+
+    /// What a transition changes about a quantity.
+    pub(super) fn of(&self, step: &[Behaviour], transition: usize, number: usize) -> Map {
+        quantity(&step[transition], number).minus(quantity(&step[self.reference], number))
+    }
+
+    /// The values of a group's variable, by transition.
+    pub(super) fn group(&self, step: &[Behaviour], group: usize) -> Vec<Map> {
+        (0..step.len()).map(|j| self.of(step, j, self.groups[group])).collect()
+    }
+}
+
+/// The factor between two lists of numbers, if there is one: `numbers = ratio * others`.
+fn ratio(numbers: &[f64], others: &[f64]) -> Option<f64> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let ratio = dot(numbers, others) / dot(others, others);
+    let largest = numbers.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    let close = |(a, b): (&f64, &f64)| (a - ratio * b).abs() <= PROPORTIONAL * largest;
+    (ratio != 0.0 && ratio.is_finite() && numbers.iter().zip(others).all(close)).then_some(ratio)
+}
+
+/// The transition from which the others differ least: the sum of the ranges of the changes, in
+/// parts of the states' ranges. Of equals, the first that is not an event.
+fn reference(transitions: &[Transition], step: &[Behaviour], regions: &[Region]) -> usize {
+    let mut best = (f64::INFINITY, true, 0);
+    for (r, transition) in transitions.iter().enumerate() {
+        let mut sum = 0.0;
+        for i in 0..step[r].next.len() {
+            let mut hull = crate::interval::Interval::point(0.0);
+            for (own, region) in step.iter().zip(regions) {
+                let Map { factors, constant } = own.next[i].minus(&step[r].next[i]);
+                hull = hull.hull(bound::range(&factors, constant, &region.domain, &region.rows));
+            }
+            let domain = regions[r].domain[i];
+            let width = domain.upper - domain.lower;
+            sum += (hull.upper - hull.lower) / if width > 0.0 { width } else { 1.0 };
+        }
+        let clearly = sum < best.0 * (1.0 - 1e-9) - 1e-12;
+        let equal = !clearly && sum <= best.0 * (1.0 + 1e-9) + 1e-12;
+        if clearly || equal && best.1 && !transition.is_event {
+            best = (sum, transition.is_event, r);
+        }
+    }
+    best.2
+}

@@ -1,0 +1,48 @@
+//! Names of families in the model.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::switch::Label;
+
+/// What a statement of a choice is about: the numbers of the choice and the transition, the row, and
+/// whether it holds in every transition.
+pub(super) type Key = (usize, usize, Option<Label>, bool);
+
+/// Gives every family of variables, or of statements, a name of its own.
+#[derive(Debug, Clone)]
+pub(super) struct Names {
+    prefix: String,
+    used: BTreeSet<String>,
+    keyed: BTreeMap<Key, String>,
+}
+
+impl Names {
+    pub(super) fn new(prefix: &str) -> Self {
+        Names { prefix: prefix.to_owned(), used: BTreeSet::new(), keyed: BTreeMap::new() }
+    }
+
+    /// The parts that are not empty, joined by underscores, after the prefix. White space becomes an
+    /// underscore. A name that is taken gets a number.
+    pub(super) fn family(&mut self, parts: &[&str]) -> String {
+        let all = [&[&self.prefix[..]], parts].concat();
+        let parts: Vec<&str> = all.into_iter().filter(|part| !part.is_empty()).collect();
+        let plain = |c: char| if c.is_whitespace() || c.is_control() { '_' } else { c };
+        let name: String = parts.join("_").chars().map(plain).collect();
+        let mut numbers = 2..;
+        let mut free = name.clone();
+        while !self.used.insert(free.clone()) {
+            free = format!("{name}_{}", numbers.next().unwrap_or(0));
+        }
+        free
+    }
+
+    /// The family of a key, made from the parts at its first use.
+    pub(super) fn keyed(&mut self, key: Key, parts: &[&str]) -> String {
+        if let Some(family) = self.keyed.get(&key) {
+            return family.clone();
+        }
+        let family = self.family(parts);
+        self.keyed.insert(key, family.clone());
+        family
+    }
+}

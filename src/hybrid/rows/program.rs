@@ -1,0 +1,260 @@
+//! The variables of a hybrid system in a model, by name and step.
+
+use super::change::Changes;
+use super::map::{self, Behaviour};
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::reach::HorizonVariables;
+use crate::hybrid::system::HybridSystem;
+use crate::model::{Affine, Family, Literal};
+
+/// Which one of several things holds at a step or sample.
+#[derive(Debug, Clone)]
+pub(super) enum OneOf {
+    /// There is only one.
+    Only,
+    /// Two that share a binary, which is on for the one with this number.
+    Pair(Family, usize),
+    /// A binary each.
+    Each(Vec<Family>),
+}
+
+impl OneOf {
+    /// The condition that one of them holds; `None` if it is the only one.
+    pub(super) fn literal(&self, number: usize, step: usize) -> Option<Literal> {
+        match self {
+            OneOf::Only => None,
+            OneOf::Pair(family, on) => {
+                let variable = family.get(step)?;
+                Some(if number == *on { variable.on() } else { variable.off() })
+            }
+            OneOf::Each(families) => Some(families.get(number)?.get(step)?.on()),
+        }
+    }
+
+    /// 1 if it holds, and 0 otherwise.
+    pub(super) fn value(&self, number: usize, step: usize) -> Affine {
+        match self.literal(number, step) {
+            None => Affine::constant(1.0),
+            Some(literal) if literal.is_on() => literal.variable().into(),
+            Some(literal) => 1.0 - literal.variable(),
+        }
+    }
+}
+
+/// The variables of a choice.
+#[derive(Debug, Clone)]
+pub(super) struct ChoiceProgram {
+    pub(super) changes: Changes,
+    /// Which transition is taken, over the steps.
+    pub(super) taken: OneOf,
+    /// Which mode holds, over the samples.
+    pub(super) modes: OneOf,
+    /// The variables of the changes, over the steps.
+    pub(super) groups: Vec<Family>,
+}
+
+/// A hybrid system in a model: its variables by name and step. Made by [`HybridSystem::write`].
+#[derive(Debug, Clone)]
+pub struct HybridProgram {
+    pub(super) system: HybridSystem,
+    pub(super) horizon: Horizon,
+    pub(super) states: Vec<Family>,
+    pub(super) inputs: Vec<Family>,
+    pub(super) choices: Vec<ChoiceProgram>,
+    /// Names and values over the steps.
+    pub(super) outputs: Vec<(String, Vec<Affine>)>,
+}
+
+impl HybridProgram {
+    /// The system.
+    pub fn system(&self) -> &HybridSystem {
+        &self.system
+    }
+
+    /// The horizon.
+    pub fn horizon(&self) -> Horizon {
+        self.horizon
+    }
+
+    /// A state at the samples 0, ..., τ.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn state(&self, name: &str) -> Result<&Family, Error> {
+        let names = self.system.states.iter().map(|(name, _)| name.as_str());
+        find(names, name, "state of the system").map(|i| &self.states[i])
+    }
+
+    /// An input in the steps 0, ..., τ-1.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn input(&self, name: &str) -> Result<&Family, Error> {
+        let names = self.system.inputs.iter().map(|(name, _)| name.as_str());
+        find(names, name, "input of the system").map(|u| &self.inputs[u])
+    }
+
+    /// All states, in the system's order, each at the samples 0, ..., τ.
+    pub fn states(&self) -> &[Family] {
+        &self.states
+    }
+
+    /// All inputs, in the system's order, each in the steps 0, ..., τ-1.
+    pub fn inputs(&self) -> &[Family] {
+        &self.inputs
+    }
+
+    /// The condition that a transition of a choice is taken in a step; `None` if the choice has no
+    /// other transition.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`] for the choice or the transition; [`ErrorKind::OutOfRange`] for a
+    /// step that is not below τ.
+    pub fn taken(
+        &self,
+        choice: &str,
+        transition: &str,
+        step: usize,
+    ) -> Result<Option<Literal>, Error> {
+        let c = self.choice(choice)?;
+        let names = self.system.choices[c].transitions.iter().map(|t| t.name.as_str());
+        let j = find(names, transition, "transition of the choice")?;
+        self.check_step("the step", step, self.horizon.steps())?;
+        Ok(self.choices[c].taken.literal(j, step))
+    }
+
+    /// The condition that a choice is in a mode at a sample; `None` if it has no other mode.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`] for the choice or the mode; [`ErrorKind::OutOfRange`] for a
+    /// sample above τ.
+    pub fn mode(&self, choice: &str, mode: &str, sample: usize) -> Result<Option<Literal>, Error> {
+        let c = self.choice(choice)?;
+        let modes = self.system.choices[c].modes();
+        let k = find(modes.into_iter(), mode, "mode of the choice")?;
+        self.check_step("the sample", sample, self.horizon.steps() + 1)?;
+        Ok(self.choices[c].modes.literal(k, sample))
+    }
+
+    /// An output in the steps 0, ..., τ-1. If several choices have an output of this name, it is
+    /// the sum of theirs.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn output(&self, name: &str) -> Result<&[Affine], Error> {
+        let names = self.outputs.iter().map(|(name, _)| name.as_str());
+        find(names, name, "output of the system").map(|o| &self.outputs[o].1[..])
+    }
+
+    /// The number of events in a step, over all choices.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::OutOfRange`] for a step that is not below τ.
+    pub fn events(&self, step: usize) -> Result<Affine, Error> {
+        self.check_step("the step", step, self.horizon.steps())?;
+        Ok(self.count_events(step))
+    }
+
+    pub(super) fn count_events(&self, step: usize) -> Affine {
+        let choices = self.system.choices.iter().zip(&self.choices);
+        let events = choices.flat_map(|(choice, program)| {
+            let events = choice.transitions.iter().enumerate().filter(|(_, t)| t.is_event);
+            events.map(|(j, _)| program.taken.value(j, step))
+        });
+        events.sum()
+    }
+
+    /// The variables by which a [tube](crate::hybrid::reach::Tube::tighten) tightens the program.
+    pub fn horizon_variables(&self) -> HorizonVariables {
+        let mut variables = HorizonVariables::new(self.states.clone());
+        for (c, program) in self.choices.iter().enumerate() {
+            let first = self.system.first_transition(c);
+            match &program.taken {
+                OneOf::Only => {}
+                OneOf::Pair(family, on) => {
+                    variables = variables.with_transition(first + on, family.clone());
+                }
+                OneOf::Each(families) => {
+                    for (j, family) in families.iter().enumerate() {
+                        variables = variables.with_transition(first + j, family.clone());
+                    }
+                }
+            }
+        }
+        let [program] = &self.choices[..] else { return variables };
+        for (group, family) in program.groups.iter().enumerate() {
+            if let Some(values) = self.by_prediction(program, group) {
+                variables = variables.with_quantity(family.clone(), values);
+            }
+        }
+        variables
+    }
+
+    /// A group's variable as a function of the prediction, by transition. `None` if it depends on
+    /// more than that.
+    fn by_prediction(&self, program: &ChoiceProgram, group: usize) -> Option<Vec<(Vec<f64>, f64)>> {
+        let [choice] = &self.system.choices[..] else { return None };
+        let n = self.system.states.len();
+        let reference = &choice.transitions[program.changes.reference];
+        let own = program.changes.groups[group];
+        let outputs = map::output_names(&choice.transitions);
+        let value = |transition: &crate::hybrid::Transition| -> Option<(Vec<f64>, f64)> {
+            if own >= n {
+                let name = outputs.get(own - n)?;
+                let output = transition.outputs.iter().find(|output| output.name == **name);
+                let value = output.map(|output| (output.factors.clone(), output.constant));
+                return Some(value.unwrap_or((vec![0.0; n], 0.0)));
+            }
+            let unit = |j: usize| if j == own { 1.0 } else { 0.0 };
+            let Some(reset) = &transition.reset else {
+                return Some(((0..n).map(unit).collect(), 0.0));
+            };
+            let offset = reset.offset.is_constant().then(|| reset.offset.get(0)).flatten()?;
+            let factors = (0..n).map(|j| reset.matrix[(own, j)]).collect();
+            Some((factors, offset.get(own).copied()?))
+        };
+        let (common, constant) = value(reference)?;
+        let difference = |transition: &crate::hybrid::Transition| {
+            let (factors, own) = value(transition)?;
+            let factors = factors.iter().zip(&common).map(|(a, b)| a - b).collect();
+            (transition.flow == reference.flow).then_some((factors, own - constant))
+        };
+        choice.transitions.iter().map(difference).collect()
+    }
+
+    /// The transitions of a choice at a step.
+    pub(super) fn behaviours(&self, choice: usize, step: usize) -> Vec<Behaviour> {
+        let transitions = &self.system.choices[choice].transitions;
+        let outputs = map::output_names(transitions);
+        transitions.iter().map(|t| map::behaviour(&self.system, t, &outputs, step)).collect()
+    }
+
+    pub(super) fn choice(&self, name: &str) -> Result<usize, Error> {
+        let names = self.system.choices.iter().map(|choice| choice.name.as_str());
+        find(names, name, "choice of the system")
+    }
+
+    fn check_step(&self, what: &str, step: usize, count: usize) -> Result<(), Error> {
+        if step < count {
+            return Ok(());
+        }
+        Err(Error::out_of_range(what, step as f64, format!("below {count}")))
+    }
+}
+
+/// The position of a name.
+pub(super) fn find<'a>(
+    mut names: impl Iterator<Item = &'a str>,
+    name: &str,
+    kind: &'static str,
+) -> Result<usize, Error> {
+    let unknown = || ErrorKind::UnknownName { name: name.to_owned(), kind }.into();
+    names.position(|own| own == name).ok_or_else(unknown)
+}

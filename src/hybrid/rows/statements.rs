@@ -1,0 +1,235 @@
+//! The statements of a choice at a step.
+
+use std::collections::BTreeSet;
+
+use super::change::{Part, quantity};
+use super::map::{self, Behaviour};
+use super::names::Names;
+use super::program::{ChoiceProgram, HybridProgram};
+use super::switch::{Label, Switch, SwitchRow};
+use super::write::expression;
+use crate::error::Error;
+use crate::hybrid::system::Choice;
+use crate::model::{Affine, Either, Literal, Method, Model, Row, Term};
+
+/// The least factor with which a change may be stated by the next state, because the error of the
+/// state is divided by it (no unit).
+const RATIO: f64 = 0.5;
+
+/// A choice at a step.
+pub(super) struct ChoiceStep<'a> {
+    pub(super) program: &'a HybridProgram,
+    /// The number of the choice.
+    pub(super) number: usize,
+    pub(super) own: &'a [Behaviour],
+    pub(super) rows: &'a Switch,
+    pub(super) step: usize,
+    pub(super) method: Option<Method>,
+}
+
+/// A statement's family, the row, and whether it describes the system.
+type Named = (String, Row, bool);
+
+/// What a row compares.
+#[derive(Clone, Copy, PartialEq)]
+enum Halves {
+    Lower,
+    Upper,
+    Both,
+}
+
+impl ChoiceStep<'_> {
+    fn choice(&self) -> &Choice {
+        &self.program.system.choices[self.number]
+    }
+
+    fn variables(&self) -> &ChoiceProgram {
+        &self.program.choices[self.number]
+    }
+
+    /// Whether the choice decides on the next state alone.
+    fn is_alone(&self) -> bool {
+        self.program.system.choices.len() == 1
+    }
+
+    /// Adds the statements; notes the families of those that describe the system.
+    pub(super) fn add(
+        &self,
+        model: &mut Model,
+        names: &mut Names,
+        background: &mut BTreeSet<String>,
+    ) -> Result<(), Error> {
+        let count = self.own.len();
+        let mut note = |family: String, describes: bool| {
+            if describes {
+                background.insert(family);
+            }
+        };
+        for (from, row) in &self.rows.common {
+            let family = self.family(names, *from, row.label, true);
+            model.add((family.as_str(), self.step), self.expression(row).le(row.limit))?;
+            note(family, describes(row.label));
+        }
+        let selectors = (0..count).map(|j| self.variables().taken.literal(j, self.step));
+        let Some(selectors) = selectors.collect::<Option<Vec<Literal>>>() else { return Ok(()) };
+        let implications = count == 2 && matches!(self.method, None | Some(Method::BigM));
+        let mut terms = Vec::with_capacity(count);
+        for (j, literal) in selectors.iter().enumerate() {
+            let mut term = Term::default();
+            for (family, row, describes) in self.statements(j, model, names)? {
+                if implications || !describes {
+                    model.add((family.as_str(), self.step), literal.implies(row))?;
+                    note(family, describes);
+                } else {
+                    term = term.and(row);
+                }
+            }
+            terms.push(term);
+        }
+        if !implications {
+            let mut either = Either::of(terms).selected_by(selectors);
+            if let Some(method) = self.method {
+                either = either.by(method);
+            }
+            let key = (self.number, usize::MAX, None, false);
+            let family = names.keyed(key, &[&self.choice().name]);
+            model.add((family.as_str(), self.step), either)?;
+            note(family, true);
+        }
+        Ok(())
+    }
+
+    /// The family of a transition's statements; `common` if they hold in every transition.
+    fn family(&self, names: &mut Names, from: usize, label: Label, common: bool) -> String {
+        let system = &self.program.system;
+        let choice = self.choice();
+        let of = if self.is_alone() { "" } else { &choice.name };
+        let transition = &choice.transitions[from];
+        let outputs = map::output_names(&choice.transitions);
+        let mut parts = vec![of, &transition.name];
+        match label {
+            Label::Change { group, .. } => {
+                let quantity = self.variables().changes.groups[group];
+                parts.push(match system.states.get(quantity) {
+                    Some((state, _)) => state,
+                    None => outputs[quantity - system.states.len()],
+                });
+                if common {
+                    parts.push("always");
+                }
+            }
+            Label::Guard { number, .. } => {
+                let mut guards = transition.guards.iter().chain(&transition.prediction_guards);
+                parts.extend(guards.nth(number).map(|guard| guard.name.as_str()));
+            }
+            Label::Range { input, upper } => {
+                parts.extend([if upper { "most" } else { "least" }, &system.inputs[input].0]);
+            }
+        }
+        // Both halves of a change may be one statement.
+        let label = match label {
+            Label::Change { group, .. } if !common => Label::Change { group, upper: false },
+            label => label,
+        };
+        names.keyed((self.number, from, Some(label), common), &parts)
+    }
+
+    /// The rows of a transition that do not hold in every transition.
+    fn statements(
+        &self,
+        transition: usize,
+        model: &Model,
+        names: &mut Names,
+    ) -> Result<Vec<Named>, Error> {
+        let mut rows = self.rows.own[transition].iter().peekable();
+        let mut named = Vec::new();
+        while let Some(row) = rows.next() {
+            let family = self.family(names, transition, row.label, false);
+            let Label::Change { group, upper } = row.label else {
+                named.push((family, self.expression(row).le(row.limit), describes(row.label)));
+                continue;
+            };
+            let both = Label::Change { group, upper: true };
+            let halves = if upper {
+                Halves::Upper
+            } else if rows.next_if(|next| next.label == both).is_some() {
+                Halves::Both
+            } else {
+                Halves::Lower
+            };
+            named.push((family, self.tightest(transition, group, halves, model)?, true));
+        }
+        Ok(named)
+    }
+
+    /// "The change is the transition's", by the group's variable or by one of the next states,
+    /// whichever is violated least over the bounds.
+    fn tightest(
+        &self,
+        transition: usize,
+        group: usize,
+        halves: Halves,
+        model: &Model,
+    ) -> Result<Row, Error> {
+        let program = self.variables();
+        let (changes, t) = (&program.changes, self.step);
+        let value = changes.of(self.own, transition, changes.groups[group]);
+        let mut forms: Vec<(Affine, f64)> = Vec::new();
+        if let Some(variable) = program.groups[group].get(t) {
+            forms.push((variable - expression(self.program, &value, t), 1.0));
+        }
+        for (i, family) in self.program.states.iter().enumerate().filter(|_| self.is_alone()) {
+            match (changes.parts[i], family.get(t + 1)) {
+                (Part::Shared { group: own, ratio }, Some(next))
+                    if own == group && ratio.abs() >= RATIO =>
+                {
+                    let value = quantity(&self.own[transition], i);
+                    forms.push((next - expression(self.program, value, t), ratio));
+                }
+                _ => {}
+            }
+        }
+        let mut best: Option<(f64, Row)> = None;
+        for (form, ratio) in forms {
+            let range = model.range(&form)?;
+            let (above, below) = (range.upper.max(0.0), (-range.lower).max(0.0));
+            let (above, below) = if ratio > 0.0 { (above, below) } else { (below, above) };
+            let miss = match halves {
+                Halves::Lower => below,
+                Halves::Upper => above,
+                Halves::Both => above + below,
+            };
+            let miss = miss / ratio.abs();
+            if best.as_ref().is_none_or(|(least, _)| miss < least * (1.0 - 1e-9)) {
+                let row = match (halves, ratio > 0.0) {
+                    (Halves::Both, _) => form.equals(0.0),
+                    (Halves::Upper, true) | (Halves::Lower, false) => form.le(0.0),
+                    (Halves::Lower, true) | (Halves::Upper, false) => form.ge(0.0),
+                };
+                best = Some((miss, row));
+            }
+        }
+        Ok(best.map_or(Affine::zero().le(0.0), |(_, row)| row))
+    }
+
+    /// The left side of a row.
+    fn expression(&self, row: &SwitchRow) -> Affine {
+        let z = map::Map { factors: row.z.clone(), constant: 0.0 };
+        let mut sum = expression(self.program, &z, self.step);
+        for (factor, family) in row.w.iter().zip(&self.variables().groups) {
+            if let Some(variable) = family.get(self.step).filter(|_| *factor != 0.0) {
+                sum.add_term(*factor, variable);
+            }
+        }
+        sum
+    }
+}
+
+/// Whether a row describes the system, so that explanations never question it.
+fn describes(label: Label) -> bool {
+    match label {
+        Label::Change { .. } => true,
+        Label::Guard { is_limit, .. } => !is_limit,
+        Label::Range { .. } => false,
+    }
+}

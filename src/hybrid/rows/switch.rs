@@ -1,0 +1,306 @@
+//! Which rows a choice needs at a step, and when they hold.
+//!
+//! A row of one transition (a guard, or half of "the change is the one of this transition") that
+//! holds in every transition is stated without a condition. Rows that others imply are left out.
+//! So the reflecting wall gets the rows that one would write by hand.
+//!
+//! Half-spaces that are limits are never left out because of others and never used to leave others
+//! out, so that an explanation can drop them.
+
+use super::bound::{self, LinearRow, most, size};
+use super::change::Changes;
+use super::map::{Behaviour, Map};
+use crate::interval::Interval;
+
+/// How much a row that holds everywhere may be violated by rounding, relative to its terms (no
+/// unit). It is loosened by as much.
+const ROUNDING: f64 = 1e-12;
+
+/// The largest sum of multipliers with which a row is left out, because the violations of the rows
+/// that imply it grow by as much (no unit).
+const WEIGHT: f64 = 2.0;
+
+/// Where a transition is possible, as far as is known.
+#[derive(Debug, Clone)]
+pub(super) struct Region {
+    /// Ranges of the states and the inputs.
+    pub(super) domain: Vec<Interval>,
+    pub(super) rows: Vec<LinearRow>,
+}
+
+impl Region {
+    /// The region of a transition at a step; the box alone if nothing is left of it.
+    ///
+    /// # Arguments
+    ///
+    /// * `domains`: of the states.
+    /// * `known`: what holds at the start of the step in any case.
+    /// * `alone`: whether the choice decides on the next state alone.
+    pub(super) fn new(
+        behaviour: &Behaviour,
+        domains: &[Interval],
+        known: &[LinearRow],
+        alone: bool,
+    ) -> Self {
+        let domain = [domains, &behaviour.inputs].concat();
+        let mut rows = known.to_vec();
+        let guards = behaviour.guards.iter().filter(|guard| !guard.is_limit);
+        rows.extend(guards.map(|guard| below(&guard.map, 0.0)));
+        if alone {
+            for (next, range) in behaviour.next.iter().zip(domains) {
+                rows.push(below(next, range.upper));
+                rows.push(below(&next.scaled(-1.0), -range.lower));
+            }
+        }
+        let nothing = vec![0.0; domain.len()];
+        if most(&nothing, 0.0, &domain, &rows, f64::NEG_INFINITY).value == f64::NEG_INFINITY {
+            rows.clear();
+        }
+        Region { domain, rows }
+    }
+}
+
+/// `map <= limit`.
+pub(super) fn below(map: &Map, limit: f64) -> LinearRow {
+    LinearRow { factors: map.factors.clone(), limit: limit - map.constant }
+}
+
+/// What a row says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Label {
+    /// A group's variable is at most (or at least) the transition's change.
+    Change { group: usize, upper: bool },
+    /// The transition's guard, by its number.
+    Guard { number: usize, is_limit: bool },
+    /// One end of the transition's range of an input.
+    Range { input: usize, upper: bool },
+}
+
+/// A row `state . z + changes . w <= limit`, in states and inputs z and variables w.
+#[derive(Debug, Clone)]
+pub(super) struct SwitchRow {
+    pub(super) label: Label,
+    pub(super) z: Vec<f64>,
+    pub(super) w: Vec<f64>,
+    pub(super) limit: f64,
+}
+
+/// The rows of a choice at a step.
+#[derive(Debug, Clone)]
+pub(super) struct Switch {
+    /// The bounds of the groups' variables.
+    pub(super) bounds: Vec<Interval>,
+    /// Rows that hold in every transition, with the transition from which they come.
+    pub(super) common: Vec<(usize, SwitchRow)>,
+    /// The other rows of each transition.
+    pub(super) own: Vec<Vec<SwitchRow>>,
+}
+
+struct Analysis<'a> {
+    regions: &'a [Region],
+    /// The values of the groups' variables, by group and transition.
+    changes: Vec<Vec<Map>>,
+    /// Ranges of states and inputs in any transition, and then of the groups' variables.
+    domain: Vec<Interval>,
+    /// What holds in any transition, in these variables.
+    known: Vec<LinearRow>,
+    width: usize,
+}
+
+/// The rows of a choice at a step.
+///
+/// # Arguments
+///
+/// * `ranges`: of the states and of the inputs, over all transitions.
+/// * `known`: what holds at the start of the step in any case.
+pub(super) fn switch(
+    step: &[Behaviour],
+    changes: &Changes,
+    regions: &[Region],
+    ranges: &[Interval],
+    known: &[LinearRow],
+) -> Switch {
+    let groups = changes.groups.len();
+    let maps: Vec<Vec<Map>> = (0..groups).map(|g| changes.group(step, g)).collect();
+    let bounds: Vec<Interval> = maps
+        .iter()
+        .map(|maps| {
+            let of = |(map, region): (&Map, &Region)| {
+                bound::range(&map.factors, map.constant, &region.domain, &region.rows)
+            };
+            let hull = maps.iter().zip(regions).map(of).reduce(|a, b| a.hull(b));
+            hull.unwrap_or(Interval::point(0.0))
+        })
+        .collect();
+    let wide = |row: &LinearRow| {
+        let mut row = row.clone();
+        row.factors.resize(ranges.len() + groups, 0.0);
+        row
+    };
+    let mut analysis = Analysis {
+        regions,
+        changes: maps,
+        domain: [ranges, &bounds].concat(),
+        known: known.iter().map(wide).collect(),
+        width: ranges.len(),
+    };
+    let mut rows: Vec<Vec<SwitchRow>> =
+        step.iter().enumerate().map(|(j, own)| analysis.rows(j, own, ranges)).collect();
+    let mut common = Vec::new();
+    for (j, rows) in rows.iter_mut().enumerate() {
+        rows.retain(|row| {
+            let found = analysis.everywhere(j, row);
+            if let Some(row) = &found {
+                analysis.state(j, row.clone(), &mut common);
+            }
+            found.is_none()
+        });
+    }
+    for (j, rows) in rows.iter_mut().enumerate() {
+        let given = analysis.given(j);
+        rows.retain(|row| !analysis.is_implied(row, &given));
+    }
+    Switch { bounds, common, own: rows }
+}
+
+impl Analysis<'_> {
+    /// Everything that a transition demands.
+    fn rows(&self, transition: usize, own: &Behaviour, ranges: &[Interval]) -> Vec<SwitchRow> {
+        let groups = self.changes.len();
+        let mut rows = Vec::new();
+        for (group, maps) in self.changes.iter().enumerate() {
+            for (upper, sign) in [(false, -1.0), (true, 1.0)] {
+                let map = maps[transition].scaled(-sign);
+                let mut w = vec![0.0; groups];
+                w[group] = sign;
+                let label = Label::Change { group, upper };
+                rows.push(SwitchRow { label, z: map.factors, w, limit: -map.constant });
+            }
+        }
+        let none = || vec![0.0; groups];
+        for guard in &own.guards {
+            let LinearRow { factors: z, limit } = below(&guard.map, 0.0);
+            let label = Label::Guard { number: guard.number, is_limit: guard.is_limit };
+            rows.push(SwitchRow { label, z, w: none(), limit });
+        }
+        let states = own.next.len();
+        for (input, (range, all)) in own.inputs.iter().zip(&ranges[states..]).enumerate() {
+            let ends = [(1.0, range.upper, all.upper), (-1.0, -range.lower, -all.lower)];
+            for (sign, limit, _) in ends.into_iter().filter(|(_, limit, all)| limit < all) {
+                let mut z = vec![0.0; self.width];
+                z[states + input] = sign;
+                let label = Label::Range { input, upper: sign > 0.0 };
+                rows.push(SwitchRow { label, z, w: none(), limit });
+            }
+        }
+        rows
+    }
+
+    /// A row in states and inputs alone, where the changes are those of a transition; and the sum
+    /// of the magnitudes of its terms.
+    fn within(&self, transition: usize, row: &SwitchRow) -> (Map, f64) {
+        let mut map = Map { factors: row.z.clone(), constant: -row.limit };
+        let domain = &self.regions[transition].domain;
+        let size = |map: &Map| -> f64 {
+            let terms = map.factors.iter().zip(domain);
+            terms.map(|(a, range)| (a * range.magnitude()).abs()).sum::<f64>() + map.constant.abs()
+        };
+        let mut magnitude = size(&map);
+        for (w, maps) in row.w.iter().zip(&self.changes).filter(|(w, _)| **w != 0.0) {
+            map.add(*w, &maps[transition]);
+            magnitude += size(&maps[transition]) * w.abs();
+        }
+        (map, magnitude)
+    }
+
+    /// The form of a transition's row that holds in every transition, if there is one. A guard that
+    /// a group's variable expresses is stated by it.
+    fn everywhere(&self, transition: usize, row: &SwitchRow) -> Option<SwitchRow> {
+        let holds = |row: &SwitchRow| -> Option<SwitchRow> {
+            let mut loose = row.clone();
+            for (other, region) in self.regions.iter().enumerate() {
+                if other == transition {
+                    continue;
+                }
+                let (map, magnitude) = self.within(other, row);
+                let allowed = ROUNDING * magnitude;
+                let Region { domain, rows } = region;
+                let miss = most(&map.factors, map.constant, domain, rows, allowed).value;
+                if miss > allowed {
+                    return None;
+                }
+                loose.limit = loose.limit.max(row.limit + miss.max(0.0));
+            }
+            Some(loose)
+        };
+        holds(row).or_else(|| {
+            let is_plain = row.w.iter().all(|&w| w == 0.0);
+            let forms = (0..self.changes.len()).filter(|_| is_plain);
+            forms.filter_map(|group| self.by_change(transition, row, group)).find_map(|r| holds(&r))
+        })
+    }
+
+    /// A guard whose normal is a multiple of a group's change, as a row in that group's variable.
+    fn by_change(&self, transition: usize, row: &SwitchRow, group: usize) -> Option<SwitchRow> {
+        let change = &self.changes[group][transition];
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let ratio = dot(&row.z, &change.factors) / dot(&change.factors, &change.factors);
+        let largest = row.z.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        let close = |(a, b): (&f64, &f64)| (a - ratio * b).abs() <= ROUNDING * largest;
+        let fits = ratio.is_finite() && row.z.iter().zip(&change.factors).all(close);
+        // A large ratio would enlarge the error of the variable.
+        (fits && ratio != 0.0 && ratio.abs() <= WEIGHT).then(|| {
+            let mut w = row.w.clone();
+            w[group] = ratio;
+            let z = vec![0.0; row.z.len()];
+            SwitchRow { label: row.label, z, w, limit: row.limit + ratio * change.constant }
+        })
+    }
+
+    /// Keeps a row that holds everywhere, unless what is known implies it.
+    fn state(&mut self, from: usize, row: SwitchRow, common: &mut Vec<(usize, SwitchRow)>) {
+        let factors = [&row.z[..], &row.w].concat();
+        let allowed = ROUNDING * (row.limit.abs() + size(&factors, &self.domain));
+        let found = most(&factors, -row.limit, &self.domain, &self.known, allowed);
+        if found.value <= allowed && found.weight <= WEIGHT {
+            return;
+        }
+        if !is_limit(row.label) {
+            self.known.push(LinearRow { factors, limit: row.limit });
+        }
+        common.push((from, row));
+    }
+
+    /// What holds in a transition besides its own rows, in states and inputs alone: the rows that
+    /// hold everywhere, and the bounds of the changes.
+    fn given(&self, transition: usize) -> Vec<LinearRow> {
+        let split = |row: &LinearRow| {
+            let (z, w) = row.factors.split_at(self.width);
+            let label = Label::Change { group: 0, upper: true };
+            let row = SwitchRow { label, z: z.to_vec(), w: w.to_vec(), limit: row.limit };
+            below(&self.within(transition, &row).0, 0.0)
+        };
+        let bounds =
+            self.changes.iter().zip(&self.domain[self.width..]).flat_map(|(maps, range)| {
+                let map = &maps[transition];
+                [below(map, range.upper), below(&map.scaled(-1.0), -range.lower)]
+            });
+        let rows = self.known.iter().map(split).chain(bounds);
+        rows.filter(|row| row.factors.iter().any(|&a| a != 0.0)).collect()
+    }
+
+    /// Whether a transition's guard or range follows from what holds anyway.
+    fn is_implied(&self, row: &SwitchRow, given: &[LinearRow]) -> bool {
+        if let Label::Change { .. } | Label::Guard { is_limit: true, .. } = row.label {
+            return false;
+        }
+        let domain = &self.domain[..self.width];
+        let allowed = ROUNDING * (row.limit.abs() + size(&row.z, domain));
+        let found = most(&row.z, -row.limit, domain, given, allowed);
+        found.value <= allowed && found.weight <= WEIGHT
+    }
+}
+
+fn is_limit(label: Label) -> bool {
+    matches!(label, Label::Guard { is_limit: true, .. })
+}

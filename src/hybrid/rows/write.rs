@@ -1,0 +1,346 @@
+//! Writing a hybrid system into a model.
+
+use std::collections::BTreeSet;
+
+use super::RowOptions;
+use super::bound::LinearRow;
+use super::change::{Changes, Part, quantity};
+use super::map::{self, Behaviour, Map};
+use super::modes;
+use super::names::Names;
+use super::program::{ChoiceProgram, HybridProgram, OneOf};
+use super::statements::ChoiceStep;
+use super::switch::{Region, Switch, below, switch};
+use crate::error::Error;
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::system::{Choice, HybridSystem};
+use crate::interval::Interval;
+use crate::model::{Affine, Family, Model, Variable};
+
+/// What is known about a choice before its variables are made.
+struct Plan {
+    changes: Changes,
+    /// The transitions and their rows at every step that differs from others.
+    steps: Vec<(Vec<Behaviour>, Switch)>,
+}
+
+/// The ranges of the inputs at a step, over all transitions. A choice restricts an input only if
+/// one of its transitions sets a range of it.
+fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
+    let range = |u: usize| {
+        let (name, own) = &system.inputs[u];
+        let over = |choice: &Choice| {
+            let all = choice.transitions.iter().map(|t| system.input_range(t, u, step));
+            all.reduce(|a, b| a.hull(b))
+        };
+        let setting = system.choices.iter().filter(|choice| choice.sets(name)).filter_map(over);
+        let own = own.get(step).copied().unwrap_or(Interval::REALS);
+        setting.reduce(|a, b| a.intersection(b)).unwrap_or(own)
+    };
+    (0..system.inputs.len()).map(range).collect()
+}
+
+/// What holds at the start of a step in any case: the limits of the system.
+fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
+    let width = system.states.len() + system.inputs.len();
+    let limits = system.limits.iter().filter(|limit| !limit.is_limit);
+    limits.filter_map(|limit| Some(below(&map::excess(limit, width, step)?, 0.0))).collect()
+}
+
+fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
+    let outputs = map::output_names(&choice.transitions);
+    let domains: Vec<Interval> = system.states.iter().map(|(_, domain)| *domain).collect();
+    let alone = system.choices.len() == 1;
+    let mut steps = Vec::with_capacity(count);
+    for t in 0..count {
+        let ranges = input_ranges(system, t);
+        let known = known(system, t);
+        let behaviour = |transition| {
+            let mut own = map::behaviour(system, transition, &outputs, t);
+            for (u, (name, _)) in system.inputs.iter().enumerate() {
+                if !choice.sets(name) {
+                    own.inputs[u] = ranges[u];
+                }
+            }
+            own
+        };
+        let own: Vec<Behaviour> = choice.transitions.iter().map(behaviour).collect();
+        let region = |own: &Behaviour| Region::new(own, &domains, &known, alone);
+        let regions: Vec<Region> = own.iter().map(region).collect();
+        steps.push((own, regions, [&domains[..], &ranges].concat(), known));
+    }
+    let all: Vec<&[Behaviour]> = steps.iter().map(|(own, ..)| &own[..]).collect();
+    let last: &[Region] = steps.last().map_or(&[], |(_, regions, ..)| regions);
+    let changes = Changes::new(&choice.transitions, &all, last);
+    let steps = steps.into_iter().map(|(own, regions, ranges, known)| {
+        let rows = switch(&own, &changes, &regions, &ranges, &known);
+        (own, rows)
+    });
+    Plan { steps: steps.collect(), changes }
+}
+
+/// Adds a checked system to a model, or nothing if something fails.
+pub(super) fn write(
+    system: &HybridSystem,
+    model: &mut Model,
+    prefix: &str,
+    horizon: &Horizon,
+    options: &RowOptions,
+) -> Result<HybridProgram, Error> {
+    let count = system.settles().min(horizon.steps() - 1) + 1;
+    let plans: Vec<Plan> = system.choices.iter().map(|own| plan(system, own, count)).collect();
+    let (program, background) = model.all_or_nothing(|model| {
+        let mut names = Names::new(prefix);
+        let program = variables(system, model, &mut names, horizon, &plans)?;
+        let mut writer = Writer {
+            system,
+            model,
+            names: Names::new(prefix),
+            program: &program,
+            plans: &plans,
+            options,
+            background: BTreeSet::new(),
+        };
+        writer.limits()?;
+        writer.steps()?;
+        writer.modes()?;
+        writer.events()?;
+        let background = writer.background;
+        Ok((program, background))
+    })?;
+    background.iter().try_for_each(|family| model.set_background(family))?;
+    Ok(program)
+}
+
+fn variables(
+    system: &HybridSystem,
+    model: &mut Model,
+    names: &mut Names,
+    horizon: &Horizon,
+    plans: &[Plan],
+) -> Result<HybridProgram, Error> {
+    let steps = horizon.steps();
+    let mut program = HybridProgram {
+        system: system.clone(),
+        horizon: *horizon,
+        states: Vec::new(),
+        inputs: Vec::new(),
+        choices: Vec::new(),
+        outputs: Vec::new(),
+    };
+    for (name, domain) in &system.states {
+        let name = names.family(&[name]);
+        let family = model.continuous_family(&name, steps + 1, domain.lower, domain.upper)?;
+        program.states.push(family);
+    }
+    for (u, (name, _)) in system.inputs.iter().enumerate() {
+        let name = names.family(&[name]);
+        let member = |t: usize| {
+            let range = input_ranges(system, t)[u];
+            model.continuous((name.as_str(), t), range.lower, range.upper)
+        };
+        program.inputs.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
+    }
+    for (choice, plan) in system.choices.iter().zip(plans) {
+        // A single choice needs no name.
+        let of = if system.choices.len() == 1 { "" } else { &choice.name };
+        let transitions: Vec<&str> = choice.transitions.iter().map(|t| t.name.as_str()).collect();
+        let on = 1 - plan.changes.reference.min(1);
+        let taken = one_of(model, names, &transitions, on, steps, &[of])?;
+        let modes = one_of(model, names, &choice.modes(), 1, steps + 1, &[&choice.name, "is"])?;
+        let mut groups = Vec::new();
+        let outputs = map::output_names(&choice.transitions);
+        for (g, &quantity) in plan.changes.groups.iter().enumerate() {
+            let name = match system.states.get(quantity) {
+                Some((state, _)) => names.family(&[of, "change", state]),
+                None => names.family(&[of, outputs[quantity - system.states.len()]]),
+            };
+            let member = |t: usize| {
+                let range = at(&plan.steps, t).1.bounds[g];
+                model.continuous((name.as_str(), t), range.lower, range.upper)
+            };
+            groups.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
+        }
+        program.choices.push(ChoiceProgram { changes: plan.changes.clone(), taken, modes, groups });
+    }
+    outputs(&mut program, plans);
+    Ok(program)
+}
+
+/// The binaries of several things, of which one holds.
+fn one_of(
+    model: &mut Model,
+    names: &mut Names,
+    things: &[&str],
+    on: usize,
+    count: usize,
+    before: &[&str],
+) -> Result<OneOf, Error> {
+    let mut family = |name: &str| {
+        let name = names.family(&[before, &[name]].concat());
+        model.binary_family(&name, count)
+    };
+    Ok(match things {
+        [] | [_] => OneOf::Only,
+        [_, _] => OneOf::Pair(family(things[on])?, on),
+        _ => OneOf::Each(things.iter().map(|name| family(name)).collect::<Result<_, _>>()?),
+    })
+}
+
+/// The value at a step, of a list by step whose last entry goes on.
+fn at<T>(list: &[T], step: usize) -> &T {
+    &list[step.min(list.len() - 1)]
+}
+
+/// A map of states and inputs at a step, as an expression.
+pub(super) fn expression(program: &HybridProgram, map: &Map, step: usize) -> Affine {
+    let mut sum = Affine::constant(map.constant);
+    let variables = program.states.iter().chain(&program.inputs).map(|family| family.get(step));
+    for (factor, variable) in map.factors.iter().zip(variables) {
+        if let Some(variable) = variable.filter(|_| *factor != 0.0) {
+            sum.add_term(*factor, variable);
+        }
+    }
+    sum
+}
+
+/// What a choice adds to a quantity of its reference in a step, as an expression.
+fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize) -> Affine {
+    match program.changes.parts[number] {
+        Part::Same => Affine::zero(),
+        Part::Constant => {
+            let constants = (0..own.len()).map(|j| program.changes.of(own, j, number).constant);
+            let taken = constants.enumerate().filter(|(_, constant)| *constant != 0.0);
+            taken.map(|(j, constant)| constant * program.taken.value(j, step)).sum()
+        }
+        Part::Shared { group, ratio } => {
+            let variable: Option<Variable> = program.groups[group].get(step);
+            variable.map_or(Affine::zero(), |variable| ratio * variable)
+        }
+    }
+}
+
+/// Adds the outputs of all choices, by name.
+fn outputs(program: &mut HybridProgram, plans: &[Plan]) {
+    let (n, steps) = (program.states.len(), program.horizon.steps());
+    let mut outputs: Vec<(String, Vec<Affine>)> = Vec::new();
+    for (c, choice) in program.system.choices.iter().enumerate() {
+        for (o, name) in map::output_names(&choice.transitions).into_iter().enumerate() {
+            let value = |t: usize| {
+                let own = &at(&plans[c].steps, t).0;
+                let changes = &program.choices[c].changes;
+                let common = quantity(&own[changes.reference], n + o);
+                expression(program, common, t) + change(&program.choices[c], own, n + o, t)
+            };
+            let values: Vec<Affine> = (0..steps).map(value).collect();
+            match outputs.iter_mut().find(|(own, _)| own == name) {
+                None => outputs.push((name.to_owned(), values)),
+                Some((_, sums)) => sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v),
+            }
+        }
+    }
+    program.outputs = outputs;
+}
+
+struct Writer<'a> {
+    system: &'a HybridSystem,
+    model: &'a mut Model,
+    names: Names,
+    program: &'a HybridProgram,
+    plans: &'a [Plan],
+    options: &'a RowOptions,
+    /// Families of statements that describe the system.
+    background: BTreeSet<String>,
+}
+
+impl Writer<'_> {
+    /// The limits of the system: at every sample, or, if they are joint, at every step.
+    fn limits(&mut self) -> Result<(), Error> {
+        let (n, steps) = (self.system.states.len(), self.program.horizon.steps());
+        for limit in &self.system.limits {
+            let family = self.names.family(&[&limit.name]);
+            let last = if limit.is_joint(n) { steps } else { steps + 1 };
+            let mut any = false;
+            for t in 0..last {
+                let width = n + self.system.inputs.len();
+                let Some(excess) = map::excess(limit, width, t) else { continue };
+                if excess.is_constant() && excess.constant <= 0.0 {
+                    continue;
+                }
+                let row = expression(self.program, &excess, t).le(0.0);
+                self.model.add((family.as_str(), t), row)?;
+                any = true;
+            }
+            if any && !limit.is_limit {
+                self.background.insert(family);
+            }
+        }
+        Ok(())
+    }
+
+    /// The next state, and the rows of every choice.
+    fn steps(&mut self) -> Result<(), Error> {
+        let names: Vec<String> = self
+            .system
+            .states
+            .iter()
+            .map(|(name, _)| self.names.family(&["dynamics", name]))
+            .collect();
+        for t in 0..self.program.horizon.steps() {
+            for (i, name) in names.iter().enumerate() {
+                let next = self.next(i, t);
+                if let Some(variable) = self.program.states[i].get(t + 1) {
+                    self.model.add((name.as_str(), t), variable.equals(next))?;
+                }
+            }
+            for (number, plan) in self.plans.iter().enumerate() {
+                let (own, rows) = at(&plan.steps, t);
+                let method = self.options.method;
+                let step = ChoiceStep { program: self.program, number, own, rows, step: t, method };
+                step.add(self.model, &mut self.names, &mut self.background)?;
+            }
+        }
+        self.background.extend(names);
+        Ok(())
+    }
+
+    /// The next value of a state: the common flow, and what the choices change about it.
+    fn next(&self, state: usize, step: usize) -> Affine {
+        let width = self.system.states.len() + self.system.inputs.len();
+        let choices = self.program.choices.iter().zip(self.plans);
+        let mut choices = choices.map(|(own, plan)| (own, &at(&plan.steps, step).0));
+        let mut sum = Affine::zero();
+        let flow = self.system.flow.as_ref().filter(|_| self.plans.len() > 1).map(map::flow);
+        let mut common = flow.map_or(Map::constant(width, 0.0), |flow| flow[state].clone());
+        let base = (self.plans.len() > 1).then(|| common.clone());
+        choices.by_ref().for_each(|(choice, own)| {
+            let reference = &own[choice.changes.reference].next[state];
+            let difference = base.as_ref().map_or(reference.clone(), |base| reference.minus(base));
+            common.add(1.0, &difference);
+            sum += change(choice, own, state, step);
+        });
+        sum + expression(self.program, &common, step)
+    }
+
+    fn modes(&mut self) -> Result<(), Error> {
+        let steps = self.program.horizon.steps();
+        for (choice, own) in self.system.choices.iter().zip(&self.program.choices) {
+            let families = modes::add(self.model, &mut self.names, choice, own, steps)?;
+            self.background.extend(families);
+        }
+        Ok(())
+    }
+
+    fn events(&mut self) -> Result<(), Error> {
+        let Some(most) = self.system.most_events else { return Ok(()) };
+        let steps = 0..self.program.horizon.steps();
+        let total: Affine = steps.map(|t| self.program.count_events(t)).sum();
+        // Without a choice, the number is known.
+        if total.terms().is_empty() && total.offset() <= most as f64 {
+            return Ok(());
+        }
+        let family = self.names.family(&["most_events"]);
+        self.model.add(family.as_str(), total.le(most as f64))?;
+        Ok(())
+    }
+}

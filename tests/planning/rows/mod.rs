@@ -1,0 +1,3 @@
+//! Hybrid systems as rows: the paper's wall, random systems, names.
+
+mod wall;
