@@ -3,6 +3,7 @@
 pub mod contact;
 pub mod damage;
 pub(crate) mod exponential;
+mod flaws;
 pub mod horizon;
 pub mod linear;
 mod matrix;
@@ -18,6 +19,7 @@ pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution, Ro
 pub use damage::{Damage, DamageFunction, DamageLimits};
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;
+pub use flaws::{Flaw, Witness};
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::IntoMatrix;
@@ -27,8 +29,9 @@ pub use shortest_horizon::{
     ShortestStatus, Verdict, Waiting, shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError, Samples,
-    SimulatedStep, Simulation, SimulationOptions, replay_continuous, replay_discrete,
+    Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError,
+    RunCertificate, RunError, Samples, SimulatedStep, Simulation, SimulationOptions,
+    replay_continuous, replay_discrete,
 };
 pub use system::{Choice, Halfspace, HybridSystem, Region, Schedule, Transition};
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};

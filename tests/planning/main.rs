@@ -10,3 +10,4 @@ mod physics;
 mod reach;
 mod rows;
 mod shortest;
+mod system;

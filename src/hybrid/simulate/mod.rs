@@ -10,21 +10,24 @@
 //! * [`replay_continuous`] runs the physics behind the law: accelerations are held over each step, and
 //!   impacts are located inside it.
 
+mod certify;
 mod condition;
 pub(crate) mod continuous;
 mod discrete;
 mod error;
 mod memory;
 mod options;
+mod plan;
 mod run;
 mod simulation;
 mod step;
 mod stepper;
 
+pub use certify::RunCertificate;
 pub use condition::Condition;
 pub use continuous::{ContinuousReplay, replay_continuous};
 pub use discrete::{DiscreteReplay, ReplayedImpact, replay_discrete};
-pub use error::ReplayError;
+pub use error::{ReplayError, RunError};
 pub use options::{Follow, SimulationOptions};
 pub use simulation::{Candidate, DeadEnd, SimulatedStep, Simulation};
 

@@ -4,7 +4,6 @@ use super::condition::{Condition, Slack};
 use super::memory::events;
 use crate::error::Error;
 use crate::hybrid::system::{HybridSystem, Transition};
-use crate::interval::Interval;
 use crate::sum::Sum;
 
 /// A sample of a run and the input of the step that begins there.
@@ -65,7 +64,6 @@ impl StepStart<'_> {
             Slack::of_halfspace(condition, guard, &prediction, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
-        let own = own.filter(|(_, ((name, _), _))| has_range(transition, name));
         let ranges = own.map(|(k, ((name, _), &value))| {
             let range = self.system.input_range(transition, k, self.step);
             Slack::of_range(Condition::InputRange { input: name.clone() }, range, value)
@@ -105,8 +103,8 @@ impl StepStart<'_> {
         Ok(next.collect())
     }
 
-    /// What the transitions of a step must satisfy together: the limit on events, ranges of inputs
-    /// that none of them replaces, and the conditions of the next sample.
+    /// What the transitions of a step must satisfy together: the limit on events and the conditions
+    /// of the next sample.
     pub(super) fn together(
         &self,
         transitions: &[&Transition],
@@ -114,22 +112,10 @@ impl StepStart<'_> {
         events_before: usize,
     ) -> Vec<Slack> {
         let mut slacks = sample_conditions(self.system, self.step + 1, next);
-        for ((name, range), &value) in self.system.inputs.iter().zip(self.input) {
-            if !transitions.iter().any(|transition| has_range(transition, name)) {
-                let range = range.get(self.step).copied().unwrap_or(Interval::REALS);
-                let condition = Condition::InputRange { input: name.clone() };
-                slacks.push(Slack::of_range(condition, range, value));
-            }
-        }
         let count = transitions.iter().filter(|transition| transition.is_event).count();
         if let (Some(most), true) = (self.system.most_events, count > 0) {
             slacks.push(events(most, events_before + count));
         }
         slacks
     }
-}
-
-/// Whether a transition replaces the range of an input.
-fn has_range(transition: &Transition, input: &str) -> bool {
-    transition.inputs.iter().any(|(own, _)| own == input)
 }

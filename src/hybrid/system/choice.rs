@@ -37,6 +37,7 @@ pub(crate) struct Dwell {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Choice {
     /// Its name, for variables and reports.
     pub name: String,

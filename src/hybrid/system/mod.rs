@@ -8,13 +8,20 @@
 //! | a half-space | `system/halfspace.rs` |
 //! | values by step | `system/schedule.rs` |
 //! | starts and goals | `system/region.rs` |
+//! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
+//! | the text form; `serde` | `system/text.rs`, `system/serialized.rs` |
 //! | what is refused | `system/check.rs` |
 
 mod check;
 mod choice;
 mod halfspace;
+mod named;
+mod piecewise_affine;
 mod region;
 mod schedule;
+#[cfg(feature = "serde")]
+mod serialized;
+mod text;
 mod transition;
 
 pub use choice::Choice;
@@ -55,6 +62,11 @@ const MODE: &str = "mode";
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serialized::StoredSystem", into = "serialized::StoredSystem")
+)]
 pub struct HybridSystem {
     /// Names and domains (finite) of the states.
     pub states: Vec<(String, Interval)>,

@@ -10,6 +10,11 @@ use crate::interval::Interval;
 
 /// The reset after a transition's flow: `x⁺ = R y + r`.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "super::serialized::StoredReset", into = "super::serialized::StoredReset")
+)]
 pub(crate) struct Reset {
     /// R, n x n.
     pub(crate) matrix: Mat<f64>,
@@ -19,6 +24,7 @@ pub(crate) struct Reset {
 
 /// An affine function of a transition's prediction: an impact speed, a damage.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TransitionOutput {
     /// Its name, the same in every transition that has it.
     pub(crate) name: String,
@@ -48,6 +54,7 @@ pub(crate) struct TransitionOutput {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transition {
     /// Its name, for reports.
     pub name: String,

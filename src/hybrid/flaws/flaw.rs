@@ -1,0 +1,176 @@
+//! What can be wrong with the statement of a hybrid system, in words.
+
+use std::fmt;
+
+use crate::interval::Interval;
+
+/// A state and an input at which something is wrong, as pairs of name and value.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Witness {
+    /// The first step for which it holds.
+    pub step: usize,
+    /// Names and values of the states, in their units.
+    pub state: Vec<(String, f64)>,
+    /// Names and values of the inputs, in their units.
+    pub input: Vec<(String, f64)>,
+}
+
+impl Witness {
+    /// The values of the states.
+    pub fn states(&self) -> Vec<f64> {
+        self.state.iter().map(|(_, value)| *value).collect()
+    }
+
+    /// The values of the inputs.
+    pub fn inputs(&self) -> Vec<f64> {
+        self.input.iter().map(|(_, value)| *value).collect()
+    }
+}
+
+impl fmt::Display for Witness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, (name, value)) in self.state.iter().chain(&self.input).enumerate() {
+            write!(f, "{}{name} = {value:.6}", if k == 0 { "" } else { ", " })?;
+        }
+        if self.step > 0 {
+            write!(f, " in step {}", self.step)?;
+        }
+        Ok(())
+    }
+}
+
+/// Something in the statement of a hybrid system that is probably a slip, found by
+/// [`HybridSystem::flaws`](crate::hybrid::HybridSystem::flaws).
+///
+/// `{}` says in words what is wrong and where.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Flaw {
+    /// At some states and inputs no transition of a choice is possible.
+    Gap {
+        /// The choice.
+        choice: String,
+        /// The mode, in a choice with memory.
+        mode: Option<String>,
+        /// The point in the gap that is the farthest from all transitions.
+        witness: Witness,
+        /// Its distance from them, as a fraction of the widths of domains and ranges.
+        margin: f64,
+    },
+    /// Two transitions are possible at once, and not only on a common boundary.
+    Overlap {
+        /// The choice.
+        choice: String,
+        /// The two transitions.
+        transitions: [String; 2],
+        /// The point in the overlap that is the farthest from its boundary.
+        witness: Witness,
+        /// Its distance from the boundary, as a fraction of the widths of domains and ranges.
+        margin: f64,
+    },
+    /// A transition is not possible anywhere.
+    NeverTaken {
+        /// The choice.
+        choice: String,
+        /// The transition.
+        transition: String,
+    },
+    /// A reset, or a flow on which no input acts, leads out of the domain.
+    LeavesDomain {
+        /// The choice.
+        choice: String,
+        /// The transition.
+        transition: String,
+        /// The state that leaves its domain, whatever the inputs are.
+        state: String,
+        /// Where the step starts.
+        witness: Witness,
+        /// How far outside the step ends, in the state's unit.
+        distance: f64,
+    },
+    /// No transition enters a mode: a run can only begin in it.
+    NeverEntered {
+        /// The choice.
+        choice: String,
+        /// The mode.
+        mode: String,
+    },
+    /// No transition begins in a mode, or none leaves it although it may not last.
+    NoWayOn {
+        /// The choice.
+        choice: String,
+        /// The mode.
+        mode: String,
+    },
+    /// No run enters a mode and keeps it for its least dwell time.
+    NeverKept {
+        /// The choice.
+        choice: String,
+        /// The mode.
+        mode: String,
+        /// The least dwell time, in samples.
+        least: usize,
+    },
+    /// An input that no flow, guard and limit contains.
+    NoEffect {
+        /// The input.
+        input: String,
+    },
+    /// A domain or range so large that it is hardly meant as one; big-Ms derive from it.
+    Unbounded {
+        /// The state or the input.
+        name: String,
+        /// Its domain or range.
+        range: Interval,
+    },
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Flaw::Gap { choice, mode, witness, .. } => {
+                write!(f, "gap in `{choice}`: no transition is possible")?;
+                if let Some(mode) = mode {
+                    write!(f, " in the mode `{mode}`")?;
+                }
+                write!(f, " at {witness}; check the guards, or declare it with `with_dead_ends`")
+            }
+            Flaw::Overlap { choice, transitions: [a, b], witness, .. } => write!(
+                f,
+                "overlap in `{choice}`: `{a}` and `{b}` are both possible at {witness}; check the \
+                 guards, or declare it with `with_free_choice`"
+            ),
+            Flaw::NeverTaken { choice, transition } => write!(
+                f,
+                "`{transition}` of `{choice}` is never possible; check its guards and its next state"
+            ),
+            Flaw::LeavesDomain { transition, state, witness, distance, .. } => write!(
+                f,
+                "`{transition}` leads out of the domain of `{state}` by {distance:.6}, from {witness}; \
+                 check its reset and flow, or widen the domain"
+            ),
+            Flaw::NeverEntered { choice, mode } => {
+                write!(f, "no transition of `{choice}` enters the mode `{mode}`")
+            }
+            Flaw::NoWayOn { choice, mode } => write!(
+                f,
+                "no transition of `{choice}` leads on from the mode `{mode}`; add one, or declare it \
+                 with `with_dead_ends`"
+            ),
+            Flaw::NeverKept { choice, mode, least } => write!(
+                f,
+                "the mode `{mode}` of `{choice}` can never be kept for its {least} samples; check the \
+                 transitions that stay in it"
+            ),
+            Flaw::NoEffect { input } => write!(f, "the input `{input}` has no effect; drop it"),
+            Flaw::Unbounded { name, range } => write!(
+                f,
+                "`{name}` may be anything from {:e} to {:e}; give it limits that it really has",
+                range.lower, range.upper
+            ),
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The certificate of a run: every step, from the run's own samples, satisfies what is stated.
+
+use super::condition::{Slack, tightest};
+use super::error::RunError;
+use super::memory::Memory;
+use super::plan::Plan;
+use super::step::{Flown, StepStart, sample_conditions};
+use super::stepper::output_value;
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::hybrid::rows::HybridRun;
+use crate::hybrid::system::{HybridSystem, Transition};
+use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
+
+/// By how much a run may miss a limit or a guard: its rows hold to `FEASIBILITY`, and its samples
+/// agree to `REPLAY`.
+const MISS: f64 = FEASIBILITY + REPLAY;
+
+/// What the replay of a run says, if the run is what the system states.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RunCertificate {
+    /// Largest difference between a sample and where the step before leads, in the states' units.
+    pub largest_residual: f64,
+    /// Largest violation of a condition, in its unit; 0 if none is violated.
+    pub largest_violation: f64,
+    /// Largest difference between a sample and the state to which the transitions and inputs lead
+    /// from the first sample alone, in the states' units. Unstable flows amplify small residuals.
+    pub drift: f64,
+    /// The number of events.
+    pub events: usize,
+    /// The steps in which a transition that was not taken satisfies its guards too.
+    pub ties: Vec<usize>,
+}
+
+impl HybridSystem {
+    /// Checks a run against the system as it is stated: replays each step from the run's own
+    /// samples and compares domains, limits, guards, ranges, modes, dwell times, events, next states
+    /// and outputs. This shares no code with the rows of programs.
+    ///
+    /// At a tie, a run may take any of the possible transitions.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Other`] with a [`RunError`] as its source if the run is not what the system
+    /// states: next states and outputs differ by more than [`tolerance::REPLAY`], or a condition is
+    /// violated by more than that and [`tolerance::FEASIBILITY`] together; beyond a magnitude of
+    /// 1000 both grow in proportion. [`ErrorKind::UnknownName`] and [`ErrorKind::Length`] for a run
+    /// of another system. The errors of [`HybridSystem::check`].
+    ///
+    /// [`tolerance::REPLAY`]: crate::tolerance::REPLAY
+    /// [`tolerance::FEASIBILITY`]: crate::tolerance::FEASIBILITY
+    pub fn certify(&self, run: &HybridRun) -> Result<RunCertificate, Error> {
+        self.check()?;
+        let plan = Plan::new(self, run)?;
+        let mut certificate = RunCertificate {
+            largest_residual: 0.0,
+            largest_violation: 0.0,
+            drift: 0.0,
+            events: 0,
+            ties: Vec::new(),
+        };
+        let mut memory = Memory::new(self, &plan.first_modes())?;
+        let mut open = plan.states[0].clone();
+        for step in 0..plan.inputs.len() {
+            let start = plan.start(step);
+            certificate.sample(step, sample_conditions(self, step, &plan.states[step]))?;
+            certificate.sample(step, start.joint_limits())?;
+            let taken = certificate.step(&plan, &start, &memory)?;
+            let open_start = StepStart { state: &open, ..start.clone() };
+            let drifted = taken.iter().map(|(transition, _)| open_start.fly(transition));
+            let drifted: Vec<Flown> =
+                drifted.map(|flown| flown.map(|(flown, _)| flown)).collect::<Result<_, Error>>()?;
+            let next = open_start.next_state(&drifted.iter().collect::<Vec<_>>())?;
+            open = next;
+            let next = &plan.states[step + 1];
+            let apart = open.iter().zip(next).map(|(a, b)| (a - b).abs());
+            certificate.drift = apart.fold(certificate.drift, f64::max);
+            for (choice, (transition, _)) in taken.iter().enumerate() {
+                memory.advance(choice, transition);
+            }
+            plan.check_modes(&memory, step + 1)?;
+        }
+        let last = plan.inputs.len();
+        certificate.sample(last, sample_conditions(self, last, &plan.states[last]))?;
+        certificate.events = memory.events;
+        Ok(certificate)
+    }
+}
+
+impl RunCertificate {
+    /// Notes the conditions of a sample and refuses violated ones.
+    fn sample(&mut self, sample: usize, slacks: Vec<Slack>) -> Result<(), Error> {
+        match self.violated(slacks) {
+            Some(Slack { condition, slack, .. }) => {
+                Err(RunError::Sample { sample, condition, violation: -slack }.into())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The most violated condition, if it is violated by more than is allowed.
+    fn violated(&mut self, slacks: Vec<Slack>) -> Option<Slack> {
+        let tightest = tightest(slacks)?;
+        if !tightest.holds(MISS) {
+            return Some(tightest);
+        }
+        self.largest_violation = self.largest_violation.max(-tightest.slack);
+        None
+    }
+
+    /// Checks the transitions of one step and the sample to which they lead.
+    fn step<'a>(
+        &mut self,
+        plan: &Plan<'a>,
+        start: &StepStart<'_>,
+        memory: &Memory,
+    ) -> Result<Vec<(&'a Transition, Flown)>, Error> {
+        let (system, step) = (plan.system, start.step);
+        let (mut taken, mut is_tie) = (Vec::new(), false);
+        for (c, choice) in system.choices.iter().enumerate() {
+            for (k, transition) in choice.transitions.iter().enumerate() {
+                let (flown, mut slacks) = start.fly(transition)?;
+                slacks.extend(memory.conditions(system, c, transition));
+                if k != plan.taken[c][step] {
+                    is_tie |= slacks.iter().all(|slack| slack.holds(MISS));
+                    continue;
+                }
+                if let Some(Slack { condition, slack, .. }) = self.violated(slacks) {
+                    let (choice, transition) = (choice.name.clone(), transition.name.clone());
+                    let violation = -slack;
+                    let error =
+                        RunError::Transition { step, choice, transition, condition, violation };
+                    return Err(error.into());
+                }
+                taken.push((transition, flown));
+            }
+        }
+        if is_tie {
+            self.ties.push(step);
+        }
+        let flown: Vec<&Flown> = taken.iter().map(|(_, flown)| flown).collect();
+        let transitions: Vec<&Transition> =
+            taken.iter().map(|&(transition, _)| transition).collect();
+        let next = start.next_state(&flown)?;
+        self.compare(plan, step + 1, &next)?;
+        let events = start.together(&transitions, &plan.states[step + 1], memory.events);
+        self.sample(step + 1, events)?;
+        self.outputs(plan, step, &taken)?;
+        Ok(taken)
+    }
+
+    /// Compares a sample with the state to which the step leads.
+    fn compare(&mut self, plan: &Plan<'_>, sample: usize, next: &[f64]) -> Result<(), Error> {
+        let names = plan.system.states.iter().map(|(name, _)| name);
+        for (name, (&own, &replayed)) in names.zip(plan.states[sample].iter().zip(next)) {
+            let allowed = REPLAY * margin_scale(replayed.abs(), own);
+            let residual = (own - replayed).abs();
+            // NaN fails as well.
+            if residual.is_nan() || residual > allowed {
+                let state = name.clone();
+                return Err(RunError::State { sample, state, residual, allowed }.into());
+            }
+            self.largest_residual = self.largest_residual.max(residual);
+        }
+        Ok(())
+    }
+
+    /// Compares the outputs of a step with what its transitions give.
+    fn outputs(
+        &mut self,
+        plan: &Plan<'_>,
+        step: usize,
+        taken: &[(&Transition, Flown)],
+    ) -> Result<(), Error> {
+        for (name, values) in plan.outputs {
+            let Some(&value) = values.get(step) else { continue };
+            let parts = taken.iter().flat_map(|(transition, flown)| {
+                let own = transition.outputs.iter().filter(|output| output.name == *name);
+                own.map(|output| output_value(&output.factors, output.constant, flown))
+            });
+            let expected: f64 = parts.sum();
+            let (residual, allowed) =
+                ((value - expected).abs(), MISS * margin_scale(value.abs(), expected));
+            if residual.is_nan() || residual > allowed {
+                let output = name.clone();
+                return Err(RunError::Output { step, output, residual, allowed }.into());
+            }
+        }
+        Ok(())
+    }
+}

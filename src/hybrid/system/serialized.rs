@@ -1,0 +1,108 @@
+//! Hybrid systems from and to `serde`: a system that is read is checked.
+
+use faer::Mat;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::HybridSystem;
+use super::choice::Choice;
+use super::halfspace::Halfspace;
+use super::schedule::Schedule;
+use super::transition::Reset;
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::linear::LinearSystem;
+use crate::interval::Interval;
+
+/// The serialised form of a system.
+#[derive(Serialize, Deserialize)]
+pub(super) struct StoredSystem {
+    states: Vec<(String, Interval)>,
+    inputs: Vec<(String, Schedule<Interval>)>,
+    #[serde(default)]
+    limits: Vec<Halfspace>,
+    #[serde(default)]
+    flow: Option<LinearSystem>,
+    choices: Vec<Choice>,
+    #[serde(default)]
+    most_events: Option<usize>,
+    #[serde(default)]
+    disturbance: Vec<Interval>,
+}
+
+impl From<HybridSystem> for StoredSystem {
+    fn from(system: HybridSystem) -> Self {
+        let HybridSystem { states, inputs, limits, flow, choices, most_events, disturbance } =
+            system;
+        StoredSystem { states, inputs, limits, flow, choices, most_events, disturbance }
+    }
+}
+
+impl TryFrom<StoredSystem> for HybridSystem {
+    type Error = Error;
+
+    fn try_from(stored: StoredSystem) -> Result<Self, Error> {
+        let StoredSystem { states, inputs, limits, flow, choices, most_events, disturbance } =
+            stored;
+        let system =
+            HybridSystem { states, inputs, limits, flow, choices, most_events, disturbance };
+        system.check()?;
+        Ok(system)
+    }
+}
+
+/// The serialised form of a reset: rows of numbers.
+#[derive(Serialize, Deserialize)]
+pub(super) struct StoredReset {
+    matrix: Vec<Vec<f64>>,
+    offset: Schedule<Vec<f64>>,
+}
+
+impl From<Reset> for StoredReset {
+    fn from(Reset { matrix, offset }: Reset) -> Self {
+        let row = |i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect();
+        StoredReset { matrix: (0..matrix.nrows()).map(row).collect(), offset }
+    }
+}
+
+impl TryFrom<StoredReset> for Reset {
+    type Error = Error;
+
+    fn try_from(StoredReset { matrix, offset }: StoredReset) -> Result<Self, Error> {
+        let columns = matrix.first().map_or(0, Vec::len);
+        if let Some(row) = matrix.iter().find(|row| row.len() != columns) {
+            return Err(ErrorKind::Shape {
+                what: "the matrix of a reset",
+                rows: 1,
+                columns: row.len(),
+                expected: format!("{columns} columns in every row"),
+            }
+            .into());
+        }
+        let matrix = Mat::from_fn(matrix.len(), columns, |i, j| matrix[i][j]);
+        Ok(Reset { matrix, offset })
+    }
+}
+
+/// A number that may be infinite.
+#[derive(Serialize, Deserialize)]
+#[serde(transparent)]
+struct Limit(#[serde(with = "crate::wire")] f64);
+
+/// Limits by step, of which some may be infinite.
+pub(super) mod limits {
+    use super::{Deserialize, Deserializer, Limit, Schedule, Serialize, Serializer};
+
+    pub(in super::super) fn serialize<S: Serializer>(
+        limits: &Schedule<f64>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let limits: Vec<Limit> = limits.values().map(|&limit| Limit(limit)).collect();
+        Schedule::<Limit>::from(limits).serialize(serializer)
+    }
+
+    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Schedule<f64>, D::Error> {
+        let limits = Schedule::<Limit>::deserialize(deserializer)?;
+        Ok(limits.values().map(|limit| limit.0).collect::<Vec<f64>>().into())
+    }
+}

@@ -1,0 +1,4 @@
+//! Hybrid systems, stated once: simulation, certificates, flaws, constructors, texts.
+
+mod flaws;
+mod simulate;
