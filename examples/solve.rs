@@ -42,7 +42,7 @@ use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use carom::model::{lp, mps};
+use carom::model::{Read, lp, mps};
 use carom::prelude::{
     BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
 };
@@ -155,13 +155,21 @@ fn is_rows(line: &str) -> bool {
 
 fn read(path: &str, text: &str) -> Result<Model, Box<dyn Error>> {
     match format(path, Some(text))? {
-        "mps" => Ok(mps::read(text)?),
-        "lp" => Ok(lp::read(text)?),
+        "mps" => Ok(checked(path, mps::read(text)?)),
+        "lp" => Ok(checked(path, lp::read(text)?)),
         #[cfg(feature = "serde")]
         _ => Ok(serde_json::from_str(text)?),
         #[cfg(not(feature = "serde"))]
         _ => Err("JSON needs `--features serde`".into()),
     }
+}
+
+/// The model, after printing the warnings.
+fn checked(path: &str, read: Read) -> Model {
+    for warning in &read.warnings {
+        eprintln!("warning: {path}: {warning}");
+    }
+    read.model
 }
 
 fn write(model: &Model, path: &str) -> Result<(), Box<dyn Error>> {

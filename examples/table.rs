@@ -95,7 +95,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut right = true;
     for (name, model, truth) in suite(&names) {
-        let model = mps::read(&mps::write(&model)?)?;
+        let model = mps::read(&mps::write(&model)?)?.model;
         let mut runs = Vec::new();
         for _ in 0..rounds {
             let (region, start) = (Region::new(ALLOCATOR), Instant::now());

@@ -42,12 +42,16 @@ impl Case {
         let quadratic = !model.objective().products().is_empty();
         need(quadratic, Capability::Quadratic);
         // Lowering may add binaries.
-        let integral =
-            kind(VariableKind::Integer) || kind(VariableKind::Binary) || model.function_count() > 0;
+        let sets = model.special_ordered_set_count() > 0;
+        let semicontinuous = model.variables().any(|v| v.semicontinuous().is_some());
+        let whole = kind(VariableKind::Integer) || kind(VariableKind::Binary);
+        let integral = whole || model.function_count() > 0 || sets || semicontinuous;
         need(quadratic && integral, Capability::MixedIntegerQuadratic);
         need(model.indicator_count() > 0, Capability::Indicators);
         need(model.logical_constraint_count() > 0, Capability::Logic);
         need(model.disjunction_count() > 0, Capability::Disjunctions);
+        need(sets, Capability::OrderedSets);
+        need(semicontinuous, Capability::SemiContinuous);
         need(model.function_count() > 0, Capability::Functions);
         need(answer == Truth::Unbounded, Capability::Unbounded);
         Case { name: model.name().to_owned(), model, answer, needs }

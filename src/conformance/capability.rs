@@ -20,6 +20,10 @@ pub enum Capability {
     Logic,
     /// Disjunctions.
     Disjunctions,
+    /// Special ordered sets.
+    OrderedSets,
+    /// Semi-continuous and semi-integer variables.
+    SemiContinuous,
     /// Functions: products, absolute values, extrema.
     Functions,
     /// Detecting that a program is unbounded.
@@ -44,6 +48,8 @@ impl fmt::Display for Capability {
             Capability::Indicators => "indicators",
             Capability::Logic => "logic",
             Capability::Disjunctions => "disjunctions",
+            Capability::OrderedSets => "special ordered sets",
+            Capability::SemiContinuous => "semi-continuous variables",
             Capability::Functions => "functions",
             Capability::Unbounded => "detecting that a program is unbounded",
             Capability::NodeLimit => "node limits",

@@ -1,7 +1,7 @@
 //! Indicators, logic, disjunctions and functions: what is meant, not how it is lowered.
 
 use crate::error::Error;
-use crate::model::{Affine, Logic, Method, Model, at_most, either, exactly};
+use crate::model::{Affine, Logic, Method, Model, at_most, either, exactly, sos1, sos2};
 
 use super::answer::{Case, Cases, minimizing, sum};
 
@@ -10,6 +10,8 @@ pub(super) fn cases() -> Result<Vec<Case>, Error> {
     indicators(&mut cases)?;
     logic(&mut cases)?;
     disjunctions(&mut cases)?;
+    ordered_sets(&mut cases)?;
+    semicontinuous(&mut cases)?;
     functions(&mut cases)?;
     Ok(cases.0)
 }
@@ -109,6 +111,46 @@ fn disjunctions(cases: &mut Cases) -> Result<(), Error> {
     let x = m.continuous("x", 0.0, 10.0)?;
     m.add("ends", either([x.le(1.0)]).or([x.ge(9.0)]))?;
     m.add("middle", x.within(2.0, 8.0))?;
+    cases.infeasible(&m);
+    Ok(())
+}
+
+fn ordered_sets(cases: &mut Cases) -> Result<(), Error> {
+    let mut m = Model::new("an ordered set of the first kind");
+    let x = m.continuous_family("x", 3, -2.0, 1.5)?;
+    m.add("one", sos1(x.iter().zip([1.0, 2.0, 3.0])))?;
+    m.maximize(sum(&[1.0, 3.0, -3.0], &x))?;
+    cases.optimal(&m, 6.0, &[(x[0], 0.0), (x[1], 0.0), (x[2], -2.0)]);
+
+    let mut m = Model::new("an ordered set of the second kind");
+    let x = m.continuous_family("x", 4, -1.0, 1.0)?;
+    // In the order of the weights: x[2], x[0], x[3], x[1].
+    m.add("two", sos2(x.iter().zip([2.0, 4.0, 1.0, 3.0])))?;
+    m.maximize(sum(&[2.0, -3.0, 4.0, 2.5], &x))?;
+    // 6, 4.5 or 5.5 for the three pairs.
+    cases.optimal(&m, 6.0, &[(x[0], 1.0), (x[1], 0.0), (x[2], 1.0), (x[3], 0.0)]);
+    Ok(())
+}
+
+fn semicontinuous(cases: &mut Cases) -> Result<(), Error> {
+    let mut m = Model::new("semi-continuous variables");
+    let cheap = m.semicontinuous("cheap", 1.5, 4.0)?;
+    let dear = m.semicontinuous("dear", 0.5, 2.0)?;
+    m.add("need", (cheap + dear).within(1.0, 3.0))?;
+    m.minimize(2.0 * cheap + 2.5 * dear)?;
+    // 2.5 with one of them; the cheap one alone costs at least 3.
+    cases.optimal(&m, 2.5, &[(cheap, 0.0), (dear, 1.0)]);
+
+    let mut m = Model::new("a semi-integer variable");
+    let (n, x) = (m.semiinteger("n", 2.5, 6.0)?, m.continuous("x", 0.0, 10.0)?);
+    m.add("near", (n - x).within(-0.5, 0.5))?;
+    m.maximize(n - 1.25 * x)?;
+    // n - 1.25 (n - 0.5) = 0.625 - 0.25 n for n from 3 on, 0 for n = 0.
+    cases.optimal(&m, 0.0, &[(n, 0.0), (x, 0.0)]);
+
+    let mut m = Model::new("a gap of a semi-continuous variable");
+    let x = m.semicontinuous("x", -3.0, -1.0)?;
+    m.add("gap", x.within(-0.875, -0.125))?;
     cases.infeasible(&m);
     Ok(())
 }

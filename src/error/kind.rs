@@ -124,13 +124,14 @@ pub enum ErrorKind {
         /// The model.
         model: String,
     },
-    /// A function or a disjunction needs a bound that a variable does not have.
+    /// A function, a disjunction, an ordered set or a semi-continuous variable needs a bound that a
+    /// variable does not have.
     #[error(
         "`{function}` cannot be written as rows, because `{variable}` has no {bound} bound; \
          give `{variable}` a finite one"
     )]
     UnboundedFunction {
-        /// The variable that is the function.
+        /// The variable that is the function, or the statement.
         function: String,
         /// The unbounded variable.
         variable: String,

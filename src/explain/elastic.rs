@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{
-    Affine, AnyStatement, IndicatorRef, Literal, Model, Name, StoredRow, StoredTerm, Variable,
-    VariableKind, at_most, exactly, statements, subset,
+    Affine, AnyStatement, BigM, IndicatorRef, Literal, Logic, Model, Name, SpecialOrderedSetRef,
+    StoredRow, StoredTerm, Variable, VariableKind, at_most, exactly, statements, subset,
 };
 
 /// A model whose statements may give, and the variables that say by how much.
@@ -67,6 +67,7 @@ impl<'a> Elastic<'a> {
                 self.model.push_disjunction(name.clone(), disjunction.method(), terms)?;
                 Ok((None, Some(fails)))
             }
+            AnyStatement::Set(set) => self.add_set(&set).map(|fails| (None, Some(fails))),
             AnyStatement::Logic(logical) => {
                 let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
                 let logic = logical.logic().clone() | fails;
@@ -74,6 +75,26 @@ impl<'a> Elastic<'a> {
                 Ok((None, Some(fails)))
             }
         }
+    }
+
+    /// A set as one chosen place, and indicators that keep the members elsewhere at 0 unless the set
+    /// fails.
+    fn add_set(&mut self, set: &SpecialOrderedSetRef<'_>) -> Result<Variable, Error> {
+        let (name, members) = (set.name(), set.members());
+        let fails = self.slack(name, "_fails", VariableKind::Binary, 1.0)?;
+        let mut places = Vec::with_capacity(members.len());
+        for _ in set.most().min(members.len())..=members.len() {
+            places.push(self.slack(name, "_at", VariableKind::Binary, 1.0)?);
+        }
+        self.model.push_logical(name.clone(), at_most(1, &places))?;
+        for (k, &(member, _)) in members.iter().enumerate() {
+            let near = (k + 1).saturating_sub(set.most())..places.len().min(k + 1);
+            let near = places[near].iter().copied().chain([fails]);
+            let row = StoredRow { terms: vec![(member, 1.0)], lower: 0.0, upper: 0.0 };
+            let name = self.free(name, &format!("_{}", k + 1));
+            self.model.push_indicator(name, !Logic::any(near), row, BigM::Automatic)?;
+        }
+        Ok(fails)
     }
 
     /// The terms of a disjunction with selectors of their own, which equal the original ones unless

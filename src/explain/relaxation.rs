@@ -102,8 +102,8 @@ pub struct Relaxed {
 pub struct Stretch {
     /// The statement.
     pub name: Name,
-    /// Which of its limits has to move outward; `None` for a logic statement or a disjunction, which
-    /// is dropped.
+    /// Which of its limits has to move outward; `None` for a logic statement, a disjunction or an
+    /// ordered set, which is dropped.
     pub side: Option<Side>,
     /// By how much, in the statement's own unit; 1 for a dropped statement.
     pub amount: f64,
@@ -147,8 +147,8 @@ impl Relaxed {
 ///
 /// The cost is the sum of all amounts, each times the weight of its statement. Because the price is
 /// linear, a few statements tend to give much rather than many a little. Rows give on either side,
-/// and so does the implied row of an indicator. A logic statement or a disjunction is dropped as a
-/// whole, at the cost of its weight. Bounds and kinds of variables, functions and background never
+/// and so does the implied row of an indicator. A logic statement, a disjunction or an ordered
+/// set is dropped as a whole, at the cost of its weight. Bounds and kinds of variables, functions and background never
 /// give, and the model's own objective plays no role.
 ///
 /// ```

@@ -5,13 +5,16 @@ use std::fmt;
 use super::affine::write_terms;
 use super::ids::Variable;
 use super::literal::Literal;
+use super::refs::SpecialOrderedSetRef;
+use super::semicontinuous::with_zero;
 use super::store::Model;
 use super::stored::StoredTerm;
 use super::variable::VariableKind;
 use crate::interval::Interval;
 
 impl fmt::Display for Model {
-    /// Objective, rows, indicators, disjunctions, logic, functions and bounds, with names, one
+    /// Objective, rows, indicators, disjunctions, logic, ordered sets, functions and bounds, with
+    /// names, one
     /// statement per line.
     ///
     /// ```
@@ -59,6 +62,9 @@ impl fmt::Display for Model {
         for logical in self.logical_constraints() {
             writeln!(f, "  {}: {}", logical.name(), logical.logic().text(&|v| self.name_of(v)))?;
         }
+        for set in self.special_ordered_sets() {
+            writeln!(f, "  {}: {}", set.name(), self.set_text(&set))?;
+        }
         for function in self.functions() {
             let text = function.function().text(&|v| self.name_of(v));
             writeln!(f, "  {} = {text}", function.name())?;
@@ -69,6 +75,16 @@ impl fmt::Display for Model {
             if let Some(range) = variable.parameter_range() {
                 let value = bounds.lower;
                 writeln!(f, "  {name} = {value}, a parameter in {}", interval_text(range))?;
+                continue;
+            }
+            if let Some(values) = variable.semicontinuous() {
+                let whole = if variable.kind().is_integral() { " integer" } else { "" };
+                if bounds != with_zero(values) {
+                    write!(f, "  {},", limits_text(&name, bounds))?;
+                } else {
+                    write!(f, " ")?;
+                }
+                writeln!(f, " {name} = 0 or {}{whole}", limits_text(&name, values))?;
                 continue;
             }
             match variable.kind() {
@@ -114,6 +130,13 @@ impl Model {
             format!("({} = {}: {parts})", self.name_of(variable), u8::from(on))
         };
         terms.iter().map(term).collect::<Vec<_>>().join(" or ")
+    }
+
+    /// An ordered set as text, `sos2(x: 1, y: 2)`.
+    fn set_text(&self, set: &SpecialOrderedSetRef<'_>) -> String {
+        let members = set.members().iter();
+        let members = members.map(|&(v, weight)| format!("{}: {weight}", self.name_of(v)));
+        format!("sos{}({})", set.most(), members.collect::<Vec<_>>().join(", "))
     }
 
     fn objective_text(&self) -> String {

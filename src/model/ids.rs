@@ -61,6 +61,10 @@ handle! {
     Disjunction
 }
 handle! {
+    /// A special ordered set of one [`Model`](super::Model).
+    SpecialOrderedSet
+}
+handle! {
     /// A logic statement of one [`Model`](super::Model).
     LogicalConstraint
 }

@@ -24,9 +24,11 @@ mod quadratic;
 mod reformulation;
 mod refs;
 mod row;
+mod semicontinuous;
 mod sense;
 #[cfg(feature = "serde")]
 mod serialized;
+mod sos;
 mod statement;
 mod statements;
 mod store;
@@ -39,7 +41,7 @@ mod variables;
 pub use affine::Affine;
 pub use disjunction::{Either, Selected, Term, either};
 pub use function::Function;
-pub use ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
+pub use ids::{Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet, Variable};
 pub use indicator::{Consequent, Implication, Implications, Reification, Reified};
 pub use literal::Literal;
 pub use logic::{Logic, at_least, at_most, exactly};
@@ -48,13 +50,15 @@ pub use piecewise::PiecewiseAffine;
 pub use quadratic::Quadratic;
 pub use reformulation::{BigM, Method, Reformulation};
 pub use refs::{
-    ConstraintRef, DisjunctionRef, FunctionRef, IndicatorRef, LogicalConstraintRef, TermRef,
-    VariableRef,
+    ConstraintRef, DisjunctionRef, FunctionRef, IndicatorRef, LogicalConstraintRef,
+    SpecialOrderedSetRef, TermRef, VariableRef,
 };
 pub use row::Row;
 pub use sense::Sense;
+pub use sos::{Sos, sos1, sos2};
 pub use statement::Statement;
 pub use store::Model;
+pub use text::read::{Read, Warning};
 pub use variable::{Family, VariableKind};
 
 pub(crate) use affine::merge;

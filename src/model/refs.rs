@@ -1,13 +1,16 @@
 //! Views of a model's variables and statements, for reading.
 
 use super::function::Function;
-use super::ids::{Constraint, Disjunction, Indicator, LogicalConstraint, Variable};
+use super::ids::{
+    Constraint, Disjunction, Indicator, LogicalConstraint, SpecialOrderedSet, Variable,
+};
 use super::literal::Literal;
 use super::logic::Logic;
 use super::name::Name;
 use super::reformulation::{BigM, Method};
 use super::store::{
-    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, VariableData,
+    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, SosData, Values,
+    VariableData,
 };
 use super::stored::StoredTerm;
 use super::variable::VariableKind;
@@ -35,7 +38,8 @@ id_and_name! {
     ConstraintRef: Constraint,
     IndicatorRef: Indicator,
     DisjunctionRef: Disjunction,
-    LogicalConstraintRef: LogicalConstraint
+    LogicalConstraintRef: LogicalConstraint,
+    SpecialOrderedSetRef: SpecialOrderedSet
 }
 
 /// A variable of a model, for reading.
@@ -54,6 +58,12 @@ impl<'a> VariableRef<'a> {
     /// Current bounds, in the variable's unit. For a parameter, both are its value.
     pub fn bounds(&self) -> Interval {
         Interval::new(self.data.lower, self.data.upper)
+    }
+
+    /// For a semi-continuous variable: the values that it may take besides 0, in its unit. They may
+    /// reach beyond [`bounds`](Self::bounds), which hold as well.
+    pub fn semicontinuous(&self) -> Option<Interval> {
+        self.data.semicontinuous.map(|Values { lower, upper }| Interval::new(lower, upper))
     }
 
     /// For a parameter: the declared range of its values, in its unit.
@@ -169,6 +179,25 @@ impl<'a> LogicalConstraintRef<'a> {
     /// The formula.
     pub fn logic(&self) -> &'a Logic {
         &self.data.logic
+    }
+}
+
+/// A special ordered set of a model, for reading.
+#[derive(Debug, Clone, Copy)]
+pub struct SpecialOrderedSetRef<'a> {
+    pub(super) id: SpecialOrderedSet,
+    pub(super) data: &'a SosData,
+}
+
+impl<'a> SpecialOrderedSetRef<'a> {
+    /// How many members may be other than 0: 1, or 2 that are next to each other.
+    pub fn most(&self) -> usize {
+        usize::from(self.data.most)
+    }
+
+    /// The members and their weights (no unit), sorted by weight.
+    pub fn members(&self) -> &'a [(Variable, f64)] {
+        &self.data.members
     }
 }
 

@@ -5,8 +5,8 @@ use super::checks::{finite, limits};
 use super::disjunction::{DEEPEST, check_selector};
 use super::name::Name;
 use super::store::{
-    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model, Stored,
-    VariableData,
+    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model, SosData,
+    Stored, VariableData,
 };
 use super::stored::{StoredRow, StoredTerm};
 use crate::error::Error;
@@ -16,11 +16,14 @@ impl TryFrom<Stored> for Model {
 
     fn try_from(stored: Stored) -> Result<Self, Error> {
         let mut model = Model::empty(stored.name, stored.tag);
-        for VariableData { name, kind, lower, upper, range } in stored.variables {
-            match range {
+        for VariableData { name, kind, lower, upper, range, semicontinuous } in stored.variables {
+            let variable = match range {
                 Some(range) => model.push_stored_parameter(name, kind, (lower, upper), range)?,
                 None => model.variable(name, kind, lower, upper)?,
             };
+            if let Some(values) = semicontinuous {
+                model.make_semicontinuous(variable, values.lower, values.upper)?;
+            }
         }
         for ConstraintData { name, row } in stored.constraints {
             let row = row.checked(&model, &name)?;
@@ -36,6 +39,9 @@ impl TryFrom<Stored> for Model {
         for DisjunctionData { name, method, terms } in stored.disjunctions {
             let terms = checked(terms, &model, &name, 1)?;
             model.push_disjunction(name, method, terms)?;
+        }
+        for SosData { name, most, members } in stored.sets {
+            model.add_set(name, most, members)?;
         }
         model.set_reformulation(stored.reformulation);
         for FunctionData { result, function } in stored.functions {

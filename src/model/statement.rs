@@ -10,7 +10,8 @@ use crate::error::{Error, ErrorKind};
 
 /// Something [`Model::add`] accepts: a [`Row`], an [`Implication`](super::Implication) or several, a
 /// [`Reification`](super::Reification), a disjunction ([`Either`](super::Either)), a
-/// [`Logic`](super::Logic) formula or a [`Literal`](super::Literal). Sealed.
+/// [`Logic`](super::Logic) formula, a [`Literal`](super::Literal) or a special ordered set
+/// ([`Sos`](super::Sos)). Sealed.
 pub trait Statement: Sealed {
     /// The handle that adding returns.
     type Handle;

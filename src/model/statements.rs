@@ -19,7 +19,8 @@ impl Model {
     /// * an [`Either`](super::Either): its [`Selected`](super::Selected) selectors;
     /// * a [`Logic`](super::Logic) formula or a [`Literal`](super::Literal): a
     ///   [`LogicalConstraint`]. One that holds for all values, such as `at_most(3, [a, b])`, is
-    ///   accepted and has no rows.
+    ///   accepted and has no rows;
+    /// * a [`Sos`](super::Sos): a [`SpecialOrderedSet`](super::SpecialOrderedSet).
     ///
     /// An error leaves the model as it was.
     ///
@@ -30,7 +31,7 @@ impl Model {
     /// [`ErrorKind::UnlimitedRow`], [`ErrorKind::NotBinary`]; [`ErrorKind::EmptyLogic`] for a
     /// formula without variables, [`ErrorKind::NeverTrue`] for one that its own shape makes false,
     /// such as `at_least(3, [a, b])`, [`ErrorKind::TooDeep`]; [`ErrorKind::OutOfRange`] for the
-    /// margin of a reification.
+    /// margin of a reification, and for a set without members.
     pub fn add<S: Statement>(
         &mut self,
         name: impl Into<Name>,
@@ -124,7 +125,12 @@ impl Model {
 
     /// The position of the statement with a name, among those of its kind; `noun` is the kind in
     /// words.
-    fn named(&self, name: Name, kind: StatementKind, noun: &'static str) -> Result<u32, Error> {
+    pub(super) fn named(
+        &self,
+        name: Name,
+        kind: StatementKind,
+        noun: &'static str,
+    ) -> Result<u32, Error> {
         match self.statement_names.get(&name) {
             Some((of_kind, index)) if of_kind == kind => Ok(index),
             _ => Err(ErrorKind::UnknownName { name: name.to_string(), kind: noun }.into()),

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::function::Function;
-use super::ids::{Constraint, Disjunction, LogicalConstraint, ModelTag, Variable};
+use super::ids::{
+    Constraint, Disjunction, LogicalConstraint, ModelTag, SpecialOrderedSet, Variable,
+};
 use super::logic::Logic;
 use super::name::Name;
 use super::name_table::NameTable;
@@ -15,7 +17,7 @@ use super::stored::{StoredRow, StoredTerm};
 use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 
-/// A mixed-integer program with indicators, disjunctions and logic; see the [module page](super).
+/// A mixed-integer program with indicators, disjunctions, logic and ordered sets; see the [module page](super).
 ///
 /// A clone accepts the handles of its original.
 #[derive(Debug, Clone)]
@@ -41,6 +43,8 @@ pub(super) struct Stored {
     pub(super) logic: Vec<LogicalData>,
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) disjunctions: Vec<DisjunctionData>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) sets: Vec<SosData>,
     pub(super) functions: Vec<FunctionData>,
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) reformulation: Reformulation,
@@ -63,6 +67,19 @@ pub(super) struct VariableData {
     /// For a parameter, its declared range; its bounds are its value.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) range: Option<(f64, f64)>,
+    /// For a semi-continuous variable, its values other than 0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) semicontinuous: Option<Values>,
+}
+
+/// The values of a semi-continuous variable other than 0.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Values {
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    pub(super) lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
+    pub(super) upper: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -98,6 +115,16 @@ pub(super) struct DisjunctionData {
 
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct SosData {
+    pub(super) name: Name,
+    /// How many members, next to each other, may be other than 0: 1 or 2.
+    pub(super) most: u8,
+    /// Sorted by weight.
+    pub(super) members: Vec<(Variable, f64)>,
+}
+
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FunctionData {
     pub(super) result: Variable,
     pub(super) function: Function,
@@ -109,6 +136,7 @@ pub(super) enum StatementKind {
     Indicator,
     Logical,
     Disjunction,
+    Set,
 }
 
 /// A statement: its kind, and its position among the statements of this kind.
@@ -129,6 +157,7 @@ impl Model {
             indicators: Vec::new(),
             logic: Vec::new(),
             disjunctions: Vec::new(),
+            sets: Vec::new(),
             functions: Vec::new(),
             reformulation: Reformulation::default(),
             sense: Sense::Minimize,
@@ -250,10 +279,22 @@ impl Model {
         Ok(id)
     }
 
+    pub(super) fn push_set(
+        &mut self,
+        name: Name,
+        most: u8,
+        members: Vec<(Variable, f64)>,
+    ) -> Result<SpecialOrderedSet, Error> {
+        let id = SpecialOrderedSet::new(self.stored.sets.len(), self.stored.tag);
+        self.claim_statement(&name, (StatementKind::Set, id.index))?;
+        self.stored.sets.push(SosData { name, most, members });
+        Ok(id)
+    }
+
     /// The model with only its variables, objective and rows, to which a reformulation adds. Their
-    /// handles stay valid.
+    /// handles stay valid. Semi-continuous variables may take all values within their bounds.
     pub(crate) fn with_rows_only(&self) -> Model {
-        let stored = Stored {
+        let mut stored = Stored {
             variables: self.stored.variables.clone(),
             constraints: self.stored.constraints.clone(),
             objective: self.stored.objective.clone(),
@@ -261,6 +302,7 @@ impl Model {
             reformulation: self.stored.reformulation,
             ..Model::empty(self.stored.name.clone(), self.stored.tag).stored
         };
+        stored.variables.iter_mut().for_each(|data| data.semicontinuous = None);
         let mut statement_names = NameTable::default();
         for (row, k) in stored.constraints.iter().zip(0..) {
             statement_names.claim(&row.name, (StatementKind::Constraint, k));
@@ -285,7 +327,7 @@ impl Model {
         let stored = &self.stored;
         let (variables, rows) = (stored.variables.len(), stored.constraints.len());
         let (indicators, logic) = (stored.indicators.len(), stored.logic.len());
-        let disjunctions = stored.disjunctions.len();
+        let (disjunctions, sets) = (stored.disjunctions.len(), stored.sets.len());
         let result = add(self);
         if result.is_err() {
             let Model { stored, variable_names, statement_names, .. } = self;
@@ -296,7 +338,8 @@ impl Model {
             let indicators = stored.indicators.drain(indicators..).map(|data| data.name);
             let logic = stored.logic.drain(logic..).map(|data| data.name);
             let disjunctions = stored.disjunctions.drain(disjunctions..).map(|data| data.name);
-            for name in rows.chain(indicators).chain(logic).chain(disjunctions) {
+            let sets = stored.sets.drain(sets..).map(|data| data.name);
+            for name in rows.chain(indicators).chain(logic).chain(disjunctions).chain(sets) {
                 statement_names.remove(&name);
             }
         }

@@ -6,7 +6,9 @@
 use super::Model;
 use super::name::Name;
 use super::name_table::NameTable;
-use super::refs::{ConstraintRef, DisjunctionRef, IndicatorRef, LogicalConstraintRef};
+use super::refs::{
+    ConstraintRef, DisjunctionRef, IndicatorRef, LogicalConstraintRef, SpecialOrderedSetRef,
+};
 use super::store::{StatementIndex, StatementKind, Stored};
 
 /// A statement of any kind.
@@ -20,6 +22,8 @@ pub enum AnyStatement<'a> {
     Disjunction(DisjunctionRef<'a>),
     /// A formula.
     Logic(LogicalConstraintRef<'a>),
+    /// A special ordered set.
+    Set(SpecialOrderedSetRef<'a>),
 }
 
 impl<'a> AnyStatement<'a> {
@@ -30,6 +34,7 @@ impl<'a> AnyStatement<'a> {
             AnyStatement::Indicator(indicator) => indicator.name(),
             AnyStatement::Disjunction(disjunction) => disjunction.name(),
             AnyStatement::Logic(logical) => logical.name(),
+            AnyStatement::Set(set) => set.name(),
         }
     }
 
@@ -41,17 +46,19 @@ impl<'a> AnyStatement<'a> {
                 (StatementKind::Disjunction, disjunction.id().index)
             }
             AnyStatement::Logic(logical) => (StatementKind::Logical, logical.id().index),
+            AnyStatement::Set(set) => (StatementKind::Set, set.id().index),
         }
     }
 }
 
-/// The statements: rows, then indicators, disjunctions and logic, each in the order of creation.
+/// The statements: rows, then indicators, disjunctions, logic and sets, each in the order of creation.
 pub fn statements(model: &Model) -> impl Iterator<Item = AnyStatement<'_>> {
     let rows = model.constraints().map(AnyStatement::Row);
     let indicators = model.indicators().map(AnyStatement::Indicator);
     let disjunctions = model.disjunctions().map(AnyStatement::Disjunction);
     let logic = model.logical_constraints().map(AnyStatement::Logic);
-    rows.chain(indicators).chain(disjunctions).chain(logic)
+    let sets = model.special_ordered_sets().map(AnyStatement::Set);
+    rows.chain(indicators).chain(disjunctions).chain(logic).chain(sets)
 }
 
 /// The model without its objective and with only the statements that `keep` accepts, by position in
@@ -67,6 +74,7 @@ pub fn subset(model: &Model, keep: impl Fn(usize) -> bool) -> Model {
         indicators: stored.indicators.iter().filter(|_| next()).cloned().collect(),
         disjunctions: stored.disjunctions.iter().filter(|_| next()).cloned().collect(),
         logic: stored.logic.iter().filter(|_| next()).cloned().collect(),
+        sets: stored.sets.iter().filter(|_| next()).cloned().collect(),
         functions: stored.functions.clone(),
         background: stored.background.clone(),
         reformulation: stored.reformulation,

@@ -85,7 +85,14 @@ impl Model {
                 ErrorKind::DuplicateName { name: name.to_string(), kind: "variable" }.into()
             );
         }
-        self.stored.variables.push(VariableData { name, kind, lower, upper, range: None });
+        self.stored.variables.push(VariableData {
+            name,
+            kind,
+            lower,
+            upper,
+            range: None,
+            semicontinuous: None,
+        });
         self.touch();
         Ok(variable)
     }

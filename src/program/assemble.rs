@@ -16,7 +16,9 @@ impl Program {
     /// when the matrices cannot be allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
         let switched = model.indicator_count() + model.disjunction_count();
-        if switched + model.logical_constraint_count() + model.function_count() > 0 {
+        let sets = model.special_ordered_set_count();
+        let open = model.variables().any(|variable| variable.semicontinuous().is_some());
+        if switched + model.logical_constraint_count() + model.function_count() + sets > 0 || open {
             return Err(ErrorKind::Unsupported {
                 solver: "the assembly of matrices".into(),
                 what: "statements other than rows".into(),

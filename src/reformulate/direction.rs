@@ -72,6 +72,8 @@ pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
     for term in model.disjunctions().flat_map(|disjunction| disjunction.stored_terms()) {
         term.for_each_row(&mut |row| harm.row(&row.terms, Interval::new(row.lower, row.upper)));
     }
+    let sets = model.special_ordered_sets();
+    sets.flat_map(|set| set.members()).for_each(|&(member, _)| harm.any(member));
     // A function's variable occurs only in functions added later.
     let functions: Vec<FunctionRef<'_>> = model.functions().collect();
     let mut ties = vec![Tie::Exact; functions.len()];

@@ -6,7 +6,7 @@ use super::linear_program::Maximizer;
 use super::logic::Part;
 use super::report::BigMReport;
 use crate::error::{Error, ErrorKind};
-use crate::model::{Formula, Model, Name, StoredRow, Variable, VariableKind};
+use crate::model::{Formula, Literal, Model, Name, StoredRow, Variable, VariableKind};
 use crate::solver::StopToken;
 
 /// State shared by the reformulations.
@@ -23,6 +23,8 @@ pub(super) struct Lowering<'a> {
     pub(super) original: usize,
     /// Auxiliary binaries of formulas; shared by all statements.
     pub(super) parts: BTreeMap<Formula, Part>,
+    /// For variables of ordered sets and semi-continuous ones: the condition of being other than 0.
+    pub(super) nonzero: BTreeMap<Variable, Literal>,
     /// The statement that is being lowered, and how many names were derived from its name.
     statement: Name,
     named: usize,
@@ -41,6 +43,7 @@ impl<'a> Lowering<'a> {
             token,
             original: model.variable_count(),
             parts: BTreeMap::new(),
+            nonzero: BTreeMap::new(),
             statement: Name::from("model"),
             named: 0,
         }

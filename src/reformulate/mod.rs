@@ -1,5 +1,5 @@
-//! Lowering: turns a model with indicators, disjunctions, logic and functions into one with only
-//! rows.
+//! Lowering: turns a model with indicators, disjunctions, logic, functions, ordered sets and
+//! semi-continuous variables into one with only rows.
 //!
 //! The lowered model is equivalent. It has the same variables, followed by auxiliary ones, so
 //! handles carry over. You can compare the text forms of both models, and write the lowered one as
@@ -35,6 +35,8 @@ mod multi_m;
 mod piecewise;
 mod product;
 mod report;
+mod semicontinuous;
+mod sos;
 
 pub use audit::{Audit, Leak};
 pub use compare::{MethodComparison, MethodSize, compare_methods};
@@ -149,8 +151,9 @@ fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64
 }
 
 /// Replaces every indicator by big-M rows, with each M from the *current* bounds (of parameters:
-/// from their declared ranges), and every disjunction, logic statement and function by its rows,
-/// as the model's [`Reformulation`](crate::model::Reformulation) asks for.
+/// from their declared ranges), and every disjunction, logic statement, function, ordered set and
+/// semi-continuous variable by its rows, as the model's
+/// [`Reformulation`](crate::model::Reformulation) asks for.
 ///
 /// If the model pushes the variable of a function only towards its convex (or concave) side, the
 /// function is relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`]
@@ -212,7 +215,14 @@ fn lower_with<'a>(
 ) -> Result<Option<Lowered>, Error> {
     let mut lowering = Lowering::new(model, maximizer, token);
     let mut relaxed = Vec::new();
-    // Functions come first because they bound their variables, and in this order because later ones
+    for variable in model.variables() {
+        let Some(values) = variable.semicontinuous() else { continue };
+        if token.spend(STATEMENT) {
+            return Ok(None);
+        }
+        semicontinuous::apply(&variable, values, &mut lowering)?;
+    }
+    // Functions come before the rest because they bound their variables, and in this order because later ones
     // depend on earlier ones.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
         if token.spend(STATEMENT) {
@@ -241,6 +251,12 @@ fn lower_with<'a>(
             return Ok(None);
         }
         logic::apply(&statement, &mut lowering)?;
+    }
+    for set in model.special_ordered_sets() {
+        if token.spend(STATEMENT) {
+            return Ok(None);
+        }
+        sos::apply(&set, &mut lowering)?;
     }
     let Lowering { model: lowered, report, original, .. } = lowering;
     let (written, revision) = (model.constraint_count(), model.revision());

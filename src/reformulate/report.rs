@@ -64,12 +64,14 @@ pub struct Share {
     pub part: f64,
 }
 
-/// One side of one indicator or row of a disjunction, or one expression of a function.
+/// One side of one indicator or row of a disjunction, one expression of a function, or one side of
+/// a member of an ordered set or of a semi-continuous variable.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMEntry {
-    /// The indicator, or the variable of the function.
+    /// The indicator, the variable of the function, the semi-continuous variable, the member of an
+    /// ordered set of the first kind, or `set_k` for the k-th member of a `set` of the second kind.
     pub indicator: String,
     /// The side of its row.
     pub side: Side,
@@ -145,7 +147,7 @@ impl BigMEntry {
     }
 }
 
-/// Every function that needs an M, and then every side of every indicator and of every row of a
+/// Every semi-continuous variable and function that needs an M, and then every side of every indicator and of every row of a
 /// disjunction, in the order of the model. A compound condition may need several rows per side,
 /// each with an entry.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -155,8 +157,9 @@ pub struct BigMReport {
 }
 
 impl BigMReport {
-    /// All entries: functions in the order of the model, then its indicators, then the rows of its
-    /// disjunctions (except hulls, which have no M), lower side first.
+    /// All entries: semi-continuous variables in the order of the model, then its functions, its
+    /// indicators, the rows of its disjunctions (except hulls, which have no M), and the members of
+    /// its ordered sets; lower side first.
     pub fn entries(&self) -> &[BigMEntry] {
         &self.entries
     }

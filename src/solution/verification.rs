@@ -3,7 +3,7 @@
 //! It shares no code with lowering, presolve or search: it reads the model's own statements and
 //! evaluates them. Indicators are checked as implications on the binaries' values, so a big-M
 //! that leaks cannot hide, disjunctions by the rows of the selected term, logic by the truth of
-//! its formulas, and functions by their values.
+//! its formulas, functions by their values, and ordered sets by the members that are not 0.
 
 use std::fmt;
 
@@ -44,6 +44,12 @@ pub struct Checked {
     pub logic: usize,
     /// Functions.
     pub functions: usize,
+    /// Semi-continuous variables.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub semicontinuous: usize,
+    /// Special ordered sets.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub sets: usize,
 }
 
 /// A statement that a point violates by more than the tolerance.
@@ -82,6 +88,12 @@ pub enum ViolationKind {
     Disjunction,
     /// A logic statement that is false; the amount is 1.
     Logic,
+    /// A semi-continuous variable that is neither 0 nor one of its other values; the amount is the
+    /// distance to the nearest of them.
+    SemiContinuity,
+    /// A special ordered set with other members than allowed at values other than 0; the amount is
+    /// the magnitude of the largest one that should be 0.
+    OrderedSet,
     /// A variable that is not the function that it should be, or the argument of a
     /// piecewise-affine function outside its domain.
     Function,
@@ -96,6 +108,8 @@ impl fmt::Display for Violation {
             ViolationKind::Implication => "the implication",
             ViolationKind::Logic => return write!(f, "the logic `{}`", self.name),
             ViolationKind::Disjunction => "the disjunction",
+            ViolationKind::SemiContinuity => "the semi-continuity of",
+            ViolationKind::OrderedSet => "the ordered set",
             ViolationKind::Function => "the function",
         };
         write!(f, "{what} `{}` by {}", self.name, for_reading(self.amount))
@@ -103,7 +117,8 @@ impl fmt::Display for Violation {
 }
 
 impl Verification {
-    /// Checks a point: bounds, integrality, rows, implications, disjunctions, logic, functions.
+    /// Checks a point: bounds, integrality, semi-continuity, rows, implications, disjunctions, logic,
+    /// functions, ordered sets.
     ///
     /// # Arguments
     ///
@@ -126,6 +141,11 @@ impl Verification {
                 let value = at.value(variable.id());
                 let miss = Miss::beyond((value - value.round()).abs(), 1e-9);
                 check.note(ViolationKind::Integrality, miss, name);
+            }
+            if let Some(values) = variable.semicontinuous() {
+                check.checked.semicontinuous += 1;
+                let miss = at.either(variable.id(), values);
+                check.note(ViolationKind::SemiContinuity, miss, name);
             }
         }
         for row in model.constraints() {
@@ -156,6 +176,10 @@ impl Verification {
         for disjunction in model.disjunctions() {
             check.one_of(disjunction.name(), disjunction.terms(), true, &at);
         }
+        for set in model.special_ordered_sets() {
+            let miss = at.ordered_set(set.members(), set.most());
+            check.note(ViolationKind::OrderedSet, miss, || set.name().to_string());
+        }
         check.checked = Checked {
             variables: model.variable_count(),
             rows: model.constraint_count(),
@@ -163,6 +187,7 @@ impl Verification {
             disjunctions: model.disjunction_count(),
             logic: model.logical_constraint_count(),
             functions: model.function_count(),
+            sets: model.special_ordered_set_count(),
             ..check.checked
         };
         check
@@ -324,6 +349,37 @@ impl<'a> Evaluation<'a> {
             amount: below.max(above).max(0.0),
             size: value.largest.max(limit),
             allowed: tolerance::allowed_miss(self.feasibility, rounded),
+        }
+    }
+
+    /// How far a variable is from 0 or from other values, whichever is nearer.
+    fn either(&self, variable: Variable, values: Interval) -> Miss {
+        let zero = self.row(&[(variable, 1.0)], Interval::point(0.0));
+        let other = self.row(&[(variable, 1.0)], values);
+        if other.amount < zero.amount { other } else { zero }
+    }
+
+    /// How far a member is from 0 that should be 0: the largest one outside `most` neighbours that
+    /// include the largest of all.
+    fn ordered_set(&self, members: &[(Variable, f64)], most: usize) -> Miss {
+        let at =
+            |&(variable, _): &(Variable, f64)| self.row(&[(variable, 1.0)], Interval::point(0.0));
+        let misses: Vec<Miss> = members.iter().map(at).collect();
+        let size = |k: &usize| misses[*k].amount;
+        let by_size = |a: &usize, b: &usize| size(a).total_cmp(&size(b));
+        let top = (0..misses.len()).max_by(by_size).unwrap_or(0);
+        let outside = |from: usize| {
+            let outside = (0..misses.len()).filter(|k| !(from..from + most).contains(k));
+            outside.max_by(by_size)
+        };
+        let places = (top + 1).saturating_sub(most)..=top;
+        let best = places.map(outside).min_by(|a, b| match (a, b) {
+            (Some(a), Some(b)) => by_size(a, b),
+            (a, b) => a.cmp(b),
+        });
+        match best.flatten() {
+            Some(k) => Miss { ..misses[k] },
+            None => Miss::beyond(0.0, 0.0),
         }
     }
 

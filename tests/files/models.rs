@@ -1,5 +1,6 @@
 //! Random models for the tests of file formats, and equality to the last bit.
 
+use carom::model::{Warning, sos1, sos2};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -23,6 +24,14 @@ pub(crate) fn assert_same(left: &Model, right: &Model) {
     for (a, b) in left.indicators().zip(right.indicators()) {
         assert_eq!(bits(a.limits()), bits(b.limits()), "{}", a.name());
         assert_eq!(terms(a.terms()), terms(b.terms()), "{}", a.name());
+    }
+    for (a, b) in left.variables().zip(right.variables()) {
+        let values = [&a, &b].map(|v| v.semicontinuous().map(bits));
+        assert_eq!(values[0], values[1], "{}", a.name());
+    }
+    for (a, b) in left.special_ordered_sets().zip(right.special_ordered_sets()) {
+        assert_eq!((a.name(), a.most()), (b.name(), b.most()));
+        assert_eq!(terms(a.members()), terms(b.members()), "{}", a.name());
     }
     let (a, b) = (left.objective(), right.objective());
     assert_eq!(terms(&a.affine().terms()), terms(&b.affine().terms()));
@@ -72,11 +81,16 @@ fn name() -> impl Strategy<Value = String> {
         2 => "[a-z]\\[[0-9]{1,3}\\]",
         1 => prop::sample::select(vec![
             "RHS", "BOUND", "RANGE", "obj", "obj_", "'MARKER'", "'INTORG'", "*", "$", "1", "-1e5",
-            "IF", "MAX", "ENDATA", "NAME", "höhe", "UP", "FR", "MARKER0",
+            "IF", "S1", "s2", "SOS", "semis", "MAX", "ENDATA", "NAME", "höhe", "UP", "FR", "MARKER0",
             "a-b", "x[01]", "1st", "free", "St", "END", "%", "a%41", "r%ge", "r%le", "x{3}", "[3]",
             ".5", "(a", "Subject", "e1", "inf", "nan", "a:b", "\\x", "<=", "x]", "general", "x[1][2]",
         ]).prop_map(str::to_owned),
     ]
+}
+
+/// Whether written files give only warnings about what other solvers may refuse.
+pub(crate) fn warnings_are_expected(warnings: &[Warning]) -> bool {
+    warnings.iter().all(|warning| warning.message.contains("some solvers refuse negative values"))
 }
 
 /// Name, terms, limits, condition.
@@ -90,12 +104,15 @@ pub(crate) struct Plan {
     variables: Vec<(String, u8, (f64, f64), f64)>,
     rows: Vec<RowPlan>,
     squares: Vec<(f64, usize, f64, usize)>,
+    /// Name, kind, members and weights.
+    sets: Vec<(String, bool, Vec<(usize, f64)>)>,
 }
 
 pub(crate) fn plan() -> impl Strategy<Value = Plan> {
-    let variable = (name(), 0..5_u8, pair(true), number());
+    let variable = (name(), 0..7_u8, pair(true), number());
     let terms = prop::collection::vec((0..8_usize, number()), 1..5);
     let row = (name(), terms, pair(false), prop::option::of((0..8_usize, any::<bool>())));
+    let members = prop::collection::vec((0..8_usize, number()), 1..5);
     let square = (-9.0..9.0_f64, 0..8_usize, -9.0..9.0_f64, 0..8_usize);
     (
         "[a-z ]{0,8}",
@@ -104,14 +121,16 @@ pub(crate) fn plan() -> impl Strategy<Value = Plan> {
         prop::collection::vec(variable, 1..8),
         prop::collection::vec(row, 0..8),
         prop::collection::vec(square, 0..4),
+        prop::collection::vec((name(), any::<bool>(), members), 0..3),
     )
-        .prop_map(|(name, maximize, constant, variables, rows, squares)| Plan {
+        .prop_map(|(name, maximize, constant, variables, rows, squares, sets)| Plan {
             name: name.trim().to_owned(),
             maximize,
             constant,
             variables,
             rows,
             squares,
+            sets,
         })
 }
 
@@ -127,6 +146,8 @@ pub(crate) fn build(plan: &Plan) -> Model {
             2 if *lower >= 0.0 && *upper <= 1.0 => {
                 model.variable(name.as_str(), VariableKind::Binary, *lower, *upper)
             }
+            5 => model.semicontinuous(name, *lower, *upper),
+            6 => model.semiinteger(name, *lower, *upper),
             _ => model.continuous(name, *lower, *upper),
         };
         variables.extend(added);
@@ -145,6 +166,11 @@ pub(crate) fn build(plan: &Plan) -> Model {
             None => model.add(name, row).err(),
         };
         drop(refused);
+    }
+    for (name, second, members) in &plan.sets {
+        let members = members.iter().map(|&(k, weight)| (pick(k), weight));
+        let set = if *second { sos2(members) } else { sos1(members) };
+        drop(model.add(name, set).err());
     }
     let mut objective = Quadratic::from(plan.constant);
     for (variable, (.., cost)) in variables.iter().zip(&plan.variables) {

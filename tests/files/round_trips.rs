@@ -84,9 +84,9 @@ proptest! {
             let lowered = reformulate::lower(&model).unwrap();
             // The parameter is written as what it is now.
             let text = lowered.model().to_string().replace("p = 0.75, a parameter in [-1, 2]", "p = 0.75");
-            let through_mps = mps::read(&mps::write(lowered.model()).unwrap()).unwrap();
+            let through_mps = mps::read(&mps::write(lowered.model()).unwrap()).unwrap().model;
             prop_assert_eq!(through_mps.to_string(), &text[..]);
-            let through_lp = lp::read(&lp::write(lowered.model()).unwrap()).unwrap();
+            let through_lp = lp::read(&lp::write(lowered.model()).unwrap()).unwrap().model;
             prop_assert_eq!(through_lp.to_string(), &text[..]);
             let again = solver.solve(&through_lp).unwrap();
             prop_assert_eq!(again.termination(), meant.termination(), "{:?}", method);

@@ -277,7 +277,7 @@ proptest! {
         if !matches!(kind, Kind::Integer(_, 0.., ..=1)) {
             let lowered = reformulate::lower(&model).unwrap();
             let file = carom::model::mps::write(lowered.model()).unwrap();
-            prop_assert_eq!(carom::model::mps::read(&file).unwrap().to_string(), moved);
+            prop_assert_eq!(carom::model::mps::read(&file).unwrap().model.to_string(), moved);
         }
     }
 

@@ -441,7 +441,7 @@ proptest! {
                 let lowered = reformulate::lower(&model).unwrap();
                 prop_assume!(lowered.model().variable_count() <= BINARIES + 8);
                 let file = carom::model::mps::write(lowered.model()).unwrap();
-                let again = carom::model::mps::read(&file).unwrap();
+                let again = carom::model::mps::read(&file).unwrap().model;
                 prop_assert_eq!(again.to_string(), lowered.model().to_string());
                 for values in assignments(BINARIES) {
                     let expected = tree.truth(&bits(&values));

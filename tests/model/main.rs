@@ -9,6 +9,7 @@ mod big_m;
 mod disjunctions;
 mod functions;
 mod logic;
+mod ordered_sets;
 mod reify;
 #[cfg(feature = "serde")]
 mod serde;

@@ -12,7 +12,7 @@ use carom::prelude::*;
 /// Solves a model in both ways; `None` is infeasible.
 fn check(model: &Model, optimum: Option<f64>) {
     let text = mps::write(model).unwrap();
-    let again = mps::read(&text).unwrap();
+    let again = mps::read(&text).unwrap().model;
     for (model, threads) in [(model, 1), (&again, 2)] {
         let options = Options::default().with_threads(threads);
         let solution = BranchAndBound::new(options).solve(model).unwrap();

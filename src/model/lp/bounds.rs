@@ -4,7 +4,7 @@ use super::lexer::Kind;
 use super::read::{File, is_infinity};
 use super::rows::flipped;
 use crate::error::Error;
-use crate::model::text::ends::{lower, upper};
+use crate::model::text::ends::{Repeated, lower, upper};
 use crate::model::text::token::Token;
 
 impl<'a> File<'a> {
@@ -28,7 +28,7 @@ impl<'a> File<'a> {
             return Err(self.unexpected("the name of a variable"));
         }
         let name = self.token();
-        let column = self.column()?;
+        let column = self.known_column()?;
         if let Some((relation, value)) = left {
             self.set(column, &name, relation, value)?;
         }
@@ -46,8 +46,8 @@ impl<'a> File<'a> {
             }
             Kind::Word if left.is_none() && self.token().text.eq_ignore_ascii_case("free") => {
                 self.step();
-                let infinite = (Some(f64::NEG_INFINITY), Some(f64::INFINITY));
-                self.columns[column].ends.take(&name, infinite.0, infinite.1)
+                self.take(column, &name, (Some(f64::NEG_INFINITY), Some(f64::INFINITY)));
+                Ok(())
             }
             _ if left.is_none() => Err(self.unexpected("`<=`, `>=`, `=` or `free`")),
             _ => Ok(()),
@@ -70,6 +70,11 @@ impl<'a> File<'a> {
             Kind::AtLeast => None,
             _ => Some(upper(value, &token)?),
         };
-        self.columns[column].ends.take(name, low, high)
+        self.take(column, name, (low, high));
+        Ok(())
+    }
+
+    fn take(&mut self, column: usize, name: &Token<'a>, ends: (Option<f64>, Option<f64>)) {
+        self.columns[column].ends.take(name, ends, Repeated::Last, &mut self.warnings);
     }
 }

@@ -15,13 +15,15 @@ use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
+use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
 
 /// Makes the model that a file describes.
-pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
+pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
     let mut model = Model::new(file.name);
-    let variables = variables(file, &mut model)?;
+    let mut warnings = std::mem::take(&mut file.warnings);
+    let variables = variables(&file, &mut model, &mut warnings)?;
     let mut rows = Vec::with_capacity(file.rows.len());
     for row in &file.rows {
         let terms = row.terms.iter().map(|&(column, value)| (variables[column], value));
@@ -49,7 +51,16 @@ pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
                         stored.upper = upper;
                         name
                     }
-                    None => names::read(label.text),
+                    None => {
+                        let wanted = names::read(label.text);
+                        let free = unused(&model, &wanted, &taken);
+                        if free != wanted {
+                            let message =
+                                format!("a second row `{wanted}`; it is called `{free}` here");
+                            warnings.push(label.warning(message));
+                        }
+                        free
+                    }
                 }
             }
         };
@@ -58,8 +69,11 @@ pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
         }
         add(&mut model, row, name, stored, &variables)?;
     }
-    model.set_objective(file.sense, objective(file, &variables))?;
-    Ok(model)
+    for (set, position) in file.sets.iter().zip(1..) {
+        set.add(&mut model, &variables, position, names::read, &mut warnings)?;
+    }
+    model.set_objective(file.sense, objective(&file, &variables))?;
+    Ok(Read { model, warnings })
 }
 
 fn add(
@@ -93,46 +107,84 @@ fn at(place: Token<'_>, error: &Error) -> Error {
     place.error(error.to_string())
 }
 
-fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error> {
-    let mut switches = vec![false; file.columns.len()];
+fn variables(
+    file: &File<'_>,
+    model: &mut Model,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Variable>, Error> {
+    let mut switches = vec![None; file.columns.len()];
     for condition in file.rows.iter().filter_map(|row| row.condition) {
-        switches[condition.column] = true;
+        switches[condition.column].get_or_insert(condition.place);
     }
     let mut variables = Vec::with_capacity(file.columns.len());
     for (column, switch) in file.columns.iter().zip(switches) {
-        let (lower, upper) = bounds(column)?;
-        let kind = match (column.integer, column.binary) {
-            (_, true) => VariableKind::Binary,
+        let mut binary = column.binary;
+        if let (Some(place), false) = (switch, binary || column.integer) {
+            let name = column.name.text;
+            let message = format!("`{name}` is a condition, so it is taken as a binary");
+            warnings.push(place.warning(message));
+            binary = true;
+        }
+        let (lower, upper) = bounds(column, binary, warnings)?;
+        let name = names::read(column.name.text);
+        let added = match (column.integer, binary) {
+            (integer, false) if column.semicontinuous => match integer {
+                true => model.semiinteger(name, lower, upper),
+                false => model.semicontinuous(name, lower, upper),
+            },
+            (_, true) if column.semicontinuous => {
+                return Err(column.name.error(format!(
+                    "`{name}` is both semi-continuous and a binary; keep one of them"
+                )));
+            }
+            (_, true) => model.variable(name, VariableKind::Binary, lower, upper),
             // Only a binary can be the condition of an indicator.
-            (true, _) if switch && lower >= 0.0 && upper <= 1.0 => VariableKind::Binary,
-            (true, _) => VariableKind::Integer,
-            (false, false) => VariableKind::Continuous,
+            (true, _) if switch.is_some() && lower >= 0.0 && upper <= 1.0 => {
+                model.variable(name, VariableKind::Binary, lower, upper)
+            }
+            (true, _) => model.integer(name, lower, upper),
+            (false, false) => model.continuous(name, lower, upper),
         };
-        let added = model.variable(names::read(column.name.text), kind, lower, upper);
         variables.push(added.map_err(|error| at(column.name, &error))?);
     }
     Ok(variables)
 }
 
 /// The bounds of a column, defaults filled in.
-fn bounds(column: &Column<'_>) -> Result<(f64, f64), Error> {
-    let default = if column.binary { 1.0 } else { f64::INFINITY };
+fn bounds(
+    column: &Column<'_>,
+    binary: bool,
+    warnings: &mut Vec<Warning>,
+) -> Result<(f64, f64), Error> {
+    let default = if binary { 1.0 } else { f64::INFINITY };
     let (lower, upper) = (column.ends.lower.unwrap_or(0.0), column.ends.upper.unwrap_or(default));
     let (place, name) = (column.ends.last.unwrap_or(column.name), column.name.text);
-    if lower > upper {
+    let cut = (
+        if binary && lower < 0.0 { 0.0 } else { lower },
+        if binary && upper > 1.0 { 1.0 } else { upper },
+    );
+    if lower > upper || cut.0 > cut.1 {
         let help = match column.ends.lower {
             None => " (where none is given, the lower bound is 0; write `-inf <=` for none)",
+            Some(_) if lower <= upper => " (it is a binary)",
             Some(_) => "",
         };
-        let message = format!("bounds of `{name}` are crossed: {lower} > {upper}{help}");
+        let message = format!("bounds of `{name}` are crossed: {} > {}{help}", cut.0, cut.1);
         return Err(place.error(message));
     }
-    if column.binary && (lower < 0.0 || upper > 1.0) {
-        return Err(place.error(format!(
-            "`{name}` is binary, so its bounds must lie within [0, 1]; they are {lower} and {upper}"
+    if cut != (lower, upper) {
+        warnings.push(place.warning(format!(
+            "`{name}` is binary, so its bounds {lower} and {upper} are cut to {} and {}",
+            cut.0, cut.1
         )));
     }
-    Ok((lower, upper))
+    if column.semicontinuous && lower < 0.0 {
+        warnings.push(place.warning(format!(
+            "`{name}` is 0 or between {lower} and {upper}; some solvers refuse negative values of \
+             semi-continuous variables"
+        )));
+    }
+    Ok(cut)
 }
 
 fn objective(file: &File<'_>, variables: &[Variable]) -> Quadratic {
@@ -155,6 +207,15 @@ fn automatic_name(position: usize, taken: &HashSet<Name>) -> Name {
         name = name.suffixed("_");
     }
     name
+}
+
+/// The name, with underscores if a row of the model has it.
+fn unused(model: &Model, name: &Name, taken: &HashSet<Name>) -> Name {
+    let mut free = name.clone();
+    while model.has_statement(&free) || free != *name && taken.contains(&free) {
+        free = free.suffixed("_");
+    }
+    free
 }
 
 /// The name of the row that two labels form, if they are the halves of one.

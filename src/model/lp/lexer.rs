@@ -65,12 +65,13 @@ pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Error> {
 
 /// The kind and the length of the token that a text begins with.
 fn piece(text: &str) -> Result<(Kind, usize), &'static str> {
-    const SYMBOLS: [(&str, Kind); 16] = [
+    const SYMBOLS: [(&str, Kind); 17] = [
         ("<=", Kind::AtMost),
         ("=<", Kind::AtMost),
         (">=", Kind::AtLeast),
         ("=>", Kind::AtLeast),
         ("->", Kind::Arrow),
+        ("==", Kind::Equal),
         ("<", Kind::AtMost),
         (">", Kind::AtLeast),
         ("=", Kind::Equal),
@@ -85,9 +86,6 @@ fn piece(text: &str) -> Result<(Kind, usize), &'static str> {
     ];
     if text.starts_with("<->") {
         return Err("`<->` cannot be read; write an indicator for each direction (`->`)");
-    }
-    if text.starts_with("==") {
-        return Err("`==` is not a comparison; expected `=`");
     }
     if let Some(&(symbol, kind)) = SYMBOLS.iter().find(|(symbol, _)| text.starts_with(symbol)) {
         return Ok((kind, symbol.len()));

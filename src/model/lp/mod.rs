@@ -8,12 +8,15 @@ pub(crate) mod names;
 mod read;
 mod rows;
 mod section;
+mod sets;
 mod write;
 
 use super::store::Model;
+use super::text::read::Read;
 use crate::error::Error;
 
-/// Reads a model from the text of an LP file.
+/// Reads a model from the text of an LP file, with a warning for everything that the file repeats or
+/// omits.
 ///
 /// # Errors
 ///
@@ -25,8 +28,8 @@ use crate::error::Error;
 ///
 /// Linear in the length of the text (but for sorting the terms of each row), and the convexity
 /// check of a quadratic objective.
-pub fn read(text: &str) -> Result<Model, Error> {
-    build::model(&read::File::scan(text)?)
+pub fn read(text: &str) -> Result<Read, Error> {
+    build::model(read::File::scan(text)?)
 }
 
 /// Writes a model as an LP file.

@@ -9,6 +9,8 @@ use crate::model::name::Name;
 use crate::model::sense::Sense;
 use crate::model::text::ends::Ends;
 use crate::model::text::names::Names;
+use crate::model::text::read::Warning;
+use crate::model::text::sets::Set;
 use crate::model::text::token::Token;
 
 /// The contents of a file, from which [`build`](super::build) makes a model.
@@ -19,6 +21,8 @@ pub(super) struct File<'a> {
     pub(super) objective: Expression<'a>,
     pub(super) columns: Vec<Column<'a>>,
     pub(super) rows: Vec<Row<'a>>,
+    pub(super) sets: Vec<Set<'a>>,
+    pub(super) warnings: Vec<Warning>,
     names: Names<'a>,
     pieces: Vec<Piece<'a>>,
     /// The next token.
@@ -30,6 +34,7 @@ pub(super) struct Column<'a> {
     pub(super) name: Token<'a>,
     pub(super) integer: bool,
     pub(super) binary: bool,
+    pub(super) semicontinuous: bool,
     pub(super) ends: Ends<'a>,
 }
 
@@ -44,6 +49,8 @@ impl<'a> File<'a> {
             objective: Expression::default(),
             columns: Vec::new(),
             rows: Vec::new(),
+            sets: Vec::new(),
+            warnings: Vec::new(),
             names: Names::default(),
             pieces,
             at: 0,
@@ -57,10 +64,13 @@ impl<'a> File<'a> {
         file.read_objective()?;
         loop {
             let Some((section, length)) = file.section() else {
-                return Err(match file.kind() {
-                    Kind::End => file.cut_off(),
-                    _ => file.unexpected("a section such as `Subject To`, `Bounds` or `End`"),
-                });
+                if file.kind() != Kind::End {
+                    return Err(
+                        file.unexpected("a section such as `Subject To`, `Bounds` or `End`")
+                    );
+                }
+                file.warnings.push(file.token().warning(CUT_OFF));
+                return Ok(file);
             };
             let place = file.token();
             file.at += length;
@@ -70,6 +80,10 @@ impl<'a> File<'a> {
                 Section::Bounds => file.read_bounds()?,
                 Section::Integers => file.read_kinds(|column| column.integer = true)?,
                 Section::Binaries => file.read_kinds(|column| column.binary = true)?,
+                Section::SemiContinuous => {
+                    file.read_kinds(|column| column.semicontinuous = true)?
+                }
+                Section::Sets(kind) => file.read_sets(kind)?,
                 Section::Minimize | Section::Maximize => {
                     return Err(place.error("a second objective; a model has one, keep one"));
                 }
@@ -105,13 +119,19 @@ impl<'a> File<'a> {
             if self.kind() != Kind::Word {
                 return Err(self.unexpected("the name of a variable"));
             }
-            let column = self.column()?;
+            let column = self.known_column()?;
             mark(&mut self.columns[column]);
         }
         Ok(())
     }
 
     // -- pieces ---------------------------------------------------------------------------------
+
+    /// Whether the next pieces are of these kinds.
+    pub(super) fn at_kinds(&self, kinds: &[Kind]) -> bool {
+        let next = self.pieces.iter().skip(self.at).map(|piece| &piece.kind);
+        next.take(kinds.len()).eq(kinds)
+    }
 
     pub(super) fn kind(&self) -> Kind {
         self.pieces[self.at].kind
@@ -170,6 +190,18 @@ impl<'a> File<'a> {
             && self.section().is_none()
     }
 
+    /// The column of the next name, added with a warning if it is new.
+    pub(super) fn known_column(&mut self) -> Result<usize, Error> {
+        let (name, count) = (self.token(), self.columns.len());
+        let column = self.column()?;
+        if column >= count {
+            let text = name.text;
+            let message = format!("`{text}` is neither in the objective nor in a row before");
+            self.warnings.push(name.warning(message));
+        }
+        Ok(column)
+    }
+
     /// The column of the next name, added if it is new.
     pub(super) fn column(&mut self) -> Result<usize, Error> {
         let name = self.step();
@@ -178,8 +210,9 @@ impl<'a> File<'a> {
         }
         Name::from(name.text).check().map_err(|error| name.error(error.to_string()))?;
         let column = self.names.declare(name.text).unwrap_or_else(|known| known);
-        let (integer, binary, ends) = (false, false, Ends::default());
-        self.columns.push(Column { name, integer, binary, ends });
+        let (integer, binary, semicontinuous) = (false, false, false);
+        let ends = Ends::default();
+        self.columns.push(Column { name, integer, binary, semicontinuous, ends });
         Ok(column)
     }
 
@@ -224,9 +257,12 @@ impl<'a> File<'a> {
     }
 
     fn cut_off(&self) -> Error {
-        self.token().error("the file ends without `End`; it may have been cut off")
+        self.token().error(CUT_OFF)
     }
 }
+
+/// What is said about a file without an end.
+const CUT_OFF: &str = "the file ends without `End`; it may have been cut off";
 
 /// Whether a word means infinity.
 pub(super) fn is_infinity(text: &str) -> bool {

@@ -68,6 +68,12 @@ impl<'a> File<'a> {
         if let Some(token) = expression.infinite() {
             return Err(token.error("infinity cannot be part of a sum"));
         }
+        if let (Some((_, token)), false) = (expression.constant, expression.terms.is_empty()) {
+            return Err(token.error(
+                "a number beside variables is read differently by different solvers; move it to \
+                 the other side",
+            ));
+        }
         if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
             return Err(place.error("no point can satisfy this row"));
         }

@@ -11,15 +11,15 @@ pub(super) enum Section {
     Bounds,
     Integers,
     Binaries,
+    SemiContinuous,
+    /// Special ordered sets, and of which kind those are that do not say it.
+    Sets(Option<u8>),
     End,
     /// A section that cannot be read unless it is empty, and what to do instead.
     Refused(&'static str),
 }
 
-const SEMI: &str = "semi-continuous variables have no place in a model; write them with a binary \
-                    and an indicator";
-const SETS: &str =
-    "special ordered sets have no place in a model; write them with binaries and indicators";
+const SEMI: &str = "list its variables under `Semi-Continuous` and under `General`";
 const LAZY: &str = "move its rows to `Subject To`, where they always hold";
 const FUNCTIONS: &str = "functions cannot be read from LP files; write them as rows, or in a \
                          program with the functions of a model";
@@ -54,11 +54,11 @@ const WORDS: [(&str, Section); 42] = [
     ("bins", Section::Binaries),
     ("bin", Section::Binaries),
     ("end", Section::End),
-    ("semis", Section::Refused(SEMI)),
-    ("semi", Section::Refused(SEMI)),
-    ("sos", Section::Refused(SETS)),
-    ("sos1", Section::Refused(SETS)),
-    ("sos2", Section::Refused(SETS)),
+    ("semis", Section::SemiContinuous),
+    ("semi", Section::SemiContinuous),
+    ("sos", Section::Sets(None)),
+    ("sos1", Section::Sets(Some(1))),
+    ("sos2", Section::Sets(Some(2))),
     ("lazy", Section::Refused(LAZY)),
     ("usercuts", Section::Refused(LAZY)),
     ("pwlobj", Section::Refused(FUNCTIONS)),
@@ -102,8 +102,12 @@ pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
     let hyphenated = (is(0, "semi") && (is(2, "continuous") || is(2, "integer")))
         || (is(0, "multi") && is(2, "objectives"));
     if hyphenated && kind(1) == Some(Kind::Minus) {
-        let what = if is(0, "semi") { SEMI } else { SCENARIOS };
-        return Some((Section::Refused(what), 3));
+        let section = match is(0, "semi") {
+            true if is(2, "continuous") => Section::SemiContinuous,
+            true => Section::Refused(SEMI),
+            false => Section::Refused(SCENARIOS),
+        };
+        return Some((section, 3));
     }
     let found = WORDS.iter().find(|(word, _)| is(0, word));
     found.map(|&(_, section)| (section, 1))

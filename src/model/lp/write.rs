@@ -8,7 +8,7 @@ use crate::interval::Interval;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::sense::Sense;
-use crate::model::text::lines::{Line, lines, number, objective_name};
+use crate::model::text::lines::{Line, file_bounds, lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
@@ -36,22 +36,23 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
         write_row(&mut page, line, &columns);
     }
     page.text.push_str("Bounds\n");
+    let mut semicontinuous = Vec::new();
     for (variable, column) in model.variables().zip(&columns) {
-        if let Some(bound) = bound(&variable, column) {
+        let (bounds, semi) = file_bounds(&variable, "LP")?;
+        if semi {
+            semicontinuous.push(column);
+        }
+        if let Some(bound) = bound(&variable, bounds, column) {
             page.word(&format!(" {bound}"));
             page.end();
         }
     }
     for (title, kind) in [("General", VariableKind::Integer), ("Binary", VariableKind::Binary)] {
-        let mut members = model.variables().zip(&columns).filter(|(v, _)| v.kind() == kind);
-        if let Some((_, first)) = members.next() {
-            page.word(title);
-            page.end();
-            page.word(&format!(" {first}"));
-            members.for_each(|(_, column)| page.part(column));
-            page.end();
-        }
+        let members = model.variables().zip(&columns).filter(|(v, _)| v.kind() == kind);
+        write_names(&mut page, title, members.map(|(_, column)| column));
     }
+    write_names(&mut page, "Semi-Continuous", semicontinuous);
+    write_sets(&mut page, model, &columns);
     page.text.push_str("End\n");
     Ok(page.text)
 }
@@ -143,6 +144,31 @@ fn write_objective(page: &mut Page, model: &Model, lines: &[Line<'_>], columns: 
     page.end();
 }
 
+fn write_names<'a>(page: &mut Page, title: &str, names: impl IntoIterator<Item = &'a String>) {
+    let mut names = names.into_iter();
+    if let Some(first) = names.next() {
+        page.word(title);
+        page.end();
+        page.word(&format!(" {first}"));
+        names.for_each(|name| page.part(name));
+        page.end();
+    }
+}
+
+fn write_sets(page: &mut Page, model: &Model, columns: &[String]) {
+    for (k, set) in model.special_ordered_sets().enumerate() {
+        if k == 0 {
+            page.word("SOS");
+            page.end();
+        }
+        page.word(&format!(" {}: S{}::", names::write(set.name()), set.most()));
+        for &(member, weight) in set.members() {
+            page.part(&format!("{}:{}", columns[member.index()], number(weight)));
+        }
+        page.end();
+    }
+}
+
 /// Whether all columns appear, and for the first time in their order.
 fn is_natural(
     terms: &[(Variable, f64)],
@@ -206,8 +232,8 @@ fn write_half(
 }
 
 /// The entry of a variable in the bounds section, unless its kind implies it.
-fn bound(variable: &VariableRef<'_>, column: &str) -> Option<String> {
-    let Interval { lower, upper } = variable.bounds();
+fn bound(variable: &VariableRef<'_>, bounds: Interval, column: &str) -> Option<String> {
+    let Interval { lower, upper } = bounds;
     let top = if variable.kind() == VariableKind::Binary { 1.0 } else { f64::INFINITY };
     let low = lower.to_bits() != 0;
     let (lower_text, upper_text) = (number(lower), number(upper));

@@ -1,7 +1,8 @@
 //! The BOUNDS section: what each kind of entry does, and the defaults.
 
 use crate::error::Error;
-use crate::model::text::ends::{self, Ends};
+use crate::model::text::ends::{self, Ends, Repeated};
+use crate::model::text::read::Warning;
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
 
@@ -11,20 +12,17 @@ pub(super) struct Bounds<'a> {
     ends: Ends<'a>,
     /// The kind of the column according to the entries.
     pub(super) kind: Option<VariableKind>,
+    /// Whether the bounds are those of values other than 0.
+    pub(super) semicontinuous: bool,
 }
 
 /// Whether a bound of this kind has a number; an error for unknown kinds.
 pub(super) fn has_value(kind: &Token<'_>) -> Result<bool, Error> {
     match kind.text.to_ascii_uppercase().as_str() {
-        "LO" | "UP" | "FX" | "LI" | "UI" => Ok(true),
+        "LO" | "UP" | "FX" | "LI" | "UI" | "SC" | "SI" => Ok(true),
         "FR" | "MI" | "PL" | "BV" => Ok(false),
-        "SC" | "SI" => Err(kind.error(format!(
-            "bound kind `{}` declares a semi-continuous column, which a model cannot hold; write \
-             it with a binary and an indicator",
-            kind.text
-        ))),
         _ => Err(kind.error(format!(
-            "`{}` is not a bound kind; expected LO, UP, FX, FR, MI, PL, BV, LI or UI",
+            "`{}` is not a bound kind; expected LO, UP, FX, FR, MI, PL, BV, LI, UI, SC or SI",
             kind.text
         ))),
     }
@@ -37,6 +35,7 @@ impl<'a> Bounds<'a> {
         kind: &Token<'a>,
         column: &Token<'a>,
         value: Option<&Token<'a>>,
+        warnings: &mut Vec<Warning>,
     ) -> Result<(), Error> {
         let number = || match value {
             Some(token) => token.number().map(|number| (number, token)),
@@ -47,16 +46,25 @@ impl<'a> Bounds<'a> {
         let upper_case = kind.text.to_ascii_uppercase();
         let (lower, upper) = match upper_case.as_str() {
             "LO" | "LI" => (Some(low(number()?)?), None),
-            "UP" | "UI" => (None, Some(high(number()?)?)),
+            "UP" | "UI" | "SC" | "SI" => (None, Some(high(number()?)?)),
             "FX" => (Some(low(number()?)?), Some(high(number()?)?)),
             "MI" => (Some(f64::NEG_INFINITY), None),
             "PL" => (None, Some(f64::INFINITY)),
             "BV" => (Some(0.0), Some(1.0)),
             _ => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
         };
-        self.ends.take(column, lower, upper)?;
+        // `BV` overrules other entries.
+        let (before, binary) = (self.kind == Some(VariableKind::Binary), upper_case == "BV");
+        let counts = if binary && !before { Repeated::Last } else { Repeated::First };
+        self.ends.take(column, (lower, upper), counts, warnings);
         match upper_case.as_str() {
             "BV" => self.kind = Some(VariableKind::Binary),
+            "SC" | "SI" => {
+                self.semicontinuous = true;
+                if upper_case == "SI" {
+                    self.kind = self.kind.or(Some(VariableKind::Integer));
+                }
+            }
             "LI" | "UI" => self.kind = self.kind.or(Some(VariableKind::Integer)),
             _ => {}
         }
@@ -64,17 +72,32 @@ impl<'a> Bounds<'a> {
     }
 
     /// The bounds of the column, defaults filled in.
-    pub(super) fn resolve(&self, integer: bool) -> Result<(f64, f64), Error> {
+    pub(super) fn resolve(
+        &self,
+        integer: bool,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(f64, f64), Error> {
         let Some(last) = self.ends.last else {
             return Ok((0.0, if integer { 1.0 } else { f64::INFINITY }));
         };
         let upper = self.ends.upper.unwrap_or(f64::INFINITY);
         let default = if upper < 0.0 { f64::NEG_INFINITY } else { 0.0 };
+        let name = last.text;
+        if upper < 0.0 && self.ends.lower.is_none() {
+            warnings.push(last.warning(format!(
+                "`{name}` has a negative upper bound and no lower one, so that is -inf; some \
+                 solvers take 0"
+            )));
+        }
         let lower = self.ends.lower.unwrap_or(default);
         if lower > upper {
-            let name = last.text;
             return Err(last.error(format!("bounds of `{name}` are crossed: {lower} > {upper}")));
         }
         Ok((lower, upper))
+    }
+
+    /// Whether a semi-continuous column has an upper bound of 0 and a positive lower one.
+    pub(super) fn is_only_zero(&self) -> bool {
+        self.ends.upper == Some(0.0) && self.ends.lower.is_some_and(|lower| lower > 0.0)
     }
 }

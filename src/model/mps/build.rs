@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use super::decimal::Decimal;
-use super::read::{File, Row, RowKind};
+use super::read::{Column, File, Row, RowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
@@ -15,13 +15,15 @@ use crate::model::reformulation::BigM;
 use crate::model::sense::Sense;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
+use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
 
 /// Makes the model that a file describes.
-pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
+pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
     let mut model = Model::new(file.name);
-    let variables = variables(file, &mut model)?;
+    let mut warnings = std::mem::take(&mut file.warnings);
+    let variables = variables(&file, &mut model, &mut warnings)?;
     for row in &file.rows {
         if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
             continue;
@@ -45,12 +47,20 @@ pub(super) fn model(file: &File<'_>) -> Result<Model, Error> {
             }
         }
     }
-    let objective = objective(file, &variables)?;
+    for (set, position) in file.sets.iter().zip(1..) {
+        let name = |text: &str| Name::from(text);
+        set.add(&mut model, &variables, position, name, &mut warnings)?;
+    }
+    let objective = objective(&file, &variables, &mut warnings)?;
     model.set_objective(file.sense.unwrap_or(Sense::Minimize), objective)?;
-    Ok(model)
+    Ok(Read { model, warnings })
 }
 
-fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error> {
+fn variables(
+    file: &File<'_>,
+    model: &mut Model,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Variable>, Error> {
     let mut switches = vec![false; file.columns.len()];
     for condition in file.rows.iter().filter_map(|row| row.condition) {
         switches[condition.column] = true;
@@ -59,7 +69,11 @@ fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error>
     for (column, switch) in file.columns.iter().zip(switches) {
         let said = column.bounds.kind;
         let integer = column.integer || said.is_some();
-        let (lower, upper) = column.bounds.resolve(integer)?;
+        if column.bounds.semicontinuous {
+            variables.push(semicontinuous(column, integer, model, warnings)?);
+            continue;
+        }
+        let (lower, upper) = column.bounds.resolve(integer, warnings)?;
         let within = lower >= 0.0 && upper <= 1.0;
         let kind = match said {
             _ if !integer => VariableKind::Continuous,
@@ -71,6 +85,33 @@ fn variables(file: &File<'_>, model: &mut Model) -> Result<Vec<Variable>, Error>
         variables.push(model.variable(column.name.text, kind, lower, upper)?);
     }
     Ok(variables)
+}
+
+/// Adds a semi-continuous or semi-integer column.
+fn semicontinuous(
+    column: &Column<'_>,
+    integer: bool,
+    model: &mut Model,
+    warnings: &mut Vec<Warning>,
+) -> Result<Variable, Error> {
+    let (place, name) = (column.name, column.name.text);
+    if column.bounds.is_only_zero() {
+        let text = "has an upper bound of 0 and a positive lower one, so it is 0";
+        warnings.push(place.warning(format!("the semi-continuous column `{name}` {text}")));
+        let kind = if integer { VariableKind::Integer } else { VariableKind::Continuous };
+        return model.variable(name, kind, 0.0, 0.0);
+    }
+    let (lower, upper) = column.bounds.resolve(integer, warnings)?;
+    if lower < 0.0 {
+        warnings.push(place.warning(format!(
+            "`{name}` is 0 or between {lower} and {upper}; some solvers refuse negative values of \
+             semi-continuous columns"
+        )));
+    }
+    match integer {
+        true => model.semiinteger(name, lower, upper),
+        false => model.semicontinuous(name, lower, upper),
+    }
 }
 
 /// The limits of a row from its kind, right-hand side and range.
@@ -126,12 +167,16 @@ fn other_limit(
     Ok(token::or_infinite(other))
 }
 
-fn objective(file: &File<'_>, variables: &[Variable]) -> Result<Quadratic, Error> {
+fn objective(
+    file: &File<'_>,
+    variables: &[Variable],
+    warnings: &mut Vec<Warning>,
+) -> Result<Quadratic, Error> {
     let mut objective = Quadratic::zero();
     if let Some(index) = file.objective {
         let row = &file.rows[index];
         if let Some(range) = row.range {
-            return Err(range.error("the objective row cannot have a range"));
+            warnings.push(range.warning("the range of the objective row is ignored"));
         }
         let mut affine = Affine::zero();
         if let Some(right) = row.right {
@@ -146,8 +191,11 @@ fn objective(file: &File<'_>, variables: &[Variable]) -> Result<Quadratic, Error
         let key = if file.mirrored { (a, b) } else { (a.min(b), a.max(b)) };
         if seen.insert(key, product.value).is_some() {
             let (a, b) = (file.columns[a].name.text, file.columns[b].name.text);
-            let hint = if file.mirrored { "" } else { " (QUADOBJ takes one triangle only)" };
-            return Err(product.place.error(format!("a second entry for `{a}` and `{b}`{hint}")));
+            let message = format!("a second entry for `{a}` and `{b}`");
+            if file.mirrored {
+                return Err(product.place.error(message));
+            }
+            warnings.push(product.place.warning(message + "; their sum counts"));
         }
     }
     for product in &file.products {

@@ -4,26 +4,29 @@ mod bounds;
 mod build;
 pub(crate) mod decimal;
 mod fixed;
+mod limits;
 mod read;
 mod section;
+mod sets;
 mod write;
 
 use super::store::Model;
+use super::text::read::Read;
 use crate::error::{Error, ErrorKind};
 
-/// Reads a model from the text of an MPS file.
+/// Reads a model from the text of an MPS file, with a warning for everything that the file repeats
+/// or omits.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Parse`] with the line and column of anything damaged, unknown, given twice or
-/// contradictory; [`ErrorKind::NotConvex`] for a quadratic objective that is not convex in its
+/// [`ErrorKind::Parse`] with the line and column of anything damaged, unknown or contradictory; [`ErrorKind::NotConvex`] for a quadratic objective that is not convex in its
 /// direction.
 ///
 /// # Complexity
 ///
 /// Linear in the length of the text, but for the convexity check of a quadratic objective.
-pub fn read(text: &str) -> Result<Model, Error> {
-    let model = |text: &str| build::model(&read::File::scan(text)?);
+pub fn read(text: &str) -> Result<Read, Error> {
+    let model = |text: &str| build::model(read::File::scan(text)?);
     model(text).or_else(|error| match fixed::without_blanks(text) {
         Some(text) if matches!(error.kind(), ErrorKind::Parse { .. }) => model(&text),
         _ => Err(error),

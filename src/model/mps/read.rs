@@ -1,11 +1,14 @@
 //! Reading: from lines to rows and columns as the file lists them.
 
-use super::bounds::{self, Bounds};
+use super::bounds::Bounds;
 use super::section::Section;
+use super::sets;
 use crate::error::{Error, ErrorKind};
 use crate::model::name::Name;
 use crate::model::sense::Sense;
 use crate::model::text::names::Names;
+use crate::model::text::read::Warning;
+use crate::model::text::sets::Set;
 use crate::model::text::token::{self, Token};
 
 /// The contents of a file, from which [`build`](super::build) makes a model.
@@ -18,13 +21,17 @@ pub(super) struct File<'a> {
     pub(super) objective: Option<usize>,
     pub(super) products: Vec<Product<'a>>,
     pub(super) mirrored: bool,
+    pub(super) sets: Vec<Set<'a>>,
+    pub(super) warnings: Vec<Warning>,
+    /// The set of a marker 'SOSORG' that is still open.
+    pub(super) open_set: Option<usize>,
     /// The row that OBJNAME names.
     chosen: Option<Token<'a>>,
-    row_names: Names<'a>,
-    column_names: Names<'a>,
-    right_set: Option<&'a str>,
-    range_set: Option<&'a str>,
-    bound_set: Option<&'a str>,
+    pub(super) row_names: Names<'a>,
+    pub(super) column_names: Names<'a>,
+    pub(super) right_set: Option<&'a str>,
+    pub(super) range_set: Option<&'a str>,
+    pub(super) bound_set: Option<&'a str>,
     /// The marker that opened a stretch of integer columns.
     integers: Option<Token<'a>>,
 }
@@ -144,6 +151,7 @@ impl<'a> File<'a> {
     }
 
     fn data(&mut self, section: Section, tokens: &[Token<'a>]) -> Result<(), Error> {
+        let tokens = &tokens[..self.end_of_data(section, tokens)];
         match section {
             Section::Start => Err(tokens[0].error("a data line before any section")),
             Section::Objsense => self.objsense(&tokens[0]),
@@ -158,7 +166,24 @@ impl<'a> File<'a> {
             Section::Bounds => self.bound(tokens),
             Section::Quadobj | Section::Qsection | Section::Qmatrix => self.product(tokens),
             Section::Indicators => self.indicator(tokens),
+            Section::Sets => self.set(tokens),
         }
+    }
+
+    /// Where a comment after the data of a line begins: at a word that begins with `$` or `*` and
+    /// is no row or column.
+    fn end_of_data(&mut self, section: Section, tokens: &[Token<'a>]) -> usize {
+        // The name of a set may look like a comment.
+        let header = section == Section::Sets && sets::kind(&tokens[0]).is_some();
+        let first = if header { 3 } else { 2 };
+        for (k, token) in tokens.iter().enumerate().skip(first) {
+            let comment = token.text.starts_with(['$', '*']);
+            if comment && self.row_names.find(token.text).is_none() && !self.is_column(token) {
+                self.warnings.push(token.warning("taken as a comment from here on"));
+                return k;
+            }
+        }
+        tokens.len()
     }
 
     fn objsense(&mut self, word: &Token<'a>) -> Result<(), Error> {
@@ -208,6 +233,12 @@ impl<'a> File<'a> {
     }
 
     fn column(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
+        if let [.., marker, word] = tokens
+            && marker.text.eq_ignore_ascii_case("'MARKER'")
+            && ["'SOSORG'", "'SOSEND'"].iter().any(|known| word.text.eq_ignore_ascii_case(known))
+        {
+            return self.set_marker(tokens);
+        }
         if let [_, quoted, word, ..] = tokens
             && quoted.text.eq_ignore_ascii_case("'MARKER'")
             && word.text.starts_with('\'')
@@ -226,14 +257,18 @@ impl<'a> File<'a> {
             _ => self.new_column(name)?,
         };
         for entry in entries.chunks_exact(2) {
-            let row = self.find_row(&entry[0])?;
             let value = entry[1].finite()?;
+            let Some(row) = self.find_row_or_warn(&entry[0]) else { continue };
             let row = &mut self.rows[row];
             if row.last_column.replace(index) == Some(index) {
-                let (column, row) = (name.text, row.name.text);
-                return Err(
-                    entry[0].error(format!("column `{column}` has a second entry in row `{row}`"))
-                );
+                let (column, text) = (name.text, row.name.text);
+                let message = format!("column `{column}` has a second entry in row `{text}`");
+                match row.kind {
+                    // Solvers disagree.
+                    RowKind::Objective => return Err(entry[0].error(message)),
+                    _ => self.warnings.push(entry[0].warning(message + "; the first one counts")),
+                }
+                continue;
             }
             if value != 0.0 && row.kind != RowKind::Ignored {
                 row.terms.push((index, value));
@@ -252,6 +287,7 @@ impl<'a> File<'a> {
         })?;
         let integer = self.integers.is_some();
         self.columns.push(Column { name, integer, bounds: Bounds::default() });
+        self.join_open_set(index);
         Ok(index)
     }
 
@@ -271,67 +307,6 @@ impl<'a> File<'a> {
             }
         }
         Ok(())
-    }
-
-    fn right_hand_side(&mut self, section: Section, tokens: &[Token<'a>]) -> Result<(), Error> {
-        let entries = match tokens.len() % 2 {
-            0 => tokens,
-            _ => {
-                let set = match section {
-                    Section::Ranges => &mut self.range_set,
-                    _ => &mut self.right_set,
-                };
-                check_set(set, &tokens[0])?;
-                &tokens[1..]
-            }
-        };
-        if entries.is_empty() {
-            return Err(tokens[0].error("expected pairs of row name and value"));
-        }
-        for entry in entries.chunks_exact(2) {
-            let row = self.find_row(&entry[0])?;
-            entry[1].number()?;
-            let row = &mut self.rows[row];
-            let (place, what) = match section {
-                Section::Ranges => (&mut row.range, "range"),
-                _ => (&mut row.right, "right-hand side"),
-            };
-            if let Some(earlier) = place.replace(entry[1]) {
-                let (row, line) = (row.name.text, earlier.line());
-                return Err(entry[0]
-                    .error(format!("row `{row}` already has a {what}, given in line {line}")));
-            }
-        }
-        Ok(())
-    }
-
-    fn bound(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
-        let (kind, rest) = (&tokens[0], &tokens[1..]);
-        let with_value = bounds::has_value(kind)?;
-        // The name of the bound set may be left out, and a value may follow kinds without one.
-        let (set, column, value) = match rest {
-            [set, column, value] => (Some(set), column, Some(value)),
-            [column, value] if with_value => (None, column, Some(value)),
-            [column, _] if self.is_bare(column, &rest[1]) => (None, column, None),
-            [set, column] => (Some(set), column, None),
-            [column] => (None, column, None),
-            _ => {
-                return Err(kind.error(
-                    "expected a bound kind, an optional set name, a column name and a value",
-                ));
-            }
-        };
-        if let Some(set) = set {
-            check_set(&mut self.bound_set, set)?;
-        }
-        let index = self.find_column(column)?;
-        self.columns[index].bounds.take(kind, column, value)
-    }
-
-    /// Whether the first of two words after a kind without a value is the column.
-    fn is_bare(&mut self, first: &Token<'a>, second: &Token<'a>) -> bool {
-        self.column_names.find(second.text).is_none()
-            && self.column_names.find(first.text).is_some()
     }
 
     fn product(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
@@ -407,7 +382,22 @@ impl<'a> File<'a> {
         found.ok_or_else(|| name.error(format!("row `{}` was not declared in ROWS", name.text)))
     }
 
-    fn find_column(&mut self, name: &Token<'a>) -> Result<usize, Error> {
+    /// The position of a row, or a warning that the entry is ignored.
+    pub(super) fn find_row_or_warn(&mut self, name: &Token<'a>) -> Option<usize> {
+        let found = self.row_names.find(name.text);
+        if found.is_none() {
+            let text = name.text;
+            let message = format!("row `{text}` was not declared in ROWS; the entry is ignored");
+            self.warnings.push(name.warning(message));
+        }
+        found
+    }
+
+    pub(super) fn is_column(&mut self, name: &Token<'a>) -> bool {
+        self.column_names.find(name.text).is_some()
+    }
+
+    pub(super) fn find_column(&mut self, name: &Token<'a>) -> Result<usize, Error> {
         let found = self.column_names.find(name.text);
         found.ok_or_else(|| name.error(format!("column `{}` is not in COLUMNS", name.text)))
     }
@@ -419,16 +409,6 @@ fn direction(word: &Token<'_>) -> Option<Sense> {
         "MAX" | "MAXIMIZE" | "MAXIMISE" => Some(Sense::Maximize),
         _ => None,
     }
-}
-
-/// A file may have only one set of right-hand sides, of ranges and of bounds.
-fn check_set<'a>(set: &mut Option<&'a str>, name: &Token<'a>) -> Result<(), Error> {
-    let first = *set.get_or_insert(name.text);
-    if first == name.text {
-        return Ok(());
-    }
-    let text = name.text;
-    Err(name.error(format!("a second set `{text}` beside `{first}`; only one set can be read")))
 }
 
 /// The tokens of a line that must have exactly `N`.

@@ -19,6 +19,7 @@ pub(super) enum Section {
     Qsection,
     Qmatrix,
     Indicators,
+    Sets,
 }
 
 impl Section {
@@ -37,13 +38,14 @@ impl Section {
             "QSECTION" => Section::Qsection,
             "QMATRIX" => Section::Qmatrix,
             "INDICATORS" => Section::Indicators,
+            "SOS" | "SOS1" | "SOS2" | "SETS" => Section::Sets,
             other => {
                 return Err(head.error(match refused(other) {
                     Some(help) => format!("section `{}` cannot be read: {help}", head.text),
                     None => format!(
                         "section `{}` is not known; expected NAME, OBJSENSE, ROWS, COLUMNS, RHS, \
-                         RANGES, BOUNDS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines begin \
-                         with a space)",
+                         RANGES, BOUNDS, SOS, QUADOBJ, QMATRIX, INDICATORS or ENDATA (data lines \
+                         begin with a space)",
                         head.text
                     ),
                 }));
@@ -55,10 +57,6 @@ impl Section {
 /// What to do about sections that a model cannot hold.
 fn refused(name: &str) -> Option<&'static str> {
     Some(match name {
-        "SOS" | "SOS1" | "SOS2" | "SETS" => {
-            "special ordered sets have no place in a model; write them with binaries and \
-             indicators"
-        }
         "QCMATRIX" | "CSECTION" => "rows must be linear; only the objective can be quadratic",
         "LAZYCONS" | "USERCUTS" => "move its rows to ROWS, where they always hold",
         "PWLOBJ" | "PWLNAM" | "PWLCON" | "GENCONS" => {

@@ -8,7 +8,7 @@ use crate::interval::Interval;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::sense::Sense;
-use crate::model::text::lines::{lines, number, objective_name};
+use crate::model::text::lines::{file_bounds, lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
@@ -42,7 +42,8 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
     write_rows(&mut text, model, &lines, &objective);
     write_columns(&mut text, model, &lines, &columns, &objective);
     write_limits(&mut text, model, &lines, &objective);
-    write_bounds(&mut text, model, &columns);
+    write_bounds(&mut text, model, &columns)?;
+    write_sets(&mut text, model, &columns);
     write_products(&mut text, model, &columns);
     let conditions = lines.iter().filter_map(|line| Some((line, line.condition?)));
     for (k, (line, condition)) in conditions.enumerate() {
@@ -122,20 +123,30 @@ fn write_limits(text: &mut String, model: &Model, lines: &[Line<'_>], objective:
     }
 }
 
-fn write_bounds(text: &mut String, model: &Model, columns: &[String]) {
+fn write_bounds(text: &mut String, model: &Model, columns: &[String]) -> Result<(), Error> {
     text.push_str("BOUNDS\n");
     for (variable, column) in model.variables().zip(columns) {
-        for (kind, value) in bound_entries(&variable) {
+        let (bounds, semi) = file_bounds(&variable, "MPS")?;
+        for (kind, value) in bound_entries(&variable, bounds, semi) {
             entry(text, kind, "BOUND", column, &value.map(number).unwrap_or_default());
         }
     }
+    Ok(())
 }
 
 /// The entries of one variable. They rely on no default that readers disagree about.
-fn bound_entries(variable: &VariableRef<'_>) -> Vec<(&'static str, Option<f64>)> {
-    let Interval { lower, upper } = variable.bounds();
+fn bound_entries(
+    variable: &VariableRef<'_>,
+    bounds: Interval,
+    semi: bool,
+) -> Vec<(&'static str, Option<f64>)> {
+    let Interval { lower, upper } = bounds;
     let kind = variable.kind();
     let integer = kind.is_integral();
+    if semi {
+        let low = if lower.is_finite() { ("LO", Some(lower)) } else { ("MI", None) };
+        return vec![low, ("SC", Some(if upper.is_finite() { upper } else { 1e30 }))];
+    }
     if kind == VariableKind::Binary && lower.to_bits() == 0 && upper == 1.0 {
         return vec![("BV", None)];
     }
@@ -159,6 +170,22 @@ fn bound_entries(variable: &VariableRef<'_>) -> Vec<(&'static str, Option<f64>)>
         _ => {}
     }
     entries
+}
+
+/// The sets. If a column has the name of a kind, the longer form of the lines is clear.
+fn write_sets(text: &mut String, model: &Model, columns: &[String]) {
+    let is_kind = |name: &str| ["S1", "S2", "s1", "s2"].contains(&name);
+    let doubtful = columns.iter().any(|name| is_kind(name));
+    for (k, set) in model.special_ordered_sets().enumerate() {
+        section(text, k, "SOS");
+        let (before, after) = if doubtful { ("SOS ", " 1") } else { ("", "") };
+        put(text, format_args!(" S{} {before}{}{after}\n", set.most(), set.name()));
+        for &(member, weight) in set.members() {
+            let name = &columns[member.index()];
+            let word = if is_kind(name) { "SOS" } else { "" };
+            entry(text, word, name, &number(weight), "");
+        }
+    }
 }
 
 fn write_products(text: &mut String, model: &Model, columns: &[String]) {

@@ -1,7 +1,15 @@
-//! The bounds of a column while a file is read. A second, different value is an error.
+//! The bounds of a column while a file is read.
 
+use super::read::Warning;
 use super::token::Token;
 use crate::error::Error;
+
+/// Which of two different values of a bound counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Repeated {
+    First,
+    Last,
+}
 
 /// The bounds that a file gives for a column.
 #[derive(Debug, Clone, Copy, Default)]
@@ -13,17 +21,33 @@ pub(crate) struct Ends<'a> {
 }
 
 impl<'a> Ends<'a> {
-    /// Sets the bounds that an entry gives. A value other than the one before is an error.
+    /// Sets the bounds that an entry gives, with a warning for a value other than the one before.
     pub(crate) fn take(
         &mut self,
         column: &Token<'a>,
-        lower: Option<f64>,
-        upper: Option<f64>,
-    ) -> Result<(), Error> {
-        set(&mut self.lower, lower, "lower", column)?;
-        set(&mut self.upper, upper, "upper", column)?;
+        (lower, upper): (Option<f64>, Option<f64>),
+        counts: Repeated,
+        warnings: &mut Vec<Warning>,
+    ) {
+        for (end, value, which) in
+            [(&mut self.lower, lower, "lower"), (&mut self.upper, upper, "upper")]
+        {
+            if let (Some(old), Some(new)) = (*end, value)
+                && old != new
+            {
+                let (name, first) = (column.text, counts == Repeated::First);
+                let counts = if first { "first" } else { "last" };
+                warnings.push(column.warning(format!(
+                    "the {which} bound of `{name}` was {old} before and is {new} now; the {counts} \
+                     one counts"
+                )));
+                if first {
+                    continue;
+                }
+            }
+            *end = value.or(*end);
+        }
         self.last = Some(*column);
-        Ok(())
     }
 }
 
@@ -41,22 +65,4 @@ pub(crate) fn upper(value: f64, token: &Token<'_>) -> Result<f64, Error> {
         return Ok(value);
     }
     Err(token.error("an upper bound cannot be -infinity"))
-}
-
-fn set(
-    end: &mut Option<f64>,
-    value: Option<f64>,
-    which: &str,
-    column: &Token<'_>,
-) -> Result<(), Error> {
-    if let (Some(old), Some(new)) = (*end, value)
-        && old != new
-    {
-        let name = column.text;
-        return Err(column.error(format!(
-            "the {which} bound of `{name}` was {old} before and is {new} now; keep one of them"
-        )));
-    }
-    *end = value.or(*end);
-    Ok(())
 }

@@ -2,10 +2,11 @@
 
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
-use crate::model::Model;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::name::Name;
+use crate::model::semicontinuous::with_zero;
+use crate::model::{Model, VariableRef};
 
 /// A row of a file: a linear row or the row of an indicator.
 pub(crate) struct Line<'a> {
@@ -35,6 +36,7 @@ pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Li
         return Err(not_in_file("the function", function.name()));
     }
     model.variables().try_for_each(|variable| variable.name().check())?;
+    model.special_ordered_sets().try_for_each(|set| set.name().check())?;
     let rows = model.constraints().map(|row| {
         let (name, terms, limits) = (row.name(), row.terms(), row.limits());
         Ok::<_, Error>(Line { name, terms, limits, condition: None })
@@ -55,6 +57,29 @@ pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Li
             Ok(line)
         })
         .collect()
+}
+
+/// The bounds of a variable as files hold them, and whether it is semi-continuous: then they are
+/// those of its values other than 0.
+pub(crate) fn file_bounds(
+    variable: &VariableRef<'_>,
+    format: &'static str,
+) -> Result<(Interval, bool), Error> {
+    let bounds = variable.bounds();
+    let Some(values) = variable.semicontinuous() else { return Ok((bounds, false)) };
+    if bounds == with_zero(values) {
+        return Ok((values, true));
+    }
+    let (zero, inside) = (bounds.contains(0.0), bounds.intersection(values));
+    match (zero, inside.lower <= inside.upper) {
+        (zero, true) => Ok((inside, zero)),
+        (true, false) => Ok((Interval::point(0.0), false)),
+        (false, false) => {
+            let what = "that there is no value for";
+            let name = variable.name().to_string();
+            Err(ErrorKind::NotInFile { format, what, name }.into())
+        }
+    }
 }
 
 /// A name for the objective row that no other row has.

@@ -1,5 +1,6 @@
 //! Tokens of a line with their positions in the file, and the numbers in them.
 
+use super::read::Warning;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
@@ -23,9 +24,17 @@ impl<'a> Token<'a> {
         self.parse_error(message).into()
     }
 
+    /// A warning about this token.
+    pub(crate) fn warning(&self, message: impl Into<String>) -> Warning {
+        Warning { line: self.line, column: self.column(), message: message.into() }
+    }
+
     fn parse_error(&self, message: impl Into<String>) -> ErrorKind {
-        let column = self.line_text[..self.start].chars().count() + 1;
-        ErrorKind::Parse { line: self.line, column, message: message.into() }
+        ErrorKind::Parse { line: self.line, column: self.column(), message: message.into() }
+    }
+
+    fn column(&self) -> usize {
+        self.line_text[..self.start].chars().count() + 1
     }
 
     /// The line of the token, from 1.

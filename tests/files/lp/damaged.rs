@@ -12,7 +12,7 @@ fn errors_name_line_and_column() {
             "line 2, column 2: the model's name has a control character",
         ),
         ("x + y", "line 1, column 1: expected `Minimize` or `Maximize`, found `x`"),
-        ("min\n x", "line 2, column 3: the file ends without `End`; it may have been cut off"),
+        ("min\n x +", "line 2, column 5: the file ends without `End`; it may have been cut off"),
         (
             "min x y\nend",
             "line 1, column 7: expected a section such as `Subject To`, `Bounds` or `End`, found \
@@ -61,7 +61,10 @@ fn errors_name_line_and_column() {
             ),
         ),
         ("min x\nx[1]: y", "line 2, column 1: a second objective; a model has one, keep one"),
-        ("min x[1\nst", "line 2, column 3: the file ends without `End`; it may have been cut off"),
+        (
+            "min x\nst x[1",
+            "line 2, column 7: the file ends without `End`; it may have been cut off",
+        ),
     ];
     for (text, expected) in cases {
         if expected.is_empty() {
@@ -89,7 +92,11 @@ fn errors_in_rows() {
          right-hand side is a number; variables stand on the left), found `y`"
     );
     assert_eq!(row("c: x <="), "line 4, column 1: expected a number, found `bin`");
-    assert_eq!(row("c: x == 3"), "line 3, column 6: `==` is not a comparison; expected `=`");
+    assert_eq!(
+        row("c: x - 1 <= 3"),
+        "line 3, column 8: a number beside variables is read differently by different solvers; \
+         move it to the other side"
+    );
     assert_eq!(
         row("c: 1 <= x >= 3"),
         "line 3, column 11: a row with two limits needs the same comparison twice, `<=` or `>=`"
@@ -112,15 +119,11 @@ fn errors_in_rows() {
         "line 3, column 8: products and squares can stand in the objective only; rows must be linear"
     );
     assert_eq!(
-        row("c: x >= 1\nc: x <= 2"),
-        "line 4, column 1: the name `c` is already taken by another statement; choose another one"
-    );
-    assert_eq!(
         row("c: 9e19 x + 9e19 x <= 2"),
         "line 3, column 1: a coefficient of `c` is 180000000000000000000; give a finite number"
     );
     assert_eq!(
-        row("c: x = 1 -> y <= 2"),
+        row("c: x = 1 -> y <= 2\ngen x"),
         "line 3, column 4: `x` is not binary; conditions and logic, as in `c`, take binary \
          variables only"
     );
@@ -136,11 +139,6 @@ fn errors_in_rows() {
         row("c: z = 1 -> z = 1 -> x <= 2"),
         "line 3, column 19: expected a new line or a label, as the row before is complete (its \
          right-hand side is a number; variables stand on the left), found `->`"
-    );
-    assert_eq!(
-        row("x[1]: x >= 1\nx{1}: x <= 2"),
-        "line 4, column 1: the name `x[1]` is already taken by another statement; choose another \
-         one"
     );
 }
 
@@ -171,33 +169,16 @@ fn errors_in_later_sections() {
         "line 3, column 8: two bounds need the same comparison twice, `<=` or `>=`"
     );
     assert_eq!(
-        with("bounds\n x <= 1\n x <= 2"),
-        "line 4, column 2: the upper bound of `x` was 1 before and is 2 now; keep one of them"
-    );
-    assert_eq!(
         with("bounds\n x <= -2"),
         "line 3, column 2: bounds of `x` are crossed: 0 > -2 (where none is given, the lower bound \
          is 0; write `-inf <=` for none)"
     );
     assert_eq!(with("bounds\n 3 <= x <= 2"), "line 3, column 7: bounds of `x` are crossed: 3 > 2");
-    assert_eq!(
-        with("bounds\n z <= 2\nbin z"),
-        "line 3, column 2: `z` is binary, so its bounds must lie within [0, 1]; they are 0 and 2"
-    );
     assert_eq!(with("gen\n 3"), "line 3, column 2: expected the name of a variable, found `3`");
-    let semi = "semi-continuous variables have no place in a model; write them with a binary and an indicator";
     assert_eq!(
-        with("semi\n x"),
-        format!("line 2, column 1: section `semi` cannot be read: {semi}")
-    );
-    assert_eq!(
-        with("Semi-Continuous\n x"),
-        format!("line 2, column 1: section `Semi` cannot be read: {semi}")
-    );
-    assert_eq!(
-        with("sos\n s1: S1:: x:1 z:2"),
-        "line 2, column 1: section `sos` cannot be read: special ordered sets have no place in a \
-         model; write them with binaries and indicators"
+        with("semi-integer\n x"),
+        "line 2, column 1: section `semi` cannot be read: list its variables under \
+         `Semi-Continuous` and under `General`"
     );
     assert_eq!(
         with("lazy constraints\n c: x <= 2"),

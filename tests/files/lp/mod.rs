@@ -2,6 +2,7 @@
 
 mod damaged;
 mod random;
+mod repeated;
 mod sections;
 mod written;
 
@@ -9,12 +10,18 @@ use carom::model::lp;
 use carom::prelude::*;
 
 fn read(text: &str) -> Model {
-    lp::read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    lp::read(text).unwrap_or_else(|error| panic!("{error}\n{text}")).model
+}
+
+/// The warnings, and the model as text.
+fn warned(text: &str) -> (Vec<String>, String) {
+    let read = lp::read(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    (read.warnings.iter().map(ToString::to_string).collect(), read.model.to_string())
 }
 
 fn error(text: &str) -> String {
     match lp::read(text) {
-        Ok(model) => panic!("was read:\n{model}"),
+        Ok(read) => panic!("was read:\n{}", read.model),
         Err(error) => error.to_string(),
     }
 }

@@ -1,13 +1,13 @@
 //! Random models there and back, and random damage.
 
 use carom::ErrorKind;
-use carom::model::{lp, mps};
+use carom::model::{Read, lp, mps};
 use carom::prelude::*;
 use proptest::prelude::*;
 
 use super::read;
 use crate::common::config;
-use crate::models::{assert_same, build, pair, plan};
+use crate::models::{assert_same, build, pair, plan, warnings_are_expected};
 
 /// Files to damage: one written by hand with every section, one written by the crate.
 fn whole_files() -> Vec<String> {
@@ -30,11 +30,13 @@ proptest! {
     fn round_trips_are_exact(plan in plan()) {
         let model = build(&plan);
         let text = lp::write(&model).unwrap();
-        let again = lp::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let found = lp::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        prop_assert!(warnings_are_expected(&found.warnings), "{:?}", found.warnings);
+        let again = found.model;
         assert_same(&model, &again);
         prop_assert_eq!(lp::write(&again).unwrap(), text);
         // And through the other format.
-        let other = mps::read(&mps::write(&model).unwrap()).unwrap();
+        let other = mps::read(&mps::write(&model).unwrap()).unwrap().model;
         assert_same(&model, &read(&lp::write(&other).unwrap()));
     }
 
@@ -47,12 +49,15 @@ proptest! {
     }
 
     #[test]
-    fn cut_off_files_are_refused(which in 0..2_usize, share in 0.0..1.0_f64) {
+    fn cut_off_files_are_noticed(which in 0..2_usize, share in 0.0..1.0_f64) {
         let text = &whole_files()[which];
         let whole = text.len() - "End\n".len();
         let end = (share * whole as f64) as usize;
-        let refused = lp::read(&text[..end]).is_err_and(|error| matches!(error.kind(), ErrorKind::Parse { .. }));
-        prop_assert!(refused, "{}", &text[..end]);
+        let noticed = match lp::read(&text[..end]) {
+            Ok(read) => read.warnings.iter().any(|warning| warning.message.contains("without `End`")),
+            Err(error) => matches!(error.kind(), ErrorKind::Parse { .. }),
+        };
+        prop_assert!(noticed, "{}", &text[..end]);
     }
 
     #[test]
@@ -78,9 +83,9 @@ proptest! {
             }
         }
         let text: String = text.into_iter().collect();
-        if let Ok(model) = lp::read(&text) {
+        if let Ok(Read { model, .. }) = lp::read(&text) {
             assert_same(&model, &read(&lp::write(&model).unwrap()));
-            assert_same(&model, &mps::read(&mps::write(&model).unwrap()).unwrap());
+            assert_same(&model, &mps::read(&mps::write(&model).unwrap()).unwrap().model);
         }
     }
 
@@ -96,7 +101,7 @@ proptest! {
         drop(mps::read(&text));
         drop(lp::read(&format!("min {text} end")));
         let text = format!("min {} end", pieces.join(" "));
-        if let Ok(model) = lp::read(&text) {
+        if let Ok(Read { model, .. }) = lp::read(&text) {
             assert_same(&model, &read(&lp::write(&model).unwrap()));
         }
     }

@@ -108,7 +108,7 @@ fn every_construct_survives_once_lowered() {
     let lowered = carom::reformulate::lower(&model).unwrap();
     let lowered = lowered.model();
     assert_same(lowered, &read(&lp::write(lowered).unwrap()));
-    assert_same(lowered, &mps::read(&mps::write(lowered).unwrap()).unwrap());
+    assert_same(lowered, &mps::read(&mps::write(lowered).unwrap()).unwrap().model);
 }
 
 /// Rows that look like the two halves of one stay what they are.

@@ -3,6 +3,7 @@
 mod damaged;
 mod fixed;
 mod random;
+mod repeated;
 mod sections;
 mod written;
 
@@ -10,12 +11,18 @@ use carom::model::mps;
 use carom::prelude::*;
 
 fn read(text: &str) -> Model {
-    mps::read(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+    mps::read(text).unwrap_or_else(|error| panic!("{error}\n{text}")).model
+}
+
+/// The warnings, and the model as text.
+fn warned(text: &str) -> (Vec<String>, String) {
+    let read = mps::read(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    (read.warnings.iter().map(ToString::to_string).collect(), read.model.to_string())
 }
 
 fn error(text: &str) -> String {
     match mps::read(text) {
-        Ok(model) => panic!("was read:\n{model}"),
+        Ok(read) => panic!("was read:\n{}", read.model),
         Err(error) => error.to_string(),
     }
 }

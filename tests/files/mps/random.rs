@@ -1,13 +1,13 @@
 //! Random models there and back, and random damage.
 
 use carom::ErrorKind;
-use carom::model::mps;
+use carom::model::{Read, mps};
 use carom::prelude::*;
 use proptest::prelude::*;
 
 use super::{read, with};
 use crate::common::config;
-use crate::models::{assert_same, build, pair, plan};
+use crate::models::{assert_same, build, pair, plan, warnings_are_expected};
 
 /// Files to damage: one written by hand with every section, one written by the crate.
 fn whole_files() -> Vec<String> {
@@ -32,7 +32,9 @@ proptest! {
     fn round_trips_are_exact(plan in plan()) {
         let model = build(&plan);
         let text = mps::write(&model).unwrap();
-        let again = mps::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let found = mps::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        prop_assert!(warnings_are_expected(&found.warnings), "{:?}", found.warnings);
+        let again = found.model;
         assert_same(&model, &again);
         prop_assert_eq!(mps::write(&again).unwrap(), text);
     }
@@ -77,7 +79,7 @@ proptest! {
             }
         }
         let text: String = text.into_iter().collect();
-        if let Ok(model) = mps::read(&text) {
+        if let Ok(Read { model, .. }) = mps::read(&text) {
             let again = read(&mps::write(&model).unwrap());
             prop_assert_eq!(model.to_string(), again.to_string());
         }

@@ -1,0 +1,141 @@
+//! What files repeat or omit, taken as most readers take it, and sets and semi-continuous columns.
+
+use super::{error, warned};
+
+#[track_caller]
+fn check(text: &str, warning: &str, part: &str) {
+    let (warnings, model) = warned(text);
+    assert_eq!(warnings, [warning], "{model}");
+    assert!(model.contains(part), "{model}");
+}
+
+#[test]
+fn a_missing_end_is_noticed() {
+    check(
+        "min x\nst\n x >= 1\n",
+        "line 3, column 8: the file ends without `End`; it may have been cut off",
+        "c1: x >= 1",
+    );
+    check(
+        "min x",
+        "line 1, column 6: the file ends without `End`; it may have been cut off",
+        "minimize x",
+    );
+}
+
+#[test]
+fn the_last_of_repeated_bounds_counts() {
+    let text = |bounds: &str| format!("min x\nst\nbounds\n{bounds}\nend");
+    check(
+        &text("x <= 4\nx <= 5"),
+        "line 5, column 1: the upper bound of `x` was 4 before and is 5 now; the last one counts",
+        "0 <= x <= 5",
+    );
+    check(
+        &text("x = 3\nx <= 5"),
+        "line 5, column 1: the upper bound of `x` was 3 before and is 5 now; the last one counts",
+        "3 <= x <= 5",
+    );
+    assert_eq!(warned(&text("x <= 4\nx <= 4\n1 <= x")).0, [""; 0]);
+    check(
+        &text("y <= 4"),
+        "line 4, column 1: `y` is neither in the objective nor in a row before",
+        "0 <= y <= 4",
+    );
+}
+
+#[test]
+fn bounds_of_binaries_are_cut() {
+    let text = |bounds: &str| format!("min x\nst\nbounds\n{bounds}\nbinary\nx\nend");
+    check(
+        &text("-1 <= x <= 4"),
+        "line 4, column 7: `x` is binary, so its bounds -1 and 4 are cut to 0 and 1",
+        "x binary",
+    );
+    assert_eq!(warned(&text("x = 0")).0, [""; 0]);
+    assert_eq!(error(&text("x >= 2")), "line 4, column 1: bounds of `x` are crossed: 2 > 1");
+}
+
+#[test]
+fn repeated_rows_are_renamed() {
+    check(
+        "min x\nst\nr: x >= 1\nr: x <= 3\nr_: x <= 4\nend",
+        "line 4, column 1: a second row `r`; it is called `r__` here",
+        "r: x >= 1\n  r__: x <= 3\n  r_: x <= 4",
+    );
+}
+
+#[test]
+fn conditions_are_binaries() {
+    check(
+        "max x + z\nst\nr: z = 1 -> x <= 3\nbounds\nx <= 5\nend",
+        "line 3, column 4: `z` is a condition, so it is taken as a binary",
+        "z binary",
+    );
+}
+
+#[test]
+fn equality_may_have_two_signs() {
+    assert!(warned("min x st x + y == 2 end").1.contains("c1: x + y = 2"));
+}
+
+#[test]
+fn sets_of_both_kinds() {
+    let text = |sets: &str| format!("max x + y + z\nst\nr: x + y <= 9\n{sets}\nend");
+    let (warnings, model) =
+        warned(&text("SOS\none: S1:: x:1 y:2\n two : S2 :: z:-3 x:1.5\n y : 0\nS1:: y:1"));
+    assert_eq!(warnings, [""; 0]);
+    assert!(
+        model.contains("one: sos1(x: 1, y: 2)\n  two: sos2(z: -3, y: 0, x: 1.5)\n  s3: sos1(y: 1)"),
+        "{model}"
+    );
+    assert!(warned(&text("sos1\na: x:1 y:2\nsos2\nx:1 y:2")).1.contains("a: sos1(x: 1, y: 2)"));
+    check(
+        &text("SOS\nr: S1:: x:1 y:2"),
+        "line 5, column 1: the name `r` is taken; the set is called `r_`",
+        "r_: sos1(x: 1, y: 2)",
+    );
+    check(
+        &text("SOS\na: S2:: x:2 y:1 z:2"),
+        "line 5, column 1: `a` has a weight twice; members of the same weight keep their order, and \
+         the weights are 1, 2, ...",
+        "a: sos2(y: 1, x: 2, z: 3)",
+    );
+    assert_eq!(
+        error(&text("SOS\na: x:1 y:2")),
+        "line 5, column 4: expected `S1::` or `S2::`, found `x`"
+    );
+    assert_eq!(
+        error(&text("SOS\na: S3:: x:1")),
+        "line 5, column 4: expected `S1` or `S2`, found `S3`"
+    );
+    assert_eq!(
+        error(&text("SOS\na: S1:: x y")),
+        "line 5, column 9: expected a member and its weight, such as `x:1`, found `x`"
+    );
+    assert_eq!(
+        error(&text("SOS\na: S1:: x:1 x:2")),
+        "line 5, column 1: how often `x` is in `a` is 2; it must be 1"
+    );
+}
+
+#[test]
+fn semicontinuous_columns() {
+    let text = |end: &str| format!("max x + y\nst\nr: x + y <= 9\nbounds\n2 <= x <= 5\n{end}\nend");
+    for word in ["Semi-Continuous", "semis", "SEMI"] {
+        let (warnings, model) = warned(&text(&format!("{word}\nx y")));
+        assert_eq!(warnings, [""; 0]);
+        assert!(model.contains("  x = 0 or 2 <= x <= 5\n  y = 0 or y >= 0\n"), "{model}");
+    }
+    assert!(warned(&text("semis\nx\ngeneral\nx")).1.contains("x = 0 or 2 <= x <= 5 integer"));
+    check(
+        &text("-4 <= y <= -2\nsemis\ny"),
+        "line 6, column 7: `y` is 0 or between -4 and -2; some solvers refuse negative values of \
+         semi-continuous variables",
+        "y = 0 or -4 <= y <= -2",
+    );
+    assert_eq!(
+        error(&text("semis\ny\nbinary\ny")),
+        "line 1, column 9: `y` is both semi-continuous and a binary; keep one of them"
+    );
+}
