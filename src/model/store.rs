@@ -328,9 +328,11 @@ impl Model {
         let (variables, rows) = (stored.variables.len(), stored.constraints.len());
         let (indicators, logic) = (stored.indicators.len(), stored.logic.len());
         let (disjunctions, sets) = (stored.disjunctions.len(), stored.sets.len());
+        let functions = stored.functions.len();
         let result = add(self);
         if result.is_err() {
             let Model { stored, variable_names, statement_names, .. } = self;
+            stored.functions.truncate(functions);
             for data in stored.variables.drain(variables..) {
                 variable_names.remove(&data.name);
             }

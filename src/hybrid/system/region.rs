@@ -5,7 +5,7 @@ use super::check::check_halfspace;
 use super::halfspace::Halfspace;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::interval::Interval;
-use crate::model::{Affine, Constraint, Model};
+use crate::model::{Affine, Constraint, Model, Row};
 use crate::tolerance::INFINITE;
 
 /// A region of states, for a start or a goal: a box, cut by half-spaces, in given modes.
@@ -149,6 +149,15 @@ impl Region {
     where
         for<'a> Affine: From<&'a X>,
     {
+        let rows = self.rows(states)?.into_iter().enumerate();
+        rows.map(|(k, row)| model.add((name, k), row)).collect()
+    }
+
+    /// What it means for a sample to be in the region, without modes.
+    pub(crate) fn rows<X>(&self, states: &[X]) -> Result<Vec<Row>, Error>
+    where
+        for<'a> Affine: From<&'a X>,
+    {
         check_length("the sample's states", states.len(), self.ranges.len())?;
         let mut rows = Vec::new();
         for (state, range) in states.iter().zip(&self.ranges) {
@@ -165,7 +174,7 @@ impl Region {
             let sum: Affine = terms.map(|(n, state)| *n * Affine::from(state)).sum();
             rows.push(sum.le(halfspace.limit_at(0)));
         }
-        rows.into_iter().enumerate().map(|(k, row)| model.add((name, k), row)).collect()
+        Ok(rows)
     }
 
     /// Refuses regions that do not fit a system. The error names `what`, the start or the goal.
