@@ -1,6 +1,7 @@
 #![doc = include_str!("../../docs/modules/hybrid.md")]
 
 pub mod contact;
+mod costs;
 pub mod damage;
 pub(crate) mod exponential;
 mod flaws;
@@ -16,6 +17,7 @@ mod terminal;
 pub mod wall;
 
 pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution, RollOut};
+pub use costs::{Cost, When};
 pub use damage::{Damage, DamageFunction, DamageLimits};
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;
@@ -25,8 +27,9 @@ pub use linear::LinearSystem;
 pub use matrix::IntoMatrix;
 pub use rows::{HybridProgram, HybridRun, RowOptions};
 pub use shortest_horizon::{
-    Attempt, HorizonEvent, HorizonModel, Refutation, ShortestHorizon, ShortestOptions,
-    ShortestStatus, Verdict, Waiting, shortest_horizon, shortest_horizon_with,
+    Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, RunProgram, ShortestHorizon,
+    ShortestOptions, ShortestRun, ShortestStatus, TimeStepGrid, Verdict, Waiting, least_time_step,
+    shortest_horizon, shortest_horizon_with,
 };
 pub use simulate::{
     Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError,

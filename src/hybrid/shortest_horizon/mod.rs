@@ -2,10 +2,15 @@
 
 mod guess;
 mod outcome;
+mod rest;
+mod run;
 mod search;
+mod time_step;
 
 pub use outcome::{Attempt, Refutation, ShortestHorizon, ShortestStatus, Verdict};
+pub use run::{RunProgram, ShortestRun};
 pub use search::{HorizonEvent, ShortestOptions, shortest_horizon, shortest_horizon_with};
+pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 
 use std::borrow::BorrowMut;
 

@@ -164,7 +164,7 @@ fn check_flow(name: &str, flow: &LinearSystem, states: usize, inputs: usize) -> 
 }
 
 /// The normal has an entry per state, or one per state and input.
-pub(super) fn check_halfspace(
+pub(crate) fn check_halfspace(
     halfspace: &Halfspace,
     states: usize,
     inputs: usize,

@@ -31,7 +31,7 @@ pub use region::Region;
 pub use schedule::Schedule;
 pub use transition::Transition;
 
-pub(crate) use check::check_ends;
+pub(crate) use check::{check_ends, check_halfspace};
 
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;

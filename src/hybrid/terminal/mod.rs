@@ -9,3 +9,5 @@ mod stay;
 pub use error::TerminalError;
 pub use lqr::Lqr;
 pub use set::{TerminalOptions, TerminalSet};
+
+pub(in crate::hybrid) use stay::{Limit, Stay};

@@ -10,7 +10,7 @@ use faer::Mat;
 use super::error::TerminalError;
 use super::lqr::{Lqr, spectral_radius};
 use super::polyhedron::Polyhedron;
-use super::stay::{Limit, Stay};
+use super::stay::{Limit, Stay, unit};
 use crate::error::{Error, check_length};
 use crate::hybrid::system::{Halfspace, HybridSystem, Region};
 use crate::interval::Interval;
@@ -107,7 +107,7 @@ impl TerminalSet {
     ///
     /// # Arguments
     ///
-    /// * `transitions`: the transitions that are taken for ever, one per choice, by name.
+    /// * `transitions`: the transitions that are taken for ever, one per choice and in their order.
     /// * `lqr`: the feedback, such as that of the mode's flow.
     /// * `target`: the equilibrium's state, one entry per state.
     ///
@@ -187,34 +187,16 @@ impl TerminalSet {
     }
 }
 
-/// Half a domain's width, or 1 for a point.
-fn unit(domain: &Interval) -> f64 {
-    let half = 0.5 * domain.width();
-    if half > 0.0 { half } else { 1.0 }
-}
-
 /// The input that holds the target, as near as possible to the middle of the ranges.
 fn holding_input(system: &HybridSystem, stay: &Stay, target: &[f64]) -> Result<Vec<f64>, Error> {
     let middle: Vec<f64> = stay.ranges.iter().map(|r| 0.5 * (r.lower + r.upper)).collect();
-    let moved = stay.map.step(target, &middle)?;
-    let missing = Mat::from_fn(target.len(), 1, |i, _| target[i] - moved[i]);
-    let change = match stay.map.b().thin_svd() {
-        Ok(svd) if !middle.is_empty() => svd.pseudoinverse() * missing,
-        _ => Mat::zeros(middle.len(), 1),
-    };
-    let input: Vec<f64> = middle.iter().enumerate().map(|(k, u)| u + change[(k, 0)]).collect();
-    let next = stay.map.step(target, &input)?;
-    let named = system.states.iter().zip(target.iter().zip(&next));
-    let drifts = named.map(|((name, domain), (x, next))| (name, next - x, unit(domain)));
-    let relative = |&(_, drift, unit): &(&String, f64, f64)| f64::abs(drift) / unit;
-    let worst = drifts.max_by(|a, b| relative(a).total_cmp(&relative(b)));
-    match worst {
-        Some(worst) if relative(&worst) > DRIFT || relative(&worst).is_nan() => {
-            let (state, drift) = (worst.0.clone(), worst.1);
-            Err(TerminalError::NoEquilibrium { state, drift }.into())
-        }
-        _ => Ok(input),
+    let input = stay.holding_input(target, &middle)?;
+    let (state, drift, relative) = stay.drift(system, target, &input)?;
+    if relative <= DRIFT {
+        return Ok(input);
     }
+    let state = system.states[state].0.clone();
+    Err(TerminalError::NoEquilibrium { state, drift }.into())
 }
 
 /// The domains around the target, in their units.

@@ -10,35 +10,38 @@ use crate::interval::Interval;
 
 /// A row `state . x + input . u <= limit`.
 #[derive(Debug, Clone)]
-pub(super) struct Limit {
-    pub(super) name: String,
-    pub(super) state: Vec<f64>,
-    pub(super) input: Vec<f64>,
-    pub(super) limit: f64,
+pub(in crate::hybrid) struct Limit {
+    pub(in crate::hybrid) name: String,
+    pub(in crate::hybrid) state: Vec<f64>,
+    pub(in crate::hybrid) input: Vec<f64>,
+    pub(in crate::hybrid) limit: f64,
 }
 
 /// One transition per choice, repeated for ever from the step at which nothing depends on the step
 /// any more.
 #[derive(Debug, Clone)]
-pub(super) struct Stay {
+pub(in crate::hybrid) struct Stay {
     /// The map from a state and an input to the next state.
-    pub(super) map: LinearSystem,
+    pub(in crate::hybrid) map: LinearSystem,
     /// Limits and guards; neither the domains nor the ranges.
-    pub(super) limits: Vec<Limit>,
+    pub(in crate::hybrid) limits: Vec<Limit>,
     /// Ranges of the inputs.
-    pub(super) ranges: Vec<Interval>,
+    pub(in crate::hybrid) ranges: Vec<Interval>,
     /// The modes in which the choices stay.
-    pub(super) modes: Vec<(String, String)>,
+    pub(in crate::hybrid) modes: Vec<(String, String)>,
 }
 
 impl Stay {
-    /// The map and the limits of the named transitions, one per choice.
-    pub(super) fn new(system: &HybridSystem, transitions: &[&str]) -> Result<Self, Error> {
+    /// The map and the limits of the named transitions, one per choice in their order.
+    pub(in crate::hybrid) fn new(
+        system: &HybridSystem,
+        transitions: &[&str],
+    ) -> Result<Self, Error> {
         system.check()?;
         check_length("the list of transitions", transitions.len(), system.choices.len())?;
         let (n, m) = (system.states.len(), system.inputs.len());
         let step = system.settles();
-        let taken = system.choices.iter().map(|choice| find(choice, transitions));
+        let taken = system.choices.iter().zip(transitions).map(|(choice, name)| find(choice, name));
         let taken: Vec<&Transition> = taken.collect::<Result<_, _>>()?;
         for (choice, transition) in system.choices.iter().zip(&taken) {
             check_lasts(system, choice, transition)?;
@@ -69,16 +72,54 @@ impl Stay {
             modes: modes.collect(),
         })
     }
+
+    /// The input nearest to `from` that holds a state as well as an input can.
+    pub(in crate::hybrid) fn holding_input(
+        &self,
+        state: &[f64],
+        from: &[f64],
+    ) -> Result<Vec<f64>, Error> {
+        let moved = self.map.step(state, from)?;
+        let missing = Mat::from_fn(state.len(), 1, |i, _| state[i] - moved[i]);
+        let change = match self.map.b().thin_svd() {
+            Ok(svd) if !from.is_empty() => svd.pseudoinverse() * missing,
+            _ => Mat::zeros(from.len(), 1),
+        };
+        Ok(from.iter().enumerate().map(|(k, u)| u + change[(k, 0)]).collect())
+    }
+
+    /// The state that moves most in a step, relative to its domain: its position, how far it moves
+    /// in its unit, and relative to the domain.
+    pub(in crate::hybrid) fn drift(
+        &self,
+        system: &HybridSystem,
+        state: &[f64],
+        input: &[f64],
+    ) -> Result<(usize, f64, f64), Error> {
+        let next = self.map.step(state, input)?;
+        let mut worst = (0, 0.0, 0.0);
+        for (i, (_, domain)) in system.states.iter().enumerate() {
+            let drift = next[i] - state[i];
+            let relative = drift.abs() / unit(domain);
+            if relative > worst.2 || relative.is_nan() {
+                worst = (i, drift, relative);
+            }
+        }
+        Ok(worst)
+    }
 }
 
-/// The transition of a choice that the list names.
-fn find<'a>(choice: &'a Choice, names: &[&str]) -> Result<&'a Transition, Error> {
-    let named = |transition: &&Transition| names.contains(&transition.name.as_str());
-    choice.transitions.iter().find(named).ok_or_else(|| {
-        let unnamed = |name: &&&str| choice.transitions.iter().all(|t| t.name != **name);
-        let name = names.iter().find(unnamed).map_or("", |name| *name);
-        ErrorKind::UnknownName { name: name.to_owned(), kind: "transition of the choice" }.into()
-    })
+/// Half a domain's width, or 1 for a point.
+pub(in crate::hybrid) fn unit(domain: &Interval) -> f64 {
+    let half = 0.5 * domain.width();
+    if half > 0.0 { half } else { 1.0 }
+}
+
+fn find<'a>(choice: &'a Choice, name: &str) -> Result<&'a Transition, Error> {
+    let unknown =
+        || ErrorKind::UnknownName { name: name.to_owned(), kind: "transition of the choice" };
+    let found = choice.transitions.iter().find(|transition| transition.name == name);
+    found.ok_or_else(|| unknown().into())
 }
 
 /// Refuses transitions that something ends after a while.

@@ -1,0 +1,182 @@
+//! The least time step for a fixed number of steps.
+
+use super::HorizonModel;
+use super::Waiting;
+use super::outcome::{Attempt, Verdict};
+use super::run::{RunProgram, Task};
+use super::search::ShortestOptions;
+use crate::error::Error;
+use crate::hybrid::linear::check_time_step;
+use crate::hybrid::rows::HybridRun;
+use crate::hybrid::system::{HybridSystem, Region};
+use crate::setters::setters;
+use crate::solution::Solution;
+use crate::solver::{Solver, StopToken};
+
+/// The time steps that [`least_time_step`] tries.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TimeStepGrid {
+    /// The number of steps, the same for all.
+    pub steps: usize,
+    /// The lengths of a step in s, ascending.
+    pub time_steps: Vec<f64>,
+    /// Why every longer time step is feasible if a shorter one is. Without a reason, each shorter
+    /// one is refuted separately.
+    pub monotone: Option<String>,
+}
+
+impl TimeStepGrid {
+    /// A grid of time steps in s, ascending, for a number of steps.
+    pub fn new(steps: usize, time_steps: impl Into<Vec<f64>>) -> Self {
+        TimeStepGrid { steps, time_steps: time_steps.into(), monotone: None }
+    }
+
+    setters! {
+        /// Allows bisection, with the argument: why every longer time step is feasible if a
+        /// shorter one is. For a vehicle that can be slowed down at will, for example, each run
+        /// can be driven more slowly. This is your proof; nothing checks it.
+        with_monotone(reason: impl Into<String>) => monotone = Some(reason.into());
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        for &time_step in &self.time_steps {
+            check_time_step(time_step)?;
+        }
+        match self.time_steps.windows(2).find(|pair| pair[0] >= pair[1]) {
+            Some(pair) => {
+                let range = format!("above {}, the one before it", pair[0]);
+                Err(Error::out_of_range("a time step of the grid", pair[1], range))
+            }
+            None if self.time_steps.is_empty() => {
+                Err(Error::out_of_range("the number of time steps of the grid", 0.0, "at least 1"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// The outcome of [`least_time_step`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[must_use]
+pub struct LeastTimeStep {
+    /// The least time step of the grid found feasible, in s.
+    pub time_step: Option<f64>,
+    /// The largest time step of the grid, in s, that is refuted together with every smaller one.
+    pub refuted: Option<f64>,
+    /// Whether every time step of the grid is decided: those below `time_step` are refuted, and
+    /// all of them are if there is none.
+    pub is_proved: bool,
+    /// The run with `time_step`.
+    pub run: Option<HybridRun>,
+    /// Each time step tried and its verdict, in order.
+    pub attempts: Vec<(f64, Attempt)>,
+}
+
+/// Finds the least time step of a grid with which a system gets from a start to a goal in a fixed
+/// number of steps, and refutes all smaller ones of the grid.
+///
+/// ```
+/// use carom::hybrid::{
+///     HybridSystem, LinearSystem, Region, ShortestOptions, TimeStepGrid, Transition,
+///     least_time_step,
+/// };
+/// use carom::interval::Interval;
+/// use carom::prelude::*;
+///
+/// let cart = |dt: f64| {
+///     let line = LinearSystem::double_integrator(dt)?;
+///     Ok(HybridSystem::new()
+///         .with_state("x", Interval::new(-9.0, 9.0))
+///         .with_state("v", Interval::new(-9.0, 9.0))
+///         .with_input("a", Interval::new(-1.0, 1.0))
+///         .with_transition(Transition::new("roll", line)))
+/// };
+/// let (start, goal) = (Region::point([0.0, 0.0]), Region::point([1.0, 0.0]));
+/// // 1 m at 1 m/s² takes 2 s: ten steps of 0.2 s.
+/// let grid = TimeStepGrid::new(10, [0.1, 0.15, 0.19, 0.2, 0.25]);
+/// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
+/// let found = least_time_step(cart, &start, &goal, &grid, &options, &mut solver)?;
+/// assert!(found.is_proved);
+/// assert_eq!((found.time_step, found.refuted), (Some(0.2), Some(0.19)));
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Arguments
+///
+/// * `system`: the system for a time step in s.
+/// * `options`: `max_steps` and `coarse_guess` have no effect.
+///
+/// # Errors
+///
+/// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for an empty grid, for one that is not
+/// ascending, and for a bad number of steps; errors of `system`, of a start or goal that does not
+/// fit, and of the solver.
+pub fn least_time_step(
+    system: impl Fn(f64) -> Result<HybridSystem, Error>,
+    start: &Region,
+    goal: &Region,
+    grid: &TimeStepGrid,
+    options: &ShortestOptions,
+    solver: &mut dyn Solver,
+) -> Result<LeastTimeStep, Error> {
+    grid.check()?;
+    let token = StopToken::new(options.time_limit, &options.interrupt);
+    let mut found = LeastTimeStep {
+        time_step: None,
+        refuted: None,
+        is_proved: false,
+        run: None,
+        attempts: Vec::new(),
+    };
+    // Below `low` all are refuted; at `high` one is feasible, or the grid ends.
+    let (mut low, mut high) = (0, grid.time_steps.len());
+    while low < high && !token.is_over() {
+        let middle = if grid.monotone.is_some() { low + (high - low) / 2 } else { low };
+        let time_step = grid.time_steps[middle];
+        let system = system(time_step)?;
+        let waiting = Waiting::NotFree("the number of steps is fixed".into());
+        let task = Task { system: &system, start, goal, time_step, waiting };
+        let (attempt, solved) = decide(&task, grid.steps, options, &token, solver)?;
+        found.attempts.push((time_step, attempt));
+        match (attempt.verdict, solved) {
+            (Verdict::Feasible, Some((program, solution))) => {
+                found.run = Some(program.program.read(&solution)?);
+                found.time_step = Some(time_step);
+                high = middle;
+            }
+            (Verdict::Refuted(_), _) => {
+                found.refuted = Some(time_step);
+                low = middle + 1;
+            }
+            _ => return Ok(found),
+        }
+        if grid.monotone.is_none() && found.time_step.is_some() {
+            break;
+        }
+    }
+    found.is_proved = low == high;
+    Ok(found)
+}
+
+/// Decides one horizon, by sets or by a solve.
+fn decide(
+    task: &Task<'_>,
+    steps: usize,
+    options: &ShortestOptions,
+    token: &StopToken,
+    solver: &mut dyn Solver,
+) -> Result<(Attempt, Option<(RunProgram, Solution)>), Error> {
+    let mut program = task.build(steps)?;
+    if let Some(mut sets) = if options.reach_sets { task.reach_sets()? } else { None }
+        && let Some(tube) = sets.tube_until(steps, token)?
+    {
+        let variables = task.variables(&program);
+        if tube.is_empty() || tube.tighten(&mut program.model, &variables)?.infeasible {
+            return Ok((Attempt::by_sets(steps), None));
+        }
+    }
+    let solution = token.solve(solver, &program.model, &mut |_| {})?;
+    Ok((Attempt::of(steps, &solution), Some((program, solution))))
+}
