@@ -63,6 +63,26 @@ fn has_run(sequence: &[&Plain], start: [f64; 2], goal: &[Interval; 2]) -> bool {
     solution.point().is_some()
 }
 
+/// The end of a run that takes the first possible transition from the picked one on in each step.
+fn drive(
+    transitions: &[Plain],
+    start: [f64; 2],
+    picks: &[usize],
+    inputs: &[f64],
+) -> Option<[f64; 2]> {
+    let mut x = start;
+    for (pick, u) in picks.iter().zip(inputs) {
+        let order = (0..transitions.len()).map(|k| &transitions[(pick + k) % transitions.len()]);
+        let taken = order.into_iter().find(|p| p.side * x[0] >= p.side * p.edge)?;
+        x = [0, 1]
+            .map(|i| taken.a[i][0] * x[0] + taken.a[i][1] * x[1] + taken.b[i] * u + taken.c[i]);
+        if x.iter().any(|x| x.abs() > DOMAIN - 0.2) {
+            return None;
+        }
+    }
+    Some(x)
+}
+
 /// The smallest number of steps up to [`MOST`], by all sequences.
 fn enumerated(transitions: &[Plain], start: [f64; 2], goal: &[Interval; 2]) -> Option<usize> {
     let mut sequences: Vec<Vec<&Plain>> = vec![Vec::new()];
@@ -115,7 +135,7 @@ fn replayed(system: &HybridSystem, run: &HybridRun) {
 }
 
 proptest! {
-    #![proptest_config(config(24, "tests/regressions/shortest_runs.txt"))]
+    #![proptest_config(config(48, "tests/regressions/shortest_runs.txt"))]
 
     #[test]
     fn shortest_runs_are_those_of_enumeration(
@@ -124,7 +144,19 @@ proptest! {
         corner in [-2.0..2.0_f64, -2.0..2.0_f64],
         width in 0.2..1.5_f64,
         sets in any::<bool>(),
+        aimed in prop::option::weighted(0.8, (2..=MOST, [0..3_usize, 0..3, 0..3, 0..3])),
+        inputs in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0, -1.0..1.0],
     ) {
+        // Most goals are around the end of a run.
+        let corner = match aimed {
+            None => corner,
+            Some((steps, picks)) => {
+                let end = drive(&transitions, start, &picks[..steps], &inputs);
+                let Some(end) = end else { return Err(TestCaseError::reject("no run")) };
+                end.map(|x| x - 0.1)
+            }
+        };
+        let width = if aimed.is_some() { 0.2 } else { width };
         let goal = corner.map(|low| Interval::new(low, low + width));
         let expected = enumerated(&transitions, start, &goal);
         let system = system(&transitions);
