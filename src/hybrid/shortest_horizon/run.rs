@@ -10,6 +10,7 @@ use crate::hybrid::costs::When;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use crate::hybrid::rows::{HybridProgram, HybridRun};
+use crate::hybrid::simulate::RunCertificate;
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
 use crate::model::Model;
@@ -49,6 +50,8 @@ pub struct ShortestRun {
     pub waiting: Waiting,
     /// The run of `search.steps` steps.
     pub run: Option<HybridRun>,
+    /// How the run agrees with the system as it is stated, replayed without the program's rows.
+    pub certificate: Option<RunCertificate>,
 }
 
 impl HybridSystem {
@@ -84,7 +87,8 @@ impl HybridSystem {
     /// # Errors
     ///
     /// The errors of [`HybridSystem::check`], those of a start or goal that does not fit;
-    /// [`ErrorKind::OutOfRange`] for a bad `time_step` or `max_steps`; errors of the solver.
+    /// [`ErrorKind::OutOfRange`] for a bad `time_step` or `max_steps`; errors of the solver; those of
+    /// [`HybridSystem::certify`] for a run that is not what the system states.
     pub fn shortest_run(
         &self,
         start: &Region,
@@ -100,7 +104,8 @@ impl HybridSystem {
             (Some(found), Some(solution)) => Some(found.program.read(solution)?),
             _ => None,
         };
-        Ok(ShortestRun { search, waiting: task.waiting, run })
+        let certificate = run.as_ref().map(|run| self.certify(run)).transpose()?;
+        Ok(ShortestRun { search, waiting: task.waiting, run, certificate })
     }
 }
 

@@ -68,7 +68,7 @@ pub struct LeastTimeStep {
     /// Whether every time step of the grid is decided: those below `time_step` are refuted, and
     /// all of them are if there is none.
     pub is_proved: bool,
-    /// The run with `time_step`.
+    /// The run with `time_step`. It is [certified](HybridSystem::certify).
     pub run: Option<HybridRun>,
     /// Each time step tried and its verdict, in order.
     pub attempts: Vec<(f64, Attempt)>,
@@ -142,7 +142,9 @@ pub fn least_time_step(
         found.attempts.push((time_step, attempt));
         match (attempt.verdict, solved) {
             (Verdict::Feasible, Some((program, solution))) => {
-                found.run = Some(program.program.read(&solution)?);
+                let run = program.program.read(&solution)?;
+                system.certify(&run)?;
+                found.run = Some(run);
                 found.time_step = Some(time_step);
                 high = middle;
             }

@@ -293,7 +293,9 @@ impl Growth<'_> {
                     grew = true;
                 }
             }
-            if !grew {
+            // The domains hold at step 0 without a row, so nothing may be added there although the
+            // limits of step 1 do cut.
+            if !grew && iterations > 0 {
                 break;
             }
             if iterations == most_iterations {

@@ -170,6 +170,9 @@ proptest! {
                 prop_assert!(found.search.is_found());
                 let run = found.run.expect("a run");
                 prop_assert_eq!(run.transitions("mode").unwrap().len(), steps);
+                let end = [run.states[0].1[steps], run.states[1].1[steps]];
+                prop_assert!(to.contains(&end, 2e-6).unwrap());
+                prop_assert!(found.certificate.is_some());
                 replayed(&system, &run);
             }
             None => {

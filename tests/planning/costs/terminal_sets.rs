@@ -179,6 +179,23 @@ fn what_has_no_terminal_set_is_refused() {
     assert_eq!(error.to_string(), "the model has no transition of the choice named `middle`");
 }
 
+/// The domains imply every limit at the first step, but not those of the second.
+#[test]
+fn limits_that_cut_only_after_a_step_are_seen() {
+    let flow = LinearSystem::new([[0.0, -1.5], [0.0, 0.2]], [[0.0], [0.1]], [0.0; 2]).unwrap();
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(-2.0, 2.0))
+        .with_state("y", Interval::new(-2.0, 2.0))
+        .with_input("u", Interval::new(-9.0, 9.0))
+        .with_transition(Transition::new("go", flow.clone()));
+    let lqr = Lqr::new(&flow, [[1.0, 0.0], [0.0, 1.0]], [[1e3]]).unwrap();
+    let (options, solver) = (TerminalOptions::default(), &mut BranchAndBound::default());
+    let set = TerminalSet::new(&system, &["go"], &lqr, &[0.0; 2], &options, solver).unwrap();
+    // |1.5 y| <= 2 after a step.
+    assert!(set.region.contains(&[1.9, 1.3], 0.0).unwrap());
+    assert!(!set.region.contains(&[0.0, 1.4], 0.0).unwrap());
+}
+
 #[test]
 fn the_mode_is_part_of_the_set() {
     let flow = |heat: f64| LinearSystem::new([[0.9]], [[0.1]], [heat]).unwrap();
