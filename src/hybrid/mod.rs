@@ -36,6 +36,8 @@ pub use simulate::{
     RunCertificate, RunError, Samples, SimulatedStep, Simulation, SimulationOptions,
     replay_continuous, replay_discrete,
 };
-pub use system::{Choice, Halfspace, HybridSystem, Region, Schedule, Transition};
+pub use system::{
+    Choice, Halfspace, HybridSystem, MixedLogicalDynamical, Region, Schedule, Transition,
+};
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub use wall::{FreeSide, Wall};

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::condition::Condition;
+use crate::hybrid::rows::HybridRun;
 
 /// A transition in one step of a simulation: whether it was possible, and by how much.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,40 +205,40 @@ impl Simulation {
         self.steps.iter().map(|step| step.events).sum()
     }
 
-    /// The run as comma-separated values: step, time, states, inputs, transitions; a line per
-    /// sample. The last line has no inputs and transitions.
+    /// The steps that were taken, by name: for [`to_csv`](HybridRun::to_csv), for a certificate, or
+    /// as a MIP start.
     ///
     /// # Arguments
     ///
     /// * `time_step`: Δt, in s.
-    pub fn to_csv(&self, time_step: f64) -> String {
-        let names = ["step", "time"].into_iter().map(str::to_owned);
-        let names = names.chain(self.state_names.iter().chain(&self.input_names).cloned());
-        let names: Vec<String> = names.chain(self.choice_names.iter().cloned()).collect();
-        let mut text = line(&names);
-        for (t, state) in self.states.iter().enumerate() {
-            let mut fields = vec![t.to_string(), (t as f64 * time_step).to_string()];
-            fields.extend(state.iter().map(f64::to_string));
-            match (self.inputs.get(t), self.steps.get(t)) {
-                (Some(input), Some(step)) => {
-                    fields.extend(input.iter().map(f64::to_string));
-                    fields.extend(step.taken.iter().cloned());
-                }
-                _ => fields.resize(names.len(), String::new()),
-            }
-            text += &line(&fields);
+    pub fn to_run(&self, time_step: f64) -> HybridRun {
+        let columns = |names: &[String], samples: &[Vec<f64>]| {
+            let column = |k: usize| samples.iter().filter_map(move |sample| sample.get(k)).copied();
+            let named = names.iter().enumerate();
+            named.map(|(k, name)| (name.clone(), column(k).collect())).collect()
+        };
+        let mut run = HybridRun { time_step, ..HybridRun::default() };
+        run.states = columns(&self.state_names, &self.states);
+        run.inputs = columns(&self.input_names, &self.inputs);
+        for (c, choice) in self.choice_names.iter().enumerate() {
+            let taken = self.steps.iter().filter_map(|step| step.taken.get(c)).cloned();
+            run.transitions.push((choice.clone(), taken.collect()));
+            let modes = self.modes.iter().map(|modes| modes.get(c).cloned().flatten());
+            let modes: Option<Vec<String>> = modes.collect();
+            run.modes.extend(modes.map(|modes| (choice.clone(), modes)));
         }
-        text
+        for (t, step) in self.steps.iter().enumerate() {
+            for (name, value) in &step.outputs {
+                let known = run.outputs.iter().position(|(own, _)| own == name);
+                let k = known.unwrap_or_else(|| {
+                    run.outputs.push((name.clone(), vec![0.0; self.steps.len()]));
+                    run.outputs.len() - 1
+                });
+                run.outputs[k].1[t] += value;
+            }
+        }
+        run
     }
-}
-
-/// A line of comma-separated values, with quotes where they are needed.
-fn line(fields: &[String]) -> String {
-    let quoted = fields.iter().map(|field| match field.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", field.replace('"', "\"\"")),
-        false => field.clone(),
-    });
-    quoted.collect::<Vec<_>>().join(",") + "\n"
 }
 
 impl fmt::Display for Simulation {

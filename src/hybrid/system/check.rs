@@ -1,5 +1,7 @@
 //! What a hybrid system refuses.
 
+use faer::Mat;
+
 use super::halfspace::Halfspace;
 use super::transition::{Reset, Transition};
 use super::{Choice, HybridSystem};
@@ -149,6 +151,20 @@ fn shape<T>(what: &'static str, rows: usize, columns: usize, expected: String) -
     Err(ErrorKind::Shape { what, rows, columns, expected }.into())
 }
 
+/// Refuses matrices of another shape, and entries that are not finite or too large.
+pub(super) fn check_matrix(
+    what: &'static str,
+    matrix: &Mat<f64>,
+    rows: usize,
+    columns: usize,
+) -> Result<(), Error> {
+    if matrix.nrows() != rows || matrix.ncols() != columns {
+        return shape(what, matrix.nrows(), matrix.ncols(), format!("{rows}x{columns}"));
+    }
+    let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)]));
+    check_numbers(what, "an entry", entries)
+}
+
 fn check_flow(name: &str, flow: &LinearSystem, states: usize, inputs: usize) -> Result<(), Error> {
     let (n, m) = (flow.states(), flow.inputs());
     if n != states || m != inputs {
@@ -188,7 +204,7 @@ pub(crate) fn check_ends(name: &str, range: Interval) -> Result<(), Error> {
 
 /// Refuses numbers that are not finite or are 1e20 and more in magnitude, because products of them
 /// could overflow.
-fn check_numbers(
+pub(super) fn check_numbers(
     name: &str,
     what: &'static str,
     numbers: impl Iterator<Item = f64>,

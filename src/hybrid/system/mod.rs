@@ -9,12 +9,15 @@
 //! | values by step | `system/schedule.rs` |
 //! | starts and goals | `system/region.rs` |
 //! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
+//! | mixed logical dynamical systems | `system/mixed_logical_dynamical.rs`, `system/mixed_logical_rows.rs` |
 //! | the text form; `serde` | `system/text.rs`, `system/serialized.rs` |
 //! | what is refused | `system/check.rs` |
 
 mod check;
 mod choice;
 mod halfspace;
+mod mixed_logical_dynamical;
+mod mixed_logical_rows;
 mod named;
 mod piecewise_affine;
 mod region;
@@ -27,6 +30,7 @@ mod transition;
 pub use choice::Choice;
 
 pub use halfspace::Halfspace;
+pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub use region::Region;
 pub use schedule::Schedule;
 pub use transition::Transition;

@@ -75,13 +75,13 @@ impl Display for Range {
 /// A value by step as `1 until step 4, 2 from then on`, where `until` includes the step.
 struct ByStep<'a, T, F>(&'a Schedule<T>, F);
 
-impl<T: PartialEq, F: Fn(&T) -> String> Display for ByStep<'_, T, F> {
+impl<T, F: Fn(&T) -> String> Display for ByStep<'_, T, F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut values = self.0.values().enumerate().peekable();
         let mut is_constant = true;
         while let Some((step, value)) = values.next() {
             match values.peek() {
-                Some((_, next)) if *next == value => {}
+                Some((_, next)) if self.1(next) == self.1(value) => {}
                 Some(_) => {
                     write!(f, "{} until step {step}, ", self.1(value))?;
                     is_constant = false;

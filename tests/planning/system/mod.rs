@@ -1,4 +1,10 @@
 //! Hybrid systems, stated once: simulation, certificates, flaws, constructors, texts.
 
+mod certify;
+mod constructors;
 mod flaws;
+mod random;
+#[cfg(feature = "serde")]
+mod serde;
 mod simulate;
+mod text;

@@ -1,0 +1,55 @@
+//! Hybrid systems from and to `serde`.
+
+use carom::hybrid::{Halfspace, HybridSystem};
+use carom::interval::Interval;
+use proptest::prelude::*;
+
+use super::random::{system, wishes};
+use crate::common::config;
+
+proptest! {
+    #![proptest_config(config(100, "tests/regressions/systems_serde.txt"))]
+
+    #[test]
+    fn systems_and_runs_come_back(raw in system(), wishes in wishes()) {
+        let mut system = raw.hybrid();
+        system = system.with_limit(Halfspace::new("late", vec![1.0; system.states.len()], vec![9.0, f64::INFINITY]));
+        let text = serde_json::to_string(&system).unwrap();
+        let back: HybridSystem = serde_json::from_str(&text).unwrap();
+        prop_assert_eq!(&back, &system);
+        prop_assert_eq!(back.to_string(), system.to_string());
+        let (start, inputs) = raw.cut(&wishes);
+        let run = back.simulate(&start, &inputs).unwrap();
+        // An infinite slack may be NaN in an equality only if it is compared as a number.
+        let text = serde_json::to_string(&run).unwrap();
+        prop_assert_eq!(serde_json::from_str::<carom::hybrid::Simulation>(&text).unwrap(), run);
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let room =
+        HybridSystem::thermostat(60.0, 1800.0, 5.0, 40.0, Interval::new(19.0, 21.0)).unwrap();
+    let value = serde_json::to_value(&room).unwrap();
+    let error = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut value = value.clone();
+        change(&mut value);
+        serde_json::from_value::<HybridSystem>(value).unwrap_err().to_string()
+    };
+    let text = error(&|v| v["states"][0][1]["lower"] = 90.into());
+    assert!(text.contains("bounds of `temperature` are crossed"), "{text}");
+    let text = error(&|v| v["choices"][0]["transitions"] = serde_json::json!([]));
+    assert!(text.contains("the number of transitions"), "{text}");
+    let text = error(&|v| v["choices"][0]["transitions"][0]["name"] = "start".into());
+    assert!(text.contains("`start` is already taken"), "{text}");
+    let text = error(&|v| {
+        let reset =
+            serde_json::json!({"matrix": [[1.0], [1.0, 2.0]], "offset": {"values": [[0.0]]}});
+        v["choices"][0]["transitions"][0]["reset"] = reset;
+    });
+    assert!(text.contains("the matrix of a reset"), "{text}");
+    let text = error(&|v| {
+        v["choices"][0]["transitions"][0]["guards"][0]["limit"] = serde_json::json!({"values": []});
+    });
+    assert!(text.contains("the number of values of the limit of `at least`"), "{text}");
+}
