@@ -1,14 +1,18 @@
-//! A compiled hybrid system: blocks of unconnected states, and for each block the maps, generators
-//! and limits of every transition.
+//! A compiled hybrid system at one step: blocks of unconnected states, and for each block the maps,
+//! generators and limits of every move.
 
 use std::sync::Arc;
 
 use faer::Mat;
 
+use super::joint::{Joint, tightened};
+use super::law::{Context, Guard, Law, Prediction};
+use super::moves::Moves;
 use super::rounding::EPSILON;
+use super::sets::SetOptions;
 use super::shape::{Map, Matrix, Shape};
 use super::template::Template;
-use crate::hybrid::system::{Halfspace, HybridSystem};
+use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -17,11 +21,11 @@ use crate::tolerance::margin_scale;
 pub(super) struct Block {
     /// Numbers of the states, ascending.
     pub(super) states: Vec<usize>,
-    /// Domains and limits at every sample.
+    /// Domains and limits at the sample at which the step begins.
     pub(super) limits: Vec<Cut>,
     /// The set within the limits.
     pub(super) domain: Shape,
-    /// One per transition.
+    /// One per move.
     pub(super) steps: Vec<Step>,
 }
 
@@ -35,65 +39,168 @@ pub(super) struct Cut {
     pub(super) given: f64,
 }
 
-/// A transition within a block.
+/// A move within a block.
 #[derive(Debug, Clone)]
 pub(super) struct Step {
     pub(super) before: Vec<Cut>,
     pub(super) flow: Map,
-    /// Segments from `-g` to `g`, added by the inputs.
-    pub(super) generators: Vec<Vec<f64>>,
-    /// The possible rounding error of the inputs' midpoints.
-    pub(super) slack: Vec<f64>,
+    pub(super) push: Push,
     pub(super) after: Vec<Cut>,
     pub(super) reset: Option<Map>,
     /// The margin again after a reset, because the reset may shrink it and an accepted plan may
-    /// also miss the reset itself.
-    pub(super) reset_slack: Vec<f64>,
+    /// also miss the reset itself; and everything else that the next state may differ by.
+    pub(super) loose: Vec<f64>,
     /// A bounded set that holds every prediction.
     pub(super) predictions: Shape,
+    /// The flow's input matrix and constant part.
+    pub(super) gains: Matrix,
+    pub(super) constant: Vec<f64>,
 }
 
-/// A hybrid system, compiled for one range of its inputs.
+/// What the inputs add to a flow.
+#[derive(Debug, Clone)]
+pub(super) struct Push {
+    /// The constant part, with the inputs in the middle of their ranges.
+    pub(super) shift: Vec<f64>,
+    /// Segments from `-g` to `g`.
+    pub(super) generators: Vec<Vec<f64>>,
+    /// The possible rounding error of the inputs' midpoints.
+    pub(super) slack: Vec<f64>,
+}
+
+/// A move, over all blocks.
+#[derive(Debug, Clone)]
+pub(super) struct CompiledMove {
+    /// Numbers of its transitions.
+    pub(super) members: Vec<usize>,
+    /// How many of them are events.
+    pub(super) events: usize,
+    /// Whether the inputs have values.
+    pub(super) is_possible: bool,
+    /// Ranges of the inputs, margin included, tightened by the guards on inputs.
+    pub(super) inputs: Vec<Interval>,
+    /// Guards on inputs.
+    pub(super) joint: Vec<Joint>,
+    pub(super) predictions: Vec<(usize, Prediction)>,
+}
+
+/// A hybrid system, compiled for one step.
 #[derive(Debug, Clone)]
 pub(super) struct Compiled {
     pub(super) blocks: Vec<Block>,
     pub(super) states: Vec<(String, Interval)>,
     /// Name, and whether it is an event, of every transition.
     pub(super) transitions: Vec<(String, bool)>,
+    pub(super) moves: Vec<CompiledMove>,
+    /// Numbers of transitions of choices that are not followed.
+    pub(super) relaxed: Vec<usize>,
+}
+
+/// What is compiled.
+pub(super) struct Source<'a> {
+    pub(super) system: &'a HybridSystem,
+    pub(super) moves: &'a Moves,
+    pub(super) step: usize,
+    /// The ranges of the inputs, if they differ from the system's.
+    pub(super) given: Option<&'a [Interval]>,
+    pub(super) options: &'a SetOptions,
+    /// The start and the goal.
+    pub(super) ends: [&'a Region; 2],
+    /// Magnitudes of the states, for the scale of the margin.
+    pub(super) sizes: &'a [f64],
 }
 
 impl Compiled {
-    /// Compiles a checked system.
-    ///
-    /// # Arguments
-    ///
-    /// * `inputs`: the ranges of the inputs.
-    /// * `margin`: how much every limit is loosened, in proportion to magnitudes beyond 1000.
-    /// * `sizes`: magnitudes of the states, for that scale.
-    /// * `further`: template directions in addition to the axes and the normals of the limits.
-    pub(super) fn new(
-        system: &HybridSystem,
-        inputs: &[Interval],
-        margin: f64,
-        sizes: &[f64],
-        further: &[Vec<f64>],
-    ) -> Self {
-        let groups = groups(system);
-        let blocks =
-            groups.iter().map(|states| block(system, inputs, margin, sizes, further, states));
-        let transitions = system.transitions().map(|t| (t.name.clone(), t.is_event));
+    /// Compiles a checked system for one step. `like` is the system of another step, whose maps
+    /// have the same matrices.
+    pub(super) fn new(source: &Source, like: Option<&Compiled>) -> Self {
+        let system = source.system;
+        let followed = source.moves.followed;
+        let context = Context {
+            system,
+            transitions: system.transitions().collect(),
+            step: source.step,
+            given: source.given,
+            margin: source.options.margin,
+            is_disturbed: source.options.disturbance,
+            relaxed: system.choices.get(followed..).unwrap_or(&[]),
+            relaxed_numbers: &source.moves.relaxed,
+        };
+        let laws: Vec<Law> = source.moves.list.iter().map(|m| context.law(m)).collect();
+        let groups = match like {
+            Some(like) => like.blocks.iter().map(|block| block.states.clone()).collect(),
+            None => groups(system, &laws),
+        };
+        let blocks: Vec<Block> = groups
+            .iter()
+            .enumerate()
+            .map(|(b, states)| source.block(&laws, states, like.map(|like| &like.blocks[b])))
+            .collect();
+        let moves = source.moves.list.iter().zip(laws).map(|(taken, law)| {
+            let joint: Vec<Joint> = law
+                .before
+                .iter()
+                .filter(|guard| guard.is_joint() && guard.limit < f64::INFINITY)
+                .map(|guard| source.joint(guard, &law.inputs, &blocks))
+                .collect();
+            let wide = law.inputs.iter().map(|range| source.wide(range)).collect();
+            let domains: Vec<&Shape> = blocks.iter().map(|block| &block.domain).collect();
+            let (inputs, is_possible) = match tightened(wide, &joint, &domains) {
+                Ok(inputs) => (inputs, law.is_possible),
+                Err(_) => (law.inputs.clone(), false),
+            };
+            CompiledMove {
+                members: taken.members.clone(),
+                events: taken.events,
+                is_possible,
+                inputs,
+                joint,
+                predictions: law.predictions,
+            }
+        });
         Compiled {
-            blocks: blocks.collect(),
+            moves: moves.collect(),
+            blocks,
             states: system.states.clone(),
-            transitions: transitions.collect(),
+            transitions: system.transitions().map(|t| (t.name.clone(), t.is_event)).collect(),
+            relaxed: source.moves.relaxed.clone(),
         }
     }
+
+    /// The names of a move's transitions.
+    pub(super) fn name(&self, number: usize) -> String {
+        let names = self.moves[number].members.iter().map(|&m| self.transitions[m].0.as_str());
+        names.collect::<Vec<_>>().join(" and ")
+    }
+}
+
+/// What inputs within ranges add to a flow.
+pub(super) fn push(gains: &Matrix, constant: &[f64], inputs: &[Interval], margin: f64) -> Push {
+    let mut shift = constant.to_vec();
+    let mut slack = vec![0.0; constant.len()];
+    let mut generators = Vec::new();
+    for (j, range) in inputs.iter().enumerate() {
+        let size = range.magnitude();
+        let half = 0.5 * (range.upper - range.lower)
+            + margin * margin_scale(size, 0.0)
+            + 4.0 * EPSILON * size;
+        let middle = 0.5 * range.lower + 0.5 * range.upper;
+        let generator: Vec<f64> = gains.iter().map(|row| row[j] * half).collect();
+        for (i, row) in gains.iter().enumerate() {
+            shift[i] += row[j] * middle;
+            slack[i] += 8.0 * EPSILON * (row[j].abs() * size + shift[i].abs());
+        }
+        if generator.iter().any(|&g| g != 0.0) {
+            generators.push(generator);
+        }
+    }
+    Push { shift, generators, slack }
 }
 
 /// The connected components of the states under flows, resets, guards and limits. Inputs do not
 /// connect states: if two blocks share an input, each chooses it separately, which can only enlarge
 /// sets.
-fn groups(system: &HybridSystem) -> Vec<Vec<usize>> {
+fn groups(system: &HybridSystem, laws: &[Law]) -> Vec<Vec<usize>> {
     let n = system.states.len();
     let mut parent: Vec<usize> = (0..n).collect();
     fn root(parent: &[usize], mut k: usize) -> usize {
@@ -115,15 +222,16 @@ fn groups(system: &HybridSystem) -> Vec<Vec<usize>> {
             }
         }
     };
-    for transition in system.transitions() {
-        link_matrix(transition.flow.a());
-        if let Some(reset) = &transition.reset {
-            link_matrix(&reset.matrix);
+    for law in laws {
+        link_matrix(&law.flow.a);
+        if let Some((matrix, _)) = &law.reset {
+            link_matrix(matrix);
         }
     }
-    let guards = system.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
-    for halfspace in system.limits.iter().chain(guards) {
-        let touched: Vec<usize> = (0..n).filter(|&i| halfspace.normal[i] != 0.0).collect();
+    let guards = laws.iter().flat_map(|law| law.before.iter().chain(&law.after));
+    let limits = system.limits.iter().map(|limit| limit.parts(n).0);
+    for normal in limits.chain(guards.map(|guard| guard.states.as_slice())) {
+        let touched: Vec<usize> = (0..n).filter(|&i| normal[i] != 0.0).collect();
         touched.windows(2).for_each(|pair| link(pair[0], pair[1]));
     }
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); n];
@@ -134,120 +242,162 @@ fn groups(system: &HybridSystem) -> Vec<Vec<usize>> {
     groups
 }
 
-fn block(
-    system: &HybridSystem,
-    inputs: &[Interval],
-    margin: f64,
-    sizes: &[f64],
-    further: &[Vec<f64>],
-    states: &[usize],
-) -> Block {
-    let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
-    let domains: Vec<Interval> = states.iter().map(|&i| system.states[i].1).collect();
-    let cut = |halfspace: &Halfspace| -> Option<Cut> {
-        let normal = local(&halfspace.normal);
-        let terms = halfspace.normal.iter().zip(sizes).map(|(n, size)| (n * size).abs());
-        let largest = terms.fold(0.0, f64::max);
-        let given = halfspace.limit_at(0);
-        let limit = given + margin * margin_scale(largest, given);
-        let touches = normal.iter().any(|&n| n != 0.0);
-        let name = halfspace.name.clone();
-        touches.then_some(Cut { name, normal, limit, given })
-    };
-    let cuts = |halfspaces: &[Halfspace]| halfspaces.iter().filter_map(cut).collect::<Vec<_>>();
-
-    let mut limits = Vec::new();
-    for (k, &state) in states.iter().enumerate() {
-        let (name, domain) = &system.states[state];
-        for (sign, limit, word) in [(1.0, domain.upper, "upper"), (-1.0, -domain.lower, "lower")] {
-            let mut normal = vec![0.0; states.len()];
-            normal[k] = sign;
-            let wide = limit + margin * margin_scale(sizes[state], limit);
-            let name = format!("the {word} limit of {name}");
-            limits.push(Cut { name, normal, limit: wide, given: limit });
-        }
-    }
-    limits.extend(cuts(&system.limits));
-
-    let template = template(system, further, states);
-    let reach =
-        |k: usize, d: &Interval| (-limits[2 * k + 1].limit, limits[2 * k].limit.max(d.lower));
-    let (low, high): (Vec<f64>, Vec<f64>) =
-        domains.iter().enumerate().map(|(k, d)| reach(k, d)).unzip();
-    let mut domain = Shape::from_box(template.as_ref(), &low, &high);
-    for cut in &limits[2 * states.len()..] {
-        domain.clip(&cut.normal, cut.limit);
+impl Source<'_> {
+    /// The range of an input with its margin.
+    fn wide(&self, range: &Interval) -> Interval {
+        let size = range.magnitude();
+        let slack = self.options.margin * margin_scale(size, 0.0) + 4.0 * EPSILON * size;
+        Interval::new(range.lower - slack, range.upper + slack)
     }
 
-    let steps = system.transitions().map(|transition| {
-        let matrix = part(transition.flow.a(), states, states);
-        let gains = part(transition.flow.b(), states, &(0..inputs.len()).collect::<Vec<_>>());
-        let mut shift = local(transition.flow.c());
-        let mut slack = vec![0.0; states.len()];
-        let mut generators = Vec::new();
-        for (j, range) in inputs.iter().enumerate() {
-            let size = range.magnitude();
-            let half = 0.5 * (range.upper - range.lower)
-                + margin * margin_scale(size, 0.0)
-                + 4.0 * EPSILON * size;
-            let middle = 0.5 * range.lower + 0.5 * range.upper;
-            let generator: Vec<f64> = gains.iter().map(|row| row[j] * half).collect();
-            for (i, row) in gains.iter().enumerate() {
-                shift[i] += row[j] * middle;
-                slack[i] += 8.0 * EPSILON * (row[j].abs() * size + shift[i].abs());
-            }
-            if generator.iter().any(|&g| g != 0.0) {
-                generators.push(generator);
-            }
-        }
-        let flow = Map::new(matrix, shift, template.as_deref());
-        let reset = transition.reset.as_ref().map(|reset| {
-            Map::new(
-                part(&reset.matrix, states, states),
-                local(&reset.offset.get(0).cloned().unwrap_or_default()),
-                template.as_deref(),
-            )
-        });
-        let size = |&i: &usize| match transition.reset {
-            Some(_) => margin * margin_scale(sizes[i], 0.0),
-            None => 0.0,
+    fn joint(&self, guard: &Guard, inputs: &[Interval], blocks: &[Block]) -> Joint {
+        let touches = |block: &Block| block.states.iter().any(|&i| guard.states[i] != 0.0);
+        let block = blocks.iter().position(touches);
+        let local = |block: usize| -> Vec<f64> {
+            blocks[block].states.iter().map(|&i| guard.states[i]).collect()
         };
-        let reset_slack = states.iter().map(size).collect();
-        let mut predictions = domain.map(&flow).add_segments(&generators);
-        predictions.widen(&slack);
-        let (before, after) = (cuts(&transition.guards), cuts(&transition.prediction_guards));
-        Step { before, flow, generators, slack, after, reset, reset_slack, predictions }
-    });
-    let steps = steps.collect();
-    Block { states: states.to_vec(), limits, domain, steps }
-}
-
-/// `None`, which means exact polygons, for two states; otherwise a template of the axes, the limits'
-/// normals, the user's directions and, in small blocks, the diagonals.
-fn template(
-    system: &HybridSystem,
-    further: &[Vec<f64>],
-    states: &[usize],
-) -> Option<Arc<Template>> {
-    if states.len() == 2 {
-        return None;
+        let states = guard.states.iter().zip(self.sizes).map(|(n, size)| (n * size).abs());
+        let pushes =
+            guard.inputs.iter().zip(inputs).map(|(m, range)| (m * range.magnitude()).abs());
+        let largest = states.chain(pushes).fold(0.0, f64::max);
+        Joint {
+            name: guard.name.clone(),
+            block,
+            normal: block.map(local).unwrap_or_default(),
+            gains: guard.inputs.clone(),
+            limit: guard.limit + self.options.margin * margin_scale(largest, guard.limit),
+            given: guard.limit,
+        }
     }
-    let guards = system.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
-    let own = system.limits.iter().chain(guards).map(|halfspace| &halfspace.normal);
-    let local = |normal: &Vec<f64>| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
-    let mut directions: Vec<Vec<f64>> = own.chain(further).map(local).collect();
-    if states.len() <= 4 {
-        for i in 0..states.len() {
-            for j in i + 1..states.len() {
-                for sign in [1.0, -1.0] {
-                    let mut diagonal = vec![0.0; states.len()];
-                    (diagonal[i], diagonal[j]) = (1.0, sign);
-                    directions.push(diagonal);
+
+    fn cut(&self, states: &[usize], name: &str, full: &[f64], given: f64) -> Option<Cut> {
+        let normal: Vec<f64> = states.iter().map(|&i| full[i]).collect();
+        let terms = full.iter().zip(self.sizes).map(|(n, size)| (n * size).abs());
+        let largest = terms.fold(0.0, f64::max);
+        let limit = given + self.options.margin * margin_scale(largest, given);
+        let limits = given < f64::INFINITY && normal.iter().any(|&n| n != 0.0);
+        limits.then(|| Cut { name: name.to_owned(), normal, limit, given })
+    }
+
+    /// The domains and limits of a block at the step's sample.
+    fn limits(&self, states: &[usize]) -> Vec<Cut> {
+        let mut limits = Vec::new();
+        for (k, &state) in states.iter().enumerate() {
+            let (name, domain) = &self.system.states[state];
+            for (sign, limit, word) in
+                [(1.0, domain.upper, "upper"), (-1.0, -domain.lower, "lower")]
+            {
+                let mut normal = vec![0.0; states.len()];
+                normal[k] = sign;
+                let wide = limit + self.options.margin * margin_scale(self.sizes[state], limit);
+                let name = format!("the {word} limit of {name}");
+                limits.push(Cut { name, normal, limit: wide, given: limit });
+            }
+        }
+        let n = self.system.states.len();
+        let own = self.system.limits.iter().filter(|limit| !limit.is_joint(n));
+        limits.extend(own.filter_map(|limit| {
+            self.cut(states, &limit.name, limit.parts(n).0, limit.limit_at(self.step))
+        }));
+        limits
+    }
+
+    fn block(&self, laws: &[Law], states: &[usize], like: Option<&Block>) -> Block {
+        let limits = self.limits(states);
+        let template = match like {
+            Some(like) => like.domain.template().cloned(),
+            None => self.template(laws, states),
+        };
+        let reach =
+            |k: usize, d: &Interval| (-limits[2 * k + 1].limit, limits[2 * k].limit.max(d.lower));
+        let domains = states.iter().map(|&i| &self.system.states[i].1);
+        let (low, high): (Vec<f64>, Vec<f64>) =
+            domains.enumerate().map(|(k, d)| reach(k, d)).unzip();
+        let mut domain = Shape::from_box(template.as_ref(), &low, &high);
+        for cut in &limits[2 * states.len()..] {
+            domain.clip(&cut.normal, cut.limit);
+        }
+        let steps = laws.iter().enumerate().map(|(m, law)| {
+            let like = like.map(|like| &like.steps[m]);
+            self.step(law, states, &domain, template.as_deref(), like)
+        });
+        let steps = steps.collect();
+        Block { states: states.to_vec(), limits, domain, steps }
+    }
+
+    fn step(
+        &self,
+        law: &Law,
+        states: &[usize],
+        domain: &Shape,
+        template: Option<&Template>,
+        like: Option<&Step>,
+    ) -> Step {
+        let margin = self.options.margin;
+        let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
+        let cuts = |guards: &[Guard]| -> Vec<Cut> {
+            let guards = guards.iter().filter(|guard| !guard.is_joint());
+            guards.filter_map(|g| self.cut(states, &g.name, &g.states, g.limit)).collect()
+        };
+        let gains = part(&law.flow.b, states, &(0..law.inputs.len()).collect::<Vec<_>>());
+        let constant = local(&law.flow.c);
+        let push = push(&gains, &constant, &law.inputs, margin);
+        let flow = match like {
+            Some(like) => like.flow.with_offset(push.shift.clone()),
+            None => Map::new(part(&law.flow.a, states, states), push.shift.clone(), template),
+        };
+        let reset = law.reset.as_ref().map(|(matrix, offset)| {
+            match like.and_then(|like| like.reset.as_ref()) {
+                Some(like) => like.with_offset(local(offset)),
+                None => Map::new(part(matrix, states, states), local(offset), template),
+            }
+        });
+        let loose = |&i: &usize| match law.resets {
+            0 => law.loose[i],
+            _ => law.loose[i] + law.resets as f64 * (margin * margin_scale(self.sizes[i], 0.0)),
+        };
+        let mut predictions = domain.map(&flow).add_segments(&push.generators);
+        predictions.widen(&push.slack);
+        Step {
+            before: cuts(&law.before),
+            flow,
+            after: cuts(&law.after),
+            reset,
+            loose: states.iter().map(loose).collect(),
+            predictions,
+            push,
+            gains,
+            constant,
+        }
+    }
+
+    /// `None`, which means exact polygons, for two states; otherwise a template of the axes, the
+    /// limits' normals, the user's directions and, in small blocks, the diagonals.
+    fn template(&self, laws: &[Law], states: &[usize]) -> Option<Arc<Template>> {
+        if states.len() == 2 {
+            return None;
+        }
+        let n = self.system.states.len();
+        let guards = laws.iter().flat_map(|law| law.before.iter().chain(&law.after));
+        let limits = self.system.limits.iter().map(|limit| limit.parts(n).0);
+        let own = limits.chain(guards.map(|guard| guard.states.as_slice()));
+        let ends = self.ends.iter().flat_map(|end| &end.halfspaces).map(|h| h.normal.as_slice());
+        let further = self.options.directions.iter().map(Vec::as_slice).chain(ends);
+        let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
+        let mut directions: Vec<Vec<f64>> = own.chain(further).map(local).collect();
+        if states.len() <= 4 {
+            for i in 0..states.len() {
+                for j in i + 1..states.len() {
+                    for sign in [1.0, -1.0] {
+                        let mut diagonal = vec![0.0; states.len()];
+                        (diagonal[i], diagonal[j]) = (1.0, sign);
+                        directions.push(diagonal);
+                    }
                 }
             }
         }
+        Some(Arc::new(Template::new(states.len(), &directions)))
     }
-    Some(Arc::new(Template::new(states.len(), &directions)))
 }
 
 fn part(matrix: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Matrix {

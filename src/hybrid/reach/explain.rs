@@ -48,6 +48,8 @@ pub struct Finding {
     pub events: Option<usize>,
     /// Whether this includes more events than these.
     pub or_more: bool,
+    /// Modes of the choices with memory, each with its choice's name; empty if they do not matter.
+    pub modes: Vec<(String, String)>,
     /// The reason.
     pub obstacle: Obstacle,
 }
@@ -98,9 +100,9 @@ impl ReachSets {
     pub fn explain(&mut self, steps: usize) -> Result<Option<ReachExplanation>, Error> {
         let tube = self.tube(steps)?;
         let Some(sample) = tube.died() else { return Ok(None) };
-        let (sample, findings) = match self.missing_end() {
+        let (sample, findings) = match self.missing_end(steps) {
             Some((at_start, obstacle)) => {
-                let finding = Finding { events: None, or_more: false, obstacle };
+                let finding = Finding::of_all(obstacle);
                 (if at_start { 0 } else { steps }, vec![finding])
             }
             None => self.findings(&tube, sample),
@@ -110,28 +112,55 @@ impl ReachSets {
     }
 
     /// The limit that excludes the start or the goal itself.
-    fn missing_end(&self) -> Option<(bool, Obstacle)> {
+    fn missing_end(&self, steps: usize) -> Option<(bool, Obstacle)> {
         let (start, goal) = self.ends();
         let ends = [(true, start), (false, goal)];
         ends.into_iter().find_map(|(at_start, end)| {
-            let emptied = ReachSet::from_box(&self.system, end, self.options.margin).ok()?.err()?;
-            Some((at_start, self.obstacle(&emptied)?))
+            let sample = if at_start { 0 } else { steps };
+            let system = self.sample(sample);
+            let set = ReachSet::from_region(system, end, self.options.margin, &self.sizes);
+            let emptied = set.err()?;
+            if let Place::End(k) = emptied.place {
+                let halfspace = &end.halfspaces[k];
+                let (name, limit) = (halfspace.name.clone(), halfspace.limit_at(0));
+                let nearest = emptied.nearest;
+                return Some((
+                    at_start,
+                    Obstacle::Limit { name, transition: None, limit, nearest },
+                ));
+            }
+            Some((at_start, self.obstacle(sample, &emptied)?))
         })
     }
 
-    /// The obstacle that emptied a set.
-    fn obstacle(&self, emptied: &Emptied) -> Option<Obstacle> {
-        let block = &self.system.blocks[emptied.block];
-        let (cut, transition) = match emptied.place {
-            Place::Limit(k) => (block.limits.get(k)?, None),
-            Place::Guard(m, k) => (block.steps.get(m)?.before.get(k)?, Some(m)),
-            Place::Prediction(m, k) => (block.steps.get(m)?.after.get(k)?, Some(m)),
-            Place::Shape => return None,
+    /// The obstacle that emptied a set of a sample, or a set on the way there from the sample
+    /// before.
+    fn obstacle(&self, sample: usize, emptied: &Emptied) -> Option<Obstacle> {
+        let system = self.system_at(sample.saturating_sub(1));
+        let block = &system.blocks[emptied.block];
+        let (name, limit, taken) = match emptied.place {
+            Place::Limit(k) => {
+                let cut = self.sample(sample).blocks[emptied.block].limits.get(k)?;
+                (&cut.name, cut.given, None)
+            }
+            Place::Guard(m, k) => {
+                let cut = block.steps.get(m)?.before.get(k)?;
+                (&cut.name, cut.given, Some(m))
+            }
+            Place::Prediction(m, k) => {
+                let cut = block.steps.get(m)?.after.get(k)?;
+                (&cut.name, cut.given, Some(m))
+            }
+            Place::Joint(m, k) => {
+                let guard = system.moves.get(m)?.joint.get(k)?;
+                (&guard.name, guard.given, Some(m))
+            }
+            Place::End(_) | Place::Shape => return None,
         };
         Some(Obstacle::Limit {
-            name: cut.name.clone(),
-            transition: transition.map(|m| self.system.transitions[m].0.clone()),
-            limit: cut.given,
+            name: name.clone(),
+            transition: taken.map(|m| system.name(m)),
+            limit,
             nearest: emptied.nearest,
         })
     }
@@ -140,31 +169,49 @@ impl ReachSets {
         if tube.reached(sample).next().is_none() {
             // The forward sets became empty by themselves.
             let Some((step, emptied)) = &self.emptied else { return (sample, Vec::new()) };
-            let obstacle = self.obstacle(emptied);
-            let finding = |obstacle| Finding { events: None, or_more: false, obstacle };
-            return (step + 1, obstacle.map(finding).into_iter().collect());
+            let obstacle = self.obstacle(step + 1, emptied);
+            return (step + 1, obstacle.map(Finding::of_all).into_iter().collect());
         }
         let needed = self.needed(tube, sample);
-        let last = self.options.events;
-        let layers = tube.forward[sample].iter().enumerate();
-        let findings = layers.filter_map(|(events, set)| {
-            let set = set.as_ref()?;
-            let obstacle = needed.iter().find_map(|goal| between(set, goal))?;
-            Some(Finding { events: Some(events), or_more: events == last, obstacle })
-        });
-        (sample, findings.collect())
+        let graph = &self.graph;
+        let mut findings: Vec<Finding> = Vec::new();
+        for (layer, set) in tube.forward[sample].iter().enumerate() {
+            let (node, events) = graph.node_and_events(layer);
+            let Some(set) = set else { continue };
+            let mut same = needed.iter().filter(|(at, _)| *at == node);
+            let same = same.find_map(|(_, goal)| between(set, goal));
+            let any = || needed.iter().find_map(|(_, goal)| between(set, goal));
+            let obstacle = same.or_else(any);
+            let modes = graph.modes(node).to_vec();
+            // Different dwell times of the same modes are one finding.
+            let known = |f: &Finding| f.events == Some(events) && f.modes == modes;
+            if let Some(obstacle) = obstacle.filter(|_| !findings.iter().any(known)) {
+                let or_more = events == graph.events && !graph.is_limited;
+                findings.push(Finding { events: Some(events), or_more, modes, obstacle });
+            }
+        }
+        (sample, findings)
     }
 
-    /// The sets from which the goal can be reached, at a sample that no plan passes.
-    fn needed(&self, tube: &Tube, sample: usize) -> Vec<ReachSet> {
+    /// The sets from which the goal can be reached, at a sample that no plan passes, with their
+    /// nodes.
+    fn needed(&self, tube: &Tube, sample: usize) -> Vec<(usize, ReachSet)> {
         let to_go = tube.steps() - sample;
+        let graph = &self.graph;
+        let sets = |to_go: usize| {
+            let layers = tube.backward.get(to_go).into_iter().flat_map(|layers| layers.iter());
+            let sets = layers.enumerate().filter_map(|(layer, set)| Some((layer, set.as_ref()?)));
+            sets.map(|(layer, set)| (graph.node_and_events(layer).0, set)).collect::<Vec<_>>()
+        };
         if to_go == 0 {
-            return tube.to_go(sample).cloned().collect();
+            return sets(0).into_iter().map(|(node, set)| (node, set.clone())).collect();
         }
         let system = self.system_at(sample);
-        let after = tube.to_go(sample + 1);
-        let before = after.flat_map(|set| {
-            (0..system.transitions.len()).filter_map(|m| predecessors(system, m, set).ok())
+        let before = sets(to_go - 1).into_iter().flat_map(|(node, set)| {
+            graph.entering[node].iter().filter_map(|&k| {
+                let edge = &graph.edges[k];
+                Some((edge.from, predecessors(system, edge.taken, set).ok()?))
+            })
         });
         before.collect()
     }
@@ -223,6 +270,13 @@ impl ReachSets {
             }
         }
         Ok(remedies)
+    }
+}
+
+impl Finding {
+    /// For any number of events, in any mode.
+    fn of_all(obstacle: Obstacle) -> Self {
+        Finding { events: None, or_more: false, modes: Vec::new(), obstacle }
     }
 }
 
@@ -319,6 +373,9 @@ impl fmt::Display for ReachExplanation {
                 Some(0) => f.write_str("without an event, ")?,
                 Some(1) if !finding.or_more => f.write_str("with 1 event, ")?,
                 Some(events) => write!(f, "with {events}{more} events, ")?,
+            }
+            for (choice, mode) in &finding.modes {
+                write!(f, "with {choice} {mode}, ")?;
             }
             write!(f, "{}", finding.obstacle)?;
         }

@@ -2,6 +2,11 @@
 
 mod compiled;
 mod explain;
+mod graph;
+mod joint;
+mod law;
+mod lifted;
+mod moves;
 mod picture;
 mod polygon;
 mod rounding;

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use super::compiled::{Compiled, Cut};
+use super::compiled::{Block, Compiled, Cut};
+use super::rounding::EPSILON;
 use super::shape::Shape;
 use crate::error::{Error, ErrorKind, check_length};
-use crate::hybrid::system::check_ends;
+use crate::hybrid::system::{Region, check_ends};
 use crate::interval::Interval;
+use crate::tolerance::margin_scale;
 
 /// A set of states: the product of its blocks' sets.
 ///
@@ -17,6 +19,15 @@ pub struct ReachSet {
     pub(super) system: Arc<Compiled>,
     /// One per block, none of them empty.
     pub(super) shapes: Vec<Shape>,
+    pub(super) label: Label,
+}
+
+/// Which states a set holds.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Label {
+    pub(super) events: usize,
+    /// Names of choices with memory and of their modes.
+    pub(super) modes: Option<Arc<Vec<(String, String)>>>,
 }
 
 /// The limit that emptied a set: the first one that no state satisfies.
@@ -34,35 +45,84 @@ pub(super) enum Place {
     Limit(usize),
     Guard(usize, usize),
     Prediction(usize, usize),
+    /// A guard on inputs of a move.
+    Joint(usize, usize),
+    /// A half-space of the start or the goal.
+    End(usize),
     /// The shape of the set itself.
     Shape,
 }
 
 impl ReachSet {
-    /// The box of the given intervals within the system's limits, or the limit that excludes it.
-    pub(super) fn from_box(
+    /// A region within the system's limits, or the limit that excludes it.
+    pub(super) fn from_region(
         system: &Arc<Compiled>,
-        ranges: &[Interval],
+        region: &Region,
         margin: f64,
-    ) -> Result<Result<Self, Emptied>, Error> {
-        for ((name, _), range) in system.states.iter().zip(ranges) {
-            check_ends(name, *range)?;
-        }
+        sizes: &[f64],
+    ) -> Result<Self, Emptied> {
+        let ranges = closed(&system.states, region);
         let wide = |i: &usize| {
             let range = ranges[*i];
-            let margin = margin * crate::tolerance::margin_scale(range.magnitude(), 0.0);
+            let margin = margin * margin_scale(range.magnitude(), 0.0);
             (range.lower - margin, range.upper + margin)
         };
         let mut shapes = Vec::with_capacity(system.blocks.len());
         for (b, block) in system.blocks.iter().enumerate() {
             let (low, high): (Vec<f64>, Vec<f64>) = block.states.iter().map(wide).unzip();
             let mut shape = block.domain.boxed(&low, &high);
-            if let Err(emptied) = cut(&mut shape, &block.limits, b, Place::Limit) {
-                return Ok(Err(emptied));
-            }
+            cut(&mut shape, &block.limits, b, Place::Limit)?;
             shapes.push(shape);
         }
-        Ok(Ok(ReachSet { system: Arc::clone(system), shapes }))
+        let mut set = ReachSet { system: Arc::clone(system), shapes, label: Label::default() };
+        for (k, halfspace) in region.halfspaces.iter().enumerate() {
+            let terms = halfspace.normal.iter().zip(sizes).map(|(n, size)| (n * size).abs());
+            let given = halfspace.limit_at(0);
+            let limit = given + margin * margin_scale(terms.fold(0.0, f64::max), given);
+            set.keep_below(&halfspace.normal, limit, Place::End(k))?;
+        }
+        Ok(set)
+    }
+
+    /// Cuts with a half-space, whose part in other blocks than the one that is cut has its smallest
+    /// value.
+    fn keep_below(&mut self, normal: &[f64], limit: f64, place: Place) -> Result<(), Emptied> {
+        if limit == f64::INFINITY {
+            return Ok(());
+        }
+        let local =
+            |block: &Block| -> Vec<f64> { block.states.iter().map(|&i| normal[i]).collect() };
+        let system = Arc::clone(&self.system);
+        let normals: Vec<Vec<f64>> = system.blocks.iter().map(local).collect();
+        let lowest: Vec<f64> =
+            self.shapes.iter().zip(&normals).map(|(shape, normal)| shape.lowest(normal)).collect();
+        for (b, shape) in self.shapes.iter_mut().enumerate() {
+            let touched = normals[b].iter().any(|&n| n != 0.0);
+            let others = || lowest.iter().enumerate().filter(|(other, _)| *other != b);
+            let sum: f64 = others().map(|(_, low)| low).sum();
+            let size: f64 = others().map(|(_, low)| low.abs()).sum();
+            let limit = limit - sum + 8.0 * EPSILON * (size + limit.abs());
+            if touched && let Some(nearest) = shape.clip(&normals[b], limit) {
+                return Err(Emptied { block: b, place, nearest: nearest + sum });
+            }
+            shape.settle();
+            if shape.is_empty() {
+                return Err(Emptied { block: b, place: Place::Shape, nearest: f64::NAN });
+            }
+        }
+        Ok(())
+    }
+
+    /// The number of events on the way from the start to these states, or, for a backward set, on
+    /// the way to the goal. If it is the largest number that is told apart, there may be more.
+    pub fn events(&self) -> usize {
+        self.label.events
+    }
+
+    /// The choices with memory whose mode is the same in all states of the set, each with that
+    /// mode.
+    pub fn modes(&self) -> &[(String, String)] {
+        self.label.modes.as_deref().map_or(&[], Vec::as_slice)
     }
 
     /// Restricts one state to a range; `false` if the set becomes empty.
@@ -207,7 +267,7 @@ impl ReachSet {
     /// The smallest set of its kind that contains both.
     pub(super) fn join(&self, other: &ReachSet) -> ReachSet {
         let shapes = self.shapes.iter().zip(&other.shapes).map(|(a, b)| a.join(b)).collect();
-        ReachSet { system: Arc::clone(&self.system), shapes }
+        ReachSet { system: Arc::clone(&self.system), shapes, label: self.label.clone() }
     }
 
     pub(super) fn simplify(&mut self, most: usize) {
@@ -247,4 +307,14 @@ pub(super) fn cut(
         }
     }
     Ok(())
+}
+
+/// The ranges of a region, with the ends of the domains instead of infinite ones.
+pub(super) fn closed(states: &[(String, Interval)], region: &Region) -> Vec<Interval> {
+    let ends = states.iter().zip(&region.ranges).map(|((_, domain), range)| {
+        let lower = if range.lower.is_finite() { range.lower } else { domain.lower };
+        let upper = if range.upper.is_finite() { range.upper } else { domain.upper };
+        Interval::new(lower.min(upper), upper.max(lower))
+    });
+    ends.collect()
 }

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use super::compiled::Compiled;
-use super::set::{Emptied, ReachSet};
+use super::compiled::{Compiled, Source};
+use super::graph::Graph;
+use super::moves::Moves;
+use super::set::{Emptied, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::horizon::check_steps;
-use crate::hybrid::system::{HybridSystem, check_ends};
+use crate::hybrid::system::{HybridSystem, Region, check_ends};
 use crate::interval::Interval;
 use crate::setters::setters;
 use crate::tolerance;
@@ -19,7 +21,7 @@ use crate::tolerance;
 pub struct SetOptions {
     /// Number of layers: states with different numbers of events so far (or to come) are in
     /// different layers, and states with this many or more events share the last layer; `0..=64`,
-    /// default 3.
+    /// default 3. A largest number of events of the system takes its place, up to 64.
     pub events: usize,
     /// Number of vertices of a polygon beyond which short edges are merged outward; at least 8,
     /// default 512.
@@ -28,6 +30,15 @@ pub struct SetOptions {
     /// still lie in the sets, in SI units; for numbers above 1000, times a thousandth of them;
     /// default [`tolerance::REACH`], from 0 to 1.
     pub margin: f64,
+    /// Number of sets of one sample: with modes that have memory, states in different modes, with
+    /// different dwell times so far, and with different numbers of events are in different sets,
+    /// and if there are more of them, they share sets; at least 1, default 256.
+    pub layers: usize,
+    /// Whether each next state may be disturbed by the system's
+    /// [disturbance](HybridSystem::with_disturbance). Then the sets are *robust*: forward sets hold
+    /// every state to which any disturbance can lead, and backward sets every state from which some
+    /// disturbance can lead to the goal; default no, as in programs.
+    pub disturbance: bool,
     /// Template directions of sets with other than two states, in addition to the axes, the
     /// diagonals of small blocks and the normals of the limits; one coefficient per state.
     pub directions: Vec<Vec<f64>>,
@@ -35,7 +46,14 @@ pub struct SetOptions {
 
 impl Default for SetOptions {
     fn default() -> Self {
-        SetOptions { events: 3, vertices: 512, margin: tolerance::REACH, directions: Vec::new() }
+        SetOptions {
+            events: 3,
+            vertices: 512,
+            margin: tolerance::REACH,
+            layers: 256,
+            disturbance: false,
+            directions: Vec::new(),
+        }
     }
 }
 
@@ -47,6 +65,10 @@ impl SetOptions {
         with_vertices(vertices: usize) => vertices = vertices;
         /// Sets the margin.
         with_margin(margin: f64) => margin = margin;
+        /// Sets the number of sets of one sample.
+        with_layers(layers: usize) => layers = layers;
+        /// Sets whether next states are disturbed, for robust sets.
+        with_disturbance(wanted: bool) => disturbance = wanted;
     }
 
     /// Adds a template direction.
@@ -61,6 +83,7 @@ impl SetOptions {
         let ranges = [
             ("number of events", events, events <= 64.0, "within [0, 64]"),
             ("number of vertices", vertices, vertices >= 8.0, "at least 8"),
+            ("number of layers", self.layers as f64, self.layers >= 1, "at least 1"),
             ("margin", self.margin, (0.0..=1.0).contains(&self.margin), "within [0, 1]"),
         ];
         if let Some((what, value, _, range)) = ranges.into_iter().find(|r| !r.2) {
@@ -108,13 +131,16 @@ pub(super) type Shared = Arc<Layers>;
 /// ```
 #[derive(Debug, Clone)]
 pub struct ReachSets {
-    pub(super) system: Arc<Compiled>,
-    /// The same with the inputs of the first step, if these differ.
+    /// The system at each step, up to the one from which on nothing changes.
+    compiled: Vec<Arc<Compiled>>,
+    /// The first step with its own inputs, if these are given.
     first: Option<Arc<Compiled>>,
+    moves: Moves,
+    pub(super) graph: Arc<Graph>,
     source: HybridSystem,
     /// Magnitudes of the states at the start and the goal.
-    sizes: Vec<f64>,
-    ends: (Vec<Interval>, Vec<Interval>),
+    pub(super) sizes: Vec<f64>,
+    ends: (Region, Region),
     first_inputs: Option<Vec<Interval>>,
     pub(super) options: SetOptions,
     forward: Vec<Shared>,
@@ -130,54 +156,75 @@ impl ReachSets {
     ///
     /// # Arguments
     ///
-    /// * `start`, `goal`: one interval per state, in the state's unit.
+    /// * `start`, `goal`: a [`Region`], or one interval per state, in the state's unit.
     ///
     /// # Errors
     ///
     /// [`HybridSystem::check`]; [`ErrorKind::Length`], [`ErrorKind::NotFinite`],
-    /// [`ErrorKind::CrossedBounds`] for a bad start or goal; [`ErrorKind::OutOfRange`] for bad
-    /// options and for numbers of 1e20 and more in magnitude; [`ErrorKind::Unsupported`] for
-    /// systems with several choices, modes with memory, guards or ranges that depend on inputs,
-    /// values by step, or a largest number of events.
+    /// [`ErrorKind::CrossedBounds`], [`ErrorKind::UnknownName`] for a bad start or goal;
+    /// [`ErrorKind::OutOfRange`] for bad options and for numbers of 1e20 and more in magnitude.
     pub fn new(
         system: &HybridSystem,
-        start: &[Interval],
-        goal: &[Interval],
+        start: impl Into<Region>,
+        goal: impl Into<Region>,
         options: SetOptions,
     ) -> Result<Self, Error> {
+        let (start, goal) = (start.into(), goal.into());
         system.check()?;
-        check_supported(system)?;
-        let states = system.states.len();
-        options.check(states)?;
-        for (what, ends) in [("the start", start), ("the goal", goal)] {
-            check_length(what, ends.len(), states)?;
-        }
-        let inputs: Vec<Interval> =
-            system.inputs.iter().filter_map(|(_, range)| range.get(0).copied()).collect();
-        let sizes = start.iter().zip(goal).map(|(a, b)| a.magnitude().max(b.magnitude()));
-        let sizes: Vec<f64> = sizes.collect();
-        let (margin, further) = (options.margin, &options.directions);
-        let compiled = Arc::new(Compiled::new(system, &inputs, margin, &sizes, further));
-        let end = |ends| -> Result<Layers, Error> {
-            let set = ReachSet::from_box(&compiled, ends, options.margin)?;
-            let mut layers = vec![None; options.events + 1];
-            layers[0] = set.ok();
-            Ok(layers)
-        };
-        let (forward, backward) = (vec![Arc::new(end(start)?)], vec![Arc::new(end(goal)?)]);
-        Ok(ReachSets {
-            system: compiled,
+        options.check(system.states.len())?;
+        start.check(system, "the start")?;
+        goal.check(system, "the goal")?;
+        let (from, to) = (closed(&system.states, &start), closed(&system.states, &goal));
+        let sizes = from.iter().zip(&to).map(|(a, b)| a.magnitude().max(b.magnitude()));
+        let moves = Moves::new(system);
+        let graph = Graph::new(system, &moves, options.events, options.layers);
+        let mut sets = ReachSets {
+            compiled: Vec::new(),
             first: None,
+            moves,
+            graph: Arc::new(graph),
             source: system.clone(),
-            sizes,
-            ends: (start.to_vec(), goal.to_vec()),
+            sizes: sizes.collect(),
+            ends: (start, goal),
             first_inputs: None,
             options,
-            forward,
-            backward,
+            forward: Vec::new(),
+            backward: Vec::new(),
             settled: None,
             emptied: None,
-        })
+        };
+        sets.compile();
+        sets.forward.push(sets.end_layers(0, &sets.ends.0));
+        sets.backward.push(sets.end_layers(system.settles(), &sets.ends.1));
+        Ok(sets)
+    }
+
+    /// Compiles the system for every step up to the one from which on nothing changes.
+    fn compile(&mut self) {
+        let mut last: Option<Vec<f64>> = None;
+        for step in 0..=self.source.settles() {
+            let values = self.source.values_at(step);
+            let same = self.compiled.last().filter(|_| last.as_ref() == Some(&values));
+            let compiled = match same {
+                Some(same) => Arc::clone(same),
+                None => Arc::new(self.compiled_at(step, None)),
+            };
+            self.compiled.push(compiled);
+            last = Some(values);
+        }
+    }
+
+    fn compiled_at(&self, step: usize, given: Option<&[Interval]>) -> Compiled {
+        let source = Source {
+            system: &self.source,
+            moves: &self.moves,
+            step,
+            given,
+            options: &self.options,
+            ends: [&self.ends.0, &self.ends.1],
+            sizes: &self.sizes,
+        };
+        Compiled::new(&source, self.compiled.first().map(Arc::as_ref))
     }
 
     /// Sets the ranges of the inputs in the first step, in the inputs' units, for a start with a
@@ -192,9 +239,7 @@ impl ReachSets {
         for ((name, _), range) in self.source.inputs.iter().zip(inputs) {
             check_ends(name, *range)?;
         }
-        let (margin, further) = (self.options.margin, &self.options.directions);
-        let compiled = Compiled::new(&self.source, inputs, margin, &self.sizes, further);
-        self.first = Some(Arc::new(compiled));
+        self.first = Some(Arc::new(self.compiled_at(0, Some(inputs))));
         self.first_inputs = Some(inputs.to_vec());
         self.forward.truncate(1);
         (self.settled, self.emptied) = (None, None);
@@ -212,13 +257,26 @@ impl ReachSets {
     }
 
     /// The states that can be reached in exactly `steps` steps, by the number of events on the way;
-    /// the last layer has those with [`SetOptions::events`] or more. `None` is the empty set.
+    /// the last layer has those with that many or more. `None` is the empty set. States in different
+    /// modes share sets.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] for more than [`tolerance::MAX_STEPS`] steps.
     pub fn forward(&mut self, steps: usize) -> Result<Vec<Option<ReachSet>>, Error> {
-        Ok(self.forward_layers(steps)?.clone())
+        let graph = Arc::clone(&self.graph);
+        Ok(by_events(&graph, self.forward_layers(steps)?))
+    }
+
+    /// The states that can be reached in exactly `steps` steps, one set for each combination of
+    /// [modes](ReachSet::modes), dwell times and [number of events](ReachSet::events) that is told
+    /// apart and can be reached.
+    ///
+    /// # Errors
+    ///
+    /// As for [`forward`](ReachSets::forward).
+    pub fn forward_by_mode(&mut self, steps: usize) -> Result<Vec<ReachSet>, Error> {
+        Ok(self.forward_layers(steps)?.iter().flatten().cloned().collect())
     }
 
     /// The states from which the goal can be reached in exactly `steps` steps, by the number of
@@ -226,9 +284,21 @@ impl ReachSets {
     ///
     /// # Errors
     ///
-    /// As for [`forward`](ReachSets::forward).
+    /// As for [`forward`](ReachSets::forward); [`ErrorKind::Unsupported`] if the system depends on
+    /// the step, because then the horizon must be known: use [`Tube::to_go`](super::Tube::to_go).
     pub fn backward(&mut self, steps: usize) -> Result<Vec<Option<ReachSet>>, Error> {
-        Ok(self.backward_layers(steps)?.clone())
+        let graph = Arc::clone(&self.graph);
+        Ok(by_events(&graph, self.backward_layers(steps)?))
+    }
+
+    /// The states from which the goal can be reached in exactly `steps` steps, by modes, dwell times
+    /// and number of events to come, as [`forward_by_mode`](ReachSets::forward_by_mode).
+    ///
+    /// # Errors
+    ///
+    /// As for [`backward`](ReachSets::backward).
+    pub fn backward_by_mode(&mut self, steps: usize) -> Result<Vec<ReachSet>, Error> {
+        Ok(self.backward_layers(steps)?.iter().flatten().cloned().collect())
     }
 
     /// Whether the goal may be reached in exactly `steps` steps, according to the forward sets;
@@ -238,10 +308,14 @@ impl ReachSets {
     ///
     /// As for [`forward`](ReachSets::forward).
     pub fn may_finish(&mut self, steps: usize) -> Result<bool, Error> {
-        let goal = self.backward[0][0].clone();
-        let Some(goal) = goal else { return Ok(false) };
-        let layers = self.forward_layers(steps)?;
-        Ok(layers.iter().flatten().any(|set| set.meets(&goal)))
+        self.forward_layers(steps)?;
+        let goal = self.goal_layers(steps);
+        let reached = &self.forward[steps.min(self.forward.len() - 1)];
+        let graph = &self.graph;
+        Ok((0..graph.nodes()).any(|node| {
+            let goal = goal.get(graph.layer(node, 0)).and_then(Option::as_ref);
+            goal.is_some_and(|goal| of_node(graph, reached, node).any(|(_, set)| set.meets(goal)))
+        }))
     }
 
     /// The number of steps from which the forward sets are known not to grow: a state that cannot
@@ -261,6 +335,14 @@ impl ReachSets {
 
     pub(super) fn backward_layers(&mut self, steps: usize) -> Result<&Layers, Error> {
         check_steps("the number of steps of reach sets", steps.max(1))?;
+        if self.source.settles() > 0 {
+            return Err(ErrorKind::Unsupported {
+                solver: "`ReachSets::backward`".into(),
+                what: "systems that depend on the step".into(),
+                help: "give the horizon and use `ReachSets::tube` and `Tube::to_go`".into(),
+            }
+            .into());
+        }
         while self.backward.len() <= steps {
             self.extend_backward();
         }
@@ -275,7 +357,7 @@ impl ReachSets {
     }
 
     /// The start and the goal as given.
-    pub(super) fn ends(&self) -> (&[Interval], &[Interval]) {
+    pub(super) fn ends(&self) -> (&Region, &Region) {
         (&self.ends.0, &self.ends.1)
     }
 
@@ -289,42 +371,68 @@ impl ReachSets {
         }
     }
 
-    pub(super) fn goal_layers(&self) -> Shared {
-        Arc::clone(&self.backward[0])
+    /// A start or goal at a sample, in its modes.
+    fn end_layers(&self, sample: usize, region: &Region) -> Shared {
+        let system = self.sample(sample);
+        let set = ReachSet::from_region(system, region, self.options.margin, &self.sizes).ok();
+        let mut layers = vec![None; self.graph.layers()];
+        for node in self.graph.nodes_in(region) {
+            layers[self.graph.layer(node, 0)] = set.clone();
+        }
+        self.graph.label(&mut layers);
+        Arc::new(layers)
+    }
+
+    /// The goal at a sample.
+    pub(super) fn goal_layers(&self, sample: usize) -> Shared {
+        match sample >= self.source.settles() {
+            true => Arc::clone(&self.backward[0]),
+            false => self.end_layers(sample, &self.ends.1),
+        }
+    }
+
+    /// The system at a sample, for its limits.
+    pub(super) fn sample(&self, sample: usize) -> &Arc<Compiled> {
+        &self.compiled[sample.min(self.compiled.len() - 1)]
     }
 
     /// The system of a step; the first step may have different inputs.
     pub(super) fn system_at(&self, step: usize) -> &Arc<Compiled> {
         match &self.first {
             Some(first) if step == 0 => first,
-            _ => &self.system,
+            _ => self.sample(step),
         }
     }
 
     fn extend_forward(&mut self) {
         let step = self.forward.len() - 1;
         let system = Arc::clone(self.system_at(step));
-        let most = self.options.vertices;
+        let after = Arc::clone(self.sample(step + 1));
+        let graph = Arc::clone(&self.graph);
         let now = &self.forward[step];
         let mut next: Layers = vec![None; now.len()];
         let mut emptied = None;
-        for (events, set) in now.iter().enumerate() {
+        for (layer, set) in now.iter().enumerate() {
             let Some(set) = set else { continue };
-            for (transition, (_, is_event)) in system.transitions.iter().enumerate() {
-                let target = (events + usize::from(*is_event)).min(self.options.events);
-                match successors(&system, transition, set) {
-                    Ok(image) => add(&mut next[target], image),
+            let (node, events) = graph.node_and_events(layer);
+            for &edge in &graph.leaving[node] {
+                let edge = &graph.edges[edge];
+                let Some(events) = graph.sum(events, system.moves[edge.taken].events) else {
+                    continue;
+                };
+                match successors(&system, &after, edge.taken, set) {
+                    Ok(image) => add(&mut next[graph.layer(edge.to, events)], image),
                     Err(reason) => emptied = emptied.or(Some((step, reason))),
                 }
             }
         }
-        next.iter_mut().flatten().for_each(|set| set.simplify(most));
+        self.finish(&mut next);
         let stands = next.iter().zip(now.iter()).all(|(next, now)| match (next, now) {
             (None, _) => true,
             (Some(next), Some(now)) => next.lies_in(now),
             (Some(_), None) => false,
         });
-        if step > 0 && stands {
+        if step > 0 && step >= self.source.settles() && stands {
             // No growth, so by monotonicity the sets never grow again.
             self.settled = Some(step);
         }
@@ -335,22 +443,60 @@ impl ReachSets {
     }
 
     fn extend_backward(&mut self) {
-        let system = Arc::clone(&self.system);
+        let system = Arc::clone(self.sample(usize::MAX));
+        let graph = Arc::clone(&self.graph);
         let now = &self.backward[self.backward.len() - 1];
         let mut next: Layers = vec![None; now.len()];
-        for (events, set) in now.iter().enumerate() {
+        for (layer, set) in now.iter().enumerate() {
             let Some(set) = set else { continue };
-            for (transition, (_, is_event)) in system.transitions.iter().enumerate() {
-                let target = (events + usize::from(*is_event)).min(self.options.events);
-                if let Ok(before) = predecessors(&system, transition, set) {
-                    add(&mut next[target], before);
+            let (node, events) = graph.node_and_events(layer);
+            for &edge in &graph.entering[node] {
+                let edge = &graph.edges[edge];
+                let events = graph.sum(events, system.moves[edge.taken].events);
+                if let Some(events) = events
+                    && let Ok(before) = predecessors(&system, edge.taken, set)
+                {
+                    add(&mut next[graph.layer(edge.from, events)], before);
                 }
             }
         }
-        let most = self.options.vertices;
-        next.iter_mut().flatten().for_each(|set| set.simplify(most));
+        self.finish(&mut next);
         self.backward.push(Arc::new(next));
     }
+
+    /// Simplifies the sets of a sample and labels them.
+    pub(super) fn finish(&self, layers: &mut Layers) {
+        let most = self.options.vertices;
+        layers.iter_mut().flatten().for_each(|set| set.simplify(most));
+        self.graph.label(layers);
+    }
+}
+
+/// The sets of a node, by events.
+pub(super) fn of_node<'a>(
+    graph: &Graph,
+    layers: &'a Layers,
+    node: usize,
+) -> impl Iterator<Item = (usize, &'a ReachSet)> {
+    let first = graph.layer(node, 0);
+    let sets = layers[first..=first + graph.events].iter().enumerate();
+    sets.filter_map(|(events, set)| Some((events, set.as_ref()?)))
+}
+
+/// The hulls of the sets with the same number of events.
+fn by_events(graph: &Graph, layers: &Layers) -> Vec<Option<ReachSet>> {
+    let mut hulls = vec![None; graph.events + 1];
+    for (layer, set) in layers.iter().enumerate() {
+        let (_, events) = graph.node_and_events(layer);
+        if let Some(set) = set {
+            let mut set = set.clone();
+            if graph.nodes() > 1 {
+                set.label.modes = None;
+            }
+            add(&mut hulls[events], set);
+        }
+    }
+    hulls
 }
 
 pub(super) fn add(layer: &mut Option<ReachSet>, set: ReachSet) {
@@ -358,28 +504,4 @@ pub(super) fn add(layer: &mut Option<ReachSet>, set: ReachSet) {
         Some(present) => present.join(&set),
         None => set,
     });
-}
-
-/// Refuses what the sets do not follow yet.
-fn check_supported(system: &HybridSystem) -> Result<(), Error> {
-    let n = system.states.len();
-    let mut guards = system.transitions().flat_map(|t| &t.guards);
-    let unsupported = [
-        (system.choices.len() > 1, "several choices"),
-        (system.transitions().any(|t| t.modes.is_some()), "modes with memory"),
-        (system.limits.iter().any(|h| h.is_joint(n)), "limits on inputs"),
-        (guards.any(|h| h.is_joint(n)), "guards on inputs"),
-        (system.transitions().any(|t| !t.inputs.is_empty()), "input ranges of transitions"),
-        (system.settles() > 0, "values by step"),
-        (system.most_events.is_some(), "a largest number of events"),
-    ];
-    match unsupported.iter().find(|(found, _)| *found) {
-        Some((_, what)) => Err(ErrorKind::Unsupported {
-            solver: "a reach set".into(),
-            what: (*what).into(),
-            help: "solve the program without reach sets".into(),
-        }
-        .into()),
-        None => Ok(()),
-    }
 }

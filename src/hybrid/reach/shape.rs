@@ -24,8 +24,8 @@ pub(super) struct Map {
     matrix: Matrix,
     offset: Vec<f64>,
     /// Per template direction d, the combinations of `Mᵀ d`.
-    pull: Vec<Combinations>,
-    inverse: Option<Inverse>,
+    pull: Arc<Vec<Combinations>>,
+    inverse: Option<Arc<Inverse>>,
 }
 
 #[derive(Debug, Clone)]
@@ -64,9 +64,24 @@ impl Map {
         let pull = pull_back(&matrix);
         let inverse = invert(&matrix).map(|(inverse, error)| {
             let pull = pull_back(&inverse);
-            Inverse { matrix: inverse, error, pull }
+            Arc::new(Inverse { matrix: inverse, error, pull })
         });
-        Map { matrix, offset, pull, inverse }
+        Map { matrix, offset, pull: Arc::new(pull), inverse }
+    }
+
+    /// The same matrix with another offset.
+    pub(super) fn with_offset(&self, offset: Vec<f64>) -> Self {
+        Map { offset, ..self.clone() }
+    }
+
+    pub(super) fn matrix(&self) -> &Matrix {
+        &self.matrix
+    }
+
+    /// The inverse of the matrix, and a bound of its error, entry by entry. `None` if the matrix is
+    /// nearly singular.
+    pub(super) fn inverse(&self) -> Option<(&Matrix, &Matrix)> {
+        self.inverse.as_ref().map(|inverse| (&inverse.matrix, &inverse.error))
     }
 }
 
@@ -132,6 +147,24 @@ impl Shape {
         match self {
             Shape::Planar(_) => Shape::from_box(None, low, high),
             Shape::Template(set) => Shape::from_box(Some(&set.template), low, high),
+        }
+    }
+
+    /// The template, unless the set is a polygon.
+    pub(super) fn template(&self) -> Option<&Arc<Template>> {
+        match self {
+            Shape::Planar(_) => None,
+            Shape::Template(set) => Some(&set.template),
+        }
+    }
+
+    /// A lower bound of `direction . z`, at the cost of one look-up; exact for polygons and along
+    /// the directions of templates.
+    pub(super) fn lowest(&self, direction: &[f64]) -> f64 {
+        let opposite: Vec<f64> = direction.iter().map(|d| -d).collect();
+        match self {
+            Shape::Planar(_) => -self.support(&opposite),
+            Shape::Template(set) => -set.rough_support(&opposite),
         }
     }
 

@@ -1,110 +1,213 @@
-//! One step forward or backward through one transition.
+//! One step forward or backward through one move.
 
 use std::sync::Arc;
 
-use super::compiled::{Block, Compiled};
-use super::set::{Emptied, Place, ReachSet, cut};
+use super::compiled::{Block, Compiled, Step};
+use super::joint::{flown, tightened, unflown};
+use super::law::Prediction;
+use super::set::{Emptied, Label, Place, ReachSet, bounding_box, cut};
 use super::shape::Shape;
+use crate::interval::Interval;
 
-/// The predictions of a transition from a set: after the flow and its guards, before the reset.
+/// The predictions of a move from a set: after the flow and its guards, before the reset.
 pub(super) fn predict(
     system: &Compiled,
-    transition: usize,
+    number: usize,
     set: &ReachSet,
 ) -> Result<Vec<Shape>, Emptied> {
+    let taken = &system.moves[number];
+    if !taken.is_possible {
+        return Err(nothing(0));
+    }
+    if !taken.joint.is_empty() {
+        return predict_jointly(system, number, set);
+    }
     let blocks = system.blocks.iter().zip(&set.shapes).enumerate();
     let parts = blocks.map(|(b, (block, shape))| {
-        let step = &block.steps[transition];
+        let step = &block.steps[number];
         let mut flown = if step.before.is_empty() {
             shape.map(&step.flow)
         } else {
             let mut start = shape.clone();
-            let guard = |k| Place::Guard(transition, k);
+            let guard = |k| Place::Guard(number, k);
             cut(&mut start, &step.before, b, guard)?;
             start.map(&step.flow)
         };
-        flown = flown.add_segments(&step.generators);
-        flown.widen(&step.slack);
-        flown.keep_within(&step.predictions);
-        check(&flown, b)?;
-        let guard = |k| Place::Prediction(transition, k);
-        cut(&mut flown, &step.after, b, guard)?;
-        settled(flown, b)
+        flown = flown.add_segments(&step.push.generators);
+        flown.widen(&step.push.slack);
+        predicted(flown, step, number, b)
     });
     parts.collect()
 }
 
-/// The states at the next sample, from the predictions.
+/// The same with guards on inputs.
+fn predict_jointly(
+    system: &Compiled,
+    number: usize,
+    set: &ReachSet,
+) -> Result<Vec<Shape>, Emptied> {
+    let blocks = || system.blocks.iter().zip(&set.shapes).enumerate();
+    let starts = blocks().map(|(b, (block, shape))| {
+        let mut start = shape.clone();
+        cut(&mut start, &block.steps[number].before, b, |k| Place::Guard(number, k))?;
+        settled(start, b)
+    });
+    let starts: Vec<Shape> = starts.collect::<Result<_, Emptied>>()?;
+    let inputs = inputs(system, number, &starts)?;
+    let parts = system.blocks.iter().zip(&starts).enumerate().map(|(b, (block, start))| {
+        let flown = flown(system, number, b, start, &inputs)?;
+        predicted(flown, &block.steps[number], number, b)
+    });
+    parts.collect()
+}
+
+/// The inputs that the guards leave.
+fn inputs(system: &Compiled, number: usize, starts: &[Shape]) -> Result<Vec<Interval>, Emptied> {
+    let taken = &system.moves[number];
+    let starts: Vec<&Shape> = starts.iter().collect();
+    tightened(taken.inputs.clone(), &taken.joint, &starts).map_err(|(k, nearest)| Emptied {
+        block: taken.joint[k].block.unwrap_or(0),
+        place: Place::Joint(number, k),
+        nearest,
+    })
+}
+
+fn predicted(mut flown: Shape, step: &Step, number: usize, b: usize) -> Result<Shape, Emptied> {
+    flown.keep_within(&step.predictions);
+    check(&flown, b)?;
+    cut(&mut flown, &step.after, b, |k| Place::Prediction(number, k))?;
+    settled(flown, b)
+}
+
+/// The states at the next sample, for which `next` is compiled, from the predictions.
 pub(super) fn arrive(
-    system: &Arc<Compiled>,
-    transition: usize,
+    system: &Compiled,
+    next: &Arc<Compiled>,
+    number: usize,
     predictions: &[Shape],
 ) -> Result<ReachSet, Emptied> {
-    let blocks = system.blocks.iter().zip(predictions).enumerate();
-    let parts = blocks.map(|(b, (block, shape))| {
-        let step = &block.steps[transition];
-        let mut next = match &step.reset {
+    let blocks = system.blocks.iter().zip(&next.blocks).zip(predictions).enumerate();
+    let parts = blocks.map(|(b, ((block, target), shape))| {
+        let step = &block.steps[number];
+        let mut arrived = match &step.reset {
             Some(reset) => shape.map(reset),
             None => shape.clone(),
         };
-        next.widen(&step.reset_slack);
-        next.keep_within(&block.domain);
-        check(&next, b)?;
-        cut(&mut next, &block.limits, b, Place::Limit)?;
-        settled(next, b)
+        arrived.widen(&step.loose);
+        arrived.keep_within(&target.domain);
+        check(&arrived, b)?;
+        cut(&mut arrived, &target.limits, b, Place::Limit)?;
+        settled(arrived, b)
     });
     let shapes = parts.collect::<Result<_, Emptied>>()?;
-    Ok(ReachSet { system: Arc::clone(system), shapes })
+    Ok(ReachSet { system: Arc::clone(next), shapes, label: Label::default() })
 }
 
 /// The states at the next sample.
 pub(super) fn successors(
-    system: &Arc<Compiled>,
-    transition: usize,
+    system: &Compiled,
+    next: &Arc<Compiled>,
+    number: usize,
     set: &ReachSet,
 ) -> Result<ReachSet, Emptied> {
-    arrive(system, transition, &predict(system, transition, set)?)
+    arrive(system, next, number, &predict(system, number, set)?)
 }
 
-/// The states from which a transition can lead into a set.
+/// The states from which a move can lead into a set.
 pub(super) fn predecessors(
     system: &Arc<Compiled>,
-    transition: usize,
+    number: usize,
     set: &ReachSet,
 ) -> Result<ReachSet, Emptied> {
-    let blocks = system.blocks.iter().zip(&set.shapes).enumerate();
-    let parts = blocks.map(|(b, (block, shape))| predecessors_in(block, transition, shape, b));
-    let shapes = parts.collect::<Result<_, Emptied>>()?;
-    Ok(ReachSet { system: Arc::clone(system), shapes })
+    let taken = &system.moves[number];
+    if !taken.is_possible {
+        return Err(nothing(0));
+    }
+    let before = |inputs: Option<&[Interval]>| -> Result<Vec<Shape>, Emptied> {
+        let blocks = system.blocks.iter().zip(&set.shapes).enumerate();
+        let parts = blocks.map(|(b, (block, shape))| {
+            let predicted = unreset(block, number, shape, b)?;
+            let step = &block.steps[number];
+            let start = match inputs {
+                Some(inputs) => unflown(system, number, b, &predicted, inputs)?,
+                None => {
+                    // Segments are symmetric, so adding them also inverts the addition.
+                    let mut free = predicted.add_segments(&step.push.generators);
+                    free.widen(&step.push.slack);
+                    free.preimage(&step.flow, &block.domain)
+                }
+            };
+            started(start, block, number, b)
+        });
+        parts.collect()
+    };
+    let shapes = if taken.joint.is_empty() {
+        before(None)?
+    } else {
+        let rough = before(Some(&taken.inputs))?;
+        // The states that were found may leave less to the inputs.
+        let less = inputs(system, number, &rough)?;
+        if less == taken.inputs { rough } else { before(Some(&less))? }
+    };
+    Ok(ReachSet { system: Arc::clone(system), shapes, label: Label::default() })
 }
 
-fn predecessors_in(
-    block: &Block,
-    transition: usize,
-    shape: &Shape,
-    b: usize,
-) -> Result<Shape, Emptied> {
-    let step = &block.steps[transition];
+/// The predictions that the reset leads into a set.
+fn unreset(block: &Block, number: usize, shape: &Shape, b: usize) -> Result<Shape, Emptied> {
+    let step = &block.steps[number];
+    let mut wide = shape.clone();
+    if step.loose.iter().any(|&loose| loose != 0.0) {
+        wide.widen(&step.loose);
+    }
     let mut predicted = match &step.reset {
-        Some(reset) => {
-            let mut wide = shape.clone();
-            wide.widen(&step.reset_slack);
-            wide.preimage(reset, &step.predictions)
-        }
-        None => shape.clone(),
+        Some(reset) => wide.preimage(reset, &step.predictions),
+        None => wide,
     };
     predicted.keep_within(&step.predictions);
     check(&predicted, b)?;
-    cut(&mut predicted, &step.after, b, |k| Place::Prediction(transition, k))?;
-    // Segments are symmetric, so adding them also inverts the addition.
-    let mut free = predicted.add_segments(&step.generators);
-    free.widen(&step.slack);
-    let mut start = free.preimage(&step.flow, &block.domain);
+    cut(&mut predicted, &step.after, b, |k| Place::Prediction(number, k))?;
+    Ok(predicted)
+}
+
+fn started(mut start: Shape, block: &Block, number: usize, b: usize) -> Result<Shape, Emptied> {
     start.keep_within(&block.domain);
     check(&start, b)?;
-    cut(&mut start, &step.before, b, |k| Place::Guard(transition, k))?;
+    cut(&mut start, &block.steps[number].before, b, |k| Place::Guard(number, k))?;
     cut(&mut start, &block.limits, b, Place::Limit)?;
     settled(start, b)
+}
+
+/// The boxes around the predictions of the transitions of a move.
+pub(super) fn prediction_boxes(
+    system: &Compiled,
+    number: usize,
+    set: &ReachSet,
+    predicted: &[Shape],
+) -> Vec<(usize, Vec<Interval>)> {
+    let common = bounding_box(system, predicted);
+    let taken = &system.moves[number];
+    let boxes = taken.predictions.iter().map(|(transition, prediction)| {
+        let found = match prediction {
+            Prediction::Shifted(by) => {
+                let shifted = common.iter().zip(by).map(|(range, &by)| match by == 0.0 {
+                    true => *range,
+                    false => *range + Interval::point(by),
+                });
+                shifted.collect()
+            }
+            Prediction::Own(flow) => {
+                let states = set.bounding_box();
+                let rows = (0..states.len()).map(|i| {
+                    let x = states.iter().enumerate().map(|(j, x)| *x * flow.a[(i, j)]);
+                    let u = taken.inputs.iter().enumerate().map(|(j, u)| *u * flow.b[(i, j)]);
+                    x.chain(u).fold(Interval::point(flow.c[i]), |sum, term| sum + term)
+                });
+                rows.collect()
+            }
+        };
+        (*transition, found)
+    });
+    boxes.collect()
 }
 
 /// The shape with consistent limits.
@@ -114,7 +217,10 @@ fn settled(mut shape: Shape, block: usize) -> Result<Shape, Emptied> {
     Ok(shape)
 }
 
+fn nothing(block: usize) -> Emptied {
+    Emptied { block, place: Place::Shape, nearest: f64::NAN }
+}
+
 fn check(shape: &Shape, block: usize) -> Result<(), Emptied> {
-    let (place, nearest) = (Place::Shape, f64::NAN);
-    if shape.is_empty() { Err(Emptied { block, place, nearest }) } else { Ok(()) }
+    if shape.is_empty() { Err(nothing(block)) } else { Ok(()) }
 }

@@ -201,6 +201,27 @@ impl Polyhedron {
         self.limits.is_empty()
     }
 
+    /// An upper bound of `direction . z`, from one template direction or from the axes.
+    pub(super) fn rough_support(&self, direction: &[f64]) -> f64 {
+        if self.is_empty() {
+            return f64::NEG_INFINITY;
+        }
+        let (mut sum, mut size) = (0.0, 0.0);
+        for (i, d) in direction.iter().enumerate().filter(|(_, d)| **d != 0.0) {
+            let term = d.abs() * self.limits[2 * i + usize::from(*d < 0.0)];
+            sum += term;
+            size += term.abs();
+        }
+        let axes = sum + (8 + direction.len()) as f64 * EPSILON * size;
+        match self.template.multiple(direction) {
+            Some((k, factor)) => {
+                let along = factor * self.limits[k];
+                axes.min(along + 4.0 * EPSILON * along.abs())
+            }
+            None => axes,
+        }
+    }
+
     /// A set of the same template.
     pub(super) fn with_limits(&self, limits: Vec<f64>) -> Self {
         Polyhedron { template: Arc::clone(&self.template), limits }

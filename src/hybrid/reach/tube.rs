@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::compiled::Compiled;
-use super::set::{ReachSet, bounding_box};
-use super::sets::{Layers, ReachSets, Shared, add};
-use super::shape::Shape;
-use super::step::{arrive, predecessors, predict};
+use super::graph::Graph;
+use super::set::ReachSet;
+use super::sets::{Layers, ReachSets, Shared, add, of_node};
+use super::step::{arrive, predecessors, predict, prediction_boxes};
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
@@ -50,14 +50,17 @@ const STOP_EVERY: usize = 64;
 #[derive(Debug, Clone)]
 pub struct Tube {
     pub(super) system: Arc<Compiled>,
+    pub(super) graph: Arc<Graph>,
     steps: usize,
-    /// Sets of the samples, by events so far.
+    /// Sets of the samples, by modes and by events so far.
     pub(super) forward: Vec<Shared>,
-    /// Sets by remaining steps and by events to come, as far as they were computed before the tube
-    /// became empty.
+    /// Sets by remaining steps and by modes and events to come, as far as they were computed before
+    /// the tube became empty.
     pub(super) backward: Vec<Shared>,
     /// Per step and transition, whether it is possible.
     possible: Vec<Vec<bool>>,
+    /// Per sample and node, whether it is possible.
+    nodes: Vec<Vec<bool>>,
     /// Per step and transition, the box around its predictions, if it is possible.
     predictions: Vec<Vec<Option<Vec<Interval>>>>,
     /// Per sample, the box around the states.
@@ -66,32 +69,39 @@ pub struct Tube {
     died: Option<usize>,
 }
 
-/// The remaining edges of the graph of (step, events so far, transition), and of the same graph by
-/// events to come.
+/// The remaining edges of the graph of (step, events so far, edge), and of the same graph by events
+/// to come.
 #[derive(Clone)]
 struct Edges {
-    transitions: usize,
+    edges: usize,
     layers: usize,
     alive: Vec<bool>,
 }
 
 impl Edges {
-    fn all(steps: usize, layers: usize, transitions: usize) -> Self {
-        Edges { transitions, layers, alive: vec![true; steps * layers * transitions] }
+    fn all(steps: usize, graph: &Graph) -> Self {
+        let (edges, layers) = (graph.edges.len(), graph.events + 1);
+        Edges { edges, layers, alive: vec![true; steps * layers * edges] }
     }
 
-    fn at(&self, step: usize, layer: usize, transition: usize) -> usize {
-        (step * self.layers + layer) * self.transitions + transition
+    fn at(&self, step: usize, layer: usize, edge: usize) -> usize {
+        (step * self.layers + layer) * self.edges + edge
     }
 
     fn row(&self, step: usize) -> &[bool] {
-        let width = self.layers * self.transitions;
+        let width = self.layers * self.edges;
         &self.alive[step * width..(step + 1) * width]
     }
 
-    /// Whether a transition remains in a step, in any layer.
-    fn any(&self, step: usize, transition: usize) -> bool {
-        (0..self.layers).any(|layer| self.alive[self.at(step, layer, transition)])
+    /// Whether an edge remains in a step, in any layer.
+    fn any(&self, step: usize, edge: usize) -> bool {
+        (0..self.layers).any(|layer| self.alive[self.at(step, layer, edge)])
+    }
+
+    /// Nothing remains from a step on.
+    fn end(&mut self, step: usize) {
+        let first = self.at(step, 0, 0).min(self.alive.len());
+        self.alive[first..].fill(false);
     }
 }
 
@@ -124,20 +134,22 @@ impl ReachSets {
             }
             self.forward_layers(reached)?;
         }
-        let transitions = self.system.transitions.len();
-        let layers = self.options.events + 1;
+        let graph = Arc::clone(&self.graph);
+        let system = Arc::clone(self.sample(usize::MAX));
         let mut tube = Tube {
-            system: Arc::clone(&self.system),
             steps,
             forward: self.forward_sets(steps)?,
-            backward: vec![self.goal_layers()],
+            backward: vec![self.goal_layers(steps)],
             possible: Vec::new(),
-            predictions: vec![vec![None; transitions]; steps],
+            nodes: Vec::new(),
+            predictions: vec![vec![None; system.transitions.len()]; steps],
             boxes: Vec::new(),
             died: None,
+            system,
+            graph,
         };
-        let mut ahead = Edges::all(steps, layers, transitions);
-        let mut back = Edges::all(steps, layers, transitions);
+        let mut ahead = Edges::all(steps, &tube.graph);
+        let mut back = Edges::all(steps, &tube.graph);
         if !self.may_finish(steps)? {
             tube.died = Some(steps);
             return Ok(Some(tube));
@@ -161,7 +173,7 @@ impl ReachSets {
             let before = ahead.clone();
             match self.sweep_forward(&mut tube, &mut ahead, &back, from, token) {
                 // With at most one open event, another sweep gains nothing.
-                Some(true) if self.open_events(&ahead, steps) > 1 => {}
+                Some(true) if self.gains(&ahead, steps) => {}
                 Some(_) => break,
                 None => return Ok(None),
             }
@@ -174,11 +186,15 @@ impl ReachSets {
         Ok(Some(tube))
     }
 
-    /// Steps in which an event is possible.
-    fn open_events(&self, edges: &Edges, steps: usize) -> usize {
-        let is_event = |m: usize| self.system.transitions[m].1;
-        let open = |t: &usize| (0..edges.transitions).any(|m| is_event(m) && edges.any(*t, m));
-        (0..steps).filter(open).count()
+    /// Whether another sweep may gain something: if there are modes, or an event is possible in
+    /// more than one step.
+    fn gains(&self, edges: &Edges, steps: usize) -> bool {
+        let is_event = |edge: usize| {
+            let taken = self.graph.edges[edge].taken;
+            self.sample(usize::MAX).moves[taken].events > 0
+        };
+        let open = |t: &usize| (0..edges.edges).any(|k| is_event(k) && edges.any(*t, k));
+        self.graph.nodes() > 1 || (0..steps).filter(open).count() > 1
     }
 
     /// Propagates the start forward along the remaining edges and keeps those that meet the
@@ -192,8 +208,7 @@ impl ReachSets {
         from: usize,
         token: &StopToken,
     ) -> Option<bool> {
-        let most = self.options.vertices;
-        let last_layer = self.options.events;
+        let graph = Arc::clone(&self.graph);
         let mut forward = std::mem::take(&mut tube.forward);
         forward.truncate(from + 1);
         for t in from..tube.steps {
@@ -201,32 +216,40 @@ impl ReachSets {
                 return None;
             }
             tube.predictions[t].fill(None);
-            let system = Arc::clone(self.system_at(t));
-            let mut next: Layers = vec![None; last_layer + 1];
+            let (system, after) = (Arc::clone(self.system_at(t)), self.sample(t + 1));
+            let to_go = Arc::clone(&tube.backward[tube.steps - t - 1]);
+            let mut next: Layers = vec![None; graph.layers()];
             for (layer, set) in forward[t].iter().enumerate() {
-                for (m, &(_, is_event)) in system.transitions.iter().enumerate() {
-                    let edge = ahead.at(t, layer, m);
-                    let alive = ahead.alive[edge] && back.any(t, m);
-                    let image = set.as_ref().filter(|_| alive).and_then(|set| {
-                        let predicted = predict(&system, m, set).ok()?;
-                        let image = arrive(&system, m, &predicted).ok()?;
-                        let to_go = tube.backward[tube.steps - t - 1].iter().flatten();
-                        to_go
-                            .into_iter()
-                            .any(|goal| image.meets(goal))
-                            .then_some((predicted, image))
+                let (node, events) = graph.node_and_events(layer);
+                for &k in &graph.leaving[node] {
+                    let edge = &graph.edges[k];
+                    let at = ahead.at(t, events, k);
+                    let alive = ahead.alive[at] && back.any(t, k);
+                    let total = graph.sum(events, system.moves[edge.taken].events);
+                    let set = set.as_ref().filter(|_| alive);
+                    let image = set.zip(total).and_then(|(set, total)| {
+                        let predicted = predict(&system, edge.taken, set).ok()?;
+                        let image = arrive(&system, after, edge.taken, &predicted).ok()?;
+                        let goals = of_node(&graph, &to_go, edge.to);
+                        let mut goals = goals.filter(|(to_come, _)| graph.fits(total, *to_come));
+                        let target = graph.layer(edge.to, total);
+                        goals
+                            .any(|(_, goal)| image.meets(goal))
+                            .then_some((set, predicted, image, target))
                     });
-                    ahead.alive[edge] = image.is_some();
-                    if let Some((predicted, image)) = image {
-                        widen(&mut tube.predictions[t][m], &system, &predicted);
-                        add(&mut next[(layer + usize::from(is_event)).min(last_layer)], image);
+                    ahead.alive[at] = image.is_some();
+                    if let Some((set, predicted, image, target)) = image {
+                        for (m, found) in prediction_boxes(&system, edge.taken, set, &predicted) {
+                            widen(&mut tube.predictions[t][m], found);
+                        }
+                        add(&mut next[target], image);
                     }
                 }
             }
-            next.iter_mut().flatten().for_each(|set| set.simplify(most));
+            self.finish(&mut next);
             if next.iter().all(Option::is_none) {
                 tube.died = Some(t + 1);
-                ahead.alive[(t + 1) * ahead.layers * ahead.transitions..].fill(false);
+                ahead.end(t + 1);
                 tube.forward = forward;
                 return Some(false);
             }
@@ -246,8 +269,7 @@ impl ReachSets {
         to: usize,
         token: &StopToken,
     ) -> Option<bool> {
-        let most = self.options.vertices;
-        let last_layer = self.options.events;
+        let graph = Arc::clone(&self.graph);
         let mut backward = std::mem::take(&mut tube.backward);
         backward.truncate(tube.steps - to + 1);
         for to_go in tube.steps - to + 1..=tube.steps {
@@ -256,23 +278,34 @@ impl ReachSets {
                 return None;
             }
             let system = Arc::clone(self.system_at(t));
-            let mut next: Layers = vec![None; last_layer + 1];
+            let mut next: Layers = vec![None; graph.layers()];
             for (layer, set) in backward[to_go - 1].iter().enumerate() {
-                for (m, &(_, is_event)) in system.transitions.iter().enumerate() {
-                    let edge = back.at(t, layer, m);
-                    let alive = back.alive[edge] && ahead.any(t, m);
-                    let before = set.as_ref().filter(|_| alive).and_then(|set| {
-                        let before = predecessors(&system, m, set).ok()?;
-                        let mut reached = tube.forward[t].iter().flatten();
-                        reached.any(|start| before.meets(start)).then_some(before)
+                let (node, events) = graph.node_and_events(layer);
+                // Several edges may take the same move to this node.
+                let mut known: Vec<Option<Option<ReachSet>>> = vec![None; system.moves.len()];
+                for &k in &graph.entering[node] {
+                    let edge = &graph.edges[k];
+                    let at = back.at(t, events, k);
+                    let alive = back.alive[at] && ahead.any(t, k);
+                    let total = graph.sum(events, system.moves[edge.taken].events);
+                    let set = set.as_ref().filter(|_| alive);
+                    let before = set.zip(total).and_then(|(set, total)| {
+                        let before = known[edge.taken]
+                            .get_or_insert_with(|| predecessors(&system, edge.taken, set).ok());
+                        let before = before.as_ref()?;
+                        let mut reached = of_node(&graph, &tube.forward[t], edge.from)
+                            .filter(|(so_far, _)| graph.fits(*so_far, total));
+                        let target = graph.layer(edge.from, total);
+                        let meets = reached.any(|(_, start)| before.meets(start));
+                        meets.then(|| (before.clone(), target))
                     });
-                    back.alive[edge] = before.is_some();
-                    if let Some(before) = before {
-                        add(&mut next[(layer + usize::from(is_event)).min(last_layer)], before);
+                    back.alive[at] = before.is_some();
+                    if let Some((before, target)) = before {
+                        add(&mut next[target], before);
                     }
                 }
             }
-            next.iter_mut().flatten().for_each(|set| set.simplify(most));
+            self.finish(&mut next);
             if next.iter().all(Option::is_none) {
                 tube.died = Some(t);
                 tube.backward = backward;
@@ -286,33 +319,73 @@ impl ReachSets {
 }
 
 /// Enlarges a box to contain some predictions.
-fn widen(around: &mut Option<Vec<Interval>>, system: &Compiled, predicted: &[Shape]) {
-    let found = bounding_box(system, predicted);
+fn widen(around: &mut Option<Vec<Interval>>, found: Vec<Interval>) {
     *around = Some(match around.take() {
-        Some(present) => present.iter().zip(&found).map(|(a, b)| a.hull(*b)).collect(),
+        Some(present) => hull(&present, &found),
         None => found,
     });
 }
 
+fn hull(a: &[Interval], b: &[Interval]) -> Vec<Interval> {
+    a.iter().zip(b).map(|(a, b)| a.hull(*b)).collect()
+}
+
 impl Tube {
     fn finish(&mut self, edges: &Edges) {
-        let transitions = 0..edges.transitions;
-        let row = |t: usize| transitions.clone().map(|m| edges.any(t, m)).collect();
-        self.possible = (0..self.steps).map(row).collect();
+        let (count, graph) = (self.system.transitions.len(), Arc::clone(&self.graph));
+        self.nodes = vec![vec![false; graph.nodes()]; self.steps + 1];
+        for t in 0..self.steps {
+            let mut possible = vec![false; count];
+            for (k, edge) in graph.edges.iter().enumerate() {
+                if edges.any(t, k) {
+                    let members = &self.system.moves[edge.taken].members;
+                    members.iter().chain(&self.system.relaxed).for_each(|&m| possible[m] = true);
+                    self.nodes[t][edge.from] = true;
+                    self.nodes[t + 1][edge.to] = true;
+                }
+            }
+            self.possible.push(possible);
+        }
         if self.died.is_some() {
             return;
         }
-        let around = |layers: &Layers| -> Option<Vec<Interval>> {
-            let boxes = layers.iter().flatten().map(ReachSet::bounding_box);
-            boxes.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.hull(*b)).collect())
+        let around = |layers: &Layers, node: usize| -> Option<Vec<Interval>> {
+            let boxes = of_node(&graph, layers, node).map(|(_, set)| set.bounding_box());
+            boxes.reduce(|a, b| hull(&a, &b))
         };
         for t in 0..=self.steps {
-            let (ahead, back) = (around(&self.forward[t]), around(&self.backward[self.steps - t]));
-            let Some((ahead, back)) = ahead.zip(back) else {
+            let one = |node: usize| -> Option<Vec<Interval>> {
+                let ahead = around(&self.forward[t], node)?;
+                let back = around(&self.backward[self.steps - t], node)?;
+                Some(ahead.iter().zip(&back).map(|(a, b)| a.intersection(*b)).collect())
+            };
+            let is_met = |ranges: &Vec<Interval>| {
+                graph.nodes() == 1 || ranges.iter().all(|range| range.lower <= range.upper)
+            };
+            let boxes = (0..graph.nodes()).filter_map(one).filter(is_met);
+            let Some(found) = boxes.reduce(|a, b| hull(&a, &b)) else {
                 self.died = Some(t);
                 return;
             };
-            self.boxes.push(ahead.iter().zip(&back).map(|(a, b)| a.intersection(*b)).collect());
+            self.boxes.push(found);
+        }
+    }
+
+    /// Whether a plan may be in a mode of a choice with memory at a sample; `false` is a proof that
+    /// none is. `false` for names that do not exist.
+    pub fn is_mode_possible(&self, sample: usize, choice: &str, mode: &str) -> bool {
+        let Some(nodes) = self.nodes.get(sample).filter(|_| !self.is_empty()) else {
+            return false;
+        };
+        let has = |node: usize| {
+            self.graph.modes(node).iter().any(|(own, at)| own == choice && at == mode)
+        };
+        let is_followed =
+            (0..nodes.len()).any(|n| self.graph.modes(n).iter().any(|m| m.0 == choice));
+        match is_followed {
+            true => nodes.iter().enumerate().any(|(node, &alive)| alive && has(node)),
+            // All modes of the choice share sets.
+            false => self.graph.has_mode(choice, mode),
         }
     }
 
@@ -366,14 +439,17 @@ impl Tube {
     /// Proved lower bound of the number of events of a plan. `None` if the tube is empty.
     pub fn fewest_events(&self) -> Option<usize> {
         let last = self.forward.get(self.steps).filter(|_| !self.is_empty())?;
-        last.iter().position(Option::is_some)
+        let events = |layer: usize| self.graph.node_and_events(layer).1;
+        last.iter().enumerate().filter(|(_, set)| set.is_some()).map(|(k, _)| events(k)).min()
     }
 
     /// Proved upper bound of the number of events of a plan. `None` if it is not known or the tube
     /// is empty.
     pub fn most_events(&self) -> Option<usize> {
         let last = self.forward.get(self.steps).filter(|_| !self.is_empty())?;
-        let most = last.iter().rposition(Option::is_some)?;
-        (most + 1 < last.len()).then_some(most)
+        let events = |layer: usize| self.graph.node_and_events(layer).1;
+        let reached = last.iter().enumerate().filter(|(_, set)| set.is_some());
+        let most = reached.map(|(layer, _)| events(layer)).max()?;
+        (most < self.graph.events || self.graph.is_limited).then_some(most)
     }
 }

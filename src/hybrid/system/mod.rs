@@ -183,6 +183,18 @@ impl HybridSystem {
         own.map_or(range, |(_, range)| range).get(step).copied().unwrap_or(Interval::REALS)
     }
 
+    /// Everything that depends on the step, at one step, in a fixed order.
+    pub(crate) fn values_at(&self, step: usize) -> Vec<f64> {
+        let ranges = self.inputs.iter().chain(self.transitions().flat_map(|t| &t.inputs));
+        let ranges = ranges.filter_map(|(_, range)| range.get(step));
+        let mut values: Vec<f64> = ranges.flat_map(|r| [r.lower, r.upper]).collect();
+        let guards = self.transitions().flat_map(|t| t.guards.iter().chain(&t.prediction_guards));
+        values.extend(self.limits.iter().chain(guards).map(|h| h.limit_at(step)));
+        let resets = self.transitions().filter_map(|t| t.reset.as_ref());
+        values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
+        values
+    }
+
     /// The step from which on nothing depends on the step.
     pub(crate) fn settles(&self) -> usize {
         let ranges = self.inputs.iter().chain(self.transitions().flat_map(|t| &t.inputs));

@@ -1,0 +1,227 @@
+//! Guards on states and inputs together.
+//!
+//! Three things follow from a guard `n.x + m.u <= l`, and all of them are used:
+//!
+//! * each input is at most as large as the others and the states leave it ([`tightened`]);
+//! * the states satisfy `n.x <= l - min m.u`;
+//! * in a block of two states, the set of states and of *one* input is cut exactly
+//!   ([`lifted`](super::lifted)), so that an equality such as u = k.x + c replaces the input. The
+//!   other inputs of such a guard are taken at their best.
+
+use super::compiled::{Block, Compiled, Step, push};
+use super::lifted::{Lift, Slab};
+use super::rounding::EPSILON;
+use super::set::{Emptied, Place};
+use super::shape::{Map, Shape};
+use crate::interval::Interval;
+
+/// Number of rounds in which guards tighten inputs.
+const ROUNDS: usize = 2;
+
+/// A guard on inputs, margin included.
+#[derive(Debug, Clone)]
+pub(super) struct Joint {
+    pub(super) name: String,
+    /// The block whose states it depends on, if there is one.
+    pub(super) block: Option<usize>,
+    /// The coefficients of the block's states.
+    pub(super) normal: Vec<f64>,
+    /// The coefficients of all inputs.
+    pub(super) gains: Vec<f64>,
+    pub(super) limit: f64,
+    /// The original limit, for reports.
+    pub(super) given: f64,
+}
+
+/// The smallest value of `gains . u`, without input `without`, rounded down.
+fn least(gains: &[f64], inputs: &[Interval], without: Option<usize>) -> f64 {
+    let terms = gains.iter().zip(inputs).enumerate().filter(|(j, _)| Some(*j) != without);
+    terms.fold(Interval::point(0.0), |sum, (_, (gain, range))| sum + *range * *gain).lower
+}
+
+/// The ranges of the inputs that the guards leave, for states in a product of sets; or the number
+/// of a guard that leaves none, and the smallest value of its left side.
+pub(super) fn tightened(
+    mut inputs: Vec<Interval>,
+    joint: &[Joint],
+    states: &[&Shape],
+) -> Result<Vec<Interval>, (usize, f64)> {
+    let lowest = |guard: &Joint| match guard.block {
+        Some(block) => states[block].lowest(&guard.normal),
+        None => 0.0,
+    };
+    let lowest: Vec<f64> = joint.iter().map(lowest).collect();
+    for _ in 0..ROUNDS {
+        for (k, guard) in joint.iter().enumerate() {
+            let nearest = lowest[k] + least(&guard.gains, &inputs, None);
+            let noise = |size: f64| 16.0 * EPSILON * (size + guard.limit.abs() + lowest[k].abs());
+            let size = inputs.iter().zip(&guard.gains).map(|(r, m)| (m * r.magnitude()).abs());
+            let noise = noise(size.sum());
+            if nearest > guard.limit + noise {
+                return Err((k, nearest));
+            }
+            for (j, &gain) in guard.gains.iter().enumerate().filter(|(_, gain)| **gain != 0.0) {
+                let rest = guard.limit - lowest[k] - least(&guard.gains, &inputs, Some(j)) + noise;
+                let end = rest / gain;
+                let end = if gain > 0.0 { end.next_up() } else { end.next_down() };
+                if end.is_finite() {
+                    let range = &mut inputs[j];
+                    match gain > 0.0 {
+                        true => range.upper = range.upper.min(end).max(range.lower),
+                        false => range.lower = range.lower.max(end).min(range.upper),
+                    }
+                }
+            }
+        }
+    }
+    Ok(inputs)
+}
+
+/// The guards of a block, and how it treats them.
+struct Local<'a> {
+    step: &'a Step,
+    guards: Vec<(usize, &'a Joint)>,
+    inputs: &'a [Interval],
+    /// The input that is kept beside two states.
+    kept: Option<usize>,
+}
+
+impl<'a> Local<'a> {
+    fn new(system: &'a Compiled, number: usize, block: usize, inputs: &'a [Interval]) -> Self {
+        let step = &system.blocks[block].steps[number];
+        let joint = system.moves[number].joint.iter().enumerate();
+        let guards: Vec<(usize, &Joint)> = joint.filter(|(_, g)| g.block == Some(block)).collect();
+        let weight = |j: usize| -> f64 {
+            let width = (inputs[j].upper - inputs[j].lower).max(0.0);
+            guards.iter().map(|(_, guard)| guard.gains[j].abs() * width).sum()
+        };
+        let inputs_by_weight = (0..inputs.len()).map(|j| (j, weight(j)));
+        let heaviest = inputs_by_weight.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+        let kept = heaviest.filter(|(_, weight)| *weight > 0.0).map(|(j, _)| j);
+        Local { step, guards, inputs, kept }
+    }
+
+    /// Cuts with `n.x <= l - min m.u`.
+    fn cut(&self, shape: &mut Shape, number: usize, block: usize) -> Result<(), Emptied> {
+        for (k, guard) in &self.guards {
+            let best = least(&guard.gains, self.inputs, None);
+            let limit = guard.limit - best;
+            let limit = limit + 4.0 * EPSILON * (guard.limit.abs() + best.abs());
+            if let Some(nearest) = shape.clip(&guard.normal, limit) {
+                let place = Place::Joint(number, *k);
+                return Err(Emptied { block, place, nearest: nearest + best });
+            }
+        }
+        Ok(())
+    }
+
+    /// The guards as limits on the states and the kept input.
+    fn slabs(&self, kept: usize) -> Vec<Slab> {
+        let slab = |(_, guard): &(usize, &Joint)| {
+            let best = least(&guard.gains, self.inputs, Some(kept));
+            let limit = guard.limit - best;
+            Slab {
+                normal: [guard.normal[0], guard.normal[1]],
+                gain: guard.gains[kept],
+                limit: limit + 4.0 * EPSILON * (guard.limit.abs() + best.abs()),
+            }
+        };
+        self.guards.iter().map(slab).collect()
+    }
+
+    /// What the inputs other than the kept one add.
+    fn others(&self, kept: usize) -> super::compiled::Push {
+        let mut gains = self.step.gains.clone();
+        gains.iter_mut().for_each(|row| row[kept] = 0.0);
+        push(&gains, &self.step.constant, self.inputs, 0.0)
+    }
+
+    fn lift(&self, kept: usize, shift: &[f64]) -> Lift {
+        let m = self.step.flow.matrix();
+        Lift {
+            matrix: [[m[0][0], m[0][1]], [m[1][0], m[1][1]]],
+            column: [self.step.gains[0][kept], self.step.gains[1][kept]],
+            offset: [shift[0], shift[1]],
+            range: self.inputs[kept],
+            slabs: self.slabs(kept),
+        }
+    }
+}
+
+fn none(block: usize) -> Emptied {
+    Emptied { block, place: Place::Shape, nearest: f64::NAN }
+}
+
+/// The flow of a block from a set that is cut by the guards on states alone.
+pub(super) fn flown(
+    system: &Compiled,
+    number: usize,
+    block: usize,
+    start: &Shape,
+    inputs: &[Interval],
+) -> Result<Shape, Emptied> {
+    let local = Local::new(system, number, block, inputs);
+    let mut start = start.clone();
+    local.cut(&mut start, number, block)?;
+    start.settle();
+    if start.is_empty() {
+        return Err(none(block));
+    }
+    let (mut flown, push) = match (&start, local.kept) {
+        (Shape::Planar(polygon), Some(kept)) => {
+            let push = local.others(kept);
+            let image = local.lift(kept, &push.shift).image(polygon);
+            (Shape::Planar(image), push)
+        }
+        _ => {
+            let push = push(&local.step.gains, &local.step.constant, inputs, 0.0);
+            let map: Map = local.step.flow.with_offset(push.shift.clone());
+            (start.map(&map), push)
+        }
+    };
+    if flown.is_empty() {
+        return Err(none(block));
+    }
+    flown = flown.add_segments(&push.generators);
+    flown.widen(&push.slack);
+    Ok(flown)
+}
+
+/// The states of a block from which the flow leads into a set of predictions.
+pub(super) fn unflown(
+    system: &Compiled,
+    number: usize,
+    block: usize,
+    predicted: &Shape,
+    inputs: &[Interval],
+) -> Result<Shape, Emptied> {
+    let local = Local::new(system, number, block, inputs);
+    let Block { domain, .. } = &system.blocks[block];
+    let start = match (predicted, local.kept) {
+        (Shape::Planar(_), Some(kept)) if local.step.flow.inverse().is_some() => {
+            let push = local.others(kept);
+            let mut free = predicted.add_segments(&push.generators);
+            free.widen(&push.slack);
+            match (&free, local.step.flow.inverse()) {
+                (Shape::Planar(polygon), Some((inverse, error))) => {
+                    let lift = local.lift(kept, &push.shift);
+                    Shape::Planar(lift.preimage(polygon, inverse, error))
+                }
+                _ => free,
+            }
+        }
+        _ => {
+            let push = push(&local.step.gains, &local.step.constant, inputs, 0.0);
+            let mut free = predicted.add_segments(&push.generators);
+            free.widen(&push.slack);
+            free.preimage(&local.step.flow.with_offset(push.shift), domain)
+        }
+    };
+    let mut start = start;
+    if start.is_empty() {
+        return Err(none(block));
+    }
+    start.keep_within(domain);
+    local.cut(&mut start, number, block)?;
+    Ok(start)
+}

@@ -1,0 +1,386 @@
+//! The law of a move in one step: one flow, guards, reset and input ranges for what all choices do
+//! together.
+
+use faer::Mat;
+
+use super::moves::Move;
+use super::rounding::EPSILON;
+use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Transition};
+use crate::interval::Interval;
+use crate::tolerance::margin_scale;
+
+/// A half-space of a move.
+#[derive(Debug, Clone)]
+pub(super) struct Guard {
+    pub(super) name: String,
+    pub(super) states: Vec<f64>,
+    /// Empty or all 0 if the guard does not depend on the inputs.
+    pub(super) inputs: Vec<f64>,
+    pub(super) limit: f64,
+}
+
+impl Guard {
+    fn new(halfspace: &Halfspace, states: usize, step: usize) -> Self {
+        let (x, u) = halfspace.parts(states);
+        Guard {
+            name: halfspace.name.clone(),
+            states: x.to_vec(),
+            inputs: u.to_vec(),
+            limit: halfspace.limit_at(step),
+        }
+    }
+
+    pub(super) fn is_joint(&self) -> bool {
+        self.inputs.iter().any(|&m| m != 0.0)
+    }
+}
+
+/// An affine map of states and inputs: A x + B u + c.
+#[derive(Debug, Clone)]
+pub(super) struct Flow {
+    pub(super) a: Mat<f64>,
+    pub(super) b: Mat<f64>,
+    pub(super) c: Vec<f64>,
+}
+
+/// How a transition's prediction follows from a move.
+#[derive(Debug, Clone)]
+pub(super) enum Prediction {
+    /// The move's prediction, shifted.
+    Shifted(Vec<f64>),
+    /// By a flow of its own.
+    Own(Flow),
+}
+
+/// A move in one step: guards, `y = A x + B u + c`, guards on y, and a reset.
+#[derive(Debug, Clone)]
+pub(super) struct Law {
+    pub(super) flow: Flow,
+    pub(super) before: Vec<Guard>,
+    pub(super) after: Vec<Guard>,
+    pub(super) reset: Option<(Mat<f64>, Vec<f64>)>,
+    /// What the next state may differ by in addition: disturbance, relaxed choices, rounding.
+    pub(super) loose: Vec<f64>,
+    /// Number of resets whose margin is added to the next state.
+    pub(super) resets: usize,
+    pub(super) inputs: Vec<Interval>,
+    /// Predictions of the transitions, by their numbers.
+    pub(super) predictions: Vec<(usize, Prediction)>,
+    /// Whether the ranges of the inputs leave any value.
+    pub(super) is_possible: bool,
+}
+
+/// What a law is made for.
+pub(super) struct Context<'a> {
+    pub(super) system: &'a HybridSystem,
+    pub(super) transitions: Vec<&'a Transition>,
+    pub(super) step: usize,
+    /// Inputs of the step, if they are given.
+    pub(super) given: Option<&'a [Interval]>,
+    pub(super) margin: f64,
+    pub(super) is_disturbed: bool,
+    /// Choices that are not followed, and the numbers of their transitions.
+    pub(super) relaxed: &'a [Choice],
+    pub(super) relaxed_numbers: &'a [usize],
+}
+
+impl Context<'_> {
+    pub(super) fn law(&self, taken: &Move) -> Law {
+        let system = self.system;
+        let members: Vec<&Transition> =
+            taken.members.iter().map(|&m| self.transitions[m]).collect();
+        let (inputs, is_possible) = self.inputs(&members);
+        let n = system.states.len();
+        let guards = |list: &[Halfspace]| -> Vec<Guard> {
+            list.iter().map(|h| Guard::new(h, n, self.step)).collect()
+        };
+        let mut before: Vec<Guard> = members.iter().flat_map(|t| guards(&t.guards)).collect();
+        let joint = system.limits.iter().filter(|limit| limit.is_joint(n));
+        before.extend(joint.map(|h| Guard::new(h, n, self.step)));
+
+        let mut law = match (members.as_slice(), system.choices.len()) {
+            ([only], 1) => Law {
+                flow: flow_of(only),
+                before,
+                after: guards(&only.prediction_guards),
+                reset: self.reset(only),
+                loose: vec![0.0; n],
+                resets: usize::from(only.reset.is_some()),
+                inputs,
+                predictions: vec![(taken.members[0], Prediction::Shifted(vec![0.0; n]))],
+                is_possible,
+            },
+            _ => self.sum(taken, &members, before, inputs, is_possible),
+        };
+        for (c, choice) in self.relaxed.iter().enumerate() {
+            let effect = self.effect(choice, &law.inputs);
+            law.shift(&effect);
+            let first = self.relaxed[..c].iter().map(|c| c.transitions.len()).sum::<usize>();
+            for (k, transition) in choice.transitions.iter().enumerate() {
+                let number = self.relaxed_numbers[first + k];
+                law.predictions.push((number, Prediction::Own(flow_of(transition))));
+            }
+        }
+        if self.is_disturbed && !system.disturbance.is_empty() {
+            law.shift(&system.disturbance);
+        }
+        law
+    }
+
+    /// The ranges of the inputs, and whether there is a value in each.
+    fn inputs(&self, members: &[&Transition]) -> (Vec<Interval>, bool) {
+        let mut is_possible = true;
+        let ranges = self.system.inputs.iter().enumerate().map(|(j, (name, common))| {
+            let given = self.given.map(|given| given[j]);
+            let named = members.iter().filter(|t| t.inputs.iter().any(|(own, _)| own == name));
+            let own = named.map(|t| self.system.input_range(t, j, self.step));
+            let Some(own) = own.reduce(|a, b| a.intersection(b)) else {
+                let common = common.get(self.step).copied().unwrap_or(Interval::REALS);
+                return given.unwrap_or(common);
+            };
+            let range = given.map_or(own, |given| own.intersection(given));
+            let slack = 2.0 * self.margin * margin_scale(range.magnitude(), 0.0);
+            is_possible &= range.lower <= range.upper + slack;
+            if range.lower <= range.upper { range } else { Interval::point(range.lower) }
+        });
+        let mut ranges: Vec<Interval> = ranges.collect();
+        // Relaxed choices may widen ranges.
+        for transition in self.relaxed.iter().flat_map(|choice| &choice.transitions) {
+            for (j, (name, _)) in self.system.inputs.iter().enumerate() {
+                if transition.inputs.iter().any(|(own, _)| own == name) {
+                    let own = self.system.input_range(transition, j, self.step);
+                    ranges[j] = ranges[j].hull(own);
+                    is_possible = true;
+                }
+            }
+        }
+        (ranges, is_possible)
+    }
+
+    fn reset(&self, transition: &Transition) -> Option<(Mat<f64>, Vec<f64>)> {
+        let reset = transition.reset.as_ref()?;
+        Some((reset.matrix.clone(), reset.offset.get(self.step).cloned().unwrap_or_default()))
+    }
+
+    /// The law of several choices, whose effects add to the common flow.
+    fn sum(
+        &self,
+        taken: &Move,
+        members: &[&Transition],
+        before: Vec<Guard>,
+        inputs: Vec<Interval>,
+        is_possible: bool,
+    ) -> Law {
+        let system = self.system;
+        let n = system.states.len();
+        let common = match &system.flow {
+            Some(flow) => Flow { a: flow.a().clone(), b: flow.b().clone(), c: flow.c().to_vec() },
+            None => flow_of(members[0]),
+        };
+        let share = |t: &&Transition| t.flow.a() == &common.a && t.flow.b() == &common.b;
+        let is_shared = members.iter().all(share);
+        let mut law = Law {
+            flow: common,
+            before,
+            after: Vec::new(),
+            reset: None,
+            loose: vec![0.0; n],
+            resets: members.iter().filter(|t| t.reset.is_some()).count(),
+            inputs,
+            predictions: Vec::new(),
+            is_possible,
+        };
+        if is_shared {
+            self.add_resets(&mut law, taken, members);
+        } else {
+            self.add_flows(&mut law, taken, members);
+        }
+        law
+    }
+
+    /// The choices share A and B, so that each of them resets the common prediction.
+    fn add_resets(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
+        let n = law.flow.c.len();
+        let identity = Mat::<f64>::identity(n, n);
+        let (mut matrix, mut offset) = (identity.clone(), vec![0.0; n]);
+        let mut size = Mat::<f64>::zeros(n, n);
+        for (&number, transition) in taken.members.iter().zip(members) {
+            let shift: Vec<f64> =
+                transition.flow.c().iter().zip(&law.flow.c).map(|(c, common)| c - common).collect();
+            for halfspace in &transition.prediction_guards {
+                let mut guard = Guard::new(halfspace, n, self.step);
+                let moved = product(&guard.states, &shift);
+                let noise = 8.0 * EPSILON * (moved.1 + guard.limit.abs());
+                guard.limit += noise - moved.0;
+                law.after.push(guard);
+            }
+            let (own, r) =
+                self.reset(transition).unwrap_or_else(|| (identity.clone(), vec![0.0; n]));
+            for i in 0..n {
+                let row: Vec<f64> = (0..n).map(|j| own[(i, j)]).collect();
+                let (moved, terms) = product(&row, &shift);
+                offset[i] += moved + r[i];
+                law.loose[i] += 16.0 * EPSILON * (terms + r[i].abs() + offset[i].abs());
+                for j in 0..n {
+                    matrix[(i, j)] += own[(i, j)] - identity[(i, j)];
+                    size[(i, j)] += own[(i, j)].abs() + identity[(i, j)];
+                }
+            }
+            law.predictions.push((number, Prediction::Shifted(shift)));
+        }
+        if matrix != identity || offset.iter().any(|&r| r != 0.0) {
+            // Predictions are at most as large as the flow makes them.
+            let reach = self.reach(&law.flow, &law.inputs);
+            for i in 0..n {
+                let row: f64 = (0..n).map(|j| size[(i, j)] * reach[j]).sum();
+                law.loose[i] += 16.0 * EPSILON * row;
+            }
+            law.reset = Some((matrix, offset));
+        }
+    }
+
+    /// The choices have flows of their own: the sum of their effects is one flow, and guards on
+    /// predictions become guards on states and inputs.
+    fn add_flows(&self, law: &mut Law, taken: &Move, members: &[&Transition]) {
+        let common = law.flow.clone();
+        let (n, m) = (common.c.len(), law.inputs.len());
+        let mut sizes = Flow { a: Mat::zeros(n, n), b: Mat::zeros(n, m), c: vec![0.0; n] };
+        for (&number, transition) in taken.members.iter().zip(members) {
+            let own = flow_of(transition);
+            for halfspace in &transition.prediction_guards {
+                let guard = self.pulled(halfspace, &own, law);
+                law.before.push(guard);
+            }
+            let next = after_reset(&own, self.reset(transition));
+            for i in 0..n {
+                for j in 0..n {
+                    law.flow.a[(i, j)] += next.a[(i, j)] - common.a[(i, j)];
+                    sizes.a[(i, j)] += next.a[(i, j)].abs() + common.a[(i, j)].abs();
+                }
+                for j in 0..m {
+                    law.flow.b[(i, j)] += next.b[(i, j)] - common.b[(i, j)];
+                    sizes.b[(i, j)] += next.b[(i, j)].abs() + common.b[(i, j)].abs();
+                }
+                law.flow.c[i] += next.c[i] - common.c[i];
+                sizes.c[i] += next.c[i].abs() + common.c[i].abs();
+            }
+            law.predictions.push((number, Prediction::Own(own)));
+        }
+        let reach = self.reach(&sizes, &law.inputs);
+        for (loose, reach) in law.loose.iter_mut().zip(reach) {
+            *loose += 32.0 * EPSILON * (n + m) as f64 * reach;
+        }
+    }
+
+    /// A guard on a flow's result as a guard on states and inputs.
+    fn pulled(&self, halfspace: &Halfspace, flow: &Flow, law: &Law) -> Guard {
+        let (n, m) = (flow.c.len(), law.inputs.len());
+        let normal = &halfspace.normal;
+        let column = |matrix: &Mat<f64>, j: usize| -> f64 {
+            (0..n).map(|i| normal[i] * matrix[(i, j)]).sum()
+        };
+        let (moved, terms) = product(normal, &flow.c);
+        let reach = self.reach(flow, &law.inputs);
+        let size: f64 = normal.iter().zip(&reach).map(|(f, r)| f.abs() * r).sum();
+        let limit = halfspace.limit_at(self.step);
+        let noise = 32.0 * EPSILON * (n + m) as f64 * (size + terms + limit.abs());
+        Guard {
+            name: halfspace.name.clone(),
+            states: (0..n).map(|j| column(&flow.a, j)).collect(),
+            inputs: (0..m).map(|j| column(&flow.b, j)).collect(),
+            limit: limit - moved + noise,
+        }
+    }
+
+    /// Bounds of the magnitudes of `|A| |x| + |B| |u| + |c|` over domains and inputs.
+    fn reach(&self, flow: &Flow, inputs: &[Interval]) -> Vec<f64> {
+        let states: Vec<f64> =
+            self.system.states.iter().map(|(_, d)| d.magnitude() + 1.0).collect();
+        let n = states.len();
+        (0..n)
+            .map(|i| {
+                let x: f64 = (0..n).map(|j| flow.a[(i, j)].abs() * states[j]).sum();
+                let u = inputs.iter().enumerate();
+                let u: f64 = u.map(|(j, r)| flow.b[(i, j)].abs() * (r.magnitude() + 1.0)).sum();
+                x + u + flow.c[i].abs()
+            })
+            .collect()
+    }
+
+    /// A box around what a relaxed choice may change about the next state.
+    fn effect(&self, choice: &Choice, inputs: &[Interval]) -> Vec<Interval> {
+        let n = self.system.states.len();
+        let wide = |range: &Interval| {
+            let slack = self.margin * margin_scale(range.magnitude(), 0.0)
+                + 16.0 * EPSILON * range.magnitude();
+            Interval::new(range.lower - slack, range.upper + slack)
+        };
+        let domains: Vec<Interval> = self.system.states.iter().map(|(_, d)| wide(d)).collect();
+        let common = self.system.flow.as_ref();
+        let of = |transition: &Transition| -> Vec<Interval> {
+            let next = after_reset(&flow_of(transition), self.reset(transition));
+            let inputs: Vec<Interval> = (0..inputs.len())
+                .map(|j| {
+                    let own = self.system.input_range(transition, j, self.step);
+                    wide(&own.hull(inputs[j]))
+                })
+                .collect();
+            (0..n)
+                .map(|i| {
+                    let a = |j| next.a[(i, j)] - common.map_or(0.0, |f| f.a()[(i, j)]);
+                    let b = |j| next.b[(i, j)] - common.map_or(0.0, |f| f.b()[(i, j)]);
+                    let c = next.c[i] - common.map_or(0.0, |f| f.c()[i]);
+                    let x = domains.iter().enumerate().map(|(j, range)| *range * a(j));
+                    let u = inputs.iter().enumerate().map(|(j, range)| *range * b(j));
+                    wide(&x.chain(u).fold(Interval::point(c), |sum, term| sum + term))
+                })
+                .collect()
+        };
+        let all = choice.transitions.iter().map(of);
+        let hull = |a: Vec<Interval>, b: Vec<Interval>| -> Vec<Interval> {
+            a.iter().zip(&b).map(|(a, b)| a.hull(*b)).collect()
+        };
+        all.reduce(hull).unwrap_or_else(|| vec![Interval::point(0.0); n])
+    }
+}
+
+impl Law {
+    /// Adds a box to the next state.
+    fn shift(&mut self, by: &[Interval]) {
+        let n = by.len();
+        let middles: Vec<f64> = by.iter().map(|r| 0.5 * r.lower + 0.5 * r.upper).collect();
+        for (loose, (range, middle)) in self.loose.iter_mut().zip(by.iter().zip(&middles)) {
+            let half = (range.upper - middle).max(middle - range.lower);
+            *loose += half + 8.0 * EPSILON * range.magnitude();
+        }
+        if middles.iter().any(|&m| m != 0.0) {
+            let identity = || (Mat::<f64>::identity(n, n), vec![0.0; n]);
+            let (_, offset) = self.reset.get_or_insert_with(identity);
+            for (r, (middle, loose)) in offset.iter_mut().zip(middles.iter().zip(&mut self.loose)) {
+                *r += middle;
+                *loose += 4.0 * EPSILON * r.abs();
+            }
+        }
+    }
+}
+
+fn flow_of(transition: &Transition) -> Flow {
+    let flow = &transition.flow;
+    Flow { a: flow.a().clone(), b: flow.b().clone(), c: flow.c().to_vec() }
+}
+
+/// A flow, followed by a reset.
+fn after_reset(flow: &Flow, reset: Option<(Mat<f64>, Vec<f64>)>) -> Flow {
+    let Some((matrix, offset)) = reset else { return flow.clone() };
+    let c = (0..offset.len()).map(|i| {
+        let terms = flow.c.iter().enumerate().map(|(j, c)| matrix[(i, j)] * c);
+        terms.sum::<f64>() + offset[i]
+    });
+    Flow { a: &matrix * &flow.a, b: &matrix * &flow.b, c: c.collect() }
+}
+
+/// A scalar product, and the sum of its terms' magnitudes.
+fn product(a: &[f64], b: &[f64]) -> (f64, f64) {
+    let terms = || a.iter().zip(b).map(|(x, y)| x * y);
+    (terms().sum(), terms().map(f64::abs).sum())
+}
