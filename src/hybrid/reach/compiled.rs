@@ -317,22 +317,16 @@ impl Source<'_> {
         for cut in &limits[2 * states.len()..] {
             domain.clip(&cut.normal, cut.limit);
         }
-        let steps = laws.iter().enumerate().map(|(m, law)| {
-            let like = like.map(|like| &like.steps[m]);
-            self.step(law, states, &domain, template.as_deref(), like)
-        });
-        let steps = steps.collect();
+        let mut maps = Maps { known: Vec::new(), template: template.as_deref() };
+        for step in like.into_iter().flat_map(|like| &like.steps) {
+            maps.known
+                .extend([Some(&step.flow), step.reset.as_ref()].into_iter().flatten().cloned());
+        }
+        let steps = laws.iter().map(|law| self.step(law, states, &domain, &mut maps)).collect();
         Block { states: states.to_vec(), limits, domain, steps }
     }
 
-    fn step(
-        &self,
-        law: &Law,
-        states: &[usize],
-        domain: &Shape,
-        template: Option<&Template>,
-        like: Option<&Step>,
-    ) -> Step {
+    fn step(&self, law: &Law, states: &[usize], domain: &Shape, maps: &mut Maps) -> Step {
         let margin = self.options.margin;
         let local = |normal: &[f64]| -> Vec<f64> { states.iter().map(|&i| normal[i]).collect() };
         let cuts = |guards: &[Guard]| -> Vec<Cut> {
@@ -342,16 +336,10 @@ impl Source<'_> {
         let gains = part(&law.flow.b, states, &(0..law.inputs.len()).collect::<Vec<_>>());
         let constant = local(&law.flow.c);
         let push = push(&gains, &constant, &law.inputs, margin);
-        let flow = match like {
-            Some(like) => like.flow.with_offset(push.shift.clone()),
-            None => Map::new(part(&law.flow.a, states, states), push.shift.clone(), template),
-        };
-        let reset = law.reset.as_ref().map(|(matrix, offset)| {
-            match like.and_then(|like| like.reset.as_ref()) {
-                Some(like) => like.with_offset(local(offset)),
-                None => Map::new(part(matrix, states, states), local(offset), template),
-            }
-        });
+        let flow = maps.map(part(&law.flow.a, states, states), push.shift.clone());
+        let reset = law.reset.as_ref();
+        let reset =
+            reset.map(|(matrix, offset)| maps.map(part(matrix, states, states), local(offset)));
         let loose = |&i: &usize| match law.resets {
             0 => law.loose[i],
             _ => law.loose[i] + law.resets as f64 * (margin * margin_scale(self.sizes[i], 0.0)),
@@ -397,6 +385,23 @@ impl Source<'_> {
             }
         }
         Some(Arc::new(Template::new(states.len(), &directions)))
+    }
+}
+
+/// Maps by their matrices, because combinations of template directions are found once for each.
+struct Maps<'a> {
+    known: Vec<Map>,
+    template: Option<&'a Template>,
+}
+
+impl Maps<'_> {
+    fn map(&mut self, matrix: Matrix, offset: Vec<f64>) -> Map {
+        if let Some(known) = self.known.iter().find(|map| *map.matrix() == matrix) {
+            return known.with_offset(offset);
+        }
+        let map = Map::new(matrix, offset, self.template);
+        self.known.push(map.clone());
+        map
     }
 }
 
