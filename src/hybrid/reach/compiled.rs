@@ -346,6 +346,11 @@ impl Source<'_> {
         };
         let mut predictions = domain.map(&flow).add_segments(&push.generators);
         predictions.widen(&push.slack);
+        if law.before.iter().any(Guard::is_joint) {
+            // Beyond the rounding of guards on inputs, also where the flow has no width.
+            let noise = 1e-9 * (1.0 + predictions.size());
+            predictions.widen(&vec![noise; states.len()]);
+        }
         Step {
             before: cuts(&law.before),
             flow,

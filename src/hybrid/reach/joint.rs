@@ -4,12 +4,12 @@
 //!
 //! * each input is at most as large as the others and the states leave it ([`tightened`]);
 //! * the states satisfy `n.x <= l - min m.u`;
-//! * in a block of two states, the set of states and of *one* input is cut exactly
+//! * in a block of one or two states, the set of states and of *one* input is cut exactly
 //!   ([`lifted`](super::lifted)), so that an equality such as u = k.x + c replaces the input. The
 //!   other inputs of such a guard are taken at their best.
 
 use super::compiled::{Block, Compiled, Step, push};
-use super::lifted::{Lift, Slab};
+use super::lifted::{Lift, Pair, Slab};
 use super::rounding::EPSILON;
 use super::set::{Emptied, Place};
 use super::shape::{Map, Shape};
@@ -82,7 +82,7 @@ struct Local<'a> {
     step: &'a Step,
     guards: Vec<(usize, &'a Joint)>,
     inputs: &'a [Interval],
-    /// The input that is kept beside two states.
+    /// The input that is kept beside one or two states.
     kept: Option<usize>,
 }
 
@@ -121,7 +121,7 @@ impl<'a> Local<'a> {
             let best = least(&guard.gains, self.inputs, Some(kept));
             let limit = guard.limit - best;
             Slab {
-                normal: [guard.normal[0], guard.normal[1]],
+                normal: [guard.normal[0], guard.normal.get(1).copied().unwrap_or(0.0)],
                 gain: guard.gains[kept],
                 limit: limit + 4.0 * EPSILON * (guard.limit.abs() + best.abs()),
             }
@@ -134,6 +134,17 @@ impl<'a> Local<'a> {
         let mut gains = self.step.gains.clone();
         gains.iter_mut().for_each(|row| row[kept] = 0.0);
         push(&gains, &self.step.constant, self.inputs, 0.0)
+    }
+
+    /// The state and the kept input of a block of one state.
+    fn pair(&self, kept: usize, shape: &Shape) -> Pair {
+        let state = Interval::new(shape.lowest(&[1.0]), -shape.lowest(&[-1.0]));
+        Pair::new(state, self.inputs[kept], &self.slabs(kept))
+    }
+
+    /// How the flow of a block of one state depends on the state and the kept input.
+    fn factors(&self, kept: usize) -> [f64; 2] {
+        [self.step.flow.matrix()[0][0], self.step.gains[0][kept]]
     }
 
     fn lift(&self, kept: usize, shift: &[f64]) -> Lift {
@@ -173,6 +184,12 @@ pub(super) fn flown(
             let image = local.lift(kept, &push.shift).image(polygon);
             (Shape::Planar(image), push)
         }
+        (Shape::Template(_), Some(kept)) if local.step.constant.len() == 1 => {
+            let push = local.others(kept);
+            let image = local.pair(kept, &start).range(local.factors(kept));
+            let image = image.ok_or(none(block))? + Interval::point(push.shift[0]);
+            (start.boxed(&[image.lower], &[image.upper]), push)
+        }
         _ => {
             let push = push(&local.step.gains, &local.step.constant, inputs, 0.0);
             let map: Map = local.step.flow.with_offset(push.shift.clone());
@@ -209,6 +226,20 @@ pub(super) fn unflown(
                 }
                 _ => free,
             }
+        }
+        (Shape::Template(_), Some(kept)) if local.step.constant.len() == 1 => {
+            let push = local.others(kept);
+            let mut free = predicted.add_segments(&push.generators);
+            free.widen(&push.slack);
+            let mut pair = local.pair(kept, domain);
+            let [a, b] = local.factors(kept);
+            // a x + b u lies in the set without the constant part.
+            let shift = Interval::point(-push.shift[0]);
+            let range = Interval::new(free.lowest(&[1.0]), -free.lowest(&[-1.0])) + shift;
+            pair.clip([a, b], range.upper);
+            pair.clip([-a, -b], -range.lower);
+            let states = pair.range([1.0, 0.0]).ok_or(none(block))?;
+            predicted.boxed(&[states.lower], &[states.upper])
         }
         _ => {
             let push = push(&local.step.gains, &local.step.constant, inputs, 0.0);

@@ -182,3 +182,32 @@ impl Lift {
         image
     }
 }
+
+/// One state and one input: a polygon of both.
+pub(super) struct Pair(Polygon);
+
+impl Pair {
+    /// States and inputs within ranges, and within slabs, which use the first entry of their
+    /// normals.
+    pub(super) fn new(state: Interval, input: Interval, slabs: &[Slab]) -> Self {
+        let polygon = Polygon::from_box([state.lower, input.lower], [state.upper, input.upper]);
+        let mut pair = Pair(polygon);
+        slabs.iter().for_each(|slab| pair.clip([slab.normal[0], slab.gain], slab.limit));
+        pair
+    }
+
+    /// Keeps what satisfies a limit.
+    pub(super) fn clip(&mut self, normal: Point, limit: f64) {
+        if normal != [0.0, 0.0] {
+            self.0.clip(normal, limit);
+        } else if limit < 0.0 {
+            self.0 = empty();
+        }
+    }
+
+    /// The range of `factors . (state, input)`, or `None` if nothing is left.
+    pub(super) fn range(&self, factors: Point) -> Option<Interval> {
+        let lower = -self.0.support(factors.map(|f| -f));
+        (!self.0.is_empty()).then(|| Interval::new(lower, self.0.support(factors)))
+    }
+}
