@@ -182,7 +182,8 @@ impl Model {
         }
     }
 
-    /// Changes the bounds of a variable. Automatic big-Ms follow at the next solve.
+    /// Changes the bounds of a variable. Automatic big-Ms follow at the next solve. The values of a
+    /// semi-continuous variable stay, and both must hold.
     ///
     /// # Errors
     ///

@@ -3,7 +3,8 @@
 //! Why the solver stopped ([`Termination`]) and what it holds ([`PrimalStatus`]) are separate
 //! answers: a search stopped by its time limit may hold a very good plan. Every [`Solution`] with
 //! a point carries a [`Verification`] made from the *model*, not from the solver's rows: bounds,
-//! integrality and rows, and the meaning of indicators, disjunctions, logic and functions.
+//! integrality and rows, and the meaning of indicators, disjunctions, logic, functions and
+//! ordered sets.
 
 mod leaves;
 mod multipliers;

@@ -1,7 +1,7 @@
 //! The model with only some of its statements.
 
 use carom::internals::model::{statements, subset};
-use carom::model::{Model, at_most};
+use carom::model::{Model, at_most, sos1};
 
 #[test]
 fn a_subset_keeps_variables_and_what_is_asked_for() {
@@ -12,16 +12,19 @@ fn a_subset_keeps_variables_and_what_is_asked_for() {
     model.add("high", x.le(3.0)).unwrap();
     model.add("if", z[0].on().implies(x.le(2.0))).unwrap();
     model.add("one", at_most(1, &z)).unwrap();
+    model.add("set", sos1([(x, 1.0), (z[0], 2.0)])).unwrap();
+    model.add("other", sos1([(x, 1.0), (z[1], 2.0)])).unwrap();
     model.maximize(x).unwrap();
     let names: Vec<_> = statements(&model).map(|s| s.name().to_string()).collect();
-    assert_eq!(names, ["low", "high", "if", "one"]);
+    assert_eq!(names, ["low", "high", "if", "one", "set", "other"]);
 
-    let part = subset(&model, |k| k == 1 || k == 3);
+    let part = subset(&model, |k| [1, 3, 5].contains(&k));
     let wanted = [
         "minimize 0",
         "subject to",
         "  high: x <= 3",
         "  one: at_most(1, z[0], z[1])",
+        "  other: sos1(x: 1, z[1]: 2)",
         "where",
         "  0 <= x <= 4",
         "  z[0] binary",

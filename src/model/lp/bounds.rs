@@ -45,6 +45,13 @@ impl<'a> File<'a> {
                 self.set(column, &name, relation, value)
             }
             Kind::Word if left.is_none() && self.token().text.eq_ignore_ascii_case("free") => {
+                if self.columns[column].ends.upper.is_some_and(f64::is_finite) {
+                    let text = name.text;
+                    return Err(name.error(format!(
+                        "`{text}` has an upper bound, and solvers disagree what `free` means then; \
+                         keep one of them"
+                    )));
+                }
                 self.step();
                 self.take(column, &name, (Some(f64::NEG_INFINITY), Some(f64::INFINITY)));
                 Ok(())

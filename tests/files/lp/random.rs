@@ -19,7 +19,8 @@ fn whole_files() -> Vec<String> {
     model.minimize((x[0] - x[1]).square() + 3.0 * x[2] + 1.0).unwrap();
     let by_hand = "\\ Problem name: by hand\nMinimize\n obj: 3 x + y - 2 + [ x^2 + 2 x * y + y^2 ] / 2\n\
                    Subject To\n r: 1 <= x + y <= 4\n s: z = 1 -> x = 2\n x - k >= -1e2\nBounds\n \
-                   -inf <= x <= 5\n y free\n k <= 7\nGenerals\n k\nBinaries\n z\nEnd\n";
+                   -inf <= x <= 5\n y free\n k <= 7\nGenerals\n k\nBinaries\n z\nSemis\n k\nSOS\n p: S2:: x:1 y:-2 z:1.5\n \
+                   S1:: x:1\nEnd\n";
     vec![by_hand.to_owned(), lp::write(&model).unwrap()]
 }
 

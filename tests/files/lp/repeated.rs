@@ -37,6 +37,11 @@ fn the_last_of_repeated_bounds_counts() {
         "3 <= x <= 5",
     );
     assert_eq!(warned(&text("x <= 4\nx <= 4\n1 <= x")).0, [""; 0]);
+    assert_eq!(
+        error(&text("x <= 4\nx free")),
+        "line 5, column 1: `x` has an upper bound, and solvers disagree what `free` means then; \
+         keep one of them"
+    );
     check(
         &text("y <= 4"),
         "line 4, column 1: `y` is neither in the objective nor in a row before",
