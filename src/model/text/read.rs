@@ -13,7 +13,7 @@ use crate::model::Model;
 /// assert_eq!(read.model.variable_count(), 2);
 /// assert_eq!(
 ///     read.warnings[0].to_string(),
-///     "line 1, column 43: the upper bound of `x` was 3 before and is 2 now; the last one counts"
+///     "line 1, column 39: the upper bound of `x` was 3 before and is 2 now; the last one counts"
 /// );
 /// # Ok::<(), carom::Error>(())
 /// ```
