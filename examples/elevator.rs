@@ -8,7 +8,9 @@
 
 use std::error::Error as StdError;
 
-use carom::hybrid::{Halfspace, Horizon, HybridSystem, LinearSystem, Region, ShortestOptions, Transition};
+use carom::hybrid::{
+    Halfspace, Horizon, HybridSystem, LinearSystem, Region, ShortestOptions, Transition,
+};
 use carom::interval::Interval;
 use carom::prelude::*;
 

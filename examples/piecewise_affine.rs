@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
             model.fix(family[0], *value)?;
         }
         let solution = solver.solve(&model)?;
-        let plan = program.read(&solution)?;
+        let (plan, _) = program.certified(&solution)?;
         let (u, mode) = (plan.input("u")?[0], &plan.transitions("mode")?[0]);
         let cost = solution.objective().unwrap_or(f64::NAN);
         let nodes = solution.statistics().nodes;

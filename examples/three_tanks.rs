@@ -74,7 +74,7 @@ fn main() -> Result<(), Error> {
         let cost = program.add_cost(&mut model, "cost", &cost)?;
         model.minimize(cost)?;
         let solution = solver.solve(&model)?;
-        let plan = program.read(&solution)?;
+        let (plan, _) = program.certified(&solution)?;
         let valves = &plan.transitions("mode")?[0];
         if step % 5 == 0 {
             let nodes = solution.statistics().nodes;

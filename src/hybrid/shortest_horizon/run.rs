@@ -5,14 +5,15 @@ use std::borrow::{Borrow, BorrowMut};
 use super::outcome::ShortestHorizon;
 use super::search::{ShortestOptions, shortest_horizon};
 use super::{HorizonModel, Waiting};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::costs::When;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use crate::hybrid::rows::{HybridProgram, HybridRun};
 use crate::hybrid::simulate::RunCertificate;
 use crate::hybrid::system::{HybridSystem, Region};
-use crate::interval::Interval;
 use crate::model::Model;
 use crate::solver::Solver;
 
@@ -100,11 +101,13 @@ impl HybridSystem {
         let waiting = self.waiting(start, goal)?;
         let task = Task { system: self, start, goal, time_step, waiting };
         let search = shortest_horizon(&task, options, solver)?;
-        let run = match (&search.program, &search.solution) {
-            (Some(found), Some(solution)) => Some(found.program.read(solution)?),
-            _ => None,
+        let (run, certificate) = match (&search.program, &search.solution) {
+            (Some(found), Some(solution)) => {
+                let (run, certificate) = found.program.certified(solution)?;
+                (Some(run), Some(certificate))
+            }
+            _ => (None, None),
         };
-        let certificate = run.as_ref().map(|run| self.certify(run)).transpose()?;
         Ok(ShortestRun { search, waiting: task.waiting, run, certificate })
     }
 }
@@ -134,19 +137,7 @@ impl HorizonModel for Task<'_> {
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
-        // Larger ends than the regions: boxes, in any mode.
-        let ends = |region: &Region| -> Vec<Interval> {
-            let domains = self.system.states.iter().zip(&region.ranges);
-            domains.map(|((_, domain), range)| domain.intersection(*range)).collect()
-        };
-        let (start, goal) = (ends(self.start), ends(self.goal));
-        if start.iter().chain(&goal).any(|range| range.lower > range.upper) {
-            return Ok(None);
-        }
-        match ReachSets::new(self.system, &start, &goal, SetOptions::default()) {
-            Err(error) if matches!(error.kind(), ErrorKind::Unsupported { .. }) => Ok(None),
-            sets => sets.map(Some),
-        }
+        ReachSets::new(self.system, self.start, self.goal, SetOptions::default()).map(Some)
     }
 
     fn variables(&self, program: &RunProgram) -> HorizonVariables {

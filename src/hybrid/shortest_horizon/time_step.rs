@@ -142,8 +142,7 @@ pub fn least_time_step(
         found.attempts.push((time_step, attempt));
         match (attempt.verdict, solved) {
             (Verdict::Feasible, Some((program, solution))) => {
-                let run = program.program.read(&solution)?;
-                system.certify(&run)?;
+                let (run, _) = program.program.certified(&solution)?;
                 found.run = Some(run);
                 found.time_step = Some(time_step);
                 high = middle;

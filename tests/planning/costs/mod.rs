@@ -2,6 +2,7 @@
 
 mod lqr;
 mod norms;
+mod references;
 mod shortest_runs;
 mod soft_limits;
 mod terminal_sets;
