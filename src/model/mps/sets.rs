@@ -13,7 +13,14 @@ impl<'a> File<'a> {
             let name = match tokens {
                 [_, name] => name,
                 [_, name, last] if last.raw().is_ok() => name,
-                [_, _, name] | [_, _, name, _] => name,
+                [_, _, name] | [_, _, name, _] => {
+                    let text = name.text;
+                    self.warnings.push(name.warning(format!(
+                        "read as the name `{text}` of a set; some solvers know only `S1 {text}`, and \
+                         drop the set"
+                    )));
+                    name
+                }
                 _ => return Err(tokens[0].error("expected `S1` or `S2` and the name of a set")),
             };
             self.sets.push(Set { place: *name, is_named: true, most, members: Vec::new() });

@@ -163,6 +163,13 @@ fn sets_in_every_dialect() {
         marked.replace(" M1 'MARKER' 'INTORG'", " pair 'MARKER' 'SOSEND'\n M1 'MARKER' 'INTORG'");
     assert!(warned(&marked).1.contains("pair: sos2(x: 1, y: 2)"), "{marked}");
     assert_eq!(
+        warned(&with("SOS\n S1 SOS one\n SOS x 1\n")).0,
+        [
+            "line 15, column 9: read as the name `one` of a set; some solvers know only `S1 one`, and \
+          drop the set"
+        ]
+    );
+    assert_eq!(
         error(&with("SOS\n x 1\n")),
         "line 15, column 2: expected `S1` or `S2` and the name of a set"
     );
