@@ -3,6 +3,7 @@
 mod certify;
 mod constructors;
 mod flaws;
+mod literature;
 mod random;
 #[cfg(feature = "serde")]
 mod serde;
