@@ -119,7 +119,8 @@ pub enum Flaw {
         /// The input.
         input: String,
     },
-    /// A domain or range so large that it is hardly meant as one; big-Ms derive from it.
+    /// A domain or range that reaches 1e9 or more in magnitude, so that it is hardly meant as one;
+    /// big-Ms derive from it.
     Unbounded {
         /// The state or the input.
         name: String,

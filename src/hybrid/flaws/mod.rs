@@ -115,7 +115,7 @@ impl Step {
         let mut in_range = base.clone();
         cut_to_ranges(&mut in_range, system, &units, number);
         let pieces = |choice: &Choice| {
-            choice.transitions.iter().map(|t| piece(system, &units, t, number)).collect()
+            choice.transitions.iter().map(|t| piece(system, &units, choice, t, number)).collect()
         };
         let next = |choice: &Choice| {
             choice.transitions.iter().map(|t| next_state(system, t, number)).collect()
@@ -276,7 +276,7 @@ impl Search<'_> {
                 let width = if domain.width() > 0.0 { domain.width() } else { 1.0 };
                 let mut worst: Option<Found> = None;
                 for (sign, end) in [(1.0, domain.upper), (-1.0, -domain.lower)] {
-                    let beyond = beyond(system, transition, step, &next[i], sign / width);
+                    let beyond = beyond(system, choice, transition, step, (&next[i], sign / width));
                     let beyond = AffineMap { constant: beyond.constant - end / width, ..beyond };
                     let found = largest(&step.base, &step.pieces[c][j], &beyond, self.solver)?;
                     let best = worst.as_ref().map_or(0.0, |found| found.margin);
@@ -398,16 +398,23 @@ fn changes(transition: &Transition, state: usize, step: usize) -> bool {
 /// lowest.
 fn beyond(
     system: &HybridSystem,
+    choice: &Choice,
     transition: &Transition,
     step: &Step,
-    next: &AffineMap,
-    factor: f64,
+    (next, factor): (&AffineMap, f64),
 ) -> AffineMap {
     let n = system.states.len();
     let factors = next.factors.iter().map(|own| factor * own);
     let mut map = AffineMap { factors: factors.collect(), constant: factor * next.constant };
-    for k in 0..system.inputs.len() {
-        let Interval { lower, upper } = system.input_range(transition, k, step.number);
+    for (k, (name, _)) in system.inputs.iter().enumerate() {
+        let widest = Interval::new(
+            step.units.lower[n + k],
+            step.units.lower[n + k] + step.units.width[n + k],
+        );
+        let Interval { lower, upper } = match system.restricts(choice, name) {
+            true => system.input_range(transition, k, step.number),
+            false => widest,
+        };
         let own = std::mem::take(&mut map.factors[n + k]);
         map.constant += (own * lower).min(own * upper);
     }

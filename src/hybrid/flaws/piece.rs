@@ -1,6 +1,6 @@
 //! Where transitions are possible: polyhedra of states and inputs in a step, in a unit box.
 
-use crate::hybrid::system::{Halfspace, HybridSystem, Schedule, Transition};
+use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Schedule, Transition};
 use crate::interval::Interval;
 
 /// The states and inputs of a step as `lower + width * point` with a point in the unit box. The box
@@ -139,6 +139,7 @@ pub(super) fn cut_to_ranges(piece: &mut Piece, system: &HybridSystem, units: &Un
 pub(super) fn piece(
     system: &HybridSystem,
     units: &Units,
+    choice: &Choice,
     transition: &Transition,
     step: usize,
 ) -> Piece {
@@ -151,9 +152,23 @@ pub(super) fn piece(
         let map = combined(&guard.normal, &prediction, 0.0);
         piece.cut(units, &map, guard.limit_at(step), guard.is_limit);
     }
-    let ranges = (0..system.inputs.len()).map(|k| system.input_range(transition, k, step));
-    cut_inputs(&mut piece, system, units, ranges);
+    cut_inputs(&mut piece, system, units, input_ranges(system, choice, transition, step));
     piece
+}
+
+/// The ranges that a transition of a choice sets; all numbers if the choice does not limit an input.
+fn input_ranges(
+    system: &HybridSystem,
+    choice: &Choice,
+    transition: &Transition,
+    step: usize,
+) -> impl Iterator<Item = Interval> {
+    system.inputs.iter().enumerate().map(move |(k, (name, _))| {
+        match system.restricts(choice, name) {
+            true => system.input_range(transition, k, step),
+            false => Interval::REALS,
+        }
+    })
 }
 
 fn cut_inputs(

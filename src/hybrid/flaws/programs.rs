@@ -276,10 +276,10 @@ impl Place<'_> {
         choice: usize,
         allowed: &[usize],
     ) -> Result<Option<Vec<Affine>>, Error> {
-        let transitions = self.system.choices.get(choice).map_or(&[][..], |c| &c.transitions);
+        let Some(choice) = self.system.choices.get(choice) else { return Ok(None) };
         let mut ways: Vec<(Vec<Row>, Vec<AffineMap>)> = Vec::new();
-        for transition in allowed.iter().filter_map(|&k| transitions.get(k)) {
-            let piece = piece(self.system, self.units, transition, self.step);
+        for transition in allowed.iter().filter_map(|&k| choice.transitions.get(k)) {
+            let piece = piece(self.system, self.units, choice, transition, self.step);
             if piece.is_empty(true) {
                 continue;
             }

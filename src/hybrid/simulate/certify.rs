@@ -71,7 +71,9 @@ impl HybridSystem {
             certificate.sample(step, start.joint_limits())?;
             let taken = certificate.step(&plan, &start, &memory)?;
             let open_start = StepStart { state: &open, ..start.clone() };
-            let drifted = taken.iter().map(|(transition, _)| open_start.fly(transition));
+            let drifted = self.choices.iter().zip(&taken);
+            let drifted =
+                drifted.map(|(choice, (transition, _))| open_start.fly(choice, transition));
             let drifted: Vec<Flown> =
                 drifted.map(|flown| flown.map(|(flown, _)| flown)).collect::<Result<_, Error>>()?;
             let next = open_start.next_state(&drifted.iter().collect::<Vec<_>>())?;
@@ -158,7 +160,7 @@ impl RunCertificate {
         let (mut taken, mut is_tie) = (Vec::new(), false);
         for (c, choice) in system.choices.iter().enumerate() {
             for (k, transition) in choice.transitions.iter().enumerate() {
-                let (flown, mut slacks) = start.fly(transition)?;
+                let (flown, mut slacks) = start.fly(choice, transition)?;
                 slacks.extend(memory.conditions(system, c, transition));
                 if k != plan.taken[c][step] {
                     is_tie |= slacks.iter().all(|slack| slack.holds(MISS));

@@ -19,7 +19,6 @@ pub enum Follow {
 /// How [`HybridSystem::simulate_with`](crate::hybrid::HybridSystem::simulate_with) simulates.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-#[must_use]
 pub struct SimulationOptions {
     /// The modes at the first sample, as pairs of choice and mode. The mode of a choice that is
     /// not named is open, and its first transition decides.
@@ -55,6 +54,7 @@ impl SimulationOptions {
     }
 
     /// Sets the mode of a choice at the first sample.
+    #[must_use]
     pub fn with_mode(mut self, choice: impl Into<String>, mode: impl Into<String>) -> Self {
         self.modes.push((choice.into(), mode.into()));
         self

@@ -3,7 +3,7 @@
 use super::condition::{Condition, Slack};
 use super::memory::events;
 use crate::error::Error;
-use crate::hybrid::system::{HybridSystem, Transition};
+use crate::hybrid::system::{Choice, HybridSystem, Transition};
 use crate::sum::Sum;
 
 /// A sample of a run and the input of the step that begins there.
@@ -53,7 +53,11 @@ impl StepStart<'_> {
     }
 
     /// Where a transition leads, and the conditions of its own: guards and input ranges.
-    pub(super) fn fly(&self, transition: &Transition) -> Result<(Flown, Vec<Slack>), Error> {
+    pub(super) fn fly(
+        &self,
+        choice: &Choice,
+        transition: &Transition,
+    ) -> Result<(Flown, Vec<Slack>), Error> {
         let prediction = transition.flow.step(self.state, self.input)?;
         let joint = self.joint();
         let guards = transition.guards.iter().filter_map(|guard| {
@@ -64,6 +68,7 @@ impl StepStart<'_> {
             Slack::of_halfspace(condition, guard, &prediction, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
+        let own = own.filter(|(_, ((name, _), _))| self.system.restricts(choice, name));
         let ranges = own.map(|(k, ((name, _), &value))| {
             let range = self.system.input_range(transition, k, self.step);
             Slack::of_range(Condition::InputRange { input: name.clone() }, range, value)

@@ -6,7 +6,7 @@ use super::options::SimulationOptions;
 use super::simulation::{Candidate, DeadEnd, SimulatedStep};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
-use crate::hybrid::system::Transition;
+use crate::hybrid::system::{Choice, Transition};
 
 /// Up to how many combinations of transitions are counted in a step.
 const MOST_MOVES: usize = 65_536;
@@ -60,7 +60,7 @@ impl<'a> Stepper<'a> {
         }
         let choices = &self.start.system.choices;
         let ways = choices.iter().enumerate().map(|(c, choice)| {
-            choice.transitions.iter().map(|transition| self.way(c, transition)).collect()
+            choice.transitions.iter().map(|transition| self.way(c, choice, transition)).collect()
         });
         let mut ways: Vec<Vec<Way<'a>>> = ways.collect::<Result<_, Error>>()?;
         let (moves, best) = self.combine(&mut ways)?;
@@ -95,9 +95,9 @@ impl<'a> Stepper<'a> {
         Ok(Ok(Taken { picked, next, report }))
     }
 
-    fn way(&self, choice: usize, transition: &'a Transition) -> Result<Way<'a>, Error> {
-        let (flown, mut slacks) = self.start.fly(transition)?;
-        slacks.extend(self.memory.conditions(self.start.system, choice, transition));
+    fn way(&self, c: usize, choice: &Choice, transition: &'a Transition) -> Result<Way<'a>, Error> {
+        let (flown, mut slacks) = self.start.fly(choice, transition)?;
+        slacks.extend(self.memory.conditions(self.start.system, c, transition));
         let own = tightest(slacks);
         Ok(Way { transition, flown, own, joint: None, is_possible: false })
     }

@@ -37,6 +37,9 @@ pub use transition::Transition;
 
 pub(crate) use check::{check_ends, check_halfspace};
 
+#[cfg(feature = "serde")]
+use serialized::StoredSystem;
+
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
 
@@ -67,10 +70,7 @@ const MODE: &str = "mode";
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(try_from = "serialized::StoredSystem", into = "serialized::StoredSystem")
-)]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredSystem", into = "StoredSystem"))]
 pub struct HybridSystem {
     /// Names and domains (finite) of the states.
     pub states: Vec<(String, Interval)>,
@@ -193,6 +193,12 @@ impl HybridSystem {
         let resets = self.transitions().filter_map(|t| t.reset.as_ref());
         values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
         values
+    }
+
+    /// Whether transitions of a choice limit an input: if one of them sets a range of it, or if no
+    /// transition of any choice does.
+    pub(crate) fn restricts(&self, choice: &Choice, input: &str) -> bool {
+        choice.sets(input) || !self.choices.iter().any(|choice| choice.sets(input))
     }
 
     /// The step from which on nothing depends on the step.

@@ -118,7 +118,8 @@ impl Transition {
     }
 
     /// Replaces the system's range of an input in steps that take this transition; in the input's
-    /// unit. The range may exceed the system's.
+    /// unit. The range may exceed the system's. With several choices, those whose transitions set
+    /// no range of the input do not limit it, and it lies in the ranges of all others.
     #[must_use]
     pub fn with_input_range(
         mut self,

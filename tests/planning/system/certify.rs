@@ -7,6 +7,7 @@ use carom::hybrid::{
 };
 use carom::interval::Interval;
 use carom::prelude::*;
+use carom::solution::Point;
 use proptest::prelude::*;
 
 use super::random::{follow_wishes, system, wishes};
@@ -49,6 +50,27 @@ proptest! {
         prop_assert!(certificate.largest_residual <= 1e-12 && certificate.drift <= 1e-12);
         prop_assert!(certificate.largest_violation <= 1e-9);
         prop_assert_eq!(certificate.events, simulation.events());
+    }
+
+    /// The simulation and the rows, which share no code, agree about what a run is.
+    #[test]
+    fn simulated_runs_satisfy_the_rows(raw in system(), wishes in wishes()) {
+        let system = raw.hybrid();
+        let (start, inputs) = raw.cut(&wishes);
+        let options = follow_wishes(&system, &start, &inputs, &wishes);
+        let simulation = system.simulate_with(&start, &inputs, &options).unwrap();
+        prop_assume!(!simulation.steps.is_empty());
+        let run = simulation.to_run(0.5);
+        let mut model = Model::new("m");
+        let horizon = Horizon::new(simulation.steps.len(), 0.5).unwrap();
+        let program = system.write(&mut model, "", &horizon).unwrap();
+        let mut values = vec![0.0; model.variable_count()];
+        for (variable, value) in program.values(&run).unwrap() {
+            values[variable.index()] = value;
+        }
+        let point = Point::new(&model, values).unwrap();
+        let verification = Verification::of(&model, &point, 1e-6);
+        prop_assert!(verification.holds(), "{:?}\n{}", verification.violations(), system);
     }
 
     #[test]
@@ -104,6 +126,30 @@ proptest! {
             }
             other => panic!("{other}"),
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(60, "tests/regressions/certified_solutions.txt"))]
+
+    #[test]
+    fn solutions_of_random_systems_are_certified(
+        raw in system(), steps in 1..5_usize, weights in prop::collection::vec(-1.0..1.0_f64, 5),
+    ) {
+        let system = raw.hybrid();
+        let mut model = Model::new("m");
+        let program = system.write(&mut model, "", &Horizon::new(steps, 0.5).unwrap()).unwrap();
+        let families = program.states().iter().chain(program.inputs());
+        let terms = families.zip(&weights).flat_map(|(family, weight)| {
+            family.iter().enumerate().map(move |(t, v)| (1.0 + t as f64) * *weight * v)
+        });
+        let cost: Affine = terms.sum();
+        model.minimize(cost).unwrap();
+        let solution = BranchAndBound::default().solve(&model).unwrap();
+        prop_assume!(solution.point().is_some());
+        let (run, certificate) = program.certified(&solution).unwrap();
+        prop_assert!(certificate.largest_residual <= 1e-6);
+        prop_assert_eq!(run.transitions.len(), system.choices.len());
     }
 }
 
