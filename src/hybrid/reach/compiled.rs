@@ -1,6 +1,7 @@
 //! A compiled hybrid system at one step: blocks of unconnected states, and for each block the maps,
 //! generators and limits of every move.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use faer::Mat;
@@ -91,6 +92,8 @@ pub(super) struct Compiled {
     pub(super) states: Vec<(String, Interval)>,
     /// Name, and whether it is an event, of every transition.
     pub(super) transitions: Vec<(String, bool)>,
+    /// Numbers of the transitions of each choice.
+    pub(super) choices: Vec<Range<usize>>,
     pub(super) moves: Vec<CompiledMove>,
     /// Numbers of transitions of choices that are not followed.
     pub(super) relaxed: Vec<usize>,
@@ -159,6 +162,15 @@ impl Compiled {
             }
         });
         Compiled {
+            choices: system
+                .choices
+                .iter()
+                .enumerate()
+                .map(|(c, choice)| {
+                    let first = system.first_transition(c);
+                    first..first + choice.transitions.len()
+                })
+                .collect(),
             moves: moves.collect(),
             blocks,
             states: system.states.clone(),

@@ -164,9 +164,9 @@ impl Graph {
         self.names[node].as_deref().map_or(&[], Vec::as_slice)
     }
 
-    /// Whether the system has a choice with such a mode.
-    pub(super) fn has_mode(&self, choice: &str, mode: &str) -> bool {
-        self.all_modes.iter().any(|(own, at)| own == choice && at == mode)
+    /// The modes of a choice, followed or not; none without memory.
+    pub(super) fn modes_of<'a>(&'a self, choice: &'a str) -> impl Iterator<Item = &'a str> {
+        self.all_modes.iter().filter(move |(own, _)| own == choice).map(|(_, mode)| mode.as_str())
     }
 
     /// Labels the sets of a sample.

@@ -31,6 +31,9 @@ pub struct HorizonVariables {
     /// Transitions by number, with binaries over the steps 0, ..., τ-1 that are 1 exactly in the
     /// steps that take them.
     pub transitions: Vec<(usize, Family)>,
+    /// Modes, by the names of their choices and their own, with variables over the samples 0, ...,
+    /// τ that are 1 exactly at the samples in these modes.
+    pub modes: Vec<(String, String, Family)>,
     /// Variables that are affine functions of the predictions.
     pub quantities: Vec<Quantity>,
     /// Whether a row on the number of events may be added (default yes).
@@ -44,14 +47,18 @@ pub struct HorizonVariables {
 pub struct Quantity {
     /// The variables over the steps 0, ..., τ-1.
     pub family: Family,
-    /// Per transition, one coefficient per state and a constant.
+    /// Number of the transition of the first value; 0 unless the values are those of one of several
+    /// choices.
+    pub first: usize,
+    /// Per transition of the system or of the choice, one coefficient per state and a constant.
     pub values: Vec<(Vec<f64>, f64)>,
 }
 
 impl Default for HorizonVariables {
     fn default() -> Self {
-        let (states, transitions, quantities) = (Vec::new(), Vec::new(), Vec::new());
-        HorizonVariables { states, transitions, quantities, event_row: true }
+        let (states, transitions) = (Vec::new(), Vec::new());
+        let (modes, quantities) = (Vec::new(), Vec::new());
+        HorizonVariables { states, transitions, modes, quantities, event_row: true }
     }
 }
 
@@ -76,7 +83,32 @@ impl HorizonVariables {
         family: Family,
         values: impl Into<Vec<(Vec<f64>, f64)>>,
     ) -> Self {
-        self.quantities.push(Quantity { family, values: values.into() });
+        self.quantities.push(Quantity { family, first: 0, values: values.into() });
+        self
+    }
+
+    /// As [`with_quantity`](HorizonVariables::with_quantity), with values only for the transitions
+    /// of one choice, of which the first has the number `first`.
+    #[must_use]
+    pub fn with_quantity_of_choice(
+        mut self,
+        family: Family,
+        first: usize,
+        values: impl Into<Vec<(Vec<f64>, f64)>>,
+    ) -> Self {
+        self.quantities.push(Quantity { family, first, values: values.into() });
+        self
+    }
+
+    /// Adds the variables that are 1 at the samples in a mode of a choice, by their names.
+    #[must_use]
+    pub fn with_mode(
+        mut self,
+        choice: impl Into<String>,
+        mode: impl Into<String>,
+        family: Family,
+    ) -> Self {
+        self.modes.push((choice.into(), mode.into(), family));
         self
     }
 
@@ -101,6 +133,8 @@ pub enum Reason {
     Impossible(usize),
     /// Every plan takes the transition in this step.
     OnlyWay(usize),
+    /// No plan is in the mode at this sample, or every plan is.
+    Modes,
     /// The states of every plan at this sample are bounded by the tube.
     Tube,
     /// The quantity is bounded by the predictions.
@@ -200,7 +234,9 @@ impl Tube {
         for change in changes {
             model.set_bounds(change.variable, change.to.lower, change.to.upper)?;
             match change.reason {
-                Reason::Impossible(_) | Reason::OnlyWay(_) => report.fixed.push(change),
+                Reason::Impossible(_) | Reason::OnlyWay(_) | Reason::Modes => {
+                    report.fixed.push(change);
+                }
                 Reason::Tube | Reason::Predictions => report.tightened.push(change),
             }
         }
@@ -228,15 +264,31 @@ impl Tube {
             }
             check_length("a transition family of the horizon", family.len(), self.steps())?;
         }
+        for (choice, mode, family) in &variables.modes {
+            let known = |kind, name: &str, found: bool| match found {
+                true => Ok(()),
+                false => Err(Error::from(ErrorKind::UnknownName { name: name.into(), kind })),
+            };
+            let mut modes = self.graph.modes_of(choice).peekable();
+            known("choice with memory", choice, modes.peek().is_some())?;
+            known("mode of the choice", mode, modes.any(|own| own == mode))?;
+            check_length("a mode family of the horizon", family.len(), self.steps() + 1)?;
+        }
         for quantity in &variables.quantities {
             check_length("a quantity family of the horizon", quantity.family.len(), self.steps())?;
-            check_length("the values of a quantity", quantity.values.len(), count)?;
+            let of_choice = self.system.choices.iter().find(|own| own.start == quantity.first);
+            let expected = match (of_choice, quantity.first) {
+                (Some(own), _) if own.len() == quantity.values.len() => own.len(),
+                (_, first) => count - first.min(count),
+            };
+            check_length("the values of a quantity", quantity.values.len(), expected)?;
             for (factors, _) in &quantity.values {
                 check_length("the factors of a quantity", factors.len(), states)?;
             }
         }
         let quantities = variables.quantities.iter().map(|quantity| &quantity.family);
         let families = variables.states.iter().chain(variables.binaries()).chain(quantities);
+        let families = families.chain(variables.modes.iter().map(|(_, _, family)| family));
         for variable in families.flatten() {
             model.variable_ref(variable)?;
         }
@@ -251,14 +303,14 @@ impl Tube {
     ) -> Result<Option<Vec<Change>>, Error> {
         let mut changes = Vec::new();
         for t in 0..self.steps() {
-            let taken = |m: &usize| self.is_possible(t, *m);
-            let mut possible = (0..self.system.transitions.len()).filter(taken);
-            let only = possible.next().filter(|_| possible.next().is_none());
             for (m, family) in &variables.transitions {
-                let (value, reason) = match (self.is_possible(t, *m), only) {
+                let of_choice = self.system.choices.iter().find(|own| own.contains(m));
+                let mut others = of_choice.into_iter().flat_map(|own| own.clone());
+                let is_open = others.any(|other| other != *m && self.is_possible(t, other));
+                let (value, reason) = match (self.is_possible(t, *m), is_open) {
                     (false, _) => (0.0, Reason::Impossible(*m)),
-                    (true, Some(_)) => (1.0, Reason::OnlyWay(*m)),
-                    (true, None) => continue,
+                    (true, false) => (1.0, Reason::OnlyWay(*m)),
+                    (true, true) => continue,
                 };
                 let to = Interval::point(value);
                 if !offer(model, &mut changes, family[t], t, to, reason)? {
@@ -274,6 +326,19 @@ impl Tube {
             }
         }
         for t in 0..=self.steps() {
+            for (choice, mode, family) in &variables.modes {
+                let mut others = self.graph.modes_of(choice).filter(|other| other != mode);
+                let is_open = others.any(|other| self.is_mode_possible(t, choice, other));
+                let value = match (self.is_mode_possible(t, choice, mode), is_open) {
+                    (false, _) => 0.0,
+                    (true, false) => 1.0,
+                    (true, true) => continue,
+                };
+                let to = Interval::point(value);
+                if !offer(model, &mut changes, family[t], t, to, Reason::Modes)? {
+                    return Ok(None);
+                }
+            }
             let Some(bounds) = self.bounds(t) else { continue };
             for (family, range) in variables.states.iter().zip(bounds) {
                 if !offer(model, &mut changes, family[t], t, *range, Reason::Tube)? {
@@ -287,7 +352,7 @@ impl Tube {
     /// The range of a quantity in a step, over the possible transitions.
     fn quantity(&self, step: usize, quantity: &Quantity) -> Option<Interval> {
         let one = |(m, (factors, constant)): (usize, &(Vec<f64>, f64))| {
-            let predictions = self.predictions(step, m)?;
+            let predictions = self.predictions(step, quantity.first + m)?;
             let terms = factors.iter().zip(predictions).map(|(f, range)| *range * *f);
             Some(terms.fold(Interval::point(*constant), |sum, term| sum + term))
         };

@@ -385,7 +385,7 @@ impl Tube {
         match is_followed {
             true => nodes.iter().enumerate().any(|(node, &alive)| alive && has(node)),
             // All modes of the choice share sets.
-            false => self.graph.has_mode(choice, mode),
+            false => self.graph.modes_of(choice).any(|at| at == mode),
         }
     }
 

@@ -187,11 +187,25 @@ impl HybridProgram {
                     }
                 }
             }
+            let choice = &self.system.choices[c];
+            let modes = choice.modes();
+            let families: Vec<(usize, &Family)> = match &program.modes {
+                OneOf::Only => Vec::new(),
+                OneOf::Pair(family, on) => vec![(*on, family)],
+                OneOf::Each(families) => families.iter().enumerate().collect(),
+            };
+            for (k, family) in families {
+                if let Some(mode) = modes.get(k) {
+                    variables = variables.with_mode(&choice.name, *mode, family.clone());
+                }
+            }
         }
-        let [program] = &self.choices[..] else { return variables };
-        for (group, family) in program.groups.iter().enumerate() {
-            if let Some(values) = self.by_prediction(program, group) {
-                variables = variables.with_quantity(family.clone(), values);
+        for (c, program) in self.choices.iter().enumerate() {
+            let first = self.system.first_transition(c);
+            for (group, family) in program.groups.iter().enumerate() {
+                if let Some(values) = self.by_prediction(c, group) {
+                    variables = variables.with_quantity_of_choice(family.clone(), first, values);
+                }
             }
         }
         variables
@@ -199,8 +213,8 @@ impl HybridProgram {
 
     /// A group's variable as a function of the prediction, by transition. `None` if it depends on
     /// more than that.
-    fn by_prediction(&self, program: &ChoiceProgram, group: usize) -> Option<Vec<(Vec<f64>, f64)>> {
-        let [choice] = &self.system.choices[..] else { return None };
+    fn by_prediction(&self, choice: usize, group: usize) -> Option<Vec<(Vec<f64>, f64)>> {
+        let (program, choice) = (&self.choices[choice], &self.system.choices[choice]);
         let n = self.system.states.len();
         let reference = &choice.transitions[program.changes.reference];
         let own = program.changes.groups[group];

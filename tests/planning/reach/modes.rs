@@ -2,12 +2,13 @@
 //! never leave the sets.
 
 use crate::common::config;
-use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions, Tube};
+use carom::hybrid::reach::{HorizonVariables, ReachSet, ReachSets, SetOptions, Tube};
 use carom::hybrid::{HybridSystem, Region};
 use carom::interval::Interval;
+use carom::prelude::*;
 use proptest::prelude::*;
 
-use super::plants::{Plant, Run};
+use super::plants::{DOMAIN, Plant, Run};
 
 /// Rounding of the runs themselves, which are computed in floating point.
 const NOISE: f64 = 1e-9;
@@ -93,6 +94,48 @@ fn check_tube(plant: &Plant, system: &HybridSystem, tube: &Tube, run: &Run) {
     }
 }
 
+/// No run is lost by the changes to a program that has it.
+fn check_tightening(plant: &Plant, tube: &Tube, run: &Run) {
+    let steps = run.steps.len();
+    let mut model = Model::new("m");
+    let states: Vec<Family> = (0..plant.states)
+        .map(|i| model.continuous_family(&format!("s{i}"), steps + 1, -DOMAIN, DOMAIN).unwrap())
+        .collect();
+    let mut variables = HorizonVariables::new(states.clone());
+    let (mut taken, mut modes) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    for (p, part) in plant.parts.iter().enumerate() {
+        for k in 0..part.laws.len() {
+            let family = model.binary_family(&format!("taken {p} {k}"), steps).unwrap();
+            variables = variables.with_transition(first + k, family.clone());
+            taken.push((p, k, family));
+        }
+        for mode in part.modes() {
+            let family = model.binary_family(&format!("mode {p} {mode}"), steps + 1).unwrap();
+            let (choice, name) = (format!("part {p}"), format!("m{mode}"));
+            variables = variables.with_mode(choice, name, family.clone());
+            modes.push((p, mode, family));
+        }
+        first += part.laws.len();
+    }
+    let report = tube.tighten(&mut model, &variables).unwrap();
+    assert!(!report.infeasible);
+    let inside = |variable, value: f64| {
+        assert!(holds(&model.variable_ref(variable).unwrap().bounds(), value), "{report}");
+    };
+    for (t, step) in run.steps.iter().enumerate() {
+        for (p, k, family) in &taken {
+            inside(family[t], f64::from(u8::from(step.taken[*p] == *k)));
+        }
+    }
+    for t in 0..=steps {
+        states.iter().zip(run.state(t)).for_each(|(family, &x)| inside(family[t], x));
+        for (p, mode, family) in &modes {
+            inside(family[t], f64::from(u8::from(run.modes[t][*p] == Some(*mode))));
+        }
+    }
+}
+
 fn options() -> impl Strategy<Value = SetOptions> {
     let vertices = prop_oneof![Just(8_usize), Just(256)];
     let layers = prop_oneof![Just(1_usize), Just(5), Just(256)];
@@ -121,7 +164,9 @@ proptest! {
         let mut sets = ReachSets::new(&system, start, goal, options).unwrap();
         prop_assert!(sets.may_finish(run.steps.len()).unwrap());
         check_samples(&plant, &mut sets, &run);
-        check_tube(&plant, &system, &sets.tube(run.steps.len()).unwrap(), &run);
+        let tube = sets.tube(run.steps.len()).unwrap();
+        check_tube(&plant, &system, &tube, &run);
+        check_tightening(&plant, &tube, &run);
         prop_assert_eq!(sets.explain(run.steps.len()).unwrap(), None);
     }
 }

@@ -242,6 +242,17 @@ impl Law {
     }
 }
 
+impl Part {
+    /// The modes that its laws name, ascending.
+    pub(crate) fn modes(&self) -> Vec<usize> {
+        let named = self.laws.iter().filter_map(|law| law.modes);
+        let mut modes: Vec<usize> = named.flat_map(|(from, to)| [from, to]).collect();
+        modes.sort_unstable();
+        modes.dedup();
+        modes
+    }
+}
+
 impl Plant {
     pub(crate) fn random(seed: u64) -> Self {
         let dice = &mut Dice::new(seed);
