@@ -7,7 +7,7 @@ use carom::collision_tolerant::{
     Objective, PlanningOptions, PlanningProgram, Scenario, explain, shortest_plan,
 };
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, ShortestOptions, Transition};
+use carom::hybrid::{Choice, HybridSystem, LinearSystem, Mat, ShortestOptions, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
@@ -145,5 +145,44 @@ fn more_states(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, sweeps, searches, time_to_spare, more_states);
+/// Rooms in a row, each of which exchanges heat with its neighbours, so that all states are coupled.
+/// The first one has a heater that stays on for at least three samples.
+fn rooms(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("rooms");
+    group.sample_size(10);
+    for count in [5, 10, 20] {
+        let flow = |heat: f64| {
+            let exchange = Mat::from_fn(count, count, |i, j| match i.abs_diff(j) {
+                0 => 0.75,
+                1 => 0.1,
+                _ => 0.0,
+            });
+            let mut rise = vec![0.5; count];
+            rise[0] += heat;
+            LinearSystem::new(exchange, Mat::zeros(count, 0), rise).expect("finite matrices")
+        };
+        let heater = Choice::new("heater")
+            .with_transition(Transition::new("idle", flow(0.0)).within("off"))
+            .with_transition(Transition::event("start", flow(3.0)).between("off", "on"))
+            .with_transition(Transition::new("heat", flow(3.0)).within("on"))
+            .with_transition(Transition::new("stop", flow(0.0)).between("on", "off"))
+            .with_dwell("on", 3, None);
+        let mut system = HybridSystem::new().with_choice(heater);
+        for i in 0..count {
+            system = system.with_state(format!("room {i}"), Interval::new(0.0, 60.0));
+        }
+        let start = vec![Interval::point(10.0); count];
+        let goal = vec![Interval::new(0.0, 60.0); count];
+        group.bench_function(format!("{count}_states_50_steps"), |b| {
+            b.iter(|| {
+                let options = SetOptions::default();
+                let mut sets = ReachSets::new(&system, &start, &goal, options).expect("it fits");
+                sets.tube(black_box(50))
+            })
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, sweeps, searches, time_to_spare, more_states, rooms);
 criterion_main!(benches);

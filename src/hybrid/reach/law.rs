@@ -122,7 +122,10 @@ impl Context<'_> {
             }
         }
         if self.is_disturbed && !system.disturbance.is_empty() {
-            law.shift(&system.disturbance);
+            // Sets of undisturbed runs stay part of the sets.
+            let none = Interval::point(0.0);
+            let by: Vec<Interval> = system.disturbance.iter().map(|r| r.hull(none)).collect();
+            law.shift(&by);
         }
         law
     }

@@ -37,7 +37,8 @@ pub struct SetOptions {
     /// Whether each next state may be disturbed by the system's
     /// [disturbance](HybridSystem::with_disturbance). Then the sets are *robust*: forward sets hold
     /// every state to which any disturbance can lead, and backward sets every state from which some
-    /// disturbance can lead to the goal; default no, as in programs.
+    /// disturbance can lead to the goal. Undisturbed runs are always included; default no, as in
+    /// programs.
     pub disturbance: bool,
     /// Template directions of sets with other than two states, in addition to the axes, the
     /// diagonals of small blocks and the normals of the limits; one coefficient per state.

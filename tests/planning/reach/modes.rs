@@ -106,12 +106,12 @@ fn check_tightening(plant: &Plant, tube: &Tube, run: &Run) {
     let mut first = 0;
     for (p, part) in plant.parts.iter().enumerate() {
         for k in 0..part.laws.len() {
-            let family = model.binary_family(&format!("taken {p} {k}"), steps).unwrap();
+            let family = model.binary_family(&format!("taken_{p}_{k}"), steps).unwrap();
             variables = variables.with_transition(first + k, family.clone());
             taken.push((p, k, family));
         }
         for mode in part.modes() {
-            let family = model.binary_family(&format!("mode {p} {mode}"), steps + 1).unwrap();
+            let family = model.binary_family(&format!("mode_{p}_{mode}"), steps + 1).unwrap();
             let (choice, name) = (format!("part {p}"), format!("m{mode}"));
             variables = variables.with_mode(choice, name, family.clone());
             modes.push((p, mode, family));
@@ -145,7 +145,7 @@ fn options() -> impl Strategy<Value = SetOptions> {
 }
 
 proptest! {
-    #![proptest_config(config(128, "tests/regressions/reach_modes.txt"))]
+    #![proptest_config(config(96, "tests/regressions/reach_modes.txt"))]
 
     #[test]
     fn runs_with_memory_and_choices_stay_in_the_sets(

@@ -3,7 +3,7 @@
 use carom::ErrorKind;
 use carom::collision_tolerant::Scenario;
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Mat, Transition};
+use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Mat, Region, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -202,4 +202,34 @@ fn one_step_is_no_plural() {
     let mut sets = ReachSets::new(&push(), &REST, &far, SetOptions::default()).unwrap();
     let text = sets.explain(1).unwrap().unwrap().to_string();
     assert!(text.starts_with("no plan has 1 step: "), "{text}");
+}
+
+#[test]
+fn regions_that_do_not_fit() {
+    let refused = |start: Region| {
+        ReachSets::new(&push(), start, &REST, SetOptions::default()).unwrap_err().to_string()
+    };
+    let rest = || Region::point([0.0, 0.0]);
+    assert_eq!(refused(Region::point([0.0])), "the length of the start is 1; it must be 2");
+    let crossed = Region::from([Interval::new(1.0, -1.0), Interval::REALS]);
+    assert_eq!(refused(crossed), "bounds of `x` are crossed: 1 > -1; swap or relax them");
+    let joint = Halfspace::new("joint", [1.0, 0.0, 1.0], 0.0);
+    assert_eq!(
+        refused(rest().with_halfspace(joint)),
+        "the length of the normal of a half-space is 3; it must be 2"
+    );
+    let late = Halfspace::new("late", [1.0, 0.0], vec![0.0, 1.0]);
+    assert_eq!(
+        refused(rest().with_halfspace(late)),
+        "the number of limits of `late` in the start is 2; it must be 1, the same at every step"
+    );
+    let text = refused(rest().with_mode("heater", "off"));
+    assert!(text.contains("heater"), "{text}");
+    let text = refused(rest().with_mode("mode", "off"));
+    assert!(text.contains("off"), "{text}");
+    let options = SetOptions::default().with_layers(0);
+    assert_eq!(
+        ReachSets::new(&push(), &REST, &REST, options).unwrap_err().to_string(),
+        "the number of layers of reach sets is 0; it must be at least 1"
+    );
 }
