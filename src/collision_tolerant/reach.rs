@@ -59,7 +59,7 @@ impl Scenario {
         let system = self.hybrid_system()?;
         let ends = |end: &Endpoint| [Interval::point(end.position), Interval::point(end.velocity)];
         let (start, goal) = (ends(&self.start), ends(&self.goal));
-        let sets = ReachSets::new(&system, &start, &goal, SetOptions::default())?;
+        let sets = ReachSets::new(&system, start, goal, SetOptions::default())?;
         match self.start.acceleration {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
             None => Ok(sets),

@@ -32,6 +32,9 @@ struct Dwelling {
 /// A mode and the number of samples for which it has lasted, per choice with memory.
 type Place = Vec<(usize, usize)>;
 
+/// Choices with memory and their modes by name, if there are any.
+type Names = Option<Arc<Vec<(String, String)>>>;
+
 /// A move from a node to a node.
 #[derive(Debug, Clone)]
 pub(super) struct Edge {
@@ -47,7 +50,7 @@ pub(super) struct Graph {
     memories: Vec<Memory>,
     nodes: Vec<Place>,
     /// The modes of each node by name, if there are any.
-    names: Vec<Option<Arc<Vec<(String, String)>>>>,
+    names: Vec<Names>,
     /// All choices with memory and their modes, followed or not.
     all_modes: Vec<(String, String)>,
     pub(super) edges: Vec<Edge>,
