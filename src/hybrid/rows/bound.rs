@@ -184,6 +184,9 @@ pub(super) fn range(
     domain: &[Interval],
     rows: &[LinearRow],
 ) -> Interval {
+    if factors.iter().all(|&a| a == 0.0) {
+        return Interval::point(constant);
+    }
     let none = f64::NEG_INFINITY;
     let negated: Vec<f64> = factors.iter().map(|a| -a).collect();
     Interval {

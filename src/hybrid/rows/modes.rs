@@ -1,9 +1,11 @@
 //! Modes with memory: how transitions link the modes of neighbouring samples, and dwell times.
 
 use super::names::Names;
-use super::program::{ChoiceProgram, OneOf};
+use super::program::{ChoiceProgram, HybridProgram, OneOf};
+use super::switch::never;
 use crate::error::Error;
 use crate::hybrid::system::Choice;
+use crate::interval::Interval;
 use crate::model::{Affine, Model, Row};
 
 /// The rows of a choice's modes over all steps, by family.
@@ -65,20 +67,19 @@ pub(super) struct ModeRow {
 pub(super) fn add(
     model: &mut Model,
     names: &mut Names,
-    choice: &Choice,
-    program: &ChoiceProgram,
-    steps: usize,
+    program: &HybridProgram,
+    number: usize,
 ) -> Result<Vec<String>, Error> {
+    let (choice, steps) = (&program.system.choices[number], program.horizon.steps());
     let modes = choice.modes();
     let mut families: Vec<(&str, usize, usize, String)> = Vec::new();
-    for ModeRow { kind, mode, dwell, step, row } in rows(choice, program, steps) {
-        // A row without variables is a window in which nothing can happen.
-        if row.expression().terms().is_empty() && {
-            let value = row.expression().offset();
-            row.lower() <= value && value <= row.upper()
-        } {
-            continue;
-        }
+    for ModeRow { kind, mode, dwell, step, row } in rows(choice, &program.choices[number], steps) {
+        // A choice with one transition may leave a row without variables.
+        let row = match constant(&row) {
+            None => row,
+            Some(true) => continue,
+            Some(false) => never_at(program, step),
+        };
         let known = families.iter().position(|(k, m, d, _)| (*k, *m, *d) == (kind, mode, dwell));
         let at = known.unwrap_or_else(|| {
             let family = names.family(&[&choice.name, kind, modes[mode]]);
@@ -88,4 +89,19 @@ pub(super) fn add(
         model.add((families[at].3.as_str(), step), row)?;
     }
     Ok(families.into_iter().map(|(.., family)| family).collect())
+}
+
+/// Whether a row without variables holds; `None` if it has variables.
+pub(super) fn constant(row: &Row) -> Option<bool> {
+    let value = row.expression().offset();
+    let holds = row.lower() <= value && value <= row.upper();
+    row.expression().terms().is_empty().then_some(holds)
+}
+
+/// A row that no state at a sample satisfies, for what has no variables of its own.
+pub(super) fn never_at(program: &HybridProgram, sample: usize) -> Row {
+    let first = program.states.first().and_then(|family| family.get(sample));
+    let domain = program.system.states.first().map_or(Interval::REALS, |(_, domain)| *domain);
+    let (factor, limit) = never(domain);
+    first.map_or(Affine::zero(), |variable| factor * variable).le(limit)
 }

@@ -81,11 +81,12 @@ impl HybridRun {
         };
         let numbers = self.states.iter().chain(&self.inputs).chain(&self.outputs);
         let words = self.transitions.iter().chain(&self.modes);
-        let names =
-            numbers.clone().map(|(name, _)| name).chain(words.clone().map(|(name, _)| name));
+        let transitions = self.transitions.iter().map(|(name, _)| name.clone());
+        let modes = self.modes.iter().map(|(name, _)| format!("{name} mode"));
+        let names = numbers.clone().map(|(name, _)| name.clone()).chain(transitions).chain(modes);
         let mut table = "time".to_owned();
         for name in names {
-            let _ = write!(table, ",{}", quoted(name));
+            let _ = write!(table, ",{}", quoted(&name));
         }
         table.push('\n');
         let samples = self.states.first().map_or(0, |(_, values)| values.len());

@@ -10,6 +10,7 @@ use super::switch::{Label, Switch, SwitchRow};
 use super::write::expression;
 use crate::error::Error;
 use crate::hybrid::system::Choice;
+use crate::interval::Interval;
 use crate::model::{Affine, Either, Literal, Method, Model, Row, Term};
 
 /// The least factor with which a change may be stated by the next state, because the error of the
@@ -60,26 +61,24 @@ impl ChoiceStep<'_> {
         background: &mut BTreeSet<String>,
     ) -> Result<(), Error> {
         let count = self.own.len();
-        let mut note = |family: String, describes: bool| {
-            if describes {
-                background.insert(family);
-            }
-        };
         for (from, row) in &self.rows.common {
             let family = self.family(names, *from, row.label, true);
             model.add((family.as_str(), self.step), self.expression(row).le(row.limit))?;
-            note(family, describes(row.label));
+            note(background, family, describes(row.label));
         }
         let selectors = (0..count).map(|j| self.variables().taken.literal(j, self.step));
         let Some(selectors) = selectors.collect::<Option<Vec<Literal>>>() else { return Ok(()) };
         let implications = count == 2 && matches!(self.method, None | Some(Method::BigM));
+        if self.has_spans() {
+            self.add_spans(model, names, background)?;
+        }
         let mut terms = Vec::with_capacity(count);
         for (j, literal) in selectors.iter().enumerate() {
             let mut term = Term::default();
             for (family, row, describes) in self.statements(j, model, names)? {
                 if implications || !describes {
                     model.add((family.as_str(), self.step), literal.implies(row))?;
-                    note(family, describes);
+                    note(background, family, describes);
                 } else {
                     term = term.and(row);
                 }
@@ -94,9 +93,58 @@ impl ChoiceStep<'_> {
             let key = (self.number, usize::MAX, None, false);
             let family = names.keyed(key, &[&self.choice().name]);
             model.add((family.as_str(), self.step), either)?;
-            note(family, true);
+            background.insert(family);
         }
         Ok(())
+    }
+
+    /// Whether the ranges of the changes are stated for all transitions at once. Two transitions need
+    /// it not, because the implications of the reference say the same; the hull implies it.
+    fn has_spans(&self) -> bool {
+        self.own.len() > 2 && self.method != Some(Method::Hull)
+    }
+
+    /// Adds `Σ l_j λ_j <= w <= Σ u_j λ_j` for each group's variable w, which lies within `[l_j, u_j]`
+    /// in the transition j with the binary λ_j. This is all that a transition with a constant change
+    /// needs.
+    fn add_spans(
+        &self,
+        model: &mut Model,
+        names: &mut Names,
+        background: &mut BTreeSet<String>,
+    ) -> Result<(), Error> {
+        let of = if self.is_alone() { "" } else { &self.choice().name };
+        for (group, spans) in self.rows.spans.iter().enumerate() {
+            let Some(variable) = self.variables().groups[group].get(self.step) else { continue };
+            for (word, upper) in [("least", false), ("most", true)] {
+                let end = |range: &Interval| if upper { range.upper } else { range.lower };
+                if spans.iter().all(|range| end(range) == end(&self.rows.bounds[group])) {
+                    continue;
+                }
+                let ends = spans.iter().map(end).enumerate().filter(|(_, end)| *end != 0.0);
+                let sum: Affine =
+                    ends.map(|(j, end)| end * self.variables().taken.value(j, self.step)).sum();
+                let row = if upper { variable.le(sum) } else { variable.ge(sum) };
+                let key = (self.number, usize::MAX, Some(Label::Change { group, upper }), true);
+                let family = names.keyed(key, &[of, word, self.quantity_name(group)]);
+                model.add((family.as_str(), self.step), row)?;
+                background.insert(family);
+            }
+        }
+        Ok(())
+    }
+
+    /// The name of the next state or the output whose change is a group's variable.
+    fn quantity_name(&self, group: usize) -> &str {
+        let states = &self.program.system.states;
+        let quantity = self.variables().changes.groups[group];
+        match states.get(quantity) {
+            Some((state, _)) => state,
+            None => map::output_names(&self.choice().transitions)
+                .get(quantity - states.len())
+                .copied()
+                .unwrap_or_default(),
+        }
     }
 
     /// The family of a transition's statements; `common` if they hold in every transition.
@@ -105,15 +153,10 @@ impl ChoiceStep<'_> {
         let choice = self.choice();
         let of = if self.is_alone() { "" } else { &choice.name };
         let transition = &choice.transitions[from];
-        let outputs = map::output_names(&choice.transitions);
         let mut parts = vec![of, &transition.name];
         match label {
             Label::Change { group, .. } => {
-                let quantity = self.variables().changes.groups[group];
-                parts.push(match system.states.get(quantity) {
-                    Some((state, _)) => state,
-                    None => outputs[quantity - system.states.len()],
-                });
+                parts.push(self.quantity_name(group));
                 if common {
                     parts.push("always");
                 }
@@ -144,6 +187,12 @@ impl ChoiceStep<'_> {
         let mut rows = self.rows.own[transition].iter().peekable();
         let mut named = Vec::new();
         while let Some(row) = rows.next() {
+            if let Label::Change { group, .. } = row.label
+                && self.has_spans()
+                && self.rows.spans[group][transition].width() == 0.0
+            {
+                continue;
+            }
             let family = self.family(names, transition, row.label, false);
             let Label::Change { group, upper } = row.label else {
                 named.push((family, self.expression(row).le(row.limit), describes(row.label)));
@@ -189,6 +238,10 @@ impl ChoiceStep<'_> {
                 _ => {}
             }
         }
+        // In the hull, the copies of the next state keep its domain in every transition.
+        if self.method == Some(Method::Hull) && forms.len() > 1 {
+            forms.remove(0);
+        }
         let mut best: Option<(f64, Row)> = None;
         for (form, ratio) in forms {
             let range = model.range(&form)?;
@@ -222,6 +275,13 @@ impl ChoiceStep<'_> {
             }
         }
         sum
+    }
+}
+
+/// Notes the family of a statement that describes the system.
+fn note(background: &mut BTreeSet<String>, family: String, describes: bool) {
+    if describes {
+        background.insert(family);
     }
 }
 

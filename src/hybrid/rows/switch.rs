@@ -65,6 +65,11 @@ pub(super) fn below(map: &Map, limit: f64) -> LinearRow {
     LinearRow { factors: map.factors.clone(), limit: limit - map.constant }
 }
 
+/// The coefficient and the limit with which a variable of this range satisfies no row.
+pub(super) fn never(range: Interval) -> (f64, f64) {
+    (1.0, range.lower - 1.0)
+}
+
 /// What a row says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Label {
@@ -90,6 +95,8 @@ pub(super) struct SwitchRow {
 pub(super) struct Switch {
     /// The bounds of the groups' variables.
     pub(super) bounds: Vec<Interval>,
+    /// Their ranges in each transition, by group.
+    pub(super) spans: Vec<Vec<Interval>>,
     /// Rows that hold in every transition, with the transition from which they come.
     pub(super) common: Vec<(usize, SwitchRow)>,
     /// The other rows of each transition.
@@ -122,16 +129,17 @@ pub(super) fn switch(
 ) -> Switch {
     let groups = changes.groups.len();
     let maps: Vec<Vec<Map>> = (0..groups).map(|g| changes.group(step, g)).collect();
-    let bounds: Vec<Interval> = maps
-        .iter()
-        .map(|maps| {
-            let of = |(map, region): (&Map, &Region)| {
-                bound::range(&map.factors, map.constant, &region.domain, &region.rows)
-            };
-            let hull = maps.iter().zip(regions).map(of).reduce(|a, b| a.hull(b));
-            hull.unwrap_or(Interval::point(0.0))
-        })
-        .collect();
+    let of = |maps: &Vec<Map>| -> Vec<Interval> {
+        let each = maps.iter().zip(regions);
+        let range = |(map, region): (&Map, &Region)| {
+            bound::range(&map.factors, map.constant, &region.domain, &region.rows)
+        };
+        each.map(range).collect()
+    };
+    let spans: Vec<Vec<Interval>> = maps.iter().map(of).collect();
+    let hull = |spans: &Vec<Interval>| spans.iter().copied().reduce(|a, b| a.hull(b));
+    let bounds = spans.iter().map(|spans| hull(spans).unwrap_or(Interval::point(0.0)));
+    let bounds: Vec<Interval> = bounds.collect();
     let wide = |row: &LinearRow| {
         let mut row = row.clone();
         row.factors.resize(ranges.len() + groups, 0.0);
@@ -160,7 +168,7 @@ pub(super) fn switch(
         let given = analysis.given(j);
         rows.retain(|row| !analysis.is_implied(row, &given));
     }
-    Switch { bounds, common, own: rows }
+    Switch { bounds, spans, common, own: rows }
 }
 
 impl Analysis<'_> {
@@ -179,7 +187,14 @@ impl Analysis<'_> {
         }
         let none = || vec![0.0; groups];
         for guard in &own.guards {
-            let LinearRow { factors: z, limit } = below(&guard.map, 0.0);
+            let LinearRow { factors: mut z, mut limit } = below(&guard.map, 0.0);
+            if guard.map.is_constant() {
+                if guard.map.constant <= 0.0 {
+                    continue;
+                }
+                // A row needs a variable.
+                (z[0], limit) = never(ranges[0]);
+            }
             let label = Label::Guard { number: guard.number, is_limit: guard.is_limit };
             rows.push(SwitchRow { label, z, w: none(), limit });
         }

@@ -13,9 +13,9 @@ use super::statements::ChoiceStep;
 use super::switch::{Region, Switch, below, switch};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::system::{Choice, HybridSystem};
+use crate::hybrid::system::{Choice, HybridSystem, Transition};
 use crate::interval::Interval;
-use crate::model::{Affine, Family, Model, Variable};
+use crate::model::{Affine, Family, Logic, Model, Variable};
 
 /// What is known about a choice before its variables are made.
 struct Plan {
@@ -24,20 +24,25 @@ struct Plan {
     steps: Vec<(Vec<Behaviour>, Switch)>,
 }
 
-/// The ranges of the inputs at a step, over all transitions. A choice restricts an input only if
-/// one of its transitions sets a range of it.
+/// The ranges of the inputs at a step, over all transitions. If several choices set a range of an
+/// input, the system's range holds only if none of their transitions is taken.
 fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
     let range = |u: usize| {
         let (name, own) = &system.inputs[u];
-        let over = |choice: &Choice| {
-            let all = choice.transitions.iter().map(|t| system.input_range(t, u, step));
-            all.reduce(|a, b| a.hull(b))
-        };
-        let setting = system.choices.iter().filter(|choice| choice.sets(name)).filter_map(over);
         let own = own.get(step).copied().unwrap_or(Interval::REALS);
-        setting.reduce(|a, b| a.intersection(b)).unwrap_or(own)
+        let setting: Vec<&Choice> = setting(system, name).collect();
+        let transitions = || setting.iter().flat_map(|choice| &choice.transitions);
+        let usual = setting.len() != 1 || transitions().any(|t| !t.sets(name));
+        let set = transitions().filter(|t| t.sets(name)).map(|t| system.input_range(t, u, step));
+        let all = set.chain(usual.then_some(own));
+        all.reduce(|a, b| a.hull(b)).unwrap_or(own)
     };
     (0..system.inputs.len()).map(range).collect()
+}
+
+/// The choices that set a range of an input.
+fn setting<'a>(system: &'a HybridSystem, input: &str) -> impl Iterator<Item = &'a Choice> {
+    system.choices.iter().filter(move |choice| choice.transitions.iter().any(|t| t.sets(input)))
 }
 
 /// What holds at the start of a step in any case: the limits of the system.
@@ -55,10 +60,12 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
     for t in 0..count {
         let ranges = input_ranges(system, t);
         let known = known(system, t);
-        let behaviour = |transition| {
+        let behaviour = |transition: &Transition| {
             let mut own = map::behaviour(system, transition, &outputs, t);
             for (u, (name, _)) in system.inputs.iter().enumerate() {
-                if !choice.sets(name) {
+                let alone = setting(system, name).count() == 1;
+                let decides = alone && choice.transitions.iter().any(|t| t.sets(name));
+                if !transition.sets(name) && !decides {
                     own.inputs[u] = ranges[u];
                 }
             }
@@ -102,6 +109,7 @@ pub(super) fn write(
             background: BTreeSet::new(),
         };
         writer.limits()?;
+        writer.shared_ranges()?;
         writer.steps()?;
         writer.modes()?;
         writer.events()?;
@@ -264,10 +272,12 @@ impl Writer<'_> {
             for t in 0..last {
                 let width = n + self.system.inputs.len();
                 let Some(excess) = map::excess(limit, width, t) else { continue };
-                if excess.is_constant() && excess.constant <= 0.0 {
-                    continue;
+                let mut row = expression(self.program, &excess, t).le(0.0);
+                match modes::constant(&row) {
+                    None => {}
+                    Some(true) => continue,
+                    Some(false) => row = modes::never_at(self.program, t),
                 }
-                let row = expression(self.program, &excess, t).le(0.0);
                 self.model.add((family.as_str(), t), row)?;
                 any = true;
             }
@@ -276,6 +286,48 @@ impl Writer<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The system's ranges of inputs of which several choices set ranges.
+    fn shared_ranges(&mut self) -> Result<(), Error> {
+        for (u, (name, range)) in self.system.inputs.iter().enumerate() {
+            if setting(self.system, name).count() < 2 {
+                continue;
+            }
+            let family = self.names.family(&["range_of", name]);
+            for t in 0..self.program.horizon.steps() {
+                let (Some(range), Some(input)) = (range.get(t), self.program.inputs[u].get(t))
+                else {
+                    continue;
+                };
+                if *range == input_ranges(self.system, t)[u] {
+                    continue;
+                }
+                if let Some(condition) = self.unset(name, t) {
+                    let row = input.within(range.lower, range.upper);
+                    self.model.add((family.as_str(), t), condition.implies(row))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// That no transition of a step sets a range of an input; `None` if one always does.
+    fn unset(&self, input: &str, step: usize) -> Option<Logic> {
+        let mut all: Option<Logic> = None;
+        for (choice, program) in self.system.choices.iter().zip(&self.program.choices) {
+            if !choice.transitions.iter().any(|t| t.sets(input)) {
+                continue;
+            }
+            let others = choice.transitions.iter().enumerate().filter(|(_, t)| !t.sets(input));
+            let others = others.filter_map(|(j, _)| program.taken.literal(j, step));
+            let one = others.map(Logic::from).reduce(|a, b| a | b)?;
+            all = Some(match all {
+                None => one,
+                Some(all) => all & one,
+            });
+        }
+        all
     }
 
     /// The next state, and the rows of every choice.
@@ -323,9 +375,8 @@ impl Writer<'_> {
     }
 
     fn modes(&mut self) -> Result<(), Error> {
-        let steps = self.program.horizon.steps();
-        for (choice, own) in self.system.choices.iter().zip(&self.program.choices) {
-            let families = modes::add(self.model, &mut self.names, choice, own, steps)?;
+        for number in 0..self.plans.len() {
+            let families = modes::add(self.model, &mut self.names, self.program, number)?;
             self.background.extend(families);
         }
         Ok(())
@@ -335,12 +386,14 @@ impl Writer<'_> {
         let Some(most) = self.system.most_events else { return Ok(()) };
         let steps = 0..self.program.horizon.steps();
         let total: Affine = steps.map(|t| self.program.count_events(t)).sum();
-        // Without a choice, the number is known.
-        if total.terms().is_empty() && total.offset() <= most as f64 {
-            return Ok(());
+        let mut row = total.le(most as f64);
+        match modes::constant(&row) {
+            None => {}
+            Some(true) => return Ok(()),
+            Some(false) => row = modes::never_at(self.program, 0),
         }
         let family = self.names.family(&["most_events"]);
-        self.model.add(family.as_str(), total.le(most as f64))?;
+        self.model.add(family.as_str(), row)?;
         Ok(())
     }
 }

@@ -1,3 +1,6 @@
 //! Hybrid systems as rows: the paper's wall, random systems, names.
 
+mod names;
+mod properties;
+mod systems;
 mod wall;

@@ -1,5 +1,6 @@
 //! The reflecting wall: the general rows beside the hand-written ones.
 
+use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
     Contact, ContactStep, Horizon, HybridProgram, HybridSystem, LinearSystem, Restitution,
     Transition, Wall,
@@ -73,4 +74,109 @@ fn the_wall_has_the_rows_of_the_hand_written_one() {
         assert_eq!(own.model().variable_count(), hand.model().variable_count());
         assert_eq!(own.model().constraint_count(), hand.model().constraint_count());
     }
+}
+
+/// The relaxation of a model: its rows over continuous variables.
+fn relaxed(model: &Model) -> (Model, Vec<Variable>) {
+    let lowered = reformulate::lower(model).unwrap();
+    let mut relaxed = Model::new("relaxed");
+    let variables: Vec<Variable> = lowered
+        .model()
+        .variables()
+        .map(|v| {
+            let bounds = v.bounds();
+            relaxed.continuous(v.name().clone(), bounds.lower, bounds.upper).unwrap()
+        })
+        .collect();
+    for row in lowered.model().constraints() {
+        let sum: Affine = row.terms().iter().map(|&(v, a)| a * variables[v.index()]).sum();
+        let limits = row.limits();
+        relaxed.add(row.name().clone(), sum.within(limits.lower, limits.upper)).unwrap();
+    }
+    (relaxed, variables)
+}
+
+#[test]
+fn relaxations_are_never_weaker_than_by_hand() {
+    let mut state = 0x2545_F491_u64;
+    let mut number = || {
+        // A linear congruential generator; the upper bits as a number in [-1, 1].
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / f64::from(1 << 23) - 1.0
+    };
+    for e in [0.0, 0.5, 0.9, 1.0] {
+        let (mut own, variables) = relaxed(&general(e, 1).0);
+        let (mut hand, by_hand) = relaxed(&by_hand(e, 1));
+        let mut solver = BranchAndBound::default();
+        for _ in 0..250 {
+            // In x, v, a and the binary; states have two samples each.
+            let cost: Vec<f64> = (0..6).map(|_| number()).collect();
+            let mut bounds = [0.0; 2];
+            for (bound, (model, variables)) in
+                bounds.iter_mut().zip([(&mut own, &variables), (&mut hand, &by_hand)])
+            {
+                let sum: Affine = cost.iter().zip(variables).map(|(c, v)| *c * *v).sum();
+                model.minimize(sum).unwrap();
+                let solution = solver.solve(model).unwrap();
+                assert!(solution.is_optimal());
+                *bound = solution.bound();
+            }
+            assert!(bounds[0] >= bounds[1] - 1e-6, "e = {e}: {bounds:?}, {cost:?}");
+        }
+    }
+}
+
+#[test]
+fn a_limit_on_the_impact_speed_can_be_blamed() {
+    let [flight, impact] = contact(0.5).transitions(TIME_STEP, Some(2.0)).unwrap();
+    let impact = impact.with_output("impact speed", [0.0, -1.0], 0.0);
+    let mut limited = system(0.5);
+    limited.choices.clear();
+    let limited = limited.with_transition(flight).with_transition(impact);
+    let mut model = Model::new("limited");
+    let program = limited.write(&mut model, "", &Horizon::new(1, TIME_STEP).unwrap()).unwrap();
+    // It holds in flight as well, where the impact speed is 0, and does not tighten anything else.
+    let row = "  impact_the_limit_on_the_impact_speed[0]: impact_speed[0] <= 2";
+    assert!(model.to_string().contains(row), "{model}");
+    assert!(!model.is_background("impact_the_limit_on_the_impact_speed[0]"));
+    assert!(model.is_background("impact_x[0]") && model.is_background("flight_x[0]"));
+    let speed = model.variable_by_name("impact_speed[0]").unwrap();
+    let largest = model.variable_ref(speed).unwrap().bounds().upper;
+    assert!((largest - 6.0).abs() < 1e-9);
+    assert_eq!(program.output("impact speed").unwrap()[0], Affine::from(speed));
+}
+
+#[test]
+fn a_tube_tightens_the_rows() {
+    let steps = 20;
+    let (mut model, program) = general(0.5, steps);
+    let (x, v) = (program.state("x").unwrap(), program.state("v").unwrap());
+    for (variable, value) in [(x[0], 5.0), (v[0], 0.0), (x[steps], 1.0), (v[steps], 0.0)] {
+        model.fix(variable, value).unwrap();
+    }
+    let effort: Quadratic = program.inputs()[0].iter().map(|a| (1.0 * a).square()).sum();
+    model.minimize(effort).unwrap();
+    let before = BranchAndBound::default().solve(&model).unwrap().objective().unwrap();
+
+    let at = |x| [Interval::point(x), Interval::point(0.0)];
+    let mut sets = ReachSets::new(&system(0.5), &at(5.0), &at(1.0), SetOptions::default()).unwrap();
+    let tube = sets.tube(steps).unwrap();
+    let report = tube.tighten(&mut model, &program.horizon_variables()).unwrap();
+    // In the first steps the wall is out of reach.
+    assert_eq!(
+        model
+            .variable_ref(program.taken("mode", "impact", 0).unwrap().unwrap().variable())
+            .unwrap()
+            .bounds()
+            .upper,
+        0.0
+    );
+    for family in ["impact_speed", "change_x"] {
+        assert!(report.tightened.iter().any(|change| change.name.family() == family));
+    }
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    assert!((solution.objective().unwrap() - before).abs() < 1e-4);
+    let run = program.read(&solution).unwrap();
+    assert!(system(0.5).certify(&run).unwrap().largest_residual < 1e-6);
 }
