@@ -13,9 +13,9 @@ use super::statements::ChoiceStep;
 use super::switch::{Region, Switch, below, switch};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::system::{Choice, HybridSystem, Transition};
+use crate::hybrid::system::{Choice, HybridSystem};
 use crate::interval::Interval;
-use crate::model::{Affine, Family, Logic, Model, Variable};
+use crate::model::{Affine, Family, Model, Variable};
 
 /// What is known about a choice before its variables are made.
 struct Plan {
@@ -24,25 +24,19 @@ struct Plan {
     steps: Vec<(Vec<Behaviour>, Switch)>,
 }
 
-/// The ranges of the inputs at a step, over all transitions. If several choices set a range of an
-/// input, the system's range holds only if none of their transitions is taken.
+/// The ranges of the inputs at a step, over all transitions of every choice that restricts them.
 fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
     let range = |u: usize| {
-        let (name, own) = &system.inputs[u];
-        let own = own.get(step).copied().unwrap_or(Interval::REALS);
-        let setting: Vec<&Choice> = setting(system, name).collect();
-        let transitions = || setting.iter().flat_map(|choice| &choice.transitions);
-        let usual = setting.len() != 1 || transitions().any(|t| !t.sets(name));
-        let set = transitions().filter(|t| t.sets(name)).map(|t| system.input_range(t, u, step));
-        let all = set.chain(usual.then_some(own));
-        all.reduce(|a, b| a.hull(b)).unwrap_or(own)
+        let over = |choice: &Choice| {
+            let all = choice.transitions.iter().map(|t| system.input_range(t, u, step));
+            all.reduce(|a, b| a.hull(b))
+        };
+        let name = &system.inputs[u].0;
+        let restricting = system.choices.iter().filter(|choice| system.restricts(choice, name));
+        let all = restricting.filter_map(over).reduce(|a, b| a.intersection(b));
+        all.unwrap_or(Interval::REALS)
     };
     (0..system.inputs.len()).map(range).collect()
-}
-
-/// The choices that set a range of an input.
-fn setting<'a>(system: &'a HybridSystem, input: &str) -> impl Iterator<Item = &'a Choice> {
-    system.choices.iter().filter(move |choice| choice.transitions.iter().any(|t| t.sets(input)))
 }
 
 /// What holds at the start of a step in any case: the limits of the system.
@@ -60,13 +54,15 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
     for t in 0..count {
         let ranges = input_ranges(system, t);
         let known = known(system, t);
-        let behaviour = |transition: &Transition| {
+        let behaviour = |transition| {
             let mut own = map::behaviour(system, transition, &outputs, t);
-            for (u, (name, _)) in system.inputs.iter().enumerate() {
-                let alone = setting(system, name).count() == 1;
-                let decides = alone && choice.transitions.iter().any(|t| t.sets(name));
-                if !transition.sets(name) && !decides {
-                    own.inputs[u] = ranges[u];
+            let inputs = system.inputs.iter().zip(&mut own.inputs).zip(&ranges);
+            for (((name, _), range), all) in inputs {
+                let both = range.intersection(*all);
+                if !system.restricts(choice, name) {
+                    *range = *all;
+                } else if both.lower <= both.upper {
+                    *range = both;
                 }
             }
             own
@@ -109,7 +105,6 @@ pub(super) fn write(
             background: BTreeSet::new(),
         };
         writer.limits()?;
-        writer.shared_ranges()?;
         writer.steps()?;
         writer.modes()?;
         writer.events()?;
@@ -286,48 +281,6 @@ impl Writer<'_> {
             }
         }
         Ok(())
-    }
-
-    /// The system's ranges of inputs of which several choices set ranges.
-    fn shared_ranges(&mut self) -> Result<(), Error> {
-        for (u, (name, range)) in self.system.inputs.iter().enumerate() {
-            if setting(self.system, name).count() < 2 {
-                continue;
-            }
-            let family = self.names.family(&["range_of", name]);
-            for t in 0..self.program.horizon.steps() {
-                let (Some(range), Some(input)) = (range.get(t), self.program.inputs[u].get(t))
-                else {
-                    continue;
-                };
-                if *range == input_ranges(self.system, t)[u] {
-                    continue;
-                }
-                if let Some(condition) = self.unset(name, t) {
-                    let row = input.within(range.lower, range.upper);
-                    self.model.add((family.as_str(), t), condition.implies(row))?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// That no transition of a step sets a range of an input; `None` if one always does.
-    fn unset(&self, input: &str, step: usize) -> Option<Logic> {
-        let mut all: Option<Logic> = None;
-        for (choice, program) in self.system.choices.iter().zip(&self.program.choices) {
-            if !choice.transitions.iter().any(|t| t.sets(input)) {
-                continue;
-            }
-            let others = choice.transitions.iter().enumerate().filter(|(_, t)| !t.sets(input));
-            let others = others.filter_map(|(j, _)| program.taken.literal(j, step));
-            let one = others.map(Logic::from).reduce(|a, b| a | b)?;
-            all = Some(match all {
-                None => one,
-                Some(all) => all & one,
-            });
-        }
-        all
     }
 
     /// The next state, and the rows of every choice.

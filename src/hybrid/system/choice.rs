@@ -92,6 +92,11 @@ impl Choice {
         self
     }
 
+    /// Whether one of its transitions sets a range of an input.
+    pub(crate) fn sets(&self, input: &str) -> bool {
+        self.transitions.iter().flat_map(|t| &t.inputs).any(|(name, _)| name == input)
+    }
+
     /// The names of its modes, in the order in which the transitions name them; empty without
     /// memory.
     pub fn modes(&self) -> Vec<&str> {

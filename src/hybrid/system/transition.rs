@@ -130,11 +130,6 @@ impl Transition {
         self
     }
 
-    /// Whether it replaces the range of an input.
-    pub(crate) fn sets(&self, input: &str) -> bool {
-        self.inputs.iter().any(|(name, _)| name == input)
-    }
-
     /// Makes the transition lead from a mode to a mode, by their names. The modes of a choice are
     /// those that its transitions name; either all of them name modes or none does.
     #[must_use]

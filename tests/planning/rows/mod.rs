@@ -2,5 +2,6 @@
 
 mod names;
 mod properties;
+mod shapes;
 mod systems;
 mod wall;

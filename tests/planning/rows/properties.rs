@@ -131,10 +131,6 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
                     possible &= demand(&mut model, dot(normal, &predicted) - limit, false);
                 }
             }
-            if let Some((low, high)) = way.range {
-                possible &= demand(&mut model, &input[0] - high, false);
-                possible &= demand(&mut model, low - &input[0], false);
-            }
             for i in 0..plain.states {
                 let own = match &way.reset {
                     None => predicted[i].clone(),
@@ -143,8 +139,11 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
                 next[i] += if ways.len() > 1 { own - &common[i] } else { own };
             }
         }
-        let replaced = usize::from(ways.iter().any(|way| way.range.is_some()));
-        for input in input.iter().skip(replaced) {
+        for (low, high) in plain.ranges(&taken[t]) {
+            possible &= demand(&mut model, &input[0] - high, false);
+            possible &= demand(&mut model, low - &input[0], false);
+        }
+        for input in input.iter().skip(1) {
             possible &= demand(&mut model, input - 1.0, false);
             possible &= demand(&mut model, -1.0 - input, false);
         }
@@ -183,7 +182,7 @@ fn enumerated(plain: &Plain, steps: usize, cost: &[f64]) -> Option<f64> {
 }
 
 proptest! {
-    #![proptest_config(config(192, REGRESSIONS))]
+    #![proptest_config(config(96, REGRESSIONS))]
 
     #[test]
     fn runs_satisfy_the_rows(
@@ -212,7 +211,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(32, REGRESSIONS))]
+    #![proptest_config(config(16, REGRESSIONS))]
 
     #[test]
     fn integer_points_replay(

@@ -95,13 +95,11 @@ impl Way {
         }
     }
 
-    /// By how much the guards and the range are violated at most.
+    /// By how much the guards are violated at most.
     pub(crate) fn violation(&self, x: &[f64], u: &[f64], step: usize) -> f64 {
         let z = [x, u].concat();
-        let range =
-            self.range.map_or(f64::NEG_INFINITY, |(low, high)| (low - u[0]).max(u[0] - high));
         let predicted = excess(&self.prediction_guards, &self.prediction(x, u), step);
-        excess(&self.guards, &z, step).max(predicted).max(range)
+        excess(&self.guards, &z, step).max(predicted)
     }
 
     pub(crate) fn output(&self, x: &[f64], u: &[f64]) -> f64 {
@@ -130,13 +128,24 @@ impl Plain {
         sum
     }
 
+    /// The ranges in which the first input must lie: those of the choices that set one, or the usual
+    /// one if none does.
+    pub(crate) fn ranges(&self, taken: &[usize]) -> Vec<(f64, f64)> {
+        let sets = |choice: &&Ways| choice.ways.iter().any(|way| way.range.is_some());
+        let none = !self.choices.iter().any(|choice| sets(&choice));
+        let pairs = self.choices.iter().zip(taken).filter(|(choice, _)| none || sets(choice));
+        pairs.map(|(choice, &j)| choice.ways[j].range.unwrap_or((-1.0, 1.0))).collect()
+    }
+
     /// By how much a step violates guards, ranges of inputs, domains and limits at most.
     pub(crate) fn violation(&self, taken: &[usize], x: &[f64], u: &[f64], step: usize) -> f64 {
         let ways = || taken.iter().enumerate().map(|(c, &j)| &self.choices[c].ways[j]);
         let own = ways().map(|way| way.violation(x, u, step)).fold(f64::NEG_INFINITY, f64::max);
-        let replaced = usize::from(ways().any(|way| way.range.is_some()));
-        let ranges =
-            u.iter().skip(replaced).map(|u| u.abs() - 1.0).fold(f64::NEG_INFINITY, f64::max);
+        let mut ranges = f64::NEG_INFINITY;
+        for (low, high) in self.ranges(taken) {
+            ranges = ranges.max(low - u[0]).max(u[0] - high);
+        }
+        ranges = u.iter().skip(1).fold(ranges, |most, u| most.max(u.abs() - 1.0));
         let next = self.next(taken, x, u, step);
         own.max(ranges).max(self.outside(x, step)).max(self.outside(&next, step + 1))
     }
