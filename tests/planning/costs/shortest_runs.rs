@@ -311,3 +311,20 @@ fn time_steps_are_refuted_one_by_one_or_by_bisection() {
     }
     assert!(run(&TimeStepGrid::new(0, [0.1]), true).is_err());
 }
+
+/// Feasible with five steps only, so a search that takes waiting for free misses it.
+#[test]
+fn a_single_feasible_horizon_is_found() {
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(0.0, 20.0))
+        .with_transition(Transition::new("on", LinearSystem::new([[1.0]], [[]], [1.0]).unwrap()));
+    let (start, goal) = (Region::point([0.0]), Region::point([5.0]));
+    for sets in [false, true] {
+        let options = ShortestOptions::default().with_max_steps(8).with_reach_sets(sets);
+        let mut solver = BranchAndBound::default();
+        let found = system.shortest_run(&start, &goal, 1.0, &options, &mut solver).unwrap();
+        assert!(!found.waiting.is_free());
+        assert!(found.search.is_found());
+        assert_eq!((found.search.steps, found.search.refuted_steps), (Some(5), Some(4)));
+    }
+}
