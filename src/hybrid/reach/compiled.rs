@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use super::joint::{Joint, tightened};
+use super::inputs::{Joint, tightened};
 use super::law::{Context, Guard, Law, Prediction};
 use super::moves::Moves;
+use super::options::SetOptions;
 use super::rounding::EPSILON;
-use super::sets::SetOptions;
 use super::shape::{Map, Matrix, Shape};
 use super::template::Template;
 use crate::hybrid::system::{HybridSystem, Region};

@@ -7,8 +7,7 @@
 use std::sync::Arc;
 
 use super::moves::Moves;
-use super::set::Label;
-use super::sets::Layers;
+use super::set::{Label, Layers};
 use crate::hybrid::system::{Choice, HybridSystem, Region};
 
 /// How far a choice with memory has got.

@@ -2,80 +2,19 @@
 //!
 //! Three things follow from a guard `n.x + m.u <= l`, and all of them are used:
 //!
-//! * each input is at most as large as the others and the states leave it ([`tightened`]);
+//! * each input is at most as large as the others and the states leave it ([`tightened`](super::inputs::tightened));
 //! * the states satisfy `n.x <= l - min m.u`;
 //! * in a block of one or two states, the set of states and of *one* input is cut exactly
 //!   ([`lifted`](super::lifted)), so that an equality such as u = k.x + c replaces the input. The
 //!   other inputs of such a guard are taken at their best.
 
-use super::compiled::{Block, Compiled, Step, push};
+use super::compiled::{Block, Compiled, Push, Step, push};
+use super::inputs::{Joint, least};
 use super::lifted::{Lift, Pair, Slab};
 use super::rounding::EPSILON;
 use super::set::{Emptied, Place};
 use super::shape::{Map, Shape};
 use crate::interval::Interval;
-
-/// Number of rounds in which guards tighten inputs.
-const ROUNDS: usize = 2;
-
-/// A guard on inputs, margin included.
-#[derive(Debug, Clone)]
-pub(super) struct Joint {
-    pub(super) name: String,
-    /// The block whose states it depends on, if there is one.
-    pub(super) block: Option<usize>,
-    /// The coefficients of the block's states.
-    pub(super) normal: Vec<f64>,
-    /// The coefficients of all inputs.
-    pub(super) gains: Vec<f64>,
-    pub(super) limit: f64,
-    /// The original limit, for reports.
-    pub(super) given: f64,
-}
-
-/// The smallest value of `gains . u`, without input `without`, rounded down.
-fn least(gains: &[f64], inputs: &[Interval], without: Option<usize>) -> f64 {
-    let terms = gains.iter().zip(inputs).enumerate().filter(|(j, _)| Some(*j) != without);
-    terms.fold(Interval::point(0.0), |sum, (_, (gain, range))| sum + *range * *gain).lower
-}
-
-/// The ranges of the inputs that the guards leave, for states in a product of sets; or the number
-/// of a guard that leaves none, and the smallest value of its left side.
-pub(super) fn tightened(
-    mut inputs: Vec<Interval>,
-    joint: &[Joint],
-    states: &[&Shape],
-) -> Result<Vec<Interval>, (usize, f64)> {
-    let lowest = |guard: &Joint| match guard.block {
-        Some(block) => states[block].lowest(&guard.normal),
-        None => 0.0,
-    };
-    let lowest: Vec<f64> = joint.iter().map(lowest).collect();
-    for _ in 0..ROUNDS {
-        for (k, guard) in joint.iter().enumerate() {
-            let nearest = lowest[k] + least(&guard.gains, &inputs, None);
-            let noise = |size: f64| 16.0 * EPSILON * (size + guard.limit.abs() + lowest[k].abs());
-            let size = inputs.iter().zip(&guard.gains).map(|(r, m)| (m * r.magnitude()).abs());
-            let noise = noise(size.sum());
-            if nearest > guard.limit + noise {
-                return Err((k, nearest));
-            }
-            for (j, &gain) in guard.gains.iter().enumerate().filter(|(_, gain)| **gain != 0.0) {
-                let rest = guard.limit - lowest[k] - least(&guard.gains, &inputs, Some(j)) + noise;
-                let end = rest / gain;
-                let end = if gain > 0.0 { end.next_up() } else { end.next_down() };
-                if end.is_finite() {
-                    let range = &mut inputs[j];
-                    match gain > 0.0 {
-                        true => range.upper = range.upper.min(end).max(range.lower),
-                        false => range.lower = range.lower.max(end).min(range.upper),
-                    }
-                }
-            }
-        }
-    }
-    Ok(inputs)
-}
 
 /// The guards of a block, and how it treats them.
 struct Local<'a> {
@@ -130,7 +69,7 @@ impl<'a> Local<'a> {
     }
 
     /// What the inputs other than the kept one add.
-    fn others(&self, kept: usize) -> super::compiled::Push {
+    fn others(&self, kept: usize) -> Push {
         let mut gains = self.step.gains.clone();
         gains.iter_mut().for_each(|row| row[kept] = 0.0);
         push(&gains, &self.step.constant, self.inputs, 0.0)

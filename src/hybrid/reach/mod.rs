@@ -3,10 +3,12 @@
 mod compiled;
 mod explain;
 mod graph;
+mod inputs;
 mod joint;
 mod law;
 mod lifted;
 mod moves;
+mod options;
 mod picture;
 mod polygon;
 mod rounding;
@@ -19,7 +21,8 @@ mod tighten;
 mod tube;
 
 pub use explain::{Finding, Obstacle, ReachExplanation};
+pub use options::SetOptions;
 pub use set::ReachSet;
-pub use sets::{ReachSets, SetOptions};
+pub use sets::ReachSets;
 pub use tighten::{Change, HorizonVariables, Quantity, Reason, TighteningReport};
 pub use tube::Tube;

@@ -22,6 +22,10 @@ pub struct ReachSet {
     pub(super) label: Label,
 }
 
+/// The sets of one sample, by node and number of events; the last layer of a node is "this many or
+/// more".
+pub(super) type Layers = Vec<Option<ReachSet>>;
+
 /// Which states a set holds.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Label {

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::compiled::{Block, Compiled, Step};
-use super::joint::{flown, tightened, unflown};
+use super::inputs::tightened;
+use super::joint::{flown, unflown};
 use super::law::Prediction;
 use super::set::{Emptied, Label, Place, ReachSet, bounding_box, cut};
 use super::shape::Shape;

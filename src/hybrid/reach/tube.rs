@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::compiled::Compiled;
 use super::graph::Graph;
-use super::set::ReachSet;
-use super::sets::{Layers, ReachSets, Shared, add, of_node};
+use super::set::{Layers, ReachSet};
+use super::sets::{ReachSets, Shared, add, of_node};
 use super::step::{arrive, predecessors, predict, prediction_boxes};
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;

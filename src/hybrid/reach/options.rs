@@ -1,0 +1,91 @@
+//! Options of reach sets.
+
+use crate::error::{Error, check_finite, check_length};
+#[cfg(doc)]
+use crate::hybrid::system::HybridSystem;
+use crate::setters::setters;
+use crate::tolerance;
+
+/// Options of reach sets.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SetOptions {
+    /// Number of layers: states with different numbers of events so far (or to come) are in
+    /// different layers, and states with this many or more events share the last layer; `0..=64`,
+    /// default 3. A largest number of events of the system takes its place, up to 64.
+    pub events: usize,
+    /// Number of vertices of a polygon beyond which short edges are merged outward; at least 8,
+    /// default 512.
+    pub vertices: usize,
+    /// How much a plan may miss its start, its goal, and every limit, guard and input range, and
+    /// still lie in the sets, in SI units; for numbers above 1000, times a thousandth of them;
+    /// default [`tolerance::REACH`], from 0 to 1.
+    pub margin: f64,
+    /// Number of sets of one sample: with modes that have memory, states in different modes, with
+    /// different dwell times so far, and with different numbers of events are in different sets,
+    /// and if there are more of them, they share sets; at least 1, default 256.
+    pub layers: usize,
+    /// Whether each next state may be disturbed by the system's
+    /// [disturbance](HybridSystem::with_disturbance). Then the sets are *robust*: forward sets hold
+    /// every state to which any disturbance can lead, and backward sets every state from which some
+    /// disturbance can lead to the goal. Undisturbed runs are always included; default no, as in
+    /// programs.
+    pub disturbance: bool,
+    /// Template directions of sets with other than two states, in addition to the axes, the
+    /// diagonals of small blocks and the normals of the limits; one coefficient per state.
+    pub directions: Vec<Vec<f64>>,
+}
+
+impl Default for SetOptions {
+    fn default() -> Self {
+        SetOptions {
+            events: 3,
+            vertices: 512,
+            margin: tolerance::REACH,
+            layers: 256,
+            disturbance: false,
+            directions: Vec::new(),
+        }
+    }
+}
+
+impl SetOptions {
+    setters! {
+        /// Sets the number of events that are distinguished.
+        with_events(events: usize) => events = events;
+        /// Sets the number of vertices beyond which polygons are simplified.
+        with_vertices(vertices: usize) => vertices = vertices;
+        /// Sets the margin.
+        with_margin(margin: f64) => margin = margin;
+        /// Sets the number of sets of one sample.
+        with_layers(layers: usize) => layers = layers;
+        /// Sets whether next states are disturbed, for robust sets.
+        with_disturbance(wanted: bool) => disturbance = wanted;
+    }
+
+    /// Adds a template direction.
+    #[must_use]
+    pub fn with_direction(mut self, direction: impl Into<Vec<f64>>) -> Self {
+        self.directions.push(direction.into());
+        self
+    }
+
+    pub(super) fn check(&self, states: usize) -> Result<(), Error> {
+        let (events, vertices) = (self.events as f64, self.vertices as f64);
+        let ranges = [
+            ("number of events", events, events <= 64.0, "within [0, 64]"),
+            ("number of vertices", vertices, vertices >= 8.0, "at least 8"),
+            ("number of layers", self.layers as f64, self.layers >= 1, "at least 1"),
+            ("margin", self.margin, (0.0..=1.0).contains(&self.margin), "within [0, 1]"),
+        ];
+        if let Some((what, value, _, range)) = ranges.into_iter().find(|r| !r.2) {
+            return Err(Error::out_of_range(format!("the {what} of reach sets"), value, range));
+        }
+        for direction in &self.directions {
+            check_length("a template direction", direction.len(), states)?;
+            check_finite("a template direction", "an entry", direction.iter().copied())?;
+        }
+        Ok(())
+    }
+}
