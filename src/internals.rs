@@ -58,7 +58,7 @@ pub mod search {
     }
 
     pub mod cuts {
-        pub use crate::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
+        pub use crate::search::cuts::{Cut, ROWS, implied_bound_cuts, mixed_integer_rounding_cuts};
     }
 
     pub mod heuristics {
@@ -75,6 +75,10 @@ pub mod search {
 
     pub mod node_probing {
         pub use crate::search::NodeProbing;
+    }
+
+    pub mod perspective {
+        pub use crate::search::{Switched, switched_squares, with_slopes};
     }
 
     pub mod pseudocosts {

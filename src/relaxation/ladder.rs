@@ -68,7 +68,7 @@ fn attempts(purpose: Purpose) -> &'static [Attempt] {
             (Last, 200, 1e-11, 10),
         ],
         Purpose::Projection => &[(First, 60, 1e-6, 1)],
-        Purpose::Separation => &[(Last, 60, 1e-8, 1)],
+        Purpose::Separation => &[(First, 60, 1e-8, 1), (Last, 60, 1e-8, 1)],
         Purpose::Bound => &[(Last, 100, 1e-9, 2)],
         Purpose::Direction => &[(Last, 200, 1e-9, 10)],
         Purpose::Multipliers => &[(First, 200, 1e-11, 1), (Last, 200, 1e-11, 10)],

@@ -20,6 +20,8 @@
 //!
 //! The program:
 //!
+//! * `root_point` - the relaxed point of the root, for the next two
+//! * `perspective` - tighter costs of columns that binaries switch off
 //! * `cuts` - rows that cut off the relaxed point of the root
 //! * `symmetry` - interchangeable columns in non-increasing order
 //! * `event_windows` - branching on windows of time, `time_order` - the order of binaries in time
@@ -70,10 +72,12 @@ mod node;
 mod node_probing;
 mod node_relaxation;
 mod parallel;
+mod perspective;
 mod pseudocosts;
 mod reduced_cost;
 mod reporter;
 mod root;
+mod root_point;
 mod round_buffer;
 mod seed;
 mod switch_node;
@@ -90,6 +94,8 @@ pub use column_guidance::ColumnGuidance;
 pub use driver::search;
 pub(crate) use found::ClosedNode;
 pub use found::Found;
+pub(crate) use perspective::with_perspective;
+pub use perspective::{Switched, switched_squares, with_slopes};
 pub use seed::SeedBox;
 pub(crate) use seed::{GuessEnd, Seed};
 pub use task::{Accept, Task};

@@ -116,8 +116,9 @@ pub struct Options {
     /// Whether parts of the program without a common row are searched one after the other; default
     /// on. Not used without presolve, or with a seed or guidance.
     pub blocks: bool,
-    /// Whether cuts are added to the root relaxation if they improve its bound; default on. Not
-    /// used without presolve.
+    /// Whether the root relaxation is made tighter if that improves its bound: by cuts, and by
+    /// perspectives of squares that binaries switch off; default on. Left out for pools, leaves and
+    /// splits, as reductions are.
     pub cuts: bool,
     /// The primal heuristics; default [`Heuristics::default`].
     pub heuristics: Heuristics,

@@ -26,7 +26,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
 
 fn may_go(work: &Work, row: usize, gone: (usize, f64), stays: (usize, f64)) -> bool {
     let is_binary = |j: usize| work.integral[j] && work.lower[j] >= 0.0 && work.upper[j] <= 1.0;
-    if !work.is_straight(gone.0) || (is_binary(gone.0) && is_binary(stays.0)) {
+    let modes = is_binary(gone.0) && is_binary(stays.0) && gone.1 * stays.1 > 0.0;
+    if !work.is_straight(gone.0) || modes {
         return false;
     }
     let whole = match (work.integral[gone.0], work.integral[stays.0]) {

@@ -3,11 +3,14 @@
 //! Each [`Rule`] has its own file. They are applied in turn until none finds anything; then `blocks`
 //! finds independent parts.
 
+mod binary_codes;
 mod blocks;
 mod coefficients;
 mod dominated_columns;
 mod doubletons;
 mod fixed_columns;
+mod held_columns;
+mod implied_binaries;
 mod implied_free;
 mod lineality;
 mod parallel_columns;
@@ -40,6 +43,8 @@ pub enum Rule {
     RedundantRows,
     /// Rows that are multiples of another one are merged into it.
     ParallelRows,
+    /// Columns of which exactly one is 1, told by the code of some binaries, become binaries.
+    BinaryCodes,
     /// Equalities over two columns replace one of them.
     Doubletons,
     /// Of columns that can be shifted together without any row or cost noticing, one is fixed.
@@ -48,6 +53,10 @@ pub enum Rule {
     SlackColumns,
     /// Columns whose bounds an equality implies are replaced by it.
     ImpliedFree,
+    /// Columns between 0 and 1 that may as well be whole become binaries.
+    ImpliedBinaries,
+    /// The only row that keeps a column from moving becomes an equality.
+    HeldColumns,
     /// Columns whose reduced cost has a known sign are fixed at a bound.
     DominatedColumns,
     /// Columns that are multiples of another one are merged into it.
@@ -58,15 +67,18 @@ pub enum Rule {
 
 impl Rule {
     /// All rules, in the order of their application.
-    pub const ALL: [Rule; 11] = [
+    pub const ALL: [Rule; 14] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
         Rule::RedundantRows,
         Rule::ParallelRows,
+        Rule::BinaryCodes,
         Rule::Doubletons,
         Rule::Lineality,
         Rule::SlackColumns,
         Rule::ImpliedFree,
+        Rule::ImpliedBinaries,
+        Rule::HeldColumns,
         Rule::DominatedColumns,
         Rule::ParallelColumns,
         Rule::Coefficients,
@@ -91,10 +103,13 @@ impl Rule {
             Rule::SingletonRows => work.each_row(singleton_rows::apply),
             Rule::RedundantRows => work.each_row(redundant_rows::apply),
             Rule::ParallelRows => parallel_rows::apply(work),
+            Rule::BinaryCodes => work.each_row(|work, row| Ok(binary_codes::apply(work, row))),
             Rule::Doubletons => work.each_row(|work, row| Ok(doubletons::apply(work, row))),
             Rule::Lineality => Ok(lineality::apply(work)),
             Rule::SlackColumns => Ok(work.each_column(work.live_columns(), slack_columns::apply)),
             Rule::ImpliedFree => work.each_row(|work, row| Ok(implied_free::apply(work, row))),
+            Rule::ImpliedBinaries => Ok(implied_binaries::apply(work)),
+            Rule::HeldColumns => Ok(work.each_column(work.live_columns(), held_columns::apply)),
             Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
             Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
             Rule::Coefficients => work.each_row(coefficients::apply),

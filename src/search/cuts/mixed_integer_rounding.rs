@@ -12,7 +12,7 @@ use crate::program::Program;
 use crate::solver::StopToken;
 
 /// Most rows of an aggregate.
-const ROWS: usize = 6;
+pub const ROWS: usize = 6;
 
 /// Longest aggregate, in entries.
 const LONGEST: usize = 300;
@@ -35,11 +35,12 @@ pub(super) struct Aggregate {
     pub(super) noise: f64,
 }
 
-/// Cuts by rounding that a point violates.
+/// Cuts by rounding that a point violates, from aggregates of at most `rows` rows.
 pub fn mixed_integer_rounding_cuts(
     program: &Program,
     domain: &Domain,
     x: &[f64],
+    rows: usize,
     token: &StopToken,
 ) -> Vec<Cut> {
     let substitutes = Substitutes::new(program, domain, x);
@@ -52,7 +53,7 @@ pub fn mixed_integer_rounding_cuts(
                 return cuts;
             }
             cuts.extend(best_rounding(program, domain, x, &substitutes, &aggregate));
-            if used.len() == ROWS || aggregate.terms.len() > LONGEST {
+            if used.len() >= rows || aggregate.terms.len() > LONGEST {
                 break;
             }
             let Some((column, row)) = next(program, &substitutes, &aggregate, x, &used) else {

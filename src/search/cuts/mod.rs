@@ -10,11 +10,12 @@ mod rounding;
 
 pub use cut::Cut;
 pub use implied_bounds::implied_bound_cuts;
-pub use mixed_integer_rounding::mixed_integer_rounding_cuts;
+pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
-use crate::presolve::{Domain, Propagator, Reduced, Reduction, reduce};
+use super::root_point::RootPoint;
+use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
-use crate::relaxation::{Claim, Ladder, Purpose};
+use crate::relaxation::Ladder;
 use crate::solver::StopToken;
 
 const ROUNDS: usize = 15;
@@ -26,11 +27,12 @@ const CUTS: usize = 60;
 const LIFT: f64 = 1e-3;
 const IDLE: usize = 3;
 
-/// A first round that lifts the bound by less than this, relative, is the last.
-const HOPELESS: f64 = 1e-5;
+/// A first round that lifts the bound by less than this, relative, is the last: under a linear
+/// objective, whose relaxed optimum is a corner, and under a curved one, where it rarely is.
+const HOPELESS: [f64; 2] = [1e-5, 5e-3];
 
 /// All rounds together must lift the bound by this much, relative.
-const WORTH: f64 = 5e-3;
+const WORTH: [f64; 2] = [5e-3, 1e-2];
 
 /// Cuts more parallel than this to a better one are left out (cosine).
 const PARALLEL: f64 = 0.9;
@@ -44,16 +46,17 @@ const BINDING: f64 = 1e-6;
 ///
 /// * `token`: ends the rounds.
 /// * `ladder`: keeps count of the relaxations.
+/// * `known`: the relaxed point, where it is known.
 pub(crate) fn strengthen(
     program: &Program,
     token: &StopToken,
     ladder: &mut Ladder,
+    known: Option<RootPoint>,
 ) -> Option<Program> {
-    // Under a curved objective the relaxed optimum is rarely at a corner that a cut takes off.
-    let curved = program.quadratic.compute_nnz() > 0;
-    if program.integers.is_empty() || curved || program.is_feasibility_problem() {
+    if program.integers.is_empty() || program.is_feasibility_problem() {
         return None;
     }
+    let curved = usize::from(program.quadratic.compute_nnz() > 0);
     let mut domain = Domain::new(program);
     let mut propagator = Propagator::new(program);
     propagator.set_stop_token(token);
@@ -61,33 +64,38 @@ pub(crate) fn strengthen(
     if token.is_over() {
         return None;
     }
-    let (first, mut x) = relax(program, &domain, ladder, token)?;
+    let root = known.or_else(|| RootPoint::new(program, &domain, ladder, token))?;
+    let (first, mut x) = (root.value, root.x);
     let (mut last, mut idle) = (first, 0);
     let mut cuts: Vec<Cut> = Vec::new();
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         if token.is_over() {
             return None;
         }
-        let mut found = mixed_integer_rounding_cuts(program, &domain, &x, token);
-        found.extend(implied_bound_cuts(program, &mut domain, &mut propagator, &x));
+        // Most curved programs gain nothing, and a look at single rows tells.
+        let rows = if curved == 1 && round == 0 { 1 } else { ROWS };
+        let mut found = mixed_integer_rounding_cuts(program, &domain, &x, rows, token);
+        if curved == 0 {
+            found.extend(implied_bound_cuts(program, &mut domain, &mut propagator, &x));
+        }
         let found = select(found, &x);
         if found.is_empty() {
             break;
         }
         cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
         cuts.extend(found);
-        let Some((bound, point)) = relax(&with_cuts(program, &cuts)?, &domain, ladder, token)
-        else {
-            break;
-        };
-        x = point;
+        let more = with_cuts(program, &cuts)?;
+        let Some(relaxed) = RootPoint::new(&more, &domain, ladder, token) else { break };
+        let bound = relaxed.value;
+        x = relaxed.x;
         idle = if bound - last < LIFT * last.abs().max(1e-6) { idle + 1 } else { 0 };
+        let hopeless = last == first && bound - first < HOPELESS[curved] * first.abs().max(1e-6);
         last = bound;
-        if idle >= IDLE || last - first < HOPELESS * first.abs().max(1e-6) {
+        if idle >= IDLE || hopeless {
             break;
         }
     }
-    if last - first < WORTH * first.abs().max(1e-6) {
+    if last - first < WORTH[curved] * first.abs().max(1e-6) {
         return None;
     }
     cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
@@ -107,23 +115,6 @@ fn select(mut cuts: Vec<Cut>, x: &[f64]) -> Vec<Cut> {
         }
     }
     chosen
-}
-
-/// Value and point of a relaxation.
-fn relax(
-    program: &Program,
-    domain: &Domain,
-    ladder: &mut Ladder,
-    token: &StopToken,
-) -> Option<(f64, Vec<f64>)> {
-    let Reduction::Reduced(reduced) = reduce(program, domain) else { return None };
-    let reduced: Reduced = *reduced;
-    if reduced.columns.is_empty() {
-        return None;
-    }
-    let answer = ladder.solve_once(&reduced, Purpose::Separation, token);
-    let solved = answer.claim == Claim::Solved && answer.x.iter().all(|v| v.is_finite());
-    solved.then(|| (reduced.objective(&answer.x), reduced.lift(&answer.x)))
 }
 
 /// A program with further rows.

@@ -6,7 +6,7 @@
 
 use carom::internals::presolve::{Domain, Propagator, probe_implications};
 use carom::internals::program::Program;
-use carom::internals::search::cuts::{Cut, implied_bound_cuts, mixed_integer_rounding_cuts};
+use carom::internals::search::cuts::{Cut, ROWS, implied_bound_cuts, mixed_integer_rounding_cuts};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -74,7 +74,8 @@ proptest! {
         prop_assert!(!conflict || points.is_empty());
         prop_assume!(!conflict);
         let x = case.relaxed(&program);
-        let mut cuts = mixed_integer_rounding_cuts(&program, &domain, &x, &StopToken::default());
+        let mut cuts =
+            mixed_integer_rounding_cuts(&program, &domain, &x, ROWS, &StopToken::default());
         cuts.extend(implied_bound_cuts(&program, &mut domain, &mut propagator, &x));
         prop_assert_eq!(cut_off(&cuts, &points), None);
         for cut in &cuts {
@@ -150,6 +151,7 @@ fn the_fraction_of_a_knapsack_is_rounded() {
         &program,
         &Domain::new(&program),
         &[2.5],
+        ROWS,
         &StopToken::default(),
     );
     assert_eq!(cuts.len(), 1);

@@ -6,6 +6,7 @@ mod cuts;
 mod grid;
 mod kkt;
 mod lineality;
+mod logical_programs;
 mod programs;
 mod rules;
 

@@ -6,6 +6,7 @@ use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 
+use super::logical_programs::{coded, conjunctions};
 use super::programs::program;
 use super::search_alone;
 use crate::common::case::Case;
@@ -111,6 +112,26 @@ proptest! {
     }
 
     #[test]
+    fn binary_codes(case in coded()) {
+        compare(&case, &[Rule::BinaryCodes])?;
+        compare(&case, &Rule::ALL)?;
+    }
+
+    #[test]
+    fn implied_binaries(case in conjunctions(), other in program(false)) {
+        compare(&case, &[Rule::ImpliedBinaries])?;
+        compare(&other, &[Rule::ImpliedBinaries])?;
+    }
+
+    #[test]
+    fn held_columns(case in conjunctions(), other in program(false)) {
+        compare(&case, &[Rule::HeldColumns])?;
+        compare(&case, &[Rule::ImpliedBinaries, Rule::HeldColumns, Rule::Doubletons])?;
+        compare(&case, &Rule::ALL)?;
+        compare(&other, &[Rule::HeldColumns])?;
+    }
+
+    #[test]
     fn all_rules_on_linear_programs(case in program(false)) {
         compare(&case, &Rule::ALL)?;
     }
@@ -135,4 +156,33 @@ fn a_chain_of_equalities_is_solved() {
     };
     assert_eq!(presolved.program.column_count(), 0);
     assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
+}
+
+/// One of eight, told by three binaries.
+#[test]
+fn codes_leave_the_columns_that_they_told() {
+    let mut model = Model::new("codes");
+    let z = model.continuous_family("z", 8, 0.0, 1.0).unwrap();
+    let mut all = Affine::default();
+    z.iter().for_each(|z| all += z);
+    model.add("one", all.equals(1.0)).unwrap();
+    for bit in 0..3 {
+        let b = model.binary(format!("b{bit}")).unwrap();
+        let (mut inside, mut outside) = (Affine::default(), Affine::default());
+        for (code, z) in z.iter().enumerate() {
+            if code >> bit & 1 == 1 { inside += z } else { outside += z }
+        }
+        model.add(format!("inside{bit}"), (inside - b).le(0.0)).unwrap();
+        model.add(format!("outside{bit}"), (outside + b).le(1.0)).unwrap();
+    }
+    let program = Program::assemble(&model).unwrap();
+    let Presolve::Presolved(presolved) =
+        presolve(&program, &[Rule::BinaryCodes], &StopToken::default()).unwrap()
+    else {
+        panic!("nothing contradicts")
+    };
+    assert_eq!(presolved.program.row_count(), 1);
+    assert_eq!(presolved.program.integers, (0..8).collect::<Vec<_>>());
+    let five = presolved.postsolve.point(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    assert_eq!(five[8..], [1.0, 0.0, 1.0]);
 }

@@ -6,6 +6,7 @@ mod growth;
 mod indifferent_binaries;
 mod node;
 mod node_probing;
+mod perspective;
 mod pseudocosts;
 mod roll_out;
 mod seed;

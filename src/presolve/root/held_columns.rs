@@ -1,0 +1,58 @@
+//! Held columns: a column that only one row keeps from moving is where this row holds it.
+//!
+//! If a column's cost and all of its rows but one let it fall, it falls until that one row or its
+//! bound holds it. If the row does so first, the row is an equality from there on, and other rules
+//! can replace the column: of `x <= z`, where nothing else wants `z` to be large, `z = x`.
+//! Multipliers are restored in continuous programs; those with integers have none.
+
+use super::work::{IMPLIED, Work, is_whole};
+
+pub(super) fn apply(work: &mut Work, column: usize) -> usize {
+    if !work.is_straight(column) {
+        return 0;
+    }
+    let cost = work.linear[column];
+    let falls = cost >= 0.0 && hold(work, column, false);
+    usize::from(falls || (cost <= 0.0 && hold(work, column, true)))
+}
+
+/// Makes the only row that keeps a column from falling, or from rising, an equality. Returns whether
+/// there is one.
+fn hold(work: &mut Work, column: usize, rises: bool) -> bool {
+    let sign = if rises { -1.0 } else { 1.0 };
+    let mut holding = None;
+    for &row in &work.uses[column] {
+        let a = sign * work.coefficient(row, column);
+        let limit = if a > 0.0 { work.row_lower[row] } else { work.row_upper[row] };
+        if limit.is_finite() {
+            if holding.is_some() {
+                return false;
+            }
+            holding = Some((row, limit));
+        }
+    }
+    let Some((row, limit)) = holding.filter(|&(row, _)| !work.is_equality(row)) else {
+        return false;
+    };
+    let a = work.coefficient(row, column);
+    let whole = |&(j, b): &(usize, f64)| work.integral[j] && is_whole(b / a);
+    let fits = !work.integral[column]
+        || (is_whole(limit / a) && work.rows[row].iter().filter(|e| e.0 != column).all(whole));
+    // `x = (limit - rest) / a` stays inside its bound.
+    let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
+    let end = if a > 0.0 { (limit - rest.most) / a } else { (limit - rest.least) / a };
+    let far = if a > 0.0 { (limit - rest.least) / a } else { (limit - rest.most) / a };
+    let margin = IMPLIED * (rest.scale / a.abs()).max(1.0);
+    let inside =
+        if rises { far <= work.upper[column] + margin } else { end >= work.lower[column] - margin };
+    if !(fits && inside) {
+        return false;
+    }
+    (work.row_lower[row], work.row_upper[row]) = (limit, limit);
+    if !work.integral[column] {
+        // The row implies it, and gets its multiplier.
+        let bound = if rises { &mut work.upper[column] } else { &mut work.lower[column] };
+        *bound = if rises { f64::INFINITY } else { f64::NEG_INFINITY };
+    }
+    true
+}

@@ -1,0 +1,40 @@
+//! Implied binaries: columns between 0 and 1 that are whole in some optimum.
+//!
+//! If nothing but rows over integers keeps a column from rising, and its cost lets it rise, it can
+//! be where the first of these rows holds it, which is a whole number. Multipliers are not
+//! restored: programs with integers have none. So a column that stands for
+//! a conjunction, `x <= z_1` and `x <= z_2`, is a binary: rows over it say "at least one of these".
+
+use super::work::{Work, is_whole};
+
+pub(super) fn apply(work: &mut Work) -> usize {
+    // A continuous program stays one.
+    if !work.live_columns().iter().any(|&j| work.integral[j]) {
+        return 0;
+    }
+    work.each_column(work.live_columns(), make_whole)
+}
+
+fn make_whole(work: &mut Work, column: usize) -> usize {
+    let bounds = [work.lower[column], work.upper[column]];
+    let open = bounds == [0.0, 1.0] && !work.integral[column] && work.is_straight(column);
+    if !open || work.uses[column].is_empty() {
+        return 0;
+    }
+    let cost = work.linear[column];
+    let whole = (cost <= 0.0 && ends_whole(work, column, true))
+        || (cost >= 0.0 && ends_whole(work, column, false));
+    work.integral[column] |= whole;
+    usize::from(whole)
+}
+
+/// Whether all rows that keep a column from rising, or from falling, hold it at whole numbers.
+fn ends_whole(work: &Work, column: usize, rises: bool) -> bool {
+    work.uses[column].iter().all(|&row| {
+        let a = work.coefficient(row, column);
+        let limit = if (a > 0.0) == rises { work.row_upper[row] } else { work.row_lower[row] };
+        let others = || work.rows[row].iter().filter(|e| e.0 != column);
+        limit.is_infinite()
+            || (is_whole(limit / a) && others().all(|&(j, b)| work.integral[j] && is_whole(b / a)))
+    })
+}

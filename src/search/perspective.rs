@@ -1,0 +1,261 @@
+//! Perspective of squares that a binary switches off.
+//!
+//! A column with a quadratic cost, such as the power of a unit, is often fixed at one value while a
+//! binary is off. Where the relaxation has the binary at a fraction, the square is too cheap: the
+//! convex hull of both cases has the perspective `q d^2 / w` as its cost, where `d` is the distance
+//! from the value when off, and `w` is 1 when on and 0 when off. It is no quadratic function, but it
+//! is the largest of the functions
+//!
+//! `q d^2 + 2 q r d (1 - w) - q r^2 w (1 - w)`  over all slopes `r`,
+//!
+//! of which each is a convex quadratic, `q (d + r (1 - w))^2 - q r^2 (1 - w)`, never above the
+//! perspective (Jensen), equal to it where `d = r w`, and equal to the square wherever the binary is
+//! whole. So one of them takes the place of each square: no column or row is added, and no point
+//! with whole binaries changes its cost. The function is concave in `r`, so the best slopes are a
+//! saddle point with the relaxed point: `r = d / w`. A few relaxations of the root find them.
+
+use std::collections::BTreeMap;
+
+use super::root_point::RootPoint;
+use crate::presolve::{Domain, Propagator};
+use crate::program::Program;
+use crate::relaxation::Ladder;
+use crate::solver::StopToken;
+
+/// Longest rows that are looked at (columns).
+const LONGEST: usize = 200;
+
+/// Width of bounds, relative, up to which a column counts as fixed by a binary.
+const FIXED: f64 = 1e-12;
+
+/// Most relaxations of the root.
+const ROUNDS: usize = 12;
+
+/// Part of the way to the slope of the relaxed point that a round goes.
+const STEP: f64 = 0.7;
+
+/// A round that lifts the bound by less than this, relative, is idle; so many in a row are the end.
+const LIFT: f64 = 1e-4;
+const IDLE: usize = 2;
+
+/// A first round that lifts the bound by less than this, relative, is the last.
+const HOPELESS: f64 = 5e-4;
+
+/// All rounds together must lift the bound by this much, relative.
+const WORTH: f64 = 2e-3;
+
+/// Below this value of `w` the slope of a point says nothing (no unit).
+const OFF: f64 = 1e-4;
+
+/// A square that a binary switches off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Switched {
+    /// The column with the square.
+    pub column: usize,
+    /// The second derivative of the square.
+    pub curvature: f64,
+    /// The binary.
+    pub binary: usize,
+    /// Whether the square is off while the binary is 1, or 0.
+    pub off_at_one: bool,
+    /// The column's value when off.
+    pub value: f64,
+}
+
+/// The squares of a program that binaries switch off. Where several binaries switch one off, all of
+/// them are listed.
+pub fn switched_squares(program: &Program, token: &StopToken) -> Vec<Switched> {
+    let alone = |j: usize| match program.quadratic_column(j) {
+        (&[i], &[p]) if i == j && p > 0.0 => p,
+        _ => 0.0,
+    };
+    let curvature: Vec<f64> = (0..program.column_count()).map(alone).collect();
+    if program.integers.is_empty() || curvature.iter().all(|&p| p == 0.0) {
+        return Vec::new();
+    }
+    let mut switched = Vec::new();
+    let curved = curvature.iter().enumerate().filter(|(_, p)| **p > 0.0);
+    for (column, &curvature) in curved {
+        // The bounds of the column while a binary is at 0 or 1, by binary and value.
+        let mut sides: BTreeMap<(usize, bool), [f64; 2]> = BTreeMap::new();
+        for &row in program.column(column).0 {
+            if token.spend(program.row(row).0.len()) {
+                return Vec::new();
+            }
+            tighten_by_row(program, row, column, &mut sides);
+        }
+        let own = [program.lower[column], program.upper[column]];
+        for ((binary, off_at_one), [lower, upper]) in sides {
+            if let Some(value) = only_value(own, [lower, upper]) {
+                switched.push(Switched { column, curvature, binary, off_at_one, value });
+            }
+        }
+    }
+    switched
+}
+
+/// Tightens the bounds that a column has while one of a row's binaries is at 0, or at 1.
+fn tighten_by_row(
+    program: &Program,
+    row: usize,
+    column: usize,
+    sides: &mut BTreeMap<(usize, bool), [f64; 2]>,
+) {
+    let (columns, values) = program.row(row);
+    let bounds = |j: usize| [program.lower[j], program.upper[j]];
+    let is_open = |j: usize| program.integral[j] && bounds(j) == [0.0, 1.0] && j != column;
+    let Some(at) = columns.iter().position(|&j| j == column) else { return };
+    let a = values[at];
+    if columns.len() > LONGEST || !columns.iter().any(|&j| is_open(j)) {
+        return;
+    }
+    // Least and largest value of the others.
+    let others = || columns.iter().zip(values).filter(|(j, _)| **j != column);
+    let mut rest = [0.0, 0.0];
+    for (&j, &b) in others() {
+        let (p, q) = (b * program.lower[j], b * program.upper[j]);
+        (rest[0], rest[1]) = (rest[0] + p.min(q), rest[1] + p.max(q));
+    }
+    for (&z, &b) in others().filter(|(z, _)| is_open(**z)) {
+        for one in [false, true] {
+            // What is left without the binary, and what the binary adds.
+            let term = if one { b } else { 0.0 };
+            let [least, most] = [rest[0] - b.min(0.0) + term, rest[1] - b.max(0.0) + term];
+            let (p, q) =
+                ((program.row_lower[row] - most) / a, (program.row_upper[row] - least) / a);
+            let side = sides.entry((z, one)).or_insert(bounds(column));
+            *side = [side[0].max(p.min(q)), side[1].min(p.max(q))];
+        }
+    }
+}
+
+/// The value, 0 or a bound, that is the only one left of a column that was not fixed before.
+fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
+    let room = FIXED * lower.abs().max(upper.abs()).max(1.0);
+    if own[0] == own[1] || !((upper - lower).abs() <= room) {
+        return None;
+    }
+    let near = |v: &f64| (lower - room..=upper + room).contains(v);
+    own.into_iter().chain([0.0]).find(near)
+}
+
+/// Replaces the squares that binaries switch off by tighter functions with the same cost at every
+/// point with whole binaries. Returns `None` for the program if that does not lift the bound of the
+/// root enough, and the relaxed point of the program that is left, where it was computed.
+pub(crate) fn with_perspective(
+    program: &Program,
+    token: &StopToken,
+    ladder: &mut Ladder,
+) -> (Option<Program>, Option<RootPoint>) {
+    let all = switched_squares(program, token);
+    if all.is_empty() {
+        return (None, None);
+    }
+    let mut domain = Domain::new(program);
+    let mut propagator = Propagator::new(program);
+    propagator.set_stop_token(token);
+    if propagator.propagate_all(program, &mut domain).is_err() {
+        return (None, None);
+    }
+    let Some(root) = RootPoint::new(program, &domain, ladder, token) else { return (None, None) };
+    let squares = one_each(all, &root.x);
+    // No function lifts the bound beyond its own value at this point.
+    let most: f64 = squares.iter().map(|square| excess(square, &root.x)).sum();
+    if !root.is_lifted_by(WORTH, root.value + most) {
+        return (None, Some(root));
+    }
+    match best_slopes(program, &domain, &root, &squares, (token, ladder)) {
+        Some((tighter, point)) if root.is_lifted_by(WORTH, point.value) => {
+            (Some(tighter), Some(point))
+        }
+        _ => (None, Some(root)),
+    }
+}
+
+/// Looks for the slopes with the best bound: the program with them, and its relaxed point.
+fn best_slopes(
+    program: &Program,
+    domain: &Domain,
+    root: &RootPoint,
+    squares: &[Switched],
+    (token, ladder): (&StopToken, &mut Ladder),
+) -> Option<(Program, RootPoint)> {
+    let at_root = |square: &Switched| slope(square, &root.x).unwrap_or(0.0);
+    let mut slopes: Vec<f64> = squares.iter().map(at_root).collect();
+    let mut best: Option<(Program, RootPoint)> = None;
+    let mut idle = 0;
+    for _ in 0..ROUNDS {
+        let tighter = with_slopes(program, squares, &slopes)?;
+        let Some(point) = RootPoint::new(&tighter, domain, ladder, token) else { break };
+        for (r, square) in slopes.iter_mut().zip(squares) {
+            let wanted = slope(square, &point.x).unwrap_or(*r);
+            *r += STEP * (wanted - *r);
+        }
+        let (last, value) = (best.as_ref().map_or(root, |(_, point)| point), point.value);
+        idle = if last.is_lifted_by(LIFT, value) { 0 } else { idle + 1 };
+        if value > last.value {
+            best = Some((tighter, point));
+        }
+        if !root.is_lifted_by(HOPELESS, value) || idle >= IDLE || token.is_over() {
+            break;
+        }
+    }
+    best
+}
+
+/// For each column the square of the binary that is furthest off at a point.
+fn one_each(all: Vec<Switched>, x: &[f64]) -> Vec<Switched> {
+    let mut best: BTreeMap<usize, Switched> = BTreeMap::new();
+    for square in all {
+        let kept = best.entry(square.column).or_insert(square);
+        if on(&square, x) < on(kept, x) {
+            *kept = square;
+        }
+    }
+    best.into_values().collect()
+}
+
+/// How far a square is on: 1 for on, 0 for off.
+fn on(square: &Switched, x: &[f64]) -> f64 {
+    let z = x[square.binary].clamp(0.0, 1.0);
+    if square.off_at_one { 1.0 - z } else { z }
+}
+
+/// `d / w` at a point; `None` where the square is off.
+fn slope(square: &Switched, x: &[f64]) -> Option<f64> {
+    let w = on(square, x);
+    (w > OFF).then(|| (x[square.column] - square.value) / w)
+}
+
+/// By how much the perspective of a square exceeds the square at a point.
+fn excess(square: &Switched, x: &[f64]) -> f64 {
+    let (w, d) = (on(square, x).max(OFF), x[square.column] - square.value);
+    0.5 * square.curvature * d * d * (1.0 / w - 1.0)
+}
+
+/// The program with a slope for each square.
+pub fn with_slopes(program: &Program, squares: &[Switched], slopes: &[f64]) -> Option<Program> {
+    let mut linear = program.linear.clone();
+    let mut offset = program.offset;
+    let mut products = Vec::new();
+    for j in 0..program.column_count() {
+        let (rows, values) = program.quadratic_column(j);
+        products.extend(rows.iter().zip(values).map(|(&i, &p)| (i, j, p)));
+    }
+    for (square, &r) in squares.iter().zip(slopes) {
+        let &Switched { column, curvature, binary, off_at_one, value } = square;
+        // `1 - w = s + t z`, and `w (1 - w) = z - z^2`.
+        let (s, t) = if off_at_one { (0.0, 1.0) } else { (1.0, -1.0) };
+        let slanted = curvature * r;
+        products.push((column, binary, t * slanted));
+        products.push((binary, column, t * slanted));
+        products.push((binary, binary, slanted * r));
+        linear[column] += s * slanted;
+        linear[binary] -= t * slanted * value + 0.5 * slanted * r;
+        offset -= s * slanted * value;
+    }
+    let mut tighter = program.clone();
+    tighter.replace_objective(linear, &products)?;
+    tighter.offset = offset;
+    Some(tighter)
+}
