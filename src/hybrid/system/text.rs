@@ -18,7 +18,7 @@ use crate::interval::Interval;
 ///
 /// let ball = HybridSystem::bouncing_ball(0.5, Restitution::new(0.5)?, 3.0, 10.0)?;
 /// let text = ball.to_string();
-/// let last: Vec<&str> = text.lines().skip(8).map(str::trim).collect();
+/// let last: Vec<&str> = text.lines().skip(7).map(str::trim).collect();
 /// assert_eq!(last, [
 ///     "transition bounce (event)",
 ///     "height' = height + 0.5 speed - 1.22625",
