@@ -196,7 +196,9 @@ fn best_slopes(
         if value > last.value {
             best = Some((tighter, point));
         }
-        if !root.is_lifted_by(HOPELESS, value) || idle >= IDLE || token.is_over() {
+        // The first slopes are the largest: where they go too far, the bound falls.
+        let hopeless = value >= root.value && !root.is_lifted_by(HOPELESS, value);
+        if hopeless || idle >= IDLE || token.is_over() {
             break;
         }
     }
