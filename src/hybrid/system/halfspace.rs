@@ -27,7 +27,8 @@ pub struct Halfspace {
     /// state or input.
     pub normal: Vec<f64>,
     /// The limit by step, in any unit you choose; infinite at steps at which nothing is limited.
-    #[cfg_attr(feature = "serde", serde(with = "super::serialized::limits"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::serialized::write_limits"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::serialized::read_limits"))]
     pub limit: Schedule<f64>,
     /// Whether it could be dropped, unlike physics. An
     /// [explanation](crate::hybrid::reach::ReachExplanation) says whether dropping it would help.

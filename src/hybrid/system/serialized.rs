@@ -87,22 +87,19 @@ impl TryFrom<StoredReset> for Reset {
 #[serde(transparent)]
 struct Limit(#[serde(with = "crate::wire")] f64);
 
-/// Limits by step, of which some may be infinite.
-pub(super) mod limits {
-    use super::{Deserialize, Deserializer, Limit, Schedule, Serialize, Serializer};
+/// Writes limits by step, of which some may be infinite.
+pub(super) fn write_limits<S: Serializer>(
+    limits: &Schedule<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let limits: Vec<Limit> = limits.values().map(|&limit| Limit(limit)).collect();
+    Schedule::<Limit>::from(limits).serialize(serializer)
+}
 
-    pub(in super::super) fn serialize<S: Serializer>(
-        limits: &Schedule<f64>,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        let limits: Vec<Limit> = limits.values().map(|&limit| Limit(limit)).collect();
-        Schedule::<Limit>::from(limits).serialize(serializer)
-    }
-
-    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Schedule<f64>, D::Error> {
-        let limits = Schedule::<Limit>::deserialize(deserializer)?;
-        Ok(limits.values().map(|limit| limit.0).collect::<Vec<f64>>().into())
-    }
+/// Reads limits by step, of which some may be infinite.
+pub(super) fn read_limits<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Schedule<f64>, D::Error> {
+    let limits = Schedule::<Limit>::deserialize(deserializer)?;
+    Ok(limits.values().map(|limit| limit.0).collect::<Vec<f64>>().into())
 }
