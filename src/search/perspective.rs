@@ -132,7 +132,8 @@ fn tighten_by_row(
 /// The value, 0 or a bound, that is the only one left of a column that was not fixed before.
 fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
     let room = FIXED * lower.abs().max(upper.abs()).max(1.0);
-    if own[0] == own[1] || !((upper - lower).abs() <= room) {
+    let width = (upper - lower).abs();
+    if own[0] == own[1] || width > room || width.is_nan() {
         return None;
     }
     let near = |v: &f64| (lower - room..=upper + room).contains(v);

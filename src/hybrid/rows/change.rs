@@ -61,7 +61,7 @@ impl Changes {
         let states = last.first().map_or(0, |first| first.next.len());
         let mut parts = vec![Part::Same; quantities];
         let mut groups: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
-        for q in 0..quantities {
+        for (q, part) in parts.iter_mut().enumerate() {
             let change = |step: &&[Behaviour]| -> Vec<Map> {
                 let common = quantity(&step[reference], q);
                 step.iter().map(|own| quantity(own, q).minus(common)).collect()
@@ -71,7 +71,7 @@ impl Changes {
                 continue;
             }
             if maps.iter().all(Map::is_constant) {
-                parts[q] = Part::Constant;
+                *part = Part::Constant;
                 continue;
             }
             let numbers: Vec<f64> = maps.iter().flat_map(Map::numbers).collect();
