@@ -96,6 +96,9 @@ pub(crate) fn warnings_are_expected(warnings: &[Warning]) -> bool {
 /// Name, terms, limits, condition.
 type RowPlan = (String, Vec<(usize, f64)>, (f64, f64), Option<(usize, bool)>);
 
+/// Name, kind, members and weights.
+type SetPlan = (String, bool, Vec<(usize, f64)>);
+
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
     name: String,
@@ -104,8 +107,7 @@ pub(crate) struct Plan {
     variables: Vec<(String, u8, (f64, f64), f64)>,
     rows: Vec<RowPlan>,
     squares: Vec<(f64, usize, f64, usize)>,
-    /// Name, kind, members and weights.
-    sets: Vec<(String, bool, Vec<(usize, f64)>)>,
+    sets: Vec<SetPlan>,
 }
 
 pub(crate) fn plan() -> impl Strategy<Value = Plan> {

@@ -33,7 +33,7 @@ fn assert_close(found: &Mat<f64>, wanted: &Mat<f64>, allowed: f64) {
 fn zero_order_hold_of_a_mass_is_the_double_integrator() {
     let (a, b) = (matrix([[0.0, 1.0], [0.0, 0.0]]), matrix([[0.0], [1.0]]));
     for dt in [0.005, 0.05, 1.0, 7.0] {
-        let held = LinearSystem::zero_order_hold(&a, &b, &[0.0, 0.0], dt).unwrap();
+        let held = LinearSystem::zero_order_hold(&a, &b, [0.0, 0.0], dt).unwrap();
         let exact = LinearSystem::double_integrator(dt).unwrap();
         assert_close(held.a(), exact.a(), 1e-14 * dt.max(1.0));
         assert_close(held.b(), exact.b(), 1e-14 * (dt * dt).max(1.0));
@@ -46,7 +46,7 @@ fn zero_order_hold_of_an_oscillator_rotates() {
     let omega = 3.0_f64;
     let (a, b) = (matrix([[0.0, 1.0], [-omega * omega, 0.0]]), matrix([[0.0], [1.0]]));
     for dt in [0.01, 0.4, 2.5] {
-        let held = LinearSystem::zero_order_hold(&a, &b, &[0.0, 0.0], dt).unwrap();
+        let held = LinearSystem::zero_order_hold(&a, &b, [0.0, 0.0], dt).unwrap();
         let (sin, cos) = (omega * dt).sin_cos();
         assert_close(held.a(), &matrix([[cos, sin / omega], [-omega * sin, cos]]), 5e-14);
         assert_close(held.b(), &matrix([[(1.0 - cos) / omega.powi(2)], [sin / omega]]), 5e-14);
@@ -57,7 +57,7 @@ fn zero_order_hold_of_an_oscillator_rotates() {
 fn zero_order_hold_of_an_unstable_pole_grows() {
     for (pole, drift) in [(2.0_f64, 0.5), (-4.0, 1.0), (9.0, 0.0)] {
         let (a, b) = (matrix([[pole]]), matrix([[3.0]]));
-        let held = LinearSystem::zero_order_hold(&a, &b, &[drift], 0.7).unwrap();
+        let held = LinearSystem::zero_order_hold(&a, &b, [drift], 0.7).unwrap();
         let growth = (0.7 * pole).exp();
         let integral = (0.7 * pole).exp_m1() / pole;
         let allowed = 1e-14 * growth.max(1.0);
@@ -134,7 +134,7 @@ fn linear_systems_refuse_bad_shapes_and_numbers() {
     );
     let fast = Mat::from_fn(1, 1, |_, _| 1e3);
     assert_eq!(
-        text(LinearSystem::zero_order_hold(&fast, &Mat::zeros(1, 0), &[0.0], 10.0)),
+        text(LinearSystem::zero_order_hold(&fast, Mat::zeros(1, 0), [0.0], 10.0)),
         "the time step of the zero-order hold is 10; it must be short enough for the discrete \
          system to stay finite"
     );

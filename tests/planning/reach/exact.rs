@@ -113,7 +113,7 @@ fn one_state_is_an_interval() {
         .with_transition(Transition::new("step", flow.unwrap()));
     let options = SetOptions::default().with_margin(0.0);
     let (start, goal) = ([Interval::new(3.0, 4.0)], [Interval::new(-2.0, -1.9)]);
-    let mut sets = ReachSets::new(&system, &start, &goal, options).unwrap();
+    let mut sets = ReachSets::new(&system, start, goal, options).unwrap();
     let after = |t: i32| (3.0 + 2.0) / 2.0_f64.powi(t) - 2.0;
     for t in 0..=8 {
         let set = sets.forward(t).unwrap().swap_remove(0).unwrap();
@@ -227,7 +227,7 @@ fn sets_that_grow_no_more_are_recognised() {
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("step", flow.unwrap()));
     let goal = points(&[3.0]);
-    let mut sets = ReachSets::new(&system, &points(&[0.0]), &goal, SetOptions::default()).unwrap();
+    let mut sets = ReachSets::new(&system, points(&[0.0]), &goal, SetOptions::default()).unwrap();
     assert!(!sets.may_finish(100_000).unwrap());
     assert!(sets.settled().is_some_and(|steps| steps < 100));
     let text = sets.explain(100_000).unwrap().unwrap().to_string();

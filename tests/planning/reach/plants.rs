@@ -62,13 +62,16 @@ pub(crate) struct Flow {
     c: Vec<f64>,
 }
 
+/// A matrix, row by row.
+type Rows = Vec<Vec<f64>>;
+
 /// A transition in plain numbers.
 #[derive(Debug, Clone)]
 pub(crate) struct Law {
     flow: Flow,
     guards: Vec<Limit>,
     prediction_guards: Vec<Limit>,
-    reset: Option<(Vec<Vec<f64>>, Vec<Vec<f64>>)>,
+    reset: Option<(Rows, Rows)>,
     /// Its own range of input 0.
     range: Option<(f64, f64)>,
     /// Input 0 is `factors . state + constant`.

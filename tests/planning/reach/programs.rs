@@ -174,7 +174,7 @@ fn modes_that_are_no_events_need_no_row() {
         .with_transition(Transition::new("first", gear(0.5)))
         .with_transition(Transition::new("second", gear(1.0)));
     let at = |x| [Interval::point(x)];
-    let mut sets = ReachSets::new(&system, &at(0.0), &at(4.0), SetOptions::default()).unwrap();
+    let mut sets = ReachSets::new(&system, at(0.0), at(4.0), SetOptions::default()).unwrap();
     let tube = sets.tube(5).unwrap();
     let variables = HorizonVariables::new([x]).with_transition(1, second);
     let report = tube.tighten(&mut model, &variables).unwrap();

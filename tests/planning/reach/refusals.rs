@@ -79,7 +79,7 @@ fn systems_whose_parts_do_not_fit() {
 
 #[test]
 fn ends_and_options_out_of_range() {
-    let new = |start: &[Interval], options| ReachSets::new(&push(), start, &REST, options);
+    let new = |start: &[Interval], options| ReachSets::new(&push(), start, REST, options);
     let text = |result: Result<ReachSets, Error>| result.unwrap_err().to_string();
     let fine = SetOptions::default;
     assert_eq!(text(new(&REST[..1], fine())), "the length of the start is 1; it must be 2");
@@ -185,21 +185,21 @@ fn states_too_large_to_compute_with() {
     let mut wide = push();
     wide.states[0].1 = Interval::new(-1e308, 1e308);
     let text = |system: &HybridSystem| {
-        ReachSets::new(system, &REST, &REST, SetOptions::default()).unwrap_err().to_string()
+        ReachSets::new(system, REST, REST, SetOptions::default()).unwrap_err().to_string()
     };
     assert!(text(&wide).starts_with("a limit of `x` is -1"), "{}", text(&wide));
     let flow = LinearSystem::new(Mat::from_fn(2, 2, |_, _| 1e100), Mat::zeros(2, 1), vec![0.0; 2]);
     let steep = push().with_transition(Transition::new("leap", flow.unwrap()));
     assert!(text(&steep).starts_with("an entry of the flow of `leap` is 1"), "{}", text(&steep));
     wide.states[0].1 = Interval::new(-9e19, 9e19);
-    let mut sets = ReachSets::new(&wide, &REST, &REST, SetOptions::default()).unwrap();
+    let mut sets = ReachSets::new(&wide, REST, REST, SetOptions::default()).unwrap();
     assert!(!sets.tube(30).unwrap().is_empty());
 }
 
 #[test]
 fn one_step_is_no_plural() {
     let far = [Interval::point(5.0), Interval::point(0.0)];
-    let mut sets = ReachSets::new(&push(), &REST, &far, SetOptions::default()).unwrap();
+    let mut sets = ReachSets::new(&push(), REST, far, SetOptions::default()).unwrap();
     let text = sets.explain(1).unwrap().unwrap().to_string();
     assert!(text.starts_with("no plan has 1 step: "), "{text}");
 }
@@ -207,7 +207,7 @@ fn one_step_is_no_plural() {
 #[test]
 fn regions_that_do_not_fit() {
     let refused = |start: Region| {
-        ReachSets::new(&push(), start, &REST, SetOptions::default()).unwrap_err().to_string()
+        ReachSets::new(&push(), start, REST, SetOptions::default()).unwrap_err().to_string()
     };
     let rest = || Region::point([0.0, 0.0]);
     assert_eq!(refused(Region::point([0.0])), "the length of the start is 1; it must be 2");
@@ -229,7 +229,7 @@ fn regions_that_do_not_fit() {
     assert!(text.contains("off"), "{text}");
     let options = SetOptions::default().with_layers(0);
     assert_eq!(
-        ReachSets::new(&push(), &REST, &REST, options).unwrap_err().to_string(),
+        ReachSets::new(&push(), REST, REST, options).unwrap_err().to_string(),
         "the number of layers of reach sets is 0; it must be at least 1"
     );
 }

@@ -60,7 +60,7 @@ proptest! {
         let start = [wall + ball.normal * f64::from(gap) / 128.0, -2.0 * ball.normal];
         let options = SetOptions::default().with_margin(0.0).with_vertices(vertices);
         let system = ball.system(Interval::new(-1.0, 1.0), DT);
-        let mut sets = ReachSets::new(&system, &point(start), &point(start), options).unwrap();
+        let mut sets = ReachSets::new(&system, point(start), point(start), options).unwrap();
         let (mut state, mut events, mut t) = (start, 0_usize, 0);
         for (eighths, steps) in pushes {
             for _ in 0..steps {
@@ -97,7 +97,7 @@ proptest! {
         let (steps, goal) = (run.len() - 1, run[run.len() - 1].0);
         let system = ball.system(Interval::new(-6.0, 6.0), dt);
         let options = SetOptions::default();
-        let mut sets = ReachSets::new(&system, &point(start), &point(goal), options).unwrap();
+        let mut sets = ReachSets::new(&system, point(start), point(goal), options).unwrap();
         let tube = sets.tube(steps).unwrap();
         prop_assert!(!tube.is_empty());
         for (t, (state, _)) in run.iter().enumerate() {
@@ -118,7 +118,7 @@ fn rounding_loosens_sets_by_very_little() {
     let (dt, start) = (1e-4, [1e4 + 5.0, -3.0]);
     let system = ball.system(Interval::point(0.0), dt);
     let options = SetOptions::default().with_margin(0.0);
-    let mut sets = ReachSets::new(&system, &point(start), &point(start), options).unwrap();
+    let mut sets = ReachSets::new(&system, point(start), point(start), options).unwrap();
     let set = sets.forward(10_000).unwrap().swap_remove(0).expect("it is still in flight");
     let [x, v] = set.bounding_box()[..] else { panic!("two states") };
     assert!(x.contains(1e4 + 2.0) && x.width() < 1e-6, "{x:?}");

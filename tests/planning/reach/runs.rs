@@ -75,7 +75,7 @@ proptest! {
         let goal = &run[run.len() - 1].next;
         let options = SetOptions::default().with_events(events).with_vertices(vertices);
         let hybrid = system.hybrid();
-        let mut sets = ReachSets::new(&hybrid, &points(start), &points(goal), options).unwrap();
+        let mut sets = ReachSets::new(&hybrid, points(start), points(goal), options).unwrap();
         prop_assert!(sets.may_finish(run.len()).unwrap());
         check_samples(&system, &mut sets, start, &run);
         check_tube(&sets.tube(run.len()).unwrap(), start, &run);
@@ -140,7 +140,7 @@ proptest! {
         let goal = &run[run.len() - 1].next;
         let options = SetOptions::default().with_vertices(vertices).with_margin(margin);
         let mut sets =
-            ReachSets::new(&system.hybrid(), &points(&start), &points(goal), options).unwrap();
+            ReachSets::new(&system.hybrid(), points(&start), points(goal), options).unwrap();
         check_samples(&system, &mut sets, &start, &run);
         check_tube(&sets.tube(run.len()).unwrap(), &start, &run);
     }

@@ -102,7 +102,7 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
             let at = |x| [Interval::point(x), Interval::point(0.0)];
             let options = SetOptions::default().with_events(0).with_vertices(8).with_margin(0.05);
             let (start, goal) = (at(self.0.start.position), at(self.0.goal.position));
-            ReachSets::new(&system, &start, &goal, options).map(Some)
+            ReachSets::new(&system, start, goal, options).map(Some)
         }
         fn variables(&self, program: &Self::Program) -> HorizonVariables {
             program.horizon_variables(&self.0)
@@ -306,7 +306,7 @@ impl HorizonModel for Planar {
             );
         let at = |state: [f64; 4]| state.map(Interval::point);
         let (start, goal) = (at([3.0, 0.0, 0.0, 0.0]), at([0.2, 0.0, 1.0, 0.0]));
-        ReachSets::new(&system, &start, &goal, SetOptions::default()).map(Some)
+        ReachSets::new(&system, start, goal, SetOptions::default()).map(Some)
     }
 
     fn variables(&self, model: &Model) -> HorizonVariables {

@@ -71,6 +71,24 @@ fn set_cost(model: &mut Model, program: &HybridProgram, cost: &[f64]) -> Affine 
     total
 }
 
+fn dot(factors: &[f64], of: &[Affine]) -> Affine {
+    factors.iter().zip(of).map(|(a, e)| *a * e).sum()
+}
+
+/// A cost of the last state and of the inputs.
+fn total_cost(x: &[Family], u: &[Family], cost: &[f64]) -> Affine {
+    let mut total = Affine::zero();
+    for (k, family) in x.iter().enumerate() {
+        total.add_term(cost[k], family[family.len() - 1]);
+    }
+    for (k, family) in u.iter().enumerate() {
+        for (t, input) in family.iter().enumerate() {
+            total.add_term(cost[4 + k] / (1 + t) as f64, input);
+        }
+    }
+    total
+}
+
 /// The least cost of a sequence of transitions, as a linear program of its own.
 fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> {
     let steps = taken.len();
@@ -91,9 +109,6 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
         model.add(("row", number), row).unwrap();
         true
     };
-    let dot = |factors: &[f64], of: &[Affine]| -> Affine {
-        factors.iter().zip(of).map(|(a, e)| *a * e).sum()
-    };
     for t in 0..=steps {
         let state: Vec<Affine> = x.iter().map(|family| family[t].into()).collect();
         for (normal, limits) in &plain.limits {
@@ -112,8 +127,7 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
         let fly = |a: &[Vec<f64>], b: &[Vec<f64>], c: &[f64]| -> Vec<Affine> {
             (0..plain.states).map(|i| dot(&a[i], &state) + dot(&b[i], &input) + c[i]).collect()
         };
-        let (a, b, c) = &plain.flow;
-        let common = fly(a, b, c);
+        let common = fly(&plain.flow.0, &plain.flow.1, &plain.flow.2);
         let mut next =
             if ways.len() > 1 { common.clone() } else { vec![Affine::zero(); plain.states] };
         let mut possible = true;
@@ -143,9 +157,8 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
             possible &= demand(&mut model, &input[0] - high, false);
             possible &= demand(&mut model, low - &input[0], false);
         }
-        for input in input.iter().skip(1) {
-            possible &= demand(&mut model, input - 1.0, false);
-            possible &= demand(&mut model, -1.0 - input, false);
+        for (input, sign) in input.iter().skip(1).flat_map(|input| [(input, 1.0), (input, -1.0)]) {
+            possible &= demand(&mut model, sign * input - 1.0, false);
         }
         for (i, next) in next.into_iter().enumerate() {
             possible &= demand(&mut model, x[i][t + 1] - next, true);
@@ -154,14 +167,7 @@ fn least_cost(plain: &Plain, taken: &[Vec<usize>], cost: &[f64]) -> Option<f64> 
             return None;
         }
     }
-    let mut total = Affine::zero();
-    x.iter().enumerate().for_each(|(k, family)| total.add_term(cost[k], family[steps]));
-    for (k, family) in u.iter().enumerate() {
-        for t in 0..steps {
-            total.add_term(cost[4 + k] / (1 + t) as f64, family[t]);
-        }
-    }
-    model.minimize(total).unwrap();
+    model.minimize(total_cost(&x, &u, cost)).unwrap();
     let solution = BranchAndBound::default().solve(&model).unwrap();
     assert!(solution.is_optimal() || solution.is_infeasible(), "{solution:?}");
     solution.objective()
@@ -173,7 +179,10 @@ fn enumerated(plain: &Plain, steps: usize, cost: &[f64]) -> Option<f64> {
     for _ in 0..steps {
         let combinations = plain.combinations();
         let with = |before: &Vec<Vec<usize>>| -> Vec<Vec<Vec<usize>>> {
-            combinations.iter().map(|taken| [&before[..], &[taken.clone()]].concat()).collect()
+            combinations
+                .iter()
+                .map(|taken| [&before[..], std::slice::from_ref(taken)].concat())
+                .collect()
         };
         sequences = sequences.iter().flat_map(with).collect();
     }

@@ -7,6 +7,9 @@ use proptest::prelude::*;
 /// States lie within [-DOMAIN, DOMAIN].
 pub(crate) const DOMAIN: f64 = 8.0;
 
+/// A matrix, row by row.
+type Rows = Vec<Vec<f64>>;
+
 /// A transition in plain numbers.
 #[derive(Debug, Clone)]
 pub(crate) struct Way {
@@ -17,7 +20,7 @@ pub(crate) struct Way {
     pub(crate) guards: Vec<(Vec<f64>, Vec<f64>)>,
     pub(crate) prediction_guards: Vec<(Vec<f64>, Vec<f64>)>,
     /// The matrix, and offsets by step.
-    pub(crate) reset: Option<(Vec<Vec<f64>>, Vec<Vec<f64>>)>,
+    pub(crate) reset: Option<(Rows, Rows)>,
     /// The range of the first input, if it is another.
     pub(crate) range: Option<(f64, f64)>,
     pub(crate) output: Option<(Vec<f64>, f64)>,

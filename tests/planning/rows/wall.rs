@@ -160,7 +160,7 @@ fn a_tube_tightens_the_rows() {
     let before = BranchAndBound::default().solve(&model).unwrap().objective().unwrap();
 
     let at = |x| [Interval::point(x), Interval::point(0.0)];
-    let mut sets = ReachSets::new(&system(0.5), &at(5.0), &at(1.0), SetOptions::default()).unwrap();
+    let mut sets = ReachSets::new(&system(0.5), at(5.0), at(1.0), SetOptions::default()).unwrap();
     let tube = sets.tube(steps).unwrap();
     let report = tube.tighten(&mut model, &program.horizon_variables()).unwrap();
     // In the first steps the wall is out of reach.

@@ -107,13 +107,17 @@ fn a_ball_with_impulses() {
     solved(&ball, &[2.0, 0.0], 40, cost, 66.637_772_021_440_03);
 }
 
+/// A row `E2 δ + E3 z <= E1 u + E4 v + E5`: its δ, z, u, v and constant.
+type DynamicsRow = ([f64; 3], [f64; 3], f64, f64, f64);
+
 /// Speed of a car with three gears and a drag in two pieces, as mixed logical dynamics
 /// (astroquest/hybrid-mpc-for-adaptive-cruise-control): binaries `v >= 15`, `v >= alpha`,
 /// `v >= 30`, auxiliaries u δ1, v δ2, u δ3.
 fn car() -> HybridSystem {
     let (mass, drag, b, g, time) = (800.0, 0.4, 3700.0, 0.87, 0.125);
-    let (most, comfort, shifts, alpha, beta) = (1.3, 2.5, [15.0, 28.8575, 30.0], 28.8575, 249.8266);
-    let top = (b / drag / (1.0 + 3.0 * g) * most as f64).sqrt();
+    let (most, comfort, shifts, alpha, beta) =
+        (1.3_f64, 2.5, [15.0, 28.8575, 30.0], 28.8575, 249.8266);
+    let top = (b / drag / (1.0 + 3.0 * g) * most).sqrt();
     let a1 = beta / alpha;
     let b2 = (beta / alpha * top - drag * top * top) / (top / alpha - 1.0);
     let a2 = (beta - b2) / alpha;
@@ -124,7 +128,7 @@ fn car() -> HybridSystem {
     let b2 = [0.0, -s * b2, 0.0];
     let b3 = [s * (gear(2.0) - gear(1.0)), s * (a1 - a2), s * (gear(3.0) - gear(2.0))];
     // Rows: δ, z, u, v and the constant, as E2 δ + E3 z <= E1 u + E4 v + E5.
-    let mut rows: Vec<([f64; 3], [f64; 3], f64, f64, f64)> = Vec::new();
+    let mut rows: Vec<DynamicsRow> = Vec::new();
     let at = |k: usize, value: f64| std::array::from_fn(|j| if j == k { value } else { 0.0 });
     for (k, threshold) in shifts.into_iter().enumerate() {
         rows.push((at(k, threshold - top), at(k, 0.0), 0.0, -1.0, threshold));

@@ -20,12 +20,15 @@ pub(crate) struct Raw {
     is_event: bool,
 }
 
+/// Transitions, whether they have memory, and a dwell time.
+type RawChoice = (Vec<Raw>, bool, Option<(usize, usize)>);
+
 /// A system in numbers.
 #[derive(Debug, Clone)]
 pub(crate) struct RawSystem {
     states: usize,
     inputs: usize,
-    choices: Vec<(Vec<Raw>, bool, Option<(usize, usize)>)>,
+    choices: Vec<RawChoice>,
     most_events: Option<usize>,
     limit: Option<(Vec<f64>, Vec<f64>)>,
 }
