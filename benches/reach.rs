@@ -40,7 +40,7 @@ fn sweeps(criterion: &mut Criterion) {
     let tube = swept.clone().tube(485).expect("485 steps are allowed");
     let program = PlanningProgram::build(&scenario(0.005), 485, Objective::Feasibility);
     let program = program.expect("the paper's scenario is valid");
-    let variables = program.horizon_variables(&scenario(0.005));
+    let variables = program.hybrid.horizon_variables();
     group.bench_function("tighten", |b| {
         b.iter_batched(
             || program.model.clone(),
@@ -82,7 +82,7 @@ fn time_to_spare(criterion: &mut Criterion) {
     let scenario = scenario(0.1);
     let program = PlanningProgram::build(&scenario, 30, Objective::Effort);
     let program = program.expect("the paper's scenario is valid");
-    let variables = program.horizon_variables(&scenario);
+    let variables = program.hybrid.horizon_variables();
     group.bench_function("sets", |b| {
         b.iter_batched(
             || program.model.clone(),

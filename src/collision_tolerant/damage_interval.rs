@@ -230,7 +230,7 @@ impl Search<'_> {
         let mut scenario = self.scenario;
         scenario.damage.per_impact = limit;
         let mut program = PlanningProgram::build(&scenario, steps, Objective::Feasibility)?;
-        match tighten(&scenario, &mut scenario.reach_sets()?, &mut program, &self.token)? {
+        match tighten(&mut scenario.reach_sets()?, &mut program, &self.token)? {
             true => self.solve(&program),
             false => Ok(Answer::Refuted),
         }

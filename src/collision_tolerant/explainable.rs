@@ -78,7 +78,10 @@ impl PlanningProgram {
             }
         }
         if self.contact.is_some() && literal {
-            self.model.set_background("free_acceleration")?;
+            // Stated above, with the limits that are questioned.
+            ["flight_least_a", "flight_most_a"]
+                .iter()
+                .try_for_each(|f| self.model.set_background(f))?;
         }
         for (t, v) in self.velocity.iter().enumerate() {
             let limit = scenario.max_speed;

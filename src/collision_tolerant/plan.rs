@@ -135,7 +135,7 @@ pub fn plan_with(
 ) -> Result<PlanOutcome, Error> {
     let mut program = PlanningProgram::build(scenario, steps, objective)?;
     let token = StopToken::new(solver.options().time_limit, control.interrupt());
-    if !tighten(scenario, &mut scenario.reach_sets()?, &mut program, &token)? {
+    if !tighten(&mut scenario.reach_sets()?, &mut program, &token)? {
         return Ok(PlanOutcome::Infeasible(Statistics::default()));
     }
     let solution = solver.solve_with(&program.model, control)?;

@@ -4,7 +4,8 @@ use std::borrow::{Borrow, BorrowMut};
 
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::{ContactLaw, ContactStep, Damage, Horizon, ImpactSpeed, LinearSystem};
+use crate::hybrid::contact::IMPACT_SPEED;
+use crate::hybrid::{ContactLaw, Damage, Horizon, HybridProgram, ImpactSpeed};
 use crate::model::{Affine, Family, Model, Quadratic, Variable};
 
 /// The objective of a plan over a fixed horizon.
@@ -50,6 +51,8 @@ pub struct PlanningProgram {
     pub contact: Option<Family>,
     /// Impact speed of each step, in m/s, valid if ζ(t) = 1; empty if collisions are forbidden.
     pub impact_speed: Vec<Affine>,
+    /// The system's variables by name: (3)-(7), and (8)-(13) or the reflecting law instead.
+    pub hybrid: HybridProgram,
     /// The damage states, if the scenario or the objective needs them.
     pub damage: Option<Damage>,
 }
@@ -103,65 +106,51 @@ impl PlanningProgram {
             Collisions::Forbidden => "collision_free",
         });
 
-        let [position, velocity, acceleration] = add_states(&mut model, scenario, &horizon, ends)?;
+        let hybrid = scenario.system(&horizon, None)?.write(&mut model, "", &horizon)?;
+        // a(τ) does not enter the dynamics.
+        let limits = scenario.acceleration;
+        let last = model.continuous(("a", steps), limits.lower, limits.upper)?;
         let mut program = PlanningProgram {
-            model,
             horizon,
-            position,
-            velocity,
-            acceleration,
-            contact: None,
+            position: hybrid.state("x")?.clone(),
+            velocity: hybrid.state("v")?.clone(),
+            acceleration: hybrid.input("a")?.iter().chain([last]).collect(),
+            contact: contacts(&hybrid),
             impact_speed: Vec::new(),
             damage: None,
+            model,
+            hybrid,
         };
-        match scenario.collisions {
-            Collisions::Forbidden => program.add_flight(scenario)?,
-            Collisions::Tolerated => program.add_contacts(scenario, objective)?,
+        if scenario.collisions == Collisions::Tolerated {
+            let wall = scenario.contact.wall;
+            program.impact_speed = match scenario.contact.law {
+                ContactLaw::Literal => {
+                    let speeds = program.velocity.iter().take(steps);
+                    speeds.map(|v| -wall.rate_of(&v.into())).collect()
+                }
+                _ => program.hybrid.output(IMPACT_SPEED)?.to_vec(),
+            };
         }
+        if ends == Ends::Fixed {
+            program.fix_ends(scenario)?;
+        }
+        program.add_damage(scenario, objective)?;
         program.set_objective(objective)?;
         Ok(program)
     }
 
-    /// (3), (4) at every step; (7) is in the bounds of the positions.
-    fn add_flight(&mut self, scenario: &Scenario) -> Result<(), Error> {
-        let vehicle = LinearSystem::double_integrator(scenario.time_step)?;
-        let (x, v, a) = (&self.position, &self.velocity, &self.acceleration);
-        for t in 0..self.horizon.steps() {
-            let (now, next) = ([x[t], v[t]], [x[t + 1], v[t + 1]]);
-            vehicle.add_dynamics(&mut self.model, &["x", "v"], t, &now, &[a[t]], &next)?;
+    /// (14)-(20).
+    fn add_damage(&mut self, scenario: &Scenario, objective: Objective) -> Result<(), Error> {
+        let Some(zeta) = &self.contact else { return Ok(()) };
+        if !scenario.damage.is_active() && objective != Objective::LargestDamage {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// (8)-(13) or the reflecting law instead, and (14)-(20).
-    fn add_contacts(&mut self, scenario: &Scenario, objective: Objective) -> Result<(), Error> {
-        let vehicle = LinearSystem::double_integrator(scenario.time_step)?;
-        let (x, v, a) = (&self.position, &self.velocity, &self.acceleration);
-        let zeta = self.model.binary_family("zeta", self.horizon.steps())?;
-        let mut contacts: Vec<(Variable, ImpactSpeed)> = Vec::with_capacity(zeta.len());
-        for t in 0..self.horizon.steps() {
-            let predicted = vehicle.predict(&[x[t], v[t]], &[a[t]])?;
-            let step = ContactStep {
-                step: t,
-                time_step: scenario.time_step,
-                position: x[t].into(),
-                velocity: v[t].into(),
-                acceleration: a[t].into(),
-                acceleration_limits: scenario.acceleration,
-                predicted_position: predicted[0].clone(),
-                predicted_velocity: predicted[1].clone(),
-                next_position: x[t + 1].into(),
-                next_velocity: v[t + 1].into(),
-                contact: zeta[t],
-            };
-            let impact = scenario.contact.add_step(&mut self.model, &step)?;
-            self.impact_speed.push(impact.speed.clone());
-            contacts.push((zeta[t], impact));
-        }
-        if scenario.damage.is_active() || objective == Objective::LargestDamage {
-            self.damage = Some(Damage::add(&mut self.model, &contacts, &scenario.damage)?);
-        }
-        self.contact = Some(zeta);
+        // Under the literal law the wall pushes from the start of the step on.
+        let zero_in_flight = scenario.contact.law == ContactLaw::Reflecting;
+        let speeds = self.impact_speed.iter();
+        let impacts = speeds.map(|speed| ImpactSpeed::new(speed.clone(), zero_in_flight));
+        let contacts: Vec<(Variable, ImpactSpeed)> = zeta.iter().zip(impacts).collect();
+        self.damage = Some(Damage::add(&mut self.model, &contacts, &scenario.damage)?);
         Ok(())
     }
 
@@ -201,6 +190,22 @@ impl PlanningProgram {
         }
     }
 
+    fn fix_ends(&mut self, scenario: &Scenario) -> Result<(), Error> {
+        let (start, goal, last) = (&scenario.start, &scenario.goal, self.horizon.steps());
+        let (model, x, v) = (&mut self.model, &self.position, &self.velocity);
+        model.fix(x[0], start.position)?; // (1), (21c)
+        model.fix(x[last], goal.position)?; // (2), (21d)
+        model.fix(v[0], start.velocity)?; // (21e)
+        model.fix(v[last], goal.velocity)?; // (21f)
+        if let Some(value) = start.acceleration {
+            model.fix(self.acceleration[0], value)?; // (21g)
+        }
+        if let Some(value) = goal.acceleration {
+            model.fix(self.acceleration[last], value)?; // (21h)
+        }
+        Ok(())
+    }
+
     /// Adds the row `contact_needed`, `Σ ζ(t) >= 1`, for a horizon whose collision-free program is
     /// known to be infeasible. This bounds the number of contacts from below.
     pub(super) fn require_contact(&mut self) -> Result<(), Error> {
@@ -211,44 +216,8 @@ impl PlanningProgram {
     }
 }
 
-/// Positions, velocities and accelerations with their bounds and end conditions.
-fn add_states(
-    model: &mut Model,
-    scenario: &Scenario,
-    horizon: &Horizon,
-    ends: Ends,
-) -> Result<[Family; 3], Error> {
-    let samples = horizon.steps() + 1;
-    let last = horizon.steps();
-    // (7), (21k): the wall is one end of the domain of the positions.
-    let positions = scenario.positions(horizon);
-    let x = model.continuous_family("x", samples, positions.lower, positions.upper)?;
-    let v = model.continuous_family("v", samples, -scenario.max_speed, scenario.max_speed)?;
-    // (5), (6), (21i), (21j). The forced acceleration of the literal law exceeds these limits.
-    let limits = scenario.acceleration;
-    let (lowest, highest) = match (scenario.contact.law, scenario.collisions) {
-        (ContactLaw::Literal, Collisions::Tolerated) => {
-            let e = scenario.contact.restitution.value();
-            let forced = (1.0 + e) * scenario.max_speed / scenario.time_step;
-            (limits.lower.min(-forced), limits.upper.max(forced))
-        }
-        _ => (limits.lower, limits.upper),
-    };
-    let a = model.continuous_family("a", samples, lowest, highest)?;
-    model.set_bounds(a[last], limits.lower, limits.upper)?;
-    if ends == Ends::Open {
-        return Ok([x, v, a]);
-    }
-
-    model.fix(x[0], scenario.start.position)?; // (1), (21c)
-    model.fix(x[last], scenario.goal.position)?; // (2), (21d)
-    model.fix(v[0], scenario.start.velocity)?; // (21e)
-    model.fix(v[last], scenario.goal.velocity)?; // (21f)
-    if let Some(value) = scenario.start.acceleration {
-        model.fix(a[0], value)?; // (21g)
-    }
-    if let Some(value) = scenario.goal.acceleration {
-        model.fix(a[last], value)?; // (21h)
-    }
-    Ok([x, v, a])
+/// ζ(0), ..., ζ(τ-1), the choice of the second transition, if there is a choice.
+fn contacts(hybrid: &HybridProgram) -> Option<Family> {
+    let variables = hybrid.horizon_variables();
+    variables.transitions.into_iter().find(|(number, _)| *number == 1).map(|(_, zeta)| zeta)
 }

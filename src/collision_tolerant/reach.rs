@@ -4,9 +4,11 @@ use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Endpoint, Scenario};
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
-use crate::hybrid::{ContactLaw, Horizon, HorizonModel, HybridSystem, Waiting};
+use crate::hybrid::{
+    ContactLaw, Horizon, HorizonModel, HybridSystem, LinearSystem, Transition, Waiting,
+};
 use crate::interval::Interval;
-use crate::model::{Family, Model};
+use crate::model::Model;
 use crate::solver::StopToken;
 use crate::tolerance;
 
@@ -26,16 +28,39 @@ impl Scenario {
     pub fn hybrid_system(&self) -> Result<HybridSystem, Error> {
         self.check()?;
         let longest = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
+        let limits = [self.damage.per_impact, self.damage.cumulative];
+        self.system(&longest, limits.into_iter().flatten().reduce(f64::min))
+    }
+
+    /// The system over a horizon, of a scenario that has been checked.
+    ///
+    /// # Arguments
+    ///
+    /// * `max_impact_speed`: limit of each contact, in m/s.
+    pub(super) fn system(
+        &self,
+        horizon: &Horizon,
+        max_impact_speed: Option<f64>,
+    ) -> Result<HybridSystem, Error> {
         let system = HybridSystem::new()
-            .with_state("x", self.positions(&longest))
+            .with_state("x", self.positions(horizon))
             .with_state("v", Interval::new(-self.max_speed, self.max_speed))
             .with_input("a", self.acceleration);
-        let limits = [self.damage.per_impact, self.damage.cumulative];
-        let limit = limits.into_iter().flatten().reduce(f64::min);
-        let [flight, contact] = self.contact.transitions(self.time_step, limit)?;
-        Ok(match self.collisions {
-            Collisions::Forbidden => system.with_transition(flight),
-            Collisions::Tolerated => system.with_transition(flight).with_transition(contact),
+        let [flight, contact] = self.contact.transitions(self.time_step, max_impact_speed)?;
+        Ok(match (self.collisions, self.contact.law) {
+            (Collisions::Forbidden, _) => {
+                let flow = LinearSystem::double_integrator(self.time_step)?;
+                system.with_transition(Transition::new("flight", flow))
+            }
+            (Collisions::Tolerated, ContactLaw::Literal) => {
+                // The forced acceleration exceeds the vehicle's own limits, (10) and (11).
+                let e = self.contact.restitution.value();
+                let forced = (1.0 + e) * self.max_speed / self.time_step;
+                let forced = self.acceleration.hull(Interval::new(-forced, forced));
+                let contact = contact.with_input_range("a", forced);
+                system.with_transition(flight).with_transition(contact)
+            }
+            (Collisions::Tolerated, _) => system.with_transition(flight).with_transition(contact),
         })
     }
 
@@ -64,36 +89,6 @@ impl Scenario {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),
             None => Ok(sets),
         }
-    }
-}
-
-impl PlanningProgram {
-    /// The variables that represent the states and transitions of [`Scenario::hybrid_system`].
-    pub fn horizon_variables(&self, scenario: &Scenario) -> HorizonVariables {
-        let states = [self.position.clone(), self.velocity.clone()];
-        let variables = HorizonVariables::new(states);
-        let Some(zeta) = &self.contact else { return variables };
-        let variables = variables.with_transition(1, zeta.clone());
-        if scenario.contact.law == ContactLaw::Literal {
-            return variables;
-        }
-        // Penetration and impact speed are 0 in flight and the mirrored prediction in contact.
-        let wall = scenario.contact.wall;
-        let n = wall.normal();
-        let flight = (vec![0.0, 0.0], 0.0);
-        let depth = (vec![-n, 0.0], n * wall.position());
-        let speed = (vec![0.0, -n], 0.0);
-        let family = |name: &str| -> Option<Family> {
-            let member = |t| self.model.variable_by_name((name, t)).ok();
-            (0..self.horizon.steps()).map(member).collect()
-        };
-        let mut variables = variables;
-        for (name, contact) in [("penetration", depth), ("impact_speed", speed)] {
-            if let Some(family) = family(name) {
-                variables = variables.with_quantity(family, [flight.clone(), contact]);
-            }
-        }
-        variables
     }
 }
 
@@ -128,7 +123,7 @@ impl HorizonModel for Programs {
     }
 
     fn variables(&self, program: &PlanningProgram) -> HorizonVariables {
-        program.horizon_variables(&self.scenario)
+        program.hybrid.horizon_variables()
     }
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = PlanningProgram> + '_>> {
@@ -152,13 +147,12 @@ pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<ReachExplanat
 /// Tightens a program with the tube of its horizon. `false` if the tube proves that there is no
 /// plan. If the token is over first, the program stays unchanged.
 pub(super) fn tighten(
-    scenario: &Scenario,
     sets: &mut ReachSets,
     program: &mut PlanningProgram,
     token: &StopToken,
 ) -> Result<bool, Error> {
     let Some(tube) = sets.tube_until(program.horizon.steps(), token)? else { return Ok(true) };
-    let variables = program.horizon_variables(scenario);
+    let variables = program.hybrid.horizon_variables();
     let model: &mut Model = &mut program.model;
     Ok(!tube.tighten(model, &variables)?.infeasible)
 }

@@ -200,7 +200,7 @@ impl Refinement<'_> {
             program.require_contact()?;
         }
         if let Some(tube) = &shortest.tube {
-            let variables = program.horizon_variables(self.scenario);
+            let variables = program.hybrid.horizon_variables();
             let _report = tube.tighten(&mut program.model, &variables)?;
         }
         let Some(solution) = self.solve(&program)? else { return Ok(()) };

@@ -64,12 +64,12 @@ pub(super) fn transitions(
     let (n, at, e) = (wall.normal(), wall.normal() * wall.position(), restitution.value());
     let outside = Halfspace::new("the step begins outside the wall", [-n, 0.0], -at);
     let flow = LinearSystem::double_integrator(time_step)?;
-    let flight = Transition::new("flight", flow).with_guard(outside);
-    // a = -(1+e) v/Δt for every input.
-    let a = faer::mat![[1.0, 0.5 * time_step * (1.0 - e)], [0.0, -e]];
-    let forced = LinearSystem::new(a, faer::mat![[0.0], [0.0]], vec![0.0, 0.0])?;
+    let flight = Transition::new("flight", flow.clone()).with_guard(outside);
     let inside = Halfspace::new("the step begins inside the wall", [n, 0.0], at);
-    let mut contact = Transition::event("contact", forced).with_guard(inside);
+    // Δt a = -(1+e) v, without a division by Δt.
+    let name = "the wall's acceleration";
+    let forced = Halfspace::equality(name, [0.0, 1.0 + e, time_step], 0.0);
+    let mut contact = Transition::event("contact", flow).with_guard(inside).with_guards(forced);
     if let Some(limit) = max_speed {
         let limit = Halfspace::limit("the limit on the impact speed", [0.0, -n], limit);
         contact = contact.with_guard(limit);

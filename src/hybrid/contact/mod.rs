@@ -25,6 +25,9 @@ use crate::error::ErrorKind;
 use crate::interval::Interval;
 use crate::model::{Affine, Model, Variable};
 
+/// The output of an impact under the reflecting law: the speed towards the wall, in m/s.
+pub(crate) const IMPACT_SPEED: &str = "impact speed";
+
 /// Coefficient of restitution e: rebound speed over impact speed (no unit), from 0 (perfectly
 /// plastic) to 1 (perfectly elastic).
 ///
@@ -197,6 +200,10 @@ impl Contact {
 
     /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for
     /// [reach sets](super::reach): first the flight, then the contact, which is an event.
+    ///
+    /// Under the reflecting law, the impact has the output `impact speed` (m/s). Under the literal
+    /// law, the contact forces the input to `-(1+e) v/Δt`, so give the contact an
+    /// [input range](Transition::with_input_range) that contains it.
     ///
     /// # Arguments
     ///

@@ -98,6 +98,10 @@ pub(super) fn transitions(
         impact = impact.with_prediction_guard(limit);
     }
     let rebound = Mat::from_fn(2, 2, |i, j| if i == j { -e } else { 0.0 });
-    let impact = impact.with_reset(rebound, vec![(1.0 + e) * wall.position(), 0.0]);
+    let impact = impact.with_reset(rebound, [(1.0 + e) * wall.position(), 0.0]).with_output(
+        super::IMPACT_SPEED,
+        [0.0, -n],
+        0.0,
+    );
     [flight, impact]
 }

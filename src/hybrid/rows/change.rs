@@ -120,10 +120,12 @@ fn ratio(numbers: &[f64], others: &[f64]) -> Option<f64> {
 }
 
 /// The transition from which the others differ least: the sum of the ranges of the changes, in
-/// parts of the states' ranges. Of equals, the first that is not an event.
+/// parts of the states' ranges. An event only if there is nothing else.
 fn reference(transitions: &[Transition], step: &[Behaviour], regions: &[Region]) -> usize {
-    let mut best = (f64::INFINITY, true, 0);
-    for (r, transition) in transitions.iter().enumerate() {
+    let only_events = transitions.iter().all(|transition| transition.is_event);
+    let lasting = transitions.iter().enumerate().filter(|(_, t)| only_events || !t.is_event);
+    let mut best = (f64::INFINITY, 0);
+    for (r, _) in lasting {
         let mut sum = 0.0;
         for i in 0..step[r].next.len() {
             let mut hull = crate::interval::Interval::point(0.0);
@@ -135,11 +137,9 @@ fn reference(transitions: &[Transition], step: &[Behaviour], regions: &[Region])
             let width = domain.upper - domain.lower;
             sum += (hull.upper - hull.lower) / if width > 0.0 { width } else { 1.0 };
         }
-        let clearly = sum < best.0 * (1.0 - 1e-9) - 1e-12;
-        let equal = !clearly && sum <= best.0 * (1.0 + 1e-9) + 1e-12;
-        if clearly || equal && best.1 && !transition.is_event {
-            best = (sum, transition.is_event, r);
+        if sum < best.0 * (1.0 - 1e-9) - 1e-12 || best.0 == f64::INFINITY {
+            best = (sum, r);
         }
     }
-    best.2
+    best.1
 }

@@ -53,7 +53,7 @@ fn check(plan: &Plan) -> Result<TighteningReport, TestCaseError> {
     let mut program =
         PlanningProgram::build(&plan.scenario, steps, Objective::Feasibility).unwrap();
     let tube = plan.scenario.reach_sets().unwrap().tube(steps).unwrap();
-    let variables = program.horizon_variables(&plan.scenario);
+    let variables = program.hybrid.horizon_variables();
     let report = tube.tighten(&mut program.model, &variables).unwrap();
     prop_assert!(!report.infeasible, "there is a plan");
     let bounds = |variable| program.model.variable_ref(variable).unwrap().bounds();
@@ -121,7 +121,7 @@ proptest! {
 fn the_report_says_what_was_done_and_why() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let mut program = PlanningProgram::build(&scenario, 48, Objective::Feasibility).unwrap();
-    let variables = program.horizon_variables(&scenario);
+    let variables = program.hybrid.horizon_variables();
     let tube = scenario.reach_sets().unwrap().tube(48).unwrap();
     let report = tube.tighten(&mut program.model, &variables).unwrap();
 
@@ -147,7 +147,7 @@ fn the_report_says_what_was_done_and_why() {
 
     // The row is optional.
     let mut plain = PlanningProgram::build(&scenario, 48, Objective::Feasibility).unwrap();
-    let variables = plain.horizon_variables(&scenario).with_event_row(false);
+    let variables = plain.hybrid.horizon_variables().with_event_row(false);
     let without = tube.tighten(&mut plain.model, &variables).unwrap();
     assert_eq!((without.rows.len(), without.fixed.len()), (0, report.fixed.len()));
 
@@ -187,7 +187,7 @@ fn a_user_may_exclude_what_the_sets_need() {
     // Every plan of 47 steps hits the wall; a program that forbids it has none.
     let scenario = Scenario::paper().with_time_step(0.05);
     let mut program = PlanningProgram::build(&scenario, 47, Objective::Feasibility).unwrap();
-    let variables = program.horizon_variables(&scenario);
+    let variables = program.hybrid.horizon_variables();
     let tube = scenario.reach_sets().unwrap().tube(47).unwrap();
     assert_eq!(tube.fewest_events(), Some(1));
     let only: Vec<usize> = (0..47).filter(|&t| !tube.is_possible(t, 0)).collect();

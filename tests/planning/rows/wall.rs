@@ -2,8 +2,7 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
-    Contact, ContactStep, Horizon, HybridProgram, HybridSystem, LinearSystem, Restitution,
-    Transition, Wall,
+    Contact, ContactStep, Horizon, HybridProgram, HybridSystem, LinearSystem, Restitution, Wall,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -21,7 +20,6 @@ fn contact(e: f64) -> Contact {
 /// The wall as a system.
 fn system(e: f64) -> HybridSystem {
     let [flight, impact] = contact(e).transitions(TIME_STEP, None).unwrap();
-    let impact: Transition = impact.with_output("impact speed", [0.0, -1.0], 0.0);
     HybridSystem::new()
         .with_state("x", POSITIONS)
         .with_state("v", SPEEDS)
@@ -130,7 +128,6 @@ fn relaxations_are_never_weaker_than_by_hand() {
 #[test]
 fn a_limit_on_the_impact_speed_can_be_blamed() {
     let [flight, impact] = contact(0.5).transitions(TIME_STEP, Some(2.0)).unwrap();
-    let impact = impact.with_output("impact speed", [0.0, -1.0], 0.0);
     let mut limited = system(0.5);
     limited.choices.clear();
     let limited = limited.with_transition(flight).with_transition(impact);

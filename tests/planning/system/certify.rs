@@ -26,7 +26,7 @@ fn wall() -> HybridSystem {
         .with_state("v", Interval::new(-8.0, 8.0))
         .with_input("a", Interval::new(-1.0, 1.0))
         .with_transition(flight)
-        .with_transition(impact.with_output("impact speed", [0.0, -1.0], 0.0))
+        .with_transition(impact)
         .with_most_events(2)
 }
 

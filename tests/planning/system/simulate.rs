@@ -218,7 +218,7 @@ fn a_run_is_a_table() {
     let run = wall().simulate(&[0.25, -2.5], &[[0.5], [0.0]]).unwrap();
     let csv = run.to_run(0.1).to_csv();
     let lines: Vec<&str> = csv.lines().collect();
-    assert_eq!(lines[..2], ["time,x,v,a,mode", "0,0.25,-2.5,0.5,flight"]);
+    assert_eq!(lines[..2], ["time,x,v,a,impact speed,mode", "0,0.25,-2.5,0.5,0,flight"]);
     assert!(lines[3].ends_with(",,") && lines.len() == 4);
     assert_eq!(run.to_string().lines().count(), 4);
 }
