@@ -33,14 +33,7 @@ fn words(flaw: &Flaw) -> String {
 
 /// The paper's wall: a mass on a line that rebounds at 0 m.
 fn wall(e: f64) -> HybridSystem {
-    let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(e).unwrap());
-    let [flight, impact] = contact.transitions(0.1, Some(5.0)).unwrap();
-    HybridSystem::new()
-        .with_state("x", Interval::new(0.0, 20.0))
-        .with_state("v", Interval::new(-8.0, 8.0))
-        .with_input("a", Interval::new(-1.0, 1.0))
-        .with_transition(flight)
-        .with_transition(impact)
+    super::wall(e, Some(5.0))
 }
 
 #[test]

@@ -9,3 +9,18 @@ mod random;
 mod serde;
 mod simulate;
 mod text;
+
+use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};
+use carom::interval::Interval;
+
+/// A mass on a line that rebounds at 0 m with restitution `e`, in steps of 0.1 s.
+fn wall(e: f64, max_speed: Option<f64>) -> HybridSystem {
+    let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(e).unwrap());
+    let [flight, impact] = contact.transitions(0.1, max_speed).unwrap();
+    HybridSystem::new()
+        .with_state("x", Interval::new(0.0, 20.0))
+        .with_state("v", Interval::new(-8.0, 8.0))
+        .with_input("a", Interval::new(-1.0, 1.0))
+        .with_transition(flight)
+        .with_transition(impact)
+}

@@ -8,14 +8,7 @@ use carom::hybrid::{
 use carom::interval::Interval;
 
 fn wall() -> HybridSystem {
-    let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.5).unwrap());
-    let [flight, impact] = contact.transitions(0.1, None).unwrap();
-    HybridSystem::new()
-        .with_state("x", Interval::new(0.0, 20.0))
-        .with_state("v", Interval::new(-8.0, 8.0))
-        .with_input("a", Interval::new(-1.0, 1.0))
-        .with_transition(flight)
-        .with_transition(impact)
+    super::wall(0.5, None)
 }
 
 fn heater() -> HybridSystem {
