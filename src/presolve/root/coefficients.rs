@@ -55,7 +55,10 @@ fn divide(work: &mut Work, row: usize) -> Result<bool, Infeasible> {
         return Ok(false);
     }
     let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
-    let slack = 1e-6_f64.min(1e-6 * divisor);
+    let slack = 1e-6_f64.min(1e-6 * divisor).max(work.row_noise[row]);
+    if slack >= 0.5 * divisor {
+        return Ok(false);
+    }
     let new_lower = divisor * ((lower - slack) / divisor).ceil();
     let new_upper = divisor * ((upper + slack) / divisor).floor();
     if new_lower > new_upper {
@@ -86,9 +89,10 @@ fn tighten(work: &mut Work, row: usize) -> bool {
     let old = work.rows[row].clone();
     let whole = old.iter().all(|&(j, a)| work.integral[j] && is_whole(a)) && is_whole(limit);
     let scale = range.scale * old.len() as f64;
+    let noise = range.noise + work.row_noise[row];
     // Limits are rounded to their last digit each time; whole numbers are not.
     let (margin, rounding) =
-        if whole { (0.0, 0.0) } else { (MARGIN * scale, 2.0 * f64::EPSILON * scale) };
+        if whole { (0.0, 0.0) } else { (MARGIN * scale + noise, 2.0 * f64::EPSILON * scale) };
     let mut entries = old.clone();
     let mut changed = false;
     for (j, value) in &mut entries {

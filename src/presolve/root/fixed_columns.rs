@@ -21,6 +21,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
 pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
     let old = work.remember(column);
     for &(row, a) in &old.entries {
+        work.row_noise[row] += a.abs() * work.column_noise[column];
         work.shift_row(row, a * value);
     }
     work.shift_objective(work.linear[column] * value);

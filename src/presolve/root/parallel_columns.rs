@@ -5,7 +5,7 @@
 //! continuous pairs, and for integral ones with `r = 1` or `r = -1`.
 
 use super::postsolve::{Restored, Undo};
-use super::work::Work;
+use super::work::{Work, finite};
 use crate::presolve::parallel::{self, Patterns, is_multiple};
 
 /// A column that was `ratio` times another one.
@@ -60,6 +60,9 @@ fn merge(work: &mut Work, column: usize, kept: usize, ratio: f64) {
     let (p, q) = (ratio * bounds[0], ratio * bounds[1]);
     work.lower[kept] += p.min(q);
     work.upper[kept] += p.max(q);
+    let ends = [p, q, work.lower[kept], work.upper[kept]];
+    let rounding = f64::EPSILON * ends.into_iter().map(finite).sum::<f64>();
+    work.column_noise[kept] += ratio.abs() * work.column_noise[column] + rounding;
     work.drop_column(column);
     let integral = work.integral[kept];
     work.push(ParallelColumn { column, kept, ratio, integral, bounds, kept_bounds });

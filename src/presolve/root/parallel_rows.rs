@@ -32,6 +32,8 @@ pub(super) fn apply(work: &mut Work) -> Result<usize, Infeasible> {
         let gives = [lower > work.row_lower[kept], upper < work.row_upper[kept]];
         work.row_lower[kept] = work.row_lower[kept].max(lower);
         work.row_upper[kept] = work.row_upper[kept].min(upper);
+        work.row_noise[kept] = work.row_noise[kept].max(work.row_noise[row] / ratio.abs());
+        work.add_rounding(kept, 0.0);
         work.settle_row(kept)?;
         work.drop_row(row);
         work.push(ParallelRow { row, kept, ratio, gives });

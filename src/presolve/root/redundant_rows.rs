@@ -2,7 +2,7 @@
 //! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{IMPLIED, Infeasible, Sparse, Work};
+use super::work::{IMPLIED, Infeasible, Sparse, Work, finite};
 
 /// Excess of the least activity over a limit, relative, that proves infeasibility.
 const CROSSED: f64 = 1e-8;
@@ -25,7 +25,8 @@ struct ForcingRow {
 pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     let range = work.range(work.rows[row].iter());
     let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
-    let excess = CROSSED * range.scale.max(finite(lower)).max(finite(upper));
+    let noise = range.noise + work.row_noise[row];
+    let excess = (CROSSED * range.scale.max(finite(lower)).max(finite(upper))).max(noise);
     if range.least > upper + excess || range.most < lower - excess {
         return Err(Infeasible);
     }
@@ -40,10 +41,10 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     let tells = |&(j, a): &(usize, f64)| {
         let width = work.upper[j] - work.lower[j];
         // However wide a column is, it is moved by no more than a part of its unit.
-        width == 0.0 || a.abs() * width.min(1.0) >= TELLING * margin
+        width == 0.0 || a.abs() * width.min(1.0) >= TELLING * margin.max(noise)
     };
     if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
-        force(work, row, by_lower);
+        force(work, row, by_lower, margin.max(noise));
         return Ok(1);
     }
     let mut changes = 0;
@@ -62,15 +63,15 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     Ok(changes)
 }
 
-fn finite(limit: f64) -> f64 {
-    if limit.is_finite() { limit.abs() } else { 0.0 }
-}
-
-/// Moves the columns of a row to the bounds that it leaves them, and drops the row.
-fn force(work: &mut Work, row: usize, by_lower: bool) {
+/// Moves the columns of a row to the bounds that it leaves them, up to a margin of the row, and
+/// drops the row.
+fn force(work: &mut Work, row: usize, by_lower: bool, margin: f64) {
     let entries = work.rows[row].clone();
     for &(j, a) in &entries {
         let at_upper = (a > 0.0) == by_lower;
+        if !work.integral[j] && work.lower[j] < work.upper[j] {
+            work.column_noise[j] = work.column_noise[j].max(margin / a.abs());
+        }
         if at_upper {
             work.lower[j] = work.upper[j];
         } else {

@@ -1,7 +1,7 @@
 //! Singleton rows become bounds; empty rows are checked and dropped.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work};
+use super::work::{Infeasible, Work, finite};
 
 /// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
 const MISSED: f64 = 1e-8;
@@ -23,7 +23,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         [] => {
             let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
             let missed = lower.max(-upper);
-            if missed > MISSED * missed.abs().max(1.0) {
+            if missed > (MISSED * missed.abs().max(1.0)).max(work.row_noise[row]) {
                 return Err(Infeasible);
             }
             work.drop_row(row);
@@ -32,7 +32,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             // A side that the column's bounds miss by a hair says nothing, however small its
             // coefficient: `1e-17 z <= 0` does not fix a binary.
             let (p, q) = (a * work.lower[column], a * work.upper[column]);
-            let margin = |limit: f64| NEGLIGIBLE * limit.abs().max(1.0);
+            let noise = work.row_noise[row];
+            let margin = |limit: f64| (NEGLIGIBLE * limit.abs().max(1.0)).max(noise);
             let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
             if p.min(q) >= lower - margin(lower) {
                 lower = f64::NEG_INFINITY;
@@ -43,7 +44,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             let (p, q) = (lower / a, upper / a);
             let (lower, upper) = (p.min(q), p.max(q));
             let gives = [lower > work.lower[column], upper < work.upper[column]];
-            work.intersect(column, lower, upper)?;
+            let rounding = f64::EPSILON * finite(lower).max(finite(upper));
+            work.intersect(column, [lower, upper], noise / a.abs() + rounding)?;
             work.drop_row(row);
             if !work.integral[column] && (gives[0] || gives[1]) {
                 work.push(SingletonRow { row, column, coefficient: a, gives });

@@ -6,7 +6,7 @@
 
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
-use super::work::Work;
+use super::work::{Work, finite};
 
 /// A column without a cost that widened a row.
 #[derive(Debug)]
@@ -57,6 +57,8 @@ fn widen(work: &mut Work, column: usize, row: usize) {
     let (p, q) = (coefficient * bounds[0], coefficient * bounds[1]);
     work.row_lower[row] -= p.max(q);
     work.row_upper[row] -= p.min(q);
+    work.row_noise[row] += coefficient.abs() * work.column_noise[column];
+    work.add_rounding(row, finite(p).max(finite(q)));
     work.drop_column(column);
     let rest = work.rows[row].clone();
     work.push(Slack { column, row, coefficient, bounds, limits, rest });

@@ -63,7 +63,11 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     terms.retain(|&(j, _)| j != column);
     terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
 
+    // The constant's own, and that of the quotients, which is multiplied by what columns are worth.
+    let scale = work.range(terms.iter()).scale;
+    let noise = work.row_noise[row] / coefficient.abs() + f64::EPSILON * (constant.abs() + scale);
     for &(other, factor) in old.entries.iter().filter(|(other, _)| *other != row) {
+        work.row_noise[other] += factor.abs() * noise;
         let mut rest = work.rows[other].clone();
         rest.retain(|&(j, _)| j != column);
         let entries = minus(&rest, factor, &terms);
@@ -77,6 +81,8 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     if kept {
         work.set_row(row, terms.clone());
         (work.row_lower[row], work.row_upper[row]) = (constant - upper, constant - lower);
+        work.row_noise[row] = noise + work.column_noise[column];
+        work.add_rounding(row, 0.0);
     } else {
         work.drop_row(row);
     }

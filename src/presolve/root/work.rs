@@ -14,6 +14,9 @@ use crate::tolerance;
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.
 const CROSSED: f64 = 1e-8;
 
+/// Rounding of limits up to this is allowed for by whoever gets them, relative to the limit.
+const IMPERCEPTIBLE: f64 = 1e-9;
+
 /// Limits and bounds implied up to this margin count as implied.
 pub(super) const IMPLIED: f64 = 1e-9;
 
@@ -36,6 +39,11 @@ pub(super) struct Work {
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) column_alive: Vec<bool>,
+    /// How far rounding may have moved the limits of a row, in its unit. What cancels leaves it
+    /// behind, and the limit that is left does not tell.
+    pub(super) row_noise: Vec<f64>,
+    /// The same of the bounds of a column.
+    pub(super) column_noise: Vec<f64>,
     pub(super) integral: Vec<bool>,
     pub(super) linear: Vec<f64>,
     /// `P`, both triangles.
@@ -74,6 +82,8 @@ pub(super) struct Range {
     pub(super) most: f64,
     /// The largest magnitude of a finite term.
     pub(super) scale: f64,
+    /// How far rounding may have moved either end.
+    pub(super) noise: f64,
 }
 
 impl Work {
@@ -88,9 +98,13 @@ impl Work {
         for (i, row) in rows.iter().enumerate() {
             row.iter().for_each(|&(j, _)| uses[j].push(i));
         }
+        let limits = program.row_lower.iter().zip(&program.row_upper);
         Work {
             rows,
             uses,
+            // Limits may come from a sum themselves.
+            row_noise: limits.map(|(&l, &u)| f64::EPSILON * finite(l).max(finite(u))).collect(),
+            column_noise: vec![0.0; n],
             row_lower: program.row_lower.clone(),
             row_upper: program.row_upper.clone(),
             row_alive: vec![true; m],
@@ -234,11 +248,18 @@ impl Work {
     pub(super) fn shift_row(&mut self, row: usize, constant: f64) {
         self.row_lower[row] -= constant;
         self.row_upper[row] -= constant;
+        self.add_rounding(row, constant);
+    }
+
+    /// Takes note of a constant that joined the limits of a row: its own rounding, and the sum's.
+    pub(super) fn add_rounding(&mut self, row: usize, constant: f64) {
+        let limit = finite(self.row_lower[row]).max(finite(self.row_upper[row]));
+        self.row_noise[row] += f64::EPSILON * (finite(constant) + limit);
     }
 
     /// The activity of some terms over the bounds.
     pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> Range {
-        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0 };
+        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0, noise: 0.0 };
         for &(j, a) in terms {
             let (p, q) = (a * self.lower[j], a * self.upper[j]);
             range.least += p.min(q);
@@ -248,27 +269,35 @@ impl Work {
                     range.scale = range.scale.max(size);
                 }
             }
+            range.noise += a.abs() * self.column_noise[j];
         }
         range
     }
 
-    /// Tightens the bounds of a column; slightly crossed ones meet in the middle.
+    /// Tightens the bounds of a column by some that rounding may have moved by `noise`; slightly
+    /// crossed ones meet in the middle.
     pub(super) fn intersect(
         &mut self,
         column: usize,
-        lower: f64,
-        upper: f64,
+        [lower, upper]: [f64; 2],
+        noise: f64,
     ) -> Result<(), Infeasible> {
+        if lower > self.lower[column] || upper < self.upper[column] {
+            self.column_noise[column] = self.column_noise[column].max(noise);
+        }
+        let noise = self.column_noise[column];
         let (mut lower, mut upper) = (self.lower[column].max(lower), self.upper[column].min(upper));
         if self.integral[column] {
-            lower = (lower - tolerance::INTEGRALITY).ceil();
-            upper = (upper + tolerance::INTEGRALITY).floor();
+            let slack = noise.max(tolerance::INTEGRALITY);
+            (lower, upper) = ((lower - slack).ceil(), (upper + slack).floor());
+            self.column_noise[column] = 0.0;
         }
         let scale = lower.abs().max(upper.abs()).max(1.0);
         if lower > upper {
-            if self.integral[column] || lower - upper > CROSSED * scale {
+            if self.integral[column] || lower - upper > (CROSSED * scale).max(2.0 * noise) {
                 return Err(Infeasible);
             }
+            self.column_noise[column] += 0.5 * (lower - upper);
             let middle = 0.5 * (lower + upper);
             (lower, upper) = (middle, middle);
         }
@@ -279,7 +308,7 @@ impl Work {
     /// Refuses bounds and limits that contradict each other.
     pub(super) fn settle(&mut self) -> Result<(), Infeasible> {
         for column in 0..self.uses.len() {
-            self.intersect(column, f64::NEG_INFINITY, f64::INFINITY)?;
+            self.intersect(column, [f64::NEG_INFINITY, f64::INFINITY], 0.0)?;
         }
         (0..self.rows.len()).try_for_each(|row| self.settle_row(row))
     }
@@ -291,16 +320,35 @@ impl Work {
             return Ok(());
         }
         let scale = lower.abs().max(upper.abs()).max(1.0);
-        if lower - upper > CROSSED * scale {
+        if lower - upper > (CROSSED * scale).max(2.0 * self.row_noise[row]) {
             return Err(Infeasible);
         }
+        self.row_noise[row] += 0.5 * (lower - upper);
         let middle = 0.5 * (lower + upper);
         (self.row_lower[row], self.row_upper[row]) = (middle, middle);
         Ok(())
     }
 
+    /// Widens limits and bounds that rounding may have moved further than whoever gets them will
+    /// suppose from their size.
+    fn allow_for_noise(&mut self) {
+        let widen = |lower: &mut f64, upper: &mut f64, noise: f64| {
+            let known = |limit: f64| IMPERCEPTIBLE * finite(limit).max(1.0);
+            if noise > known(*lower).max(known(*upper)) {
+                (*lower, *upper) = (*lower - noise, *upper + noise);
+            }
+        };
+        for row in 0..self.rows.len() {
+            widen(&mut self.row_lower[row], &mut self.row_upper[row], self.row_noise[row]);
+        }
+        for j in (0..self.uses.len()).filter(|&j| !self.integral[j]) {
+            widen(&mut self.lower[j], &mut self.upper[j], self.column_noise[j]);
+        }
+    }
+
     /// The presolved program, numbered anew.
-    pub(super) fn finish(self) -> Result<Presolved, Error> {
+    pub(super) fn finish(mut self) -> Result<Presolved, Error> {
+        self.allow_for_noise();
         let matrix = |error: CreationError| Error::with_source(ErrorKind::Allocation, error);
         let (columns, rows) = (self.live_columns(), self.live_rows());
         let mut position = vec![usize::MAX; self.uses.len()];
@@ -341,6 +389,11 @@ impl Work {
         };
         Ok(Presolved { program, postsolve, rounding: self.rounding })
     }
+}
+
+/// The size of a limit; 0 where there is none.
+pub(super) fn finite(limit: f64) -> f64 {
+    if limit.is_finite() { limit.abs() } else { 0.0 }
 }
 
 /// Whether a value is a whole number, up to rounding.
