@@ -117,9 +117,9 @@ impl QuadraticProgram {
         for (a, b) in clean.equalities {
             let mut system: Vec<Vec<f64>> =
                 independent.iter().map(|(a, b)| with_right(a, *b)).collect();
-            let rank = eliminate(&mut system.clone(), a.len());
+            let rank = eliminate(&mut system.clone(), a.len()).len();
             system.push(with_right(&a, b));
-            if eliminate(&mut system, a.len()) > rank {
+            if eliminate(&mut system, a.len()).len() > rank {
                 independent.push((a, b));
             } else if system
                 .iter()
@@ -161,7 +161,7 @@ impl QuadraticProgram {
         if rows.len() > self.equalities.len() {
             let mut gradients: Vec<Vec<f64>> =
                 rows.iter().map(|(a, _)| with_right(a, 0.0)).collect();
-            if eliminate(&mut gradients, n) < rows.len() {
+            if eliminate(&mut gradients, n).len() < rows.len() {
                 return None;
             }
         }
@@ -223,10 +223,11 @@ fn with_right(a: &[f64], right: f64) -> Vec<f64> {
 }
 
 /// Reduces `[A | b]` to reduced row echelon form by complete pivoting over the first `width`
-/// columns; returns the rank of `A`. Pivot rows come first.
-fn eliminate(system: &mut [Vec<f64>], width: usize) -> usize {
-    let mut rank = 0;
-    while rank < system.len() {
+/// columns. Pivot rows come first; returns their columns, as many as the rank of `A`.
+fn eliminate(system: &mut [Vec<f64>], width: usize) -> Vec<usize> {
+    let mut pivots = Vec::new();
+    while pivots.len() < system.len() {
+        let rank = pivots.len();
         let (mut at, mut column, mut size) = (0, 0, ZERO);
         for (i, row) in system.iter().enumerate().skip(rank) {
             for (j, value) in row[..width].iter().enumerate() {
@@ -249,21 +250,20 @@ fn eliminate(system: &mut [Vec<f64>], width: usize) -> usize {
                 row[column] = 0.0;
             }
         }
-        rank += 1;
+        pivots.push(column);
     }
-    rank
+    pivots
 }
 
 /// One solution of `A z = b`, free variables at 0; nothing when there is none.
 fn solve(mut system: Vec<Vec<f64>>, width: usize) -> Option<Vec<f64>> {
     let scale = system.iter().map(|row| row[width].abs()).fold(1.0, f64::max);
-    let rank = eliminate(&mut system, width);
-    if system[rank..].iter().any(|row| row[width].abs() > ZERO * scale) {
+    let pivots = eliminate(&mut system, width);
+    if system[pivots.len()..].iter().any(|row| row[width].abs() > ZERO * scale) {
         return None;
     }
     let mut solution = vec![0.0; width];
-    for row in &system[..rank] {
-        let pivot = row[..width].iter().position(|v| *v == 1.0)?;
+    for (row, pivot) in system.iter().zip(pivots) {
         solution[pivot] = row[width];
     }
     Some(solution)
@@ -272,6 +272,27 @@ fn solve(mut system: Vec<Vec<f64>>, width: usize) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// `min (-x1 + x5 + 2)^2 + (-x0 + x4 + x5 - 1)^2` over `x0 = -2`, and x1, x4, x5 in boxes. Free
+    /// columns of the eliminated system have entries of 1, which once passed for its pivots.
+    #[test]
+    fn a_ridge_in_a_box() {
+        let mut program = QuadraticProgram::new(4);
+        for (a, constant) in [([0.0, -1.0, 0.0, 1.0], 2.0), ([-1.0, 0.0, 1.0, 1.0], -1.0)] {
+            for i in 0..4 {
+                program.linear[i] += 2.0 * constant * a[i];
+                (0..4).for_each(|j| program.curvature[i][j] += 2.0 * a[i] * a[j]);
+            }
+        }
+        let boxes = [(-2.0, -2.0), (0.0, 1.0), (-1.0, 0.0), (-1.0, 0.0)];
+        for (j, (lower, upper)) in boxes.into_iter().enumerate() {
+            let mut unit = vec![0.0; 4];
+            unit[j] = 1.0;
+            program.add_range(&unit, lower, upper);
+        }
+        let Minimum::Attained { value, point } = program.solve() else { panic!("attained") };
+        assert_eq!((value, point), (-5.0, vec![-2.0, 1.0, 0.0, -1.0]));
+    }
 
     #[test]
     fn known_answers() {
