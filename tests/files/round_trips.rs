@@ -66,7 +66,7 @@ fn build(statements: &[Said], cost: [i32; 3]) -> Result<Model, Error> {
 }
 
 proptest! {
-    #![proptest_config(config(120, "tests/regressions/round_trips.txt"))]
+    #![proptest_config(config(40, "tests/regressions/round_trips.txt"))]
 
     #[test]
     fn files_carry_what_is_meant(

@@ -196,7 +196,7 @@ fn restricted(reduced: &Reduced, point: &[f64]) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(config(500, REGRESSIONS))]
+    #![proptest_config(config(200, REGRESSIONS))]
 
     #[test]
     fn tightened_coefficients_keep_whole_points(case in case()) {

@@ -114,7 +114,7 @@ fn case(lines: Vec<Line>, cost: &(Vec<f64>, Option<[i32; 3]>)) -> Case {
 }
 
 proptest! {
-    #![proptest_config(config(150, "tests/regressions/disjunctions.txt"))]
+    #![proptest_config(config(40, "tests/regressions/disjunctions.txt"))]
 
     /// Support directions and nearest points over random unions, flat and nested, by every
     /// method, with and without linear programs.

@@ -172,7 +172,7 @@ fn reachable(lowered: &Model, values: &[f64]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(config(300, "tests/regressions/functions.txt"))]
+    #![proptest_config(config(100, "tests/regressions/functions.txt"))]
 
     /// `w = f` is reachable, and `w` above or below it is not.
     #[test]

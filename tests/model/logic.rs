@@ -196,7 +196,7 @@ fn equal_parts_are_shared() {
 /// Deep formulas of every shape stay small: rows grow with the formula, not with its expansion.
 #[test]
 fn deep_formulas_stay_small() {
-    let steps = 45;
+    let steps = 25;
     let (mut model, v) = {
         let mut model = Model::new("m");
         let family = model.binary_family("v", steps + 3).unwrap();
@@ -422,7 +422,7 @@ impl Tree {
 }
 
 proptest! {
-    #![proptest_config(config(1000, "tests/regressions/logic.txt"))]
+    #![proptest_config(config(400, "tests/regressions/logic.txt"))]
 
     #[test]
     fn rows_are_the_truth_set(tree in tree()) {

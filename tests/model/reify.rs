@@ -18,7 +18,7 @@ fn grid(lower: i32, upper: i32) -> impl Iterator<Item = f64> + Clone {
 }
 
 proptest! {
-    #![proptest_config(config(400, "tests/regressions/reify.txt"))]
+    #![proptest_config(config(200, "tests/regressions/reify.txt"))]
 
     /// `z` is 1 exactly where the row holds; the open strips beside its limits are excluded.
     #[test]

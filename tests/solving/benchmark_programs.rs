@@ -1,7 +1,7 @@
 //! Hybrid control programs of the field, as plain rows: a wall, a pendulum beside an elastic wall, a
 //! flight among boxes, a puck between four walls, a cart with a pole between two; and dense random
 //! programs. Statuses and optima were agreed on by other solvers (HiGHS and SCIP, for quadratic
-//! costs CPLEX or Gurobi); here they are found with one and with two threads, from the model and
+//! costs CPLEX or Gurobi); here they are found, by turns, with one thread from the model and with two
 //! from its MPS file, and verified row by row.
 
 use crate::instances::generators;
@@ -9,32 +9,28 @@ use crate::instances::suite::{Truth, suite};
 use carom::model::mps;
 use carom::prelude::*;
 
-/// Solves a model in both ways; `None` is infeasible.
-fn check(model: &Model, optimum: Option<f64>) {
-    let text = mps::write(model).unwrap();
-    let again = mps::read(&text).unwrap().model;
-    for (model, threads) in [(model, 1), (&again, 2)] {
-        let options = Options::default().with_threads(threads);
-        let solution = BranchAndBound::new(options).solve(model).unwrap();
-        let Some(optimum) = optimum else {
-            assert!(solution.is_infeasible(), "{threads} threads: {:?}", solution.termination());
-            continue;
-        };
-        assert!(solution.is_optimal(), "{threads} threads: {:?}", solution.termination());
-        let found = solution.objective().unwrap();
-        let scale = optimum.abs().max(1.0);
-        assert!((found - optimum).abs() <= 2e-6 * scale, "{found} instead of {optimum}");
-        assert!(solution.bound() <= found && found - solution.bound() <= 2e-6 * scale);
-        let point = solution.point().unwrap().as_slice();
-        for row in model.constraints() {
-            let sum: f64 = row.terms().iter().map(|&(v, a)| a * point[v.index()]).sum();
-            let limits = row.limits();
-            assert!(sum >= limits.lower - 1e-6 && sum <= limits.upper + 1e-6, "{}", row.name());
-        }
-        for variable in model.variables().filter(|v| v.kind().is_integral()) {
-            let value = point[variable.id().index()];
-            assert_eq!(value, value.round());
-        }
+/// Solves a model; `None` is infeasible.
+fn check(model: &Model, threads: usize, optimum: Option<f64>) {
+    let options = Options::default().with_threads(threads);
+    let solution = BranchAndBound::new(options).solve(model).unwrap();
+    let Some(optimum) = optimum else {
+        assert!(solution.is_infeasible(), "{threads} threads: {:?}", solution.termination());
+        return;
+    };
+    assert!(solution.is_optimal(), "{threads} threads: {:?}", solution.termination());
+    let found = solution.objective().unwrap();
+    let scale = optimum.abs().max(1.0);
+    assert!((found - optimum).abs() <= 2e-6 * scale, "{found} instead of {optimum}");
+    assert!(solution.bound() <= found && found - solution.bound() <= 2e-6 * scale);
+    let point = solution.point().unwrap().as_slice();
+    for row in model.constraints() {
+        let sum: f64 = row.terms().iter().map(|&(v, a)| a * point[v.index()]).sum();
+        let limits = row.limits();
+        assert!(sum >= limits.lower - 1e-6 && sum <= limits.upper + 1e-6, "{}", row.name());
+    }
+    for variable in model.variables().filter(|v| v.kind().is_integral()) {
+        let value = point[variable.id().index()];
+        assert_eq!(value, value.round());
     }
 }
 
@@ -42,15 +38,20 @@ fn check(model: &Model, optimum: Option<f64>) {
 fn check_all(name: &str) {
     let instances = suite(&[name.to_owned()]);
     assert!(!instances.is_empty());
-    for (name, model, truth) in instances {
+    for (k, (name, model, truth)) in instances.into_iter().enumerate() {
         println!("{name}");
-        check(
-            &model,
-            match truth {
-                Truth::Infeasible => None,
-                Truth::Optimum(optimum) => Some(optimum),
-            },
-        );
+        let optimum = match truth {
+            Truth::Infeasible => None,
+            Truth::Optimum(optimum) => Some(optimum),
+        };
+        let text = mps::write(&model).unwrap();
+        let again = mps::read(&text).unwrap().model;
+        assert!(mps::write(&again).unwrap() == text, "{name} as a file is another program");
+        if k % 2 == 0 {
+            check(&model, 1, optimum);
+        } else {
+            check(&again, 2, optimum);
+        }
     }
 }
 

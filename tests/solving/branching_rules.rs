@@ -112,7 +112,7 @@ impl Chain {
 }
 
 proptest! {
-    #![proptest_config(config(60, "tests/regressions/branching_rules.txt"))]
+    #![proptest_config(config(32, "tests/regressions/branching_rules.txt"))]
 
     #[test]
     fn rules_agree_with_enumeration(

@@ -62,7 +62,7 @@ enum Limit {
 
 fn limit() -> impl Strategy<Value = Limit> {
     // All orders of magnitude alike.
-    let micros = || (0.0..6.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent) as u64);
+    let micros = || (0.0..5.7_f64).prop_map(|exponent| 10.0_f64.powf(exponent) as u64);
     prop_oneof![
         3 => micros().prop_map(Limit::Time),
         2 => (0..60_u64).prop_map(Limit::Nodes),
@@ -81,7 +81,7 @@ fn stopped(
 ) -> (Solution, Vec<Termination>) {
     let interrupt = Interrupt::new();
     let options = solver.options_mut();
-    options.time_limit = Some(Duration::from_secs(2));
+    options.time_limit = Some(Duration::from_secs(1));
     let mut kinds = vec![Termination::TimeLimit];
     let (mut delay, mut events) = (None, None);
     match *limit {
@@ -164,7 +164,7 @@ fn finished(model: &Model, solution: &Solution, truth: Truth) -> Result<(), Test
 }
 
 proptest! {
-    #![proptest_config(config(40, "tests/regressions/limits.txt"))]
+    #![proptest_config(config(24, "tests/regressions/limits.txt"))]
 
     #[test]
     fn a_stopped_solve_is_sound_and_leaves_no_trace(

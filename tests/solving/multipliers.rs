@@ -30,7 +30,7 @@ fn continuous(mut case: Case) -> Case {
 }
 
 proptest! {
-    #![proptest_config(config(400, "tests/regressions/multipliers.txt"))]
+    #![proptest_config(config(200, "tests/regressions/multipliers.txt"))]
 
     /// The optimum is a convex function of limits and bounds (of a minimisation), and multipliers are
     /// a slope of it: wherever limits and bounds move, the new optimum is not below the line.

@@ -83,7 +83,7 @@ fn scaled_down(case: &Case) -> bool {
 }
 
 proptest! {
-    #![proptest_config(config(1000, "tests/regressions/oracle.txt"))]
+    #![proptest_config(config(500, "tests/regressions/oracle.txt"))]
 
     #[test]
     fn linear_programs(case in case(Shape::LINEAR)) {

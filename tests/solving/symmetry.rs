@@ -127,7 +127,7 @@ impl Kinds {
 }
 
 proptest! {
-    #![proptest_config(config(300, "tests/regressions/symmetry.txt"))]
+    #![proptest_config(config(150, "tests/regressions/symmetry.txt"))]
 
     #[test]
     fn ordering_keeps_an_optimum(kinds in kinds()) {

@@ -141,7 +141,7 @@ impl Smuggler {
 use carom::interval::Interval;
 
 proptest! {
-    #![proptest_config(config(300, "tests/regressions/trust.txt"))]
+    #![proptest_config(config(150, "tests/regressions/trust.txt"))]
 
     #[test]
     fn no_unsafe_m_gets_through(

@@ -170,7 +170,7 @@ fn walk(case: &Case) -> Result<Counts, TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(config(400, REGRESSIONS))]
+    #![proptest_config(config(150, REGRESSIONS))]
 
     #[test]
     fn no_goods_exclude_no_whole_point(case in case()) {

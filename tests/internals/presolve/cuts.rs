@@ -62,7 +62,7 @@ fn cut_off<'a>(cuts: &[Cut], points: &'a [Vec<f64>]) -> Option<&'a Vec<f64>> {
 }
 
 proptest! {
-    #![proptest_config(config(600, REGRESSIONS))]
+    #![proptest_config(config(300, REGRESSIONS))]
 
     #[test]
     fn no_whole_point_is_cut_off(case in case()) {

@@ -53,7 +53,7 @@ fn compare(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(config(200, REGRESSIONS))]
+    #![proptest_config(config(100, REGRESSIONS))]
 
     #[test]
     fn fixed_columns(case in program(true)) {

@@ -63,7 +63,7 @@ fn on(square: &Switched, x: &[f64]) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(config(300, REGRESSIONS))]
+    #![proptest_config(config(150, REGRESSIONS))]
 
     #[test]
     fn functions_lie_between_the_square_and_its_hull(

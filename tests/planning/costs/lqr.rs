@@ -18,7 +18,7 @@ fn reason(error: &carom::Error) -> TerminalError {
 }
 
 proptest! {
-    #![proptest_config(config(60, "tests/regressions/lqr.txt"))]
+    #![proptest_config(config(24, "tests/regressions/lqr.txt"))]
 
     #[test]
     fn scalar_systems_have_the_closed_form(

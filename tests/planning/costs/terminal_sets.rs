@@ -33,7 +33,7 @@ fn boxed(n: usize, m: usize, domain: f64, range: f64) -> Vec<Plain> {
 }
 
 proptest! {
-    #![proptest_config(config(24, "tests/regressions/terminal_sets.txt"))]
+    #![proptest_config(config(12, "tests/regressions/terminal_sets.txt"))]
 
     #[test]
     fn points_inside_stay_and_points_outside_break_a_limit(

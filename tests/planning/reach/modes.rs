@@ -145,7 +145,7 @@ fn options() -> impl Strategy<Value = SetOptions> {
 }
 
 proptest! {
-    #![proptest_config(config(96, "tests/regressions/reach_modes.txt"))]
+    #![proptest_config(config(20, "tests/regressions/reach_modes.txt"))]
 
     #[test]
     fn runs_with_memory_and_choices_stay_in_the_sets(
@@ -175,7 +175,7 @@ proptest! {
 #[test]
 fn random_plants_are_not_trivial() {
     let (mut long, mut eventful, mut switched, mut several, mut refuted) = (0, 0, 0, 0, 0);
-    for seed in 0..120 {
+    for seed in 0..40 {
         let plant = Plant::random(seed);
         let run = plant.run(seed + 1, 8, false);
         long += usize::from(run.steps.len() >= 3);
@@ -189,5 +189,5 @@ fn random_plants_are_not_trivial() {
         refuted += usize::from(sets.tube(3).unwrap().is_empty());
     }
     let counts = [long, eventful, switched, several, refuted];
-    assert!(counts.iter().all(|&count| count > 15), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > 5), "{counts:?}");
 }

@@ -46,7 +46,7 @@ fn point([x, v]: [f64; 2]) -> [Interval; 2] {
 }
 
 proptest! {
-    #![proptest_config(config(12, "tests/regressions/reach.txt"))]
+    #![proptest_config(config(8, "tests/regressions/reach.txt"))]
 
     #[test]
     fn exact_runs_stay_in_sets_without_a_margin(

@@ -59,7 +59,7 @@ fn check_tube(tube: &Tube, start: &[f64], run: &[Step]) {
 }
 
 proptest! {
-    #![proptest_config(config(96, "tests/regressions/reach.txt"))]
+    #![proptest_config(config(32, "tests/regressions/reach.txt"))]
 
     #[test]
     fn random_runs_stay_in_the_sets(
@@ -120,7 +120,7 @@ fn flattening() -> impl Strategy<Value = Mode> {
 }
 
 proptest! {
-    #![proptest_config(config(96, "tests/regressions/reach.txt"))]
+    #![proptest_config(config(32, "tests/regressions/reach.txt"))]
 
     /// Undoing such a mode magnifies the sets a million times in every step, and the sets of the
     /// samples are slivers in which rounding hides the order of the corners.

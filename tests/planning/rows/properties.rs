@@ -191,7 +191,7 @@ fn enumerated(plain: &Plain, steps: usize, cost: &[f64]) -> Option<f64> {
 }
 
 proptest! {
-    #![proptest_config(config(96, REGRESSIONS))]
+    #![proptest_config(config(48, REGRESSIONS))]
 
     #[test]
     fn runs_satisfy_the_rows(
@@ -220,7 +220,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(16, REGRESSIONS))]
+    #![proptest_config(config(12, REGRESSIONS))]
 
     #[test]
     fn integer_points_replay(

@@ -107,7 +107,7 @@ fn relaxations_are_never_weaker_than_by_hand() {
         let (mut own, variables) = relaxed(&general(e, 1).0);
         let (mut hand, by_hand) = relaxed(&by_hand(e, 1));
         let mut solver = BranchAndBound::default();
-        for _ in 0..250 {
+        for _ in 0..60 {
             // In x, v, a and the binary; states have two samples each.
             let cost: Vec<f64> = (0..6).map(|_| number()).collect();
             let mut bounds = [0.0; 2];

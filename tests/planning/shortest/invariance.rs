@@ -58,7 +58,7 @@ fn tightened(scene: &Scene, which: usize, share: f64) -> Scene {
 }
 
 proptest! {
-    #![proptest_config(config(100, REGRESSIONS))]
+    #![proptest_config(config(60, REGRESSIONS))]
 
     #[test]
     fn where_the_wall_stands_and_faces(

@@ -18,7 +18,7 @@ const MAX_STEPS: usize = 10;
 const REACH: i32 = 6;
 
 proptest! {
-    #![proptest_config(config(700, REGRESSIONS))]
+    #![proptest_config(config(300, REGRESSIONS))]
 
     #[test]
     fn the_crate_agrees_with_brute_force(scene in scene(REACH), (at, side) in place()) {
@@ -63,7 +63,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(150, REGRESSIONS))]
+    #![proptest_config(config(100, REGRESSIONS))]
 
     #[test]
     fn hints_and_minimal_impacts_do_not_change_the_horizon(
@@ -105,17 +105,17 @@ type Without = fn(Scene) -> Scene;
 
 #[test]
 fn the_scenarios_are_of_all_kinds() {
-    let scenes = sample(500);
+    let scenes = sample(250);
     let count = |kind: &dyn Fn(&Scene, Shortest) -> bool| {
         scenes.iter().filter(|(scene, answer)| kind(scene, *answer)).count()
     };
     // By the answer: how many at least, how many at most.
     let answers: [(&str, usize, usize, Is<Shortest>); 5] = [
-        ("hits", 167, 500, |answer| matches!(answer, Shortest::Found { impacts: 1.., .. })),
-        ("bounces", 10, 500, |answer| matches!(answer, Shortest::Found { impacts: 2.., .. })),
-        ("3 to 10 steps", 250, 500, |answer| matches!(answer, Shortest::Found { steps: 3.., .. })),
-        ("no plan", 50, 175, |answer| matches!(answer, Shortest::NoneWithin { .. })),
-        ("passed over", 0, 5, |answer| answer == Shortest::TooClose),
+        ("hits", 84, 250, |answer| matches!(answer, Shortest::Found { impacts: 1.., .. })),
+        ("bounces", 5, 250, |answer| matches!(answer, Shortest::Found { impacts: 2.., .. })),
+        ("3 to 10 steps", 125, 250, |answer| matches!(answer, Shortest::Found { steps: 3.., .. })),
+        ("no plan", 25, 87, |answer| matches!(answer, Shortest::NoneWithin { .. })),
+        ("passed over", 0, 2, |answer| answer == Shortest::TooClose),
     ];
     for (name, least, most, kind) in answers {
         let found = count(&|_, answer| kind(answer));
@@ -124,15 +124,15 @@ fn the_scenarios_are_of_all_kinds() {
 
     // By the scenario.
     let kinds: [(&str, usize, Is<Scene>); 9] = [
-        ("plastic", 80, |scene| scene.restitution == 0.0),
-        ("elastic", 80, |scene| scene.restitution == 1.0),
-        ("pinned first acceleration", 100, |scene| scene.start.pull.is_some()),
-        ("zero is no acceleration", 80, |s| s.limits.0 > 0.0 || s.limits.1 < 0.0),
-        ("waiting is not free", 100, |scene| !scene.plain().waiting().is_free()),
-        ("waiting is free", 100, |scene| scene.plain().waiting().is_free()),
-        ("goal in motion", 150, |scene| scene.goal.rate != 0.0),
-        ("starts at the wall", 40, |scene| scene.start.gap == 0.0),
-        ("collisions forbidden", 10, |scene| !scene.collisions),
+        ("plastic", 40, |scene| scene.restitution == 0.0),
+        ("elastic", 40, |scene| scene.restitution == 1.0),
+        ("pinned first acceleration", 50, |scene| scene.start.pull.is_some()),
+        ("zero is no acceleration", 40, |s| s.limits.0 > 0.0 || s.limits.1 < 0.0),
+        ("waiting is not free", 50, |scene| !scene.plain().waiting().is_free()),
+        ("waiting is free", 50, |scene| scene.plain().waiting().is_free()),
+        ("goal in motion", 75, |scene| scene.goal.rate != 0.0),
+        ("starts at the wall", 20, |scene| scene.start.gap == 0.0),
+        ("collisions forbidden", 5, |scene| !scene.collisions),
     ];
     for (name, least, kind) in kinds {
         let found = count(&|scene, _| kind(*scene));
@@ -141,10 +141,10 @@ fn the_scenarios_are_of_all_kinds() {
 
     // By what decides: without the limit the answer is another one.
     let limits: [(&str, usize, Without); 4] = [
-        ("speed", 10, |scene| Scene { max_speed: 64.0, ..scene }),
-        ("per impact", 10, |scene| Scene { per_impact: None, ..scene }),
-        ("cumulative", 5, |scene| Scene { cumulative: None, ..scene }),
-        ("domain", 5, |scene| Scene { domain: None, ..scene }),
+        ("speed", 5, |scene| Scene { max_speed: 64.0, ..scene }),
+        ("per impact", 5, |scene| Scene { per_impact: None, ..scene }),
+        ("cumulative", 3, |scene| Scene { cumulative: None, ..scene }),
+        ("domain", 3, |scene| Scene { domain: None, ..scene }),
     ];
     for (name, least, without) in limits {
         let found = count(&|scene, answer| {
@@ -163,11 +163,11 @@ fn feasibility_is_not_monotone_in_many_scenarios() {
         let mut later = Horizons::new(&scenario).take(8).skip_while(|v| *v == Verdict::Infeasible);
         later.any(|verdict| verdict == Verdict::Infeasible)
     };
-    let scenes = sample(200);
+    let scenes = sample(100);
     let of = |free: bool| {
         let some = scenes.iter().filter(|(scene, _)| scene.plain().waiting().is_free() == free);
         some.filter(|(scene, _)| broken(scene)).count()
     };
-    assert!(of(false) >= 10, "{}", of(false));
+    assert!(of(false) >= 5, "{}", of(false));
     assert_eq!(of(true), 0);
 }

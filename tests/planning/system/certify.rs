@@ -28,7 +28,7 @@ fn bounce() -> HybridRun {
 }
 
 proptest! {
-    #![proptest_config(config(300, "tests/regressions/certificates.txt"))]
+    #![proptest_config(config(150, "tests/regressions/certificates.txt"))]
 
     #[test]
     fn simulated_runs_are_certified(raw in system(), wishes in wishes()) {
@@ -122,7 +122,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(60, "tests/regressions/certified_solutions.txt"))]
+    #![proptest_config(config(24, "tests/regressions/certified_solutions.txt"))]
 
     #[test]
     fn solutions_of_random_systems_are_certified(

@@ -81,7 +81,7 @@ impl Said {
 }
 
 proptest! {
-    #![proptest_config(common::config(250, "tests/regressions/explain.txt"))]
+    #![proptest_config(common::config(120, "tests/regressions/explain.txt"))]
 
     #[test]
     fn sets_are_contradictory_and_irreducible(

@@ -43,7 +43,7 @@ fn solve(options: Options, model: &Model) -> Solution {
 }
 
 proptest! {
-    #![proptest_config(config(120, "tests/regressions/heuristics.txt"))]
+    #![proptest_config(config(48, "tests/regressions/heuristics.txt"))]
 
     #[test]
     fn any_choice_finds_the_optimum(

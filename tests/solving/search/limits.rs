@@ -54,7 +54,7 @@ fn optimum(seed: u64) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(config(60, "tests/regressions/limits.txt"))]
+    #![proptest_config(config(32, "tests/regressions/limits.txt"))]
 
     #[test]
     fn any_moment_is_a_good_one(

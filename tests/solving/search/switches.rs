@@ -28,7 +28,7 @@ fn solve(options: Options, model: &Model) -> Solution {
 }
 
 proptest! {
-    #![proptest_config(config(200, "tests/regressions/switches.txt"))]
+    #![proptest_config(config(100, "tests/regressions/switches.txt"))]
 
     #[test]
     fn any_combination_finds_the_optimum(
@@ -45,7 +45,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(config(200, "tests/regressions/relaxation_methods.txt"))]
+    #![proptest_config(config(100, "tests/regressions/relaxation_methods.txt"))]
 
     #[test]
     fn either_method_of_relaxations_finds_the_optimum(
