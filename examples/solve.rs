@@ -17,8 +17,9 @@
 //!   `big-m-tightening`), `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`, `diving`,
 //!   `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be given several times
 //! * `--with PART`: add a heuristic, or all `heuristics`
-//! * `--relaxation METHOD`: solve relaxations by `interior-point` (the default, with Clarabel if it
-//!   gives up) or by `clarabel` alone
+//! * `--relaxation METHOD`: solve relaxations by `active-set` (the default: small dense ones that
+//!   way, the others as by the next), `interior-point` (with Clarabel if it gives up) or `clarabel`
+//!   alone
 //! * `--symmetry`: order interchangeable columns
 //! * `--conflicts`: learn from conflicts
 //! * `--log`: progress and a summary on the standard error

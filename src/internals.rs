@@ -41,7 +41,7 @@ pub mod program {
 
 pub mod relaxation {
     pub use crate::relaxation::{
-        Claim, ClarabelRelaxation, Effort, Extended, InteriorPoint, Ladder, Relaxation,
+        ActiveSet, Claim, ClarabelRelaxation, Effort, Extended, InteriorPoint, Ladder, Relaxation,
         RelaxationResult, WarmState, lower_bound, polish, proves_infeasible, reduced_costs,
     };
 }

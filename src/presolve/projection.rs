@@ -318,6 +318,7 @@ fn finish(
     rows.start.reserve(reduced.rows.len());
     rows.index.reserve(reduced.rows.index.len());
     rows.value.reserve(reduced.rows.index.len());
+    let mut origin = Vec::with_capacity(reduced.rows.len());
     let (mut row_lower, mut row_upper) =
         (Vec::with_capacity(reduced.rows.len()), Vec::with_capacity(reduced.rows.len()));
     for (row, replaced) in replaced.iter().enumerate().filter(|(row, _)| !dropped[*row]) {
@@ -340,6 +341,7 @@ fn finish(
             }
         }
         rows.start.push(rows.index.len());
+        origin.push(reduced.origin.get(row).copied().unwrap_or(NONE));
     }
     let mut quadratic = Compressed { start: vec![0], ..Compressed::default() };
     for &k in &kept {
@@ -358,6 +360,7 @@ fn finish(
         values: reduced.values,
         offset: reduced.offset,
         rows,
+        origin,
         row_lower,
         row_upper,
         quadratic,

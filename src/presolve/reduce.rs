@@ -38,6 +38,9 @@ pub struct Reduced {
     pub offset: f64,
     /// Rows: starts, column indices, values.
     pub rows: Compressed,
+    /// The program's row behind each row, `usize::MAX` for rows of other origins: a name by which the
+    /// same row is known at other nodes. Empty if nobody will ask.
+    pub origin: Vec<usize>,
     /// Lower limits of the rows.
     pub row_lower: Vec<f64>,
     /// Upper limits of the rows.
@@ -103,6 +106,7 @@ impl Reduced {
             linear: program.linear.clone(),
             offset: program.offset,
             rows: vectors(rows.row_ptr(), rows.col_idx(), program.rows.val()),
+            origin: (0..program.row_count()).collect(),
             row_lower: program.row_lower.clone(),
             row_upper: program.row_upper.clone(),
             lower: program.lower.clone(),
@@ -420,6 +424,7 @@ impl Reducer {
                 continue;
             }
             seen.insert(out.row_lower.len(), bucket);
+            out.origin.push(row);
             out.row_lower.push(limits[0]);
             out.row_upper.push(limits[1]);
             out.rows.start.push(out.rows.index.len());

@@ -6,6 +6,7 @@
 
 use web_time::{Duration, Instant};
 
+use super::active_set::ActiveSet;
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
@@ -43,12 +44,14 @@ pub enum Purpose {
 /// Who is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Who {
+    /// The method for small dense programs, which the others do not see.
+    Small,
     /// The first method: quick, and gives up early.
     First,
     /// The last method: slower, and gives up late.
     Last,
 }
-use Who::{First, Last};
+use Who::{First, Last, Small};
 
 /// Who is asked, with how many iterations, at which tolerance, with how many refinements.
 type Attempt = (Who, u32, f64, u32);
@@ -57,11 +60,15 @@ type Attempt = (Who, u32, f64, u32);
 /// keeps an interior-point method busy without a verdict.
 fn attempts(purpose: Purpose) -> &'static [Attempt] {
     match purpose {
-        Purpose::Trial => &[(First, 30, 1e-5, 1)],
-        Purpose::Root | Purpose::Node => {
-            &[(First, 60, 1e-8, 1), (Last, 60, 1e-8, 1), (Last, 200, 1e-9, 10)]
-        }
+        Purpose::Trial => &[(Small, 300, 1e-9, 1), (First, 30, 1e-5, 1)],
+        Purpose::Root | Purpose::Node => &[
+            (Small, 500, 1e-9, 1),
+            (First, 60, 1e-8, 1),
+            (Last, 60, 1e-8, 1),
+            (Last, 200, 1e-9, 10),
+        ],
         Purpose::Leaf => &[
+            (Small, 500, 1e-9, 1),
             (First, 60, 1e-11, 1),
             (Last, 60, 1e-8, 1),
             (Last, 200, 1e-9, 10),
@@ -84,6 +91,9 @@ struct Entry {
 impl Entry {
     fn of(method: RelaxationMethod) -> Self {
         match method {
+            RelaxationMethod::ActiveSet => {
+                Entry { method: Box::new(ActiveSet::new()), count: |counts| &mut counts.active_set }
+            }
             RelaxationMethod::InteriorPoint => Entry {
                 method: Box::new(InteriorPoint::new()),
                 count: |counts| &mut counts.interior_point,
@@ -158,6 +168,7 @@ pub enum Verdict {
 
 /// The methods of a search, and what they have taken.
 pub struct Ladder {
+    small: Option<Entry>,
     first: Entry,
     /// `None` if the first method is alone.
     last: Option<Entry>,
@@ -167,15 +178,21 @@ pub struct Ladder {
 impl Ladder {
     /// The ladder of a choice.
     pub fn new(choice: RelaxationMethod) -> Self {
-        let last = RelaxationMethod::Clarabel;
-        let last = (choice != last).then(|| Entry::of(last));
-        Ladder { first: Entry::of(choice), last, spent: Spent::default() }
+        let (small, first, last) = match choice {
+            RelaxationMethod::ActiveSet => {
+                (Some(choice), RelaxationMethod::InteriorPoint, Some(RelaxationMethod::Clarabel))
+            }
+            RelaxationMethod::InteriorPoint => (None, choice, Some(RelaxationMethod::Clarabel)),
+            RelaxationMethod::Clarabel => (None, choice, None),
+        };
+        let [small, last] = [small, last].map(|method| method.map(Entry::of));
+        Ladder { small, first: Entry::of(first), last, spent: Spent::default() }
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let first = Entry { method, count: |counts| &mut counts.interior_point };
-        Ladder { first, last: None, spent: Spent::default() }
+        Ladder { small: None, first, last: None, spent: Spent::default() }
     }
 
     /// What was taken since this was last called.
@@ -183,9 +200,16 @@ impl Ladder {
         std::mem::take(&mut self.spent)
     }
 
-    /// The attempts of a purpose. A method that is alone is not asked twice for the same.
-    fn attempts(&self, purpose: Purpose) -> &'static [Attempt] {
-        match attempts(purpose) {
+    /// The attempts of a purpose at a program. A method that is alone is not asked twice for the
+    /// same.
+    fn attempts(&self, purpose: Purpose, program: &Reduced) -> &'static [Attempt] {
+        let all = attempts(purpose);
+        let others = match all {
+            [(Small, ..), ..] if self.small.is_some() && ActiveSet::suits(program) => return all,
+            [(Small, ..), others @ ..] => others,
+            all => all,
+        };
+        match others {
             [_, rest @ ..] if self.last.is_none() && !rest.is_empty() => rest,
             all => all,
         }
@@ -199,10 +223,12 @@ impl Ladder {
         token: &StopToken,
         warm: Option<&WarmState>,
     ) -> RelaxationResult {
-        let entry = match (who, &mut self.last) {
-            (Last, Some(last)) => last,
-            _ => &mut self.first,
+        let entry = match who {
+            Small => self.small.as_mut(),
+            First => None,
+            Last => self.last.as_mut(),
         };
+        let entry = entry.unwrap_or(&mut self.first);
         let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm };
         let began = Instant::now();
         let result = entry.method.solve(program, &effort);
@@ -219,7 +245,7 @@ impl Ladder {
         purpose: Purpose,
         token: &StopToken,
     ) -> RelaxationResult {
-        self.ask(self.attempts(purpose)[0], program, f64::INFINITY, token, None)
+        self.ask(self.attempts(purpose, program)[0], program, f64::INFINITY, token, None)
     }
 
     /// Solves a program with one attempt of a purpose after the other until a result is accepted.
@@ -230,7 +256,7 @@ impl Ladder {
         token: &StopToken,
         mut accept: impl FnMut(RelaxationResult) -> Option<T>,
     ) -> Option<T> {
-        let attempts = self.attempts(purpose).iter();
+        let attempts = self.attempts(purpose, program).iter();
         attempts
             .copied()
             .find_map(|attempt| accept(self.ask(attempt, program, f64::INFINITY, token, None)))
@@ -245,7 +271,7 @@ impl Ladder {
             known.warm = question.warm.cloned();
             return known.relaxed(program.offset, Vec::new(), true);
         }
-        let all = self.attempts(question.purpose);
+        let all = self.attempts(question.purpose, program);
         let mut at = 0;
         while let Some(&attempt) = all.get(at) {
             let result = self.ask(attempt, program, known.cutoff, token, question.warm);

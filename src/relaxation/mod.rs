@@ -1,11 +1,13 @@
 //! Continuous relaxations: methods that solve them, and proofs of what the methods claim.
 //!
-//! A method implements the trait [`Relaxation`]. [`InteriorPoint`] is quick on the small sparse
-//! programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
+//! A method implements the trait [`Relaxation`]. [`ActiveSet`] is quick on small dense programs with
+//! curvature, and starts from the parent's multipliers; [`InteriorPoint`] is quick on the small
+//! sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
 //! decides which method is asked and how hard, and is all that the rest of the crate sees. It checks
 //! what a method claims: [`lower_bound`] recomputes a rigorous bound from the multipliers, and
 //! infeasibility is accepted only if the same computation proves it.
 
+mod active_set;
 mod bound;
 mod clarabel;
 mod correction;
@@ -16,6 +18,7 @@ mod polish;
 mod recession;
 mod warm_state;
 
+pub use active_set::ActiveSet;
 pub use bound::{lower_bound, proves_infeasible, reduced_costs};
 pub use clarabel::ClarabelRelaxation;
 pub use extended::Extended;

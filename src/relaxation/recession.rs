@@ -23,6 +23,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         linear: program.linear.clone(),
         offset: 0.0,
         rows: program.rows.clone(),
+        origin: Vec::new(),
         row_lower: program.row_lower.iter().map(cone).collect(),
         row_upper: program.row_upper.iter().map(cone).collect(),
         lower: program.lower.iter().map(side).collect(),

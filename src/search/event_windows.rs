@@ -137,6 +137,7 @@ impl<'a> EventWindows<'a> {
                 reduced.rows.value.extend(columns.iter().map(|_| 1.0));
                 reduced.rows.index.extend(columns);
                 reduced.rows.start.push(reduced.rows.index.len());
+                reduced.origin.push(usize::MAX);
                 reduced.row_lower.push(1.0);
                 reduced.row_upper.push(f64::INFINITY);
             }

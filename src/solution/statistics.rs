@@ -77,6 +77,8 @@ pub struct Statistics {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RelaxationCounts {
+    /// By the active-set method.
+    pub active_set: u64,
     /// By the crate's own interior-point method.
     pub interior_point: u64,
     /// By Clarabel.
@@ -88,11 +90,12 @@ pub struct RelaxationCounts {
 impl RelaxationCounts {
     /// Relaxations by all methods.
     pub fn total(&self) -> u64 {
-        self.interior_point + self.clarabel
+        self.active_set + self.interior_point + self.clarabel
     }
 
     /// Adds other counts.
     pub fn add(&mut self, other: &RelaxationCounts) {
+        self.active_set += other.active_set;
         self.interior_point += other.interior_point;
         self.clarabel += other.clarabel;
         self.given_up += other.given_up;

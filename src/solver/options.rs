@@ -30,7 +30,7 @@ use crate::tolerance;
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `relaxation` | [`RelaxationMethod`] | `InteriorPoint` | `InteriorPoint` | `InteriorPoint` | benchmarks, *Relaxations by either method* |
+/// | `relaxation` | [`RelaxationMethod`] | `ActiveSet` | `ActiveSet` | `ActiveSet` | benchmarks, *Relaxations by either method* |
 /// | `symmetry` | on or off | off | off | off | decisions, *Symmetry* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
@@ -90,7 +90,7 @@ pub struct Options {
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
     /// Which method solves the relaxations of the search; default
-    /// [`RelaxationMethod::InteriorPoint`]. The linear programs behind Ms are solved by the default.
+    /// [`RelaxationMethod::ActiveSet`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
     /// Whether interchangeable columns must have non-increasing values; default off. Not used if a
     /// pool or leaves are kept, or if points come from a seed or from guidance.
@@ -154,7 +154,7 @@ impl Default for Options {
             pool_gap: None,
             keep_leaves: false,
             branching: BranchingRule::Automatic,
-            relaxation: RelaxationMethod::InteriorPoint,
+            relaxation: RelaxationMethod::ActiveSet,
             symmetry: false,
             conflicts: false,
             reductions: true,

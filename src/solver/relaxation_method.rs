@@ -7,8 +7,11 @@ use std::fmt;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RelaxationMethod {
-    /// The crate's own interior-point method, and Clarabel for the relaxations that it gives up on.
+    /// The crate's own active-set method for small dense relaxations that are strictly convex. For
+    /// the others, and for those that it gives up on, as [`InteriorPoint`](Self::InteriorPoint).
     #[default]
+    ActiveSet,
+    /// The crate's own interior-point method, and Clarabel for the relaxations that it gives up on.
     InteriorPoint,
     /// Clarabel alone.
     Clarabel,
@@ -16,13 +19,14 @@ pub enum RelaxationMethod {
 
 impl RelaxationMethod {
     /// All methods.
-    pub const ALL: [RelaxationMethod; 2] =
-        [RelaxationMethod::InteriorPoint, RelaxationMethod::Clarabel];
+    pub const ALL: [RelaxationMethod; 3] =
+        [RelaxationMethod::ActiveSet, RelaxationMethod::InteriorPoint, RelaxationMethod::Clarabel];
 }
 
 impl fmt::Display for RelaxationMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            RelaxationMethod::ActiveSet => "active-set",
             RelaxationMethod::InteriorPoint => "interior-point",
             RelaxationMethod::Clarabel => "clarabel",
         })

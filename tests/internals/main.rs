@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod active_set;
 mod decimal;
 mod exponential;
 mod extended;

@@ -171,6 +171,7 @@ impl Case {
             row_upper: self.rows.iter().map(|r| float(r.upper, INF)).collect(),
             rows: Compressed { start: vec![0], ..Compressed::default() },
             quadratic: Compressed { start: vec![0], ..Compressed::default() },
+            ..Reduced::default()
         };
         let push = |to: &mut Compressed, entries: &mut dyn Iterator<Item = (usize, i64)>| {
             for (index, value) in entries.filter(|e| e.1 != 0) {

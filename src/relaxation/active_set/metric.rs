@@ -1,0 +1,202 @@
+//! A strictly convex program as a problem of least distance: with `P = L L'` and
+//! `u = L'x + L⁻¹q`, the objective is `1/2 |u|²` up to a constant, and a row `a'x` becomes
+//! `(L⁻¹a)'u` up to a constant.
+
+use super::triangle::{Triangle, dot};
+use crate::presolve::Reduced;
+
+/// A pivot below this fraction of its diagonal entry counts as none.
+const FLAT: f64 = 1e-9;
+
+/// Violations below this, in units of a row's largest coefficient or of its limit, are none.
+const FEASIBLE: f64 = 1e-9;
+
+/// A finite limit of a row or of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Lower,
+    Upper,
+    /// Both, at the same value: the multiplier may have either sign.
+    Both,
+}
+
+impl Side {
+    /// Whether the multiplier of a limit has a sign that none may have.
+    pub(super) fn refuses(self, multiplier: f64) -> bool {
+        match self {
+            Side::Lower => multiplier > 0.0,
+            Side::Upper => multiplier < 0.0,
+            Side::Both => false,
+        }
+    }
+}
+
+/// A row of the program, or (from the number of rows on) a column, in the metric of `P`.
+#[derive(Debug, Clone, Copy)]
+struct Image {
+    /// Where its unit vector begins.
+    begin: usize,
+    /// What the unit vector has to be multiplied with.
+    size: f64,
+    /// The unit vector times `L⁻¹q`.
+    shift: f64,
+}
+
+/// A reduced program, and what its limits are in the metric of its curvature.
+#[derive(Debug)]
+pub(super) struct Metric<'a> {
+    pub(super) program: &'a Reduced,
+    factor: Triangle,
+    /// `L⁻¹q`.
+    shift: Vec<f64>,
+    images: Vec<Option<Image>>,
+    vectors: Vec<f64>,
+    /// By row: its largest coefficient.
+    largest: Vec<f64>,
+}
+
+impl<'a> Metric<'a> {
+    /// `None` if the program is not strictly convex, up to rounding.
+    pub(super) fn new(program: &'a Reduced) -> Option<Self> {
+        let n = program.columns.len();
+        let mut factor = Triangle::default();
+        let mut row = vec![0.0; n];
+        for j in 0..n {
+            row[..=j].fill(0.0);
+            let (index, value) = program.quadratic.vector(j);
+            index.iter().zip(value).for_each(|(&i, &p)| row[i] += p);
+            let diagonal = row[j];
+            factor.solve(&mut row[..j], 0);
+            let pivot = diagonal - dot(&row[..j], &row[..j]);
+            if !(pivot > FLAT * diagonal && pivot.is_finite()) {
+                return None;
+            }
+            factor.push(&row[..j], pivot.sqrt());
+        }
+        let mut shift = program.linear.clone();
+        factor.solve(&mut shift, 0);
+        let most = |i| program.rows.vector(i).1.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+        let largest: Vec<f64> = (0..program.rows.len()).map(most).collect();
+        let images = vec![None; program.rows.len() + n];
+        Some(Metric { program, factor, shift, images, vectors: Vec::new(), largest })
+    }
+
+    /// Number of rows and columns.
+    pub(super) fn len(&self) -> usize {
+        self.images.len()
+    }
+
+    fn image(&mut self, k: usize) -> Image {
+        if let Some(image) = self.images[k] {
+            return image;
+        }
+        let (n, m) = (self.program.columns.len(), self.program.rows.len());
+        let begin = self.vectors.len();
+        self.vectors.resize(begin + n, 0.0);
+        let vector = &mut self.vectors[begin..];
+        let mut first = n;
+        if k < m {
+            let (index, value) = self.program.rows.vector(k);
+            for (&j, &a) in index.iter().zip(value) {
+                vector[j] += a;
+                first = first.min(j);
+            }
+        } else {
+            first = k - m;
+            vector[first] = 1.0;
+        }
+        self.factor.solve(vector, first);
+        let size = dot(vector, vector).sqrt();
+        if size > 0.0 {
+            vector.iter_mut().for_each(|v| *v /= size);
+        }
+        let image = Image { begin, size, shift: dot(vector, &self.shift) };
+        self.images[k] = Some(image);
+        image
+    }
+
+    /// The unit vector of a row or column, and its size.
+    pub(super) fn unit(&mut self, k: usize) -> (&[f64], f64) {
+        let image = self.image(k);
+        (&self.vectors[image.begin..image.begin + self.shift.len()], image.size)
+    }
+
+    /// The unit vector of a row or column that [`unit`](Self::unit) has been asked for.
+    pub(super) fn known(&self, k: usize) -> &[f64] {
+        let begin = self.images[k].map_or(0, |image| image.begin);
+        &self.vectors[begin..begin + self.shift.len()]
+    }
+
+    /// The value that the unit vector takes at a limit.
+    pub(super) fn level(&mut self, k: usize, side: Side) -> f64 {
+        let image = self.image(k);
+        self.limit(k, side) / image.size + image.shift
+    }
+
+    /// The limit itself.
+    pub(super) fn limit(&self, k: usize, side: Side) -> f64 {
+        let [lower, upper] = self.limits(k);
+        if side == Side::Upper { upper } else { lower }
+    }
+
+    /// Both limits of a row or column.
+    pub(super) fn limits(&self, k: usize) -> [f64; 2] {
+        let (program, m) = (self.program, self.program.rows.len());
+        match k.checked_sub(m) {
+            None => [program.row_lower[k], program.row_upper[k]],
+            Some(j) => [program.lower[j], program.upper[j]],
+        }
+    }
+
+    /// The point of a `u`.
+    pub(super) fn point(&self, u: &[f64]) -> Vec<f64> {
+        let mut x: Vec<f64> = u.iter().zip(&self.shift).map(|(u, v)| u - v).collect();
+        self.factor.solve_transposed(&mut x);
+        x
+    }
+
+    /// The objective of a `u`.
+    pub(super) fn objective(&self, u: &[f64]) -> f64 {
+        let halves = u.iter().zip(&self.shift).map(|(u, v)| 0.5 * (u - v) * (u + v));
+        halves.sum::<f64>() + self.program.offset
+    }
+
+    /// The value of a row or column at a point.
+    pub(super) fn value(&self, k: usize, x: &[f64]) -> f64 {
+        match k.checked_sub(self.largest.len()) {
+            None => {
+                let (index, value) = self.program.rows.vector(k);
+                index.iter().zip(value).map(|(&j, a)| a * x[j]).sum()
+            }
+            Some(j) => x[j],
+        }
+    }
+
+    /// The row or column that a point violates most, in units of its largest coefficient.
+    pub(super) fn most_violated(&self, x: &[f64], skip: &[bool]) -> Option<(usize, Side)> {
+        let mut most = 0.0;
+        let mut found = None;
+        for k in (0..self.len()).filter(|&k| !skip[k]) {
+            let [lower, upper] = self.limits(k);
+            if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+                continue;
+            }
+            let value = self.value(k, x);
+            let (by, side) = if lower - value > value - upper {
+                (lower - value, Side::Lower)
+            } else {
+                (value - upper, Side::Upper)
+            };
+            let unit = self.largest.get(k).copied().unwrap_or(1.0);
+            let limit = if side == Side::Lower { lower } else { upper };
+            if by > FEASIBLE * unit.max(limit.abs()) && by / unit > most {
+                (most, found) = (by / unit, Some((k, side)));
+            }
+        }
+        let both = |(k, side): (usize, Side)| {
+            let [lower, upper] = self.limits(k);
+            (k, if lower == upper { Side::Both } else { side })
+        };
+        found.map(both)
+    }
+}

@@ -1,0 +1,188 @@
+//! The working set: limits that hold with equality, their multipliers, and the factor of their
+//! products.
+
+use super::metric::{Metric, Side};
+use super::triangle::{Triangle, add_multiple, dot};
+
+/// The squared sine of the angle between a vector and the span of others below which it counts as
+/// one of them.
+const DEPENDENT: f64 = 1e-12;
+
+/// Multipliers below this fraction of the largest one are rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// A limit that is held.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Member {
+    /// A row or a column.
+    pub(super) of: usize,
+    pub(super) side: Side,
+    /// The value that its unit vector takes.
+    level: f64,
+    pub(super) multiplier: f64,
+}
+
+/// A limit on its way into the working set: how it depends on the members.
+#[derive(Debug)]
+pub(super) struct Candidate {
+    of: usize,
+    side: Side,
+    /// Its row of the factor, and the diagonal entry.
+    row: Vec<f64>,
+    diagonal: f64,
+    /// The members' multiples that come closest to it.
+    multiples: Vec<f64>,
+}
+
+impl Candidate {
+    pub(super) fn is_dependent(&self) -> bool {
+        self.diagonal * self.diagonal <= DEPENDENT
+    }
+}
+
+#[derive(Debug, Default)]
+pub(super) struct WorkingSet {
+    pub(super) members: Vec<Member>,
+    /// `C` with `C C'` the products of the members' unit vectors.
+    factor: Triangle,
+    /// By row and column: whether it is a member.
+    pub(super) holds: Vec<bool>,
+}
+
+impl WorkingSet {
+    pub(super) fn new(len: usize) -> Self {
+        WorkingSet { holds: vec![false; len], ..WorkingSet::default() }
+    }
+
+    /// How a limit depends on the members.
+    pub(super) fn candidate(&self, metric: &mut Metric<'_>, of: usize, side: Side) -> Candidate {
+        let unit = metric.unit(of).0.to_vec();
+        let product = |m: &Member| dot(metric.known(m.of), &unit);
+        let mut row: Vec<f64> = self.members.iter().map(product).collect();
+        self.factor.solve(&mut row, 0);
+        let mut multiples = row.clone();
+        self.factor.solve_transposed(&mut multiples);
+        let mut square = 1.0 - dot(&row, &row);
+        if square < 1e-3 {
+            // The difference has lost digits; the vector that is left has them.
+            let mut left = unit;
+            for (member, &multiple) in self.members.iter().zip(&multiples) {
+                add_multiple(&mut left, -multiple, metric.known(member.of));
+            }
+            square = dot(&left, &left);
+        }
+        Candidate { of, side, row, diagonal: square.max(0.0).sqrt(), multiples }
+    }
+
+    /// Holds a limit that does not depend on the members.
+    pub(super) fn add(&mut self, metric: &mut Metric<'_>, candidate: &Candidate, multiplier: f64) {
+        let &Candidate { of, side, diagonal, .. } = candidate;
+        self.factor.push(&candidate.row, diagonal);
+        self.holds[of] = true;
+        self.members.push(Member { of, side, level: metric.level(of, side), multiplier });
+    }
+
+    fn remove(&mut self, at: usize) {
+        self.factor.remove(at);
+        let member = self.members.remove(at);
+        self.holds[member.of] = false;
+    }
+
+    /// The multipliers at which all members hold, and nothing else does.
+    fn target(&self) -> Vec<f64> {
+        let mut target: Vec<f64> = self.members.iter().map(|m| -m.level).collect();
+        self.factor.solve(&mut target, 0);
+        self.factor.solve_transposed(&mut target);
+        target
+    }
+
+    /// Moves the multipliers towards those at which all members hold, up to the first one that
+    /// becomes zero; its limit is let go. Returns whether all members hold.
+    pub(super) fn advance(&mut self) -> bool {
+        let target = self.target();
+        let size = target.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let mut step = 1.0;
+        let mut blocking = None;
+        for (k, (member, &to)) in self.members.iter().zip(&target).enumerate() {
+            if member.side.refuses(to) && to.abs() > ROUNDING * size {
+                let reach = (member.multiplier / (member.multiplier - to)).clamp(0.0, 1.0);
+                if reach < step || blocking.is_none() {
+                    (step, blocking) = (reach, Some(k));
+                }
+            }
+        }
+        for (member, to) in self.members.iter_mut().zip(target) {
+            let moved = member.multiplier + step * (to - member.multiplier);
+            let moved = if step == 1.0 { to } else { moved };
+            member.multiplier = if member.side.refuses(moved) { 0.0 } else { moved };
+        }
+        if let Some(k) = blocking {
+            self.remove(k);
+        }
+        blocking.is_none()
+    }
+
+    /// Lets a limit in that depends on the members: moves the multipliers along the direction in
+    /// which nothing else changes, up to the first one that becomes zero.
+    ///
+    /// # Errors
+    ///
+    /// The direction, if no multiplier becomes zero: these multipliers of the members, and 1 (-1 for
+    /// a lower limit) for the limit itself, prove that the limits contradict each other.
+    pub(super) fn exchange(
+        &mut self,
+        metric: &mut Metric<'_>,
+        candidate: &Candidate,
+        up: bool,
+    ) -> Result<(), Vec<f64>> {
+        let sign = if up { 1.0 } else { -1.0 };
+        let direction: Vec<f64> = candidate.multiples.iter().map(|t| -sign * t).collect();
+        let mut step = f64::INFINITY;
+        let mut blocking = None;
+        for (k, (member, &along)) in self.members.iter().zip(&direction).enumerate() {
+            if member.side.refuses(along) && along.abs() > ROUNDING {
+                let reach = (member.multiplier / -along).max(0.0);
+                if reach < step {
+                    (step, blocking) = (reach, Some(k));
+                }
+            }
+        }
+        let Some(k) = blocking else { return Err(direction) };
+        for (member, along) in self.members.iter_mut().zip(direction) {
+            let moved = member.multiplier + step * along;
+            member.multiplier = if member.side.refuses(moved) { 0.0 } else { moved };
+        }
+        self.remove(k);
+        let again = self.candidate(metric, candidate.of, candidate.side);
+        if again.is_dependent() {
+            return Ok(());
+        }
+        self.add(metric, &again, sign * step);
+        Ok(())
+    }
+
+    /// `u` of the multipliers.
+    pub(super) fn position(&self, metric: &Metric<'_>) -> Vec<f64> {
+        let mut u = vec![0.0; metric.program.columns.len()];
+        for member in &self.members {
+            add_multiple(&mut u, -member.multiplier, metric.known(member.of));
+        }
+        u
+    }
+
+    /// Corrects the multipliers by what the members miss their limits by at a point.
+    pub(super) fn refine(&mut self, metric: &mut Metric<'_>, x: &[f64]) {
+        let mut miss = Vec::with_capacity(self.members.len());
+        for member in &self.members {
+            let size = metric.unit(member.of).1;
+            let value = metric.value(member.of, x);
+            miss.push((value - metric.limit(member.of, member.side)) / size);
+        }
+        self.factor.solve(&mut miss, 0);
+        self.factor.solve_transposed(&mut miss);
+        for (member, by) in self.members.iter_mut().zip(miss) {
+            let moved = member.multiplier + by;
+            member.multiplier = if member.side.refuses(moved) { 0.0 } else { moved };
+        }
+    }
+}
