@@ -83,6 +83,16 @@ impl Interval {
     pub fn intersection(&self, other: Interval) -> Interval {
         Interval { lower: self.lower.max(other.lower), upper: self.upper.min(other.upper) }
     }
+
+    /// Whether the ends are crossed.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.lower > self.upper
+    }
+
+    /// The member nearest to `value`.
+    pub(crate) fn nearest(&self, value: f64) -> f64 {
+        value.max(self.lower).min(self.upper)
+    }
 }
 
 /// The next float above a finite `value`; returns infinities and NaN unchanged.

@@ -142,7 +142,7 @@ pub fn damage_interval(
     solver: &mut dyn Solver,
 ) -> Result<DamageInterval, Error> {
     check(scenario, options)?;
-    let mut open = *scenario;
+    let mut open = scenario.clone();
     open.damage.per_impact = None;
     open.damage.weight = 0.0;
     let token = StopToken::new(options.time_limit, &options.interrupt);
@@ -227,7 +227,7 @@ impl Search<'_> {
 
     /// Looks for a plan under a limit.
     fn feasible(&mut self, steps: usize, limit: Option<f64>) -> Result<Answer, Error> {
-        let mut scenario = self.scenario;
+        let mut scenario = self.scenario.clone();
         scenario.damage.per_impact = limit;
         let mut program = PlanningProgram::build(&scenario, steps, Objective::Feasibility)?;
         match tighten(&mut scenario.reach_sets()?, &mut program, &self.token)? {

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::hybrid::{FreeSide, Wall};
 use crate::interval::Interval;
 
-/// A scenario that contradicts itself, found before any planning.
+/// A scenario that contradicts itself, found before any planning, or a plan of another scenario.
 ///
 /// In a [`carom::Error`](crate::Error) it is the [`source`](std::error::Error::source) of an error
 /// of the kind [`ErrorKind::Other`](crate::ErrorKind::Other):
@@ -77,6 +77,22 @@ pub enum ScenarioError {
         position: f64,
         /// The domain, in m.
         domain: Interval,
+    },
+    /// A solution starts or ends elsewhere than the scenario says.
+    #[error(
+        "the plan misses the {end} of the scenario: it is at {position} m there, with {velocity} m/s \
+         and {acceleration} m/s²; certify it with the scenario of its program, whose {end} must stay \
+         as it was built"
+    )]
+    Missed {
+        /// `start` or `goal`.
+        end: &'static str,
+        /// Its position, in m.
+        position: f64,
+        /// Its velocity, in m/s.
+        velocity: f64,
+        /// Its acceleration, in m/s².
+        acceleration: f64,
     },
     /// An interval of damage limits was asked for, but collisions are forbidden.
     #[error(

@@ -3,7 +3,7 @@
 use super::program::{Ends, Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::{ContactLaw, DamageLimits, Horizon};
+use crate::hybrid::{ContactLaw, DamageLimits, Horizon, Region};
 use crate::interval::Interval;
 use crate::model::Row;
 
@@ -17,6 +17,7 @@ impl PlanningProgram {
     /// | --- | --- | --- |
     /// | `start_position`, `start_velocity`, `start_acceleration` | x(0), v(0), a(0) | (1) |
     /// | `goal_position`, `goal_velocity` | x(τ), v(τ) | (2) |
+    /// | `goal_limit_k[0]` | half-space k of the goal's region | |
     /// | `acceleration[t]` | a(t) within its limits, in flight | (5), (6) |
     /// | `speed[t]` | v(t) within its limits | |
     /// | `wall[t]` | x(t) on the free side, if collisions are forbidden | (7) |
@@ -53,15 +54,27 @@ impl PlanningProgram {
     }
 
     fn state_ends(&mut self, scenario: &Scenario) -> Result<(), Error> {
-        let (start, goal, last) = (&scenario.start, &scenario.goal, self.horizon.steps());
+        let (start, last) = (&scenario.start, self.horizon.steps());
         let (x, v) = (&self.position, &self.velocity);
         self.model.add("start_position", x[0].equals(start.position))?;
         self.model.add("start_velocity", v[0].equals(start.velocity))?;
         if let Some(value) = start.acceleration {
             self.model.add("start_acceleration", self.acceleration[0].equals(value))?;
         }
-        self.model.add("goal_position", x[last].equals(goal.position))?;
-        self.model.add("goal_velocity", v[last].equals(goal.velocity))?;
+        let Region { ranges, halfspaces, .. } = scenario.goal_states();
+        for (name, variable, range) in
+            [("goal_position", x[last], ranges[0]), ("goal_velocity", v[last], ranges[1])]
+        {
+            if range.lower == range.upper {
+                self.model.add(name, variable.equals(range.lower))?;
+            } else if range != Interval::REALS {
+                self.model.add(name, variable.within(range.lower, range.upper))?;
+            }
+        }
+        for (k, halfspace) in halfspaces.into_iter().enumerate() {
+            let alone = Region::from([Interval::REALS; 2]).with_halfspace(halfspace);
+            alone.add(&mut self.model, &format!("goal_limit_{k}"), &[x[last], v[last]])?;
+        }
         Ok(())
     }
 
@@ -119,13 +132,13 @@ impl PlanningProgram {
 /// The scenario with limits so wide that a plan from start to goal need not reach them.
 fn widened(scenario: &Scenario, horizon: &Horizon) -> Scenario {
     let time = horizon.steps() as f64 * horizon.time_step();
-    let distance = (scenario.goal.position - scenario.start.position).abs();
-    let speeds = scenario.start.velocity.abs() + scenario.goal.velocity.abs();
+    let distance = scenario.distance();
+    let speeds = scenario.start.velocity.abs() + scenario.slowest_end();
     // From rest to rest, at full acceleration both ways.
     let hardest = 4.0 * (distance + speeds * time) / (time * time);
     let fastest = 2.0 * distance / time + speeds;
     let most = 2.0 * scenario.max_acceleration().max(hardest);
-    let mut wide = *scenario;
+    let mut wide = scenario.clone();
     wide.acceleration = Interval::new(-most, most);
     wide.max_speed = 2.0 * scenario.max_speed.max(fastest);
     if scenario.damage.is_active() {

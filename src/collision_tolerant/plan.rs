@@ -1,14 +1,17 @@
 //! Planning over a fixed horizon, with a certificate for every plan.
 
+use super::error::ScenarioError;
 use super::program::{Objective, PlanningProgram};
 use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
-use crate::hybrid::{ContinuousReplay, DiscreteReplay, replay_continuous, replay_discrete};
+use crate::hybrid::{
+    ContinuousReplay, DiscreteReplay, RunCertificate, replay_continuous, replay_discrete,
+};
 use crate::solution::{Solution, Statistics, Termination, Verification};
 use crate::solver::{Control, Solver, StopToken};
-use crate::tolerance;
+use crate::tolerance::{self, margin_scale};
 
 /// Why a plan can be trusted.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +21,9 @@ pub struct PlanCertificate {
     /// The check of the solution against the program: bounds, rows, and every implication, with
     /// rounded binaries.
     pub verification: Verification,
+    /// The check of every step against the [scenario's system](Scenario::hybrid_system): limits,
+    /// guards and next states.
+    pub run: RunCertificate,
     /// The replay through the same discrete law; it agrees with the plan at every sample within
     /// [`tolerance::REPLAY`].
     pub discrete: DiscreteReplay,
@@ -160,13 +166,45 @@ pub(super) fn outcome(
 }
 
 impl Plan {
-    /// Replays a solution twice and certifies it, or returns why it cannot be trusted.
-    pub(super) fn certify(
+    /// Reads a plan from a solution of a program and certifies it: limits, start and goal are
+    /// checked, and its accelerations are replayed twice.
+    ///
+    /// The program may have been extended: what the scenario says is checked against the scenario
+    /// itself, and the solution is verified against all rows of the program.
+    ///
+    /// ```
+    /// use carom::collision_tolerant::{Objective, Plan, PlanningProgram, Scenario};
+    /// use carom::prelude::*;
+    ///
+    /// let scenario = Scenario::paper().with_time_step(0.1);
+    /// let mut program = PlanningProgram::build(&scenario, 30, Objective::Effort)?;
+    /// // Speeds up to 6 m/s in the first second, and nothing in the second one.
+    /// for t in 1..=10 {
+    ///     program.model.add(("slow", t), program.velocity[t].within(-6.0, 6.0))?;
+    ///     program.model.add(("coast", t), program.acceleration[10 + t].equals(0.0))?;
+    /// }
+    /// let solution = BranchAndBound::default().solve(&program.model)?;
+    /// let plan = Plan::certify(&scenario, &program, &solution)?;
+    /// assert!(plan.trajectory.velocity[10] >= -6.0 - 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::NoPoint`] if the solution has no point, [`ErrorKind::ForeignHandle`] if it is of
+    /// another model; [`ScenarioError::Missed`] if start or goal are not the scenario's;
+    /// [`RunError`](crate::hybrid::RunError) and [`ReplayError`](crate::hybrid::ReplayError) if the
+    /// plan is not what the scenario's law says.
+    pub fn certify(
         scenario: &Scenario,
         program: &PlanningProgram,
         solution: &Solution,
     ) -> Result<Self, Error> {
+        scenario.check()?;
         let trajectory = Trajectory::read(scenario, program, solution)?;
+        check_ends(scenario, &trajectory)?;
+        let system = scenario.system(&program.horizon, scenario.damage.per_impact)?;
+        let run = system.certify(&program.hybrid.read(solution)?)?;
         let samples = trajectory.samples();
         let discrete = replay_discrete(&scenario.contact, &samples)?;
         discrete.check(&samples, tolerance::REPLAY)?;
@@ -177,11 +215,31 @@ impl Plan {
         let objective = solution.objective().ok_or_else(no_point)?;
         Ok(Plan {
             trajectory,
-            certificate: PlanCertificate { verification, discrete, continuous },
+            certificate: PlanCertificate { verification, run, discrete, continuous },
             objective,
             bound: solution.bound(),
             termination: solution.termination(),
             statistics: *solution.statistics(),
         })
     }
+}
+
+/// Refuses plans that start or end elsewhere than the scenario says.
+fn check_ends(scenario: &Scenario, trajectory: &Trajectory) -> Result<(), Error> {
+    let ends = [
+        ("start", 0, scenario.start_state(), scenario.start.acceleration),
+        ("goal", trajectory.steps(), scenario.goal_states(), scenario.goal.acceleration),
+    ];
+    for (end, t, region, wanted) in ends {
+        let state = [trajectory.position[t], trajectory.velocity[t]];
+        let acceleration = trajectory.acceleration[t];
+        let size = state.iter().fold(acceleration.abs(), |size, x| size.max(x.abs()));
+        let miss = (tolerance::FEASIBILITY + tolerance::REPLAY) * margin_scale(size, 0.0);
+        let is_wanted = wanted.is_none_or(|wanted| (acceleration - wanted).abs() <= miss);
+        if !is_wanted || !region.contains(&state, miss)? {
+            let [position, velocity] = state;
+            return Err(ScenarioError::Missed { end, position, velocity, acceleration }.into());
+        }
+    }
+    Ok(())
 }

@@ -5,7 +5,7 @@ use std::borrow::{Borrow, BorrowMut};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
-use crate::hybrid::{ContactLaw, Damage, Horizon, HybridProgram, ImpactSpeed};
+use crate::hybrid::{ContactLaw, Damage, Horizon, HybridProgram, ImpactSpeed, When};
 use crate::model::{Affine, Family, Model, Quadratic, Variable};
 
 /// The objective of a plan over a fixed horizon.
@@ -34,6 +34,9 @@ pub(super) enum Ends {
 }
 
 /// The program of one horizon: its model and the handles of its variables.
+///
+/// The model may be extended by rows and costs of your own. A solution of it becomes a plan by
+/// [`Plan::certify`](super::Plan::certify).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PlanningProgram {
@@ -194,9 +197,13 @@ impl PlanningProgram {
         let (start, goal, last) = (&scenario.start, &scenario.goal, self.horizon.steps());
         let (model, x, v) = (&mut self.model, &self.position, &self.velocity);
         model.fix(x[0], start.position)?; // (1), (21c)
-        model.fix(x[last], goal.position)?; // (2), (21d)
         model.fix(v[0], start.velocity)?; // (21e)
-        model.fix(v[last], goal.velocity)?; // (21f)
+        if scenario.goal_region.is_some() {
+            self.hybrid.require(model, "goal", &scenario.goal_states(), When::At(last))?;
+        } else {
+            model.fix(x[last], goal.position)?; // (2), (21d)
+            model.fix(v[last], goal.velocity)?; // (21f)
+        }
         if let Some(value) = start.acceleration {
             model.fix(self.acceleration[0], value)?; // (21g)
         }

@@ -1,7 +1,7 @@
 //! A scenario as a hybrid system, and as a family of programs over the horizon.
 
 use super::program::{Objective, PlanningProgram};
-use super::scenario::{Collisions, Endpoint, Scenario};
+use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
 use crate::hybrid::{
@@ -82,8 +82,7 @@ impl Scenario {
     /// Those of [`Scenario::check`].
     pub fn reach_sets(&self) -> Result<ReachSets, Error> {
         let system = self.hybrid_system()?;
-        let ends = |end: &Endpoint| [Interval::point(end.position), Interval::point(end.velocity)];
-        let (start, goal) = (ends(&self.start), ends(&self.goal));
+        let (start, goal) = (self.start_state(), self.goal_states());
         let sets = ReachSets::new(&system, start, goal, SetOptions::default())?;
         match self.start.acceleration {
             Some(a) => sets.with_first_inputs(&[Interval::point(a)]),

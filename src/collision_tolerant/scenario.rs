@@ -4,9 +4,11 @@ use super::error::ScenarioError;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
-use crate::hybrid::{Contact, ContactLaw, DamageLimits, Horizon, Restitution, Waiting, Wall};
+use crate::hybrid::{
+    Contact, ContactLaw, DamageLimits, FreeSide, Horizon, Region, Restitution, Waiting, Wall,
+};
 use crate::interval::Interval;
-use crate::setters::setters;
+use crate::setters::{changed_copies, setters};
 
 /// Whether a plan may hit the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -51,6 +53,8 @@ impl Endpoint {
 /// A vehicle on a line with a wall: the data of the paper's sections 3 and 4. All positions are in
 /// one frame, in m.
 ///
+/// The methods `with_...` return a changed copy.
+///
 /// ```
 /// use carom::collision_tolerant::{Endpoint, Scenario};
 ///
@@ -60,7 +64,7 @@ impl Endpoint {
 /// assert!(behind.check().is_err());
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scenario {
@@ -68,6 +72,9 @@ pub struct Scenario {
     pub start: Endpoint,
     /// Where it ends; equation (2).
     pub goal: Endpoint,
+    /// Where it may end, if that is not only the position and the velocity of `goal`: a region of
+    /// position (m) and velocity (m/s), without modes. Only its part on the wall's free side counts.
+    pub goal_region: Option<Region>,
     /// Smallest and largest acceleration of free flight, in m/s²; equations (5), (6).
     pub acceleration: Interval,
     /// Largest speed at a sample, in m/s.
@@ -106,6 +113,7 @@ impl Scenario {
         Scenario {
             start,
             goal,
+            goal_region: None,
             acceleration,
             max_speed,
             time_step,
@@ -125,15 +133,49 @@ impl Scenario {
         Scenario::new(start, goal, wall, Interval::new(-6.0, 6.0), 15.0, 0.005)
     }
 
-    setters! {
+    changed_copies! {
         /// Sets the start.
         with_start(start: Endpoint) => start = start;
-        /// Sets the goal.
-        with_goal(goal: Endpoint) => goal = goal;
-        /// Moves the goal to another position (m) without changing its velocity and acceleration.
-        with_goal_position(position: f64) => goal.position = position;
         /// Sets the wall.
         with_wall(wall: Wall) => contact.wall = wall;
+    }
+
+    /// Sets the goal, in place of any other goal and region.
+    #[must_use]
+    pub fn with_goal(&self, goal: Endpoint) -> Self {
+        Scenario { goal, goal_region: None, ..self.clone() }
+    }
+
+    /// Moves the goal to another position (m) without changing its velocity and acceleration.
+    #[must_use]
+    pub fn with_goal_position(&self, position: f64) -> Self {
+        self.with_goal(Endpoint { position, ..self.goal })
+    }
+
+    /// Lets the plan end anywhere in a region of position (m) and velocity (m/s): a point, a box, a
+    /// polyhedron. The acceleration of the goal stays as it is.
+    ///
+    /// ```
+    /// use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+    /// use carom::hybrid::{Halfspace, Region};
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// // At most 0.5 m from the wall, and slow enough: |v| <= 2 x.
+    /// let parked = Region::from([Interval::new(0.0, 0.5), Interval::REALS])
+    ///     .with_halfspace(Halfspace::new("not too fast away from it", [-2.0, 1.0], 0.0))
+    ///     .with_halfspace(Halfspace::new("not too fast towards it", [-2.0, -1.0], 0.0));
+    /// let scenario = Scenario::paper().with_time_step(0.05).with_goal_region(parked);
+    /// let found =
+    ///     shortest_plan(&scenario, &PlanningOptions::default(), &mut BranchAndBound::default())?;
+    /// let trajectory = found.plan.expect("there is one").trajectory;
+    /// let (x, v) = (trajectory.position[trajectory.steps()], trajectory.velocity[trajectory.steps()]);
+    /// assert!(x < 0.5 + 1e-6 && v.abs() < 2.0 * x + 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_goal_region(&self, region: impl Into<Region>) -> Self {
+        Scenario { goal_region: Some(region.into()), ..self.clone() }
     }
 
     /// Sets the coefficient of restitution e (no unit).
@@ -141,12 +183,13 @@ impl Scenario {
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] outside `[0, 1]`.
-    pub fn with_restitution(mut self, restitution: f64) -> Result<Self, Error> {
-        self.contact.restitution = Restitution::new(restitution)?;
-        Ok(self)
+    pub fn with_restitution(&self, restitution: f64) -> Result<Self, Error> {
+        let mut copy = self.clone();
+        copy.contact.restitution = Restitution::new(restitution)?;
+        Ok(copy)
     }
 
-    setters! {
+    changed_copies! {
         /// Sets the contact law.
         with_law(law: ContactLaw) => contact.law = law;
         /// The same scenario with collisions forbidden.
@@ -191,37 +234,80 @@ impl Scenario {
         if let Some(domain) = self.domain {
             domain.check("domain")?;
         }
-        self.check_end("start", &self.start)?;
-        Ok(self.check_end("goal", &self.goal)?)
+        if let Some(region) = &self.goal_region {
+            region.check(&self.system(&Horizon::new(1, self.time_step)?, None)?, "the goal")?;
+        }
+        let start = [self.start.position, self.start.velocity].map(Interval::point);
+        self.check_end("start", start, self.start.acceleration)?;
+        let goal = [self.goal_positions(), self.goal_velocities()];
+        Ok(self.check_end("goal", goal, self.goal.acceleration)?)
     }
 
-    fn check_end(&self, end: &'static str, at: &Endpoint) -> Result<(), ScenarioError> {
-        let (position, speed, wall) = (at.position, at.velocity.abs(), self.contact.wall);
+    fn check_end(
+        &self,
+        end: &'static str,
+        [positions, velocities]: [Interval; 2],
+        acceleration: Option<f64>,
+    ) -> Result<(), ScenarioError> {
+        let (wall, limit) = (self.contact.wall, self.max_speed);
+        let position = positions.nearest(wall.at_gap(f64::INFINITY));
         if wall.gap(position) < 0.0 {
             return Err(ScenarioError::InsideWall { end, position, wall });
         }
-        if speed > self.max_speed {
-            return Err(ScenarioError::TooFast { end, speed, limit: self.max_speed });
+        let speed = velocities.nearest(0.0).abs();
+        if speed > limit {
+            return Err(ScenarioError::TooFast { end, speed, limit });
         }
-        if let Some(acceleration) = at.acceleration
+        if let Some(acceleration) = acceleration
             && !self.acceleration.contains(acceleration)
         {
             let limits = self.acceleration;
             return Err(ScenarioError::Acceleration { end, acceleration, limits });
         }
         if let Some(domain) = self.domain
-            && !domain.contains(position)
+            && positions.intersection(domain).is_empty()
         {
+            let position = positions.nearest(domain.lower);
             return Err(ScenarioError::OutsideDomain { end, position, domain });
         }
         Ok(())
     }
 
+    /// The positions at which a plan may end, in m: on the wall's free side, if there are any there.
+    fn goal_positions(&self) -> Interval {
+        let Some(region) = &self.goal_region else { return Interval::point(self.goal.position) };
+        let (all, at) = (range(region, 0), self.contact.wall.position());
+        let free = match self.contact.wall.free() {
+            FreeSide::Above => Interval::new(at, f64::INFINITY),
+            FreeSide::Below => Interval::new(f64::NEG_INFINITY, at),
+        };
+        let both = all.intersection(free);
+        if both.is_empty() { all } else { both }
+    }
+
+    /// The velocities at which a plan may end, in m/s.
+    fn goal_velocities(&self) -> Interval {
+        let region = self.goal_region.as_ref();
+        region.map_or(Interval::point(self.goal.velocity), |region| range(region, 1))
+    }
+
+    /// The state in which a plan starts.
+    pub(super) fn start_state(&self) -> Region {
+        Region::point([self.start.position, self.start.velocity])
+    }
+
+    /// The states in which a plan may end.
+    pub(super) fn goal_states(&self) -> Region {
+        let halfspaces = self.goal_region.iter().flat_map(|region| &region.halfspaces);
+        let ranges = Region::from([self.goal_positions(), self.goal_velocities()]);
+        halfspaces.fold(ranges, |region, halfspace| region.with_halfspace(halfspace.clone()))
+    }
+
     /// Whether waiting is free, so that the shortest horizon may be found by bisection.
     ///
     /// The vehicle can wait at the start if it is at rest there, zero acceleration is admissible
-    /// and the first acceleration is free or 0. It can wait at the goal if it is at rest there and
-    /// zero acceleration is admissible (a(τ) is never applied, so its value does not matter).
+    /// and the first acceleration is free or 0. It can wait at the goal if it is always at rest there
+    /// and zero acceleration is admissible (a(τ) is never applied, so its value does not matter).
     /// Limits, wall and damage do not depend on the step, and the search has no running cost.
     pub fn waiting(&self) -> Waiting {
         let coasting = self.acceleration.contains(0.0);
@@ -231,7 +317,7 @@ impl Scenario {
         if self.start.velocity == 0.0 && self.start.acceleration.unwrap_or(0.0) == 0.0 {
             return Waiting::Free("the vehicle can rest at its start".into());
         }
-        if self.goal.velocity == 0.0 {
+        if self.goal_velocities() == Interval::point(0.0) {
             return Waiting::Free("the vehicle can rest at its goal".into());
         }
         Waiting::NotFree("the vehicle can rest neither at its start nor at its goal".into())
@@ -247,7 +333,7 @@ impl Scenario {
     /// No step is longer than `l = Δt (v_max + a_max Δt/2)`: a flight is Δt times the mean of two
     /// admissible velocities, and a contact ends no farther from the wall than that flight would.
     /// So between gap g₀ and gap g₁ in τ steps, the vehicle is never farther from the wall than
-    /// `(g₀ + g₁ + τ l)/2`.
+    /// `(g₀ + g₁ + τ l)/2`, nor than `g₀ + τ l`.
     ///
     /// Under the literal law it may also be inside the wall: by the step that takes it there, plus
     /// the `Δt v_max (1-e)/2` of the first contact. Later contacts alternate in direction and undo
@@ -255,8 +341,11 @@ impl Scenario {
     pub(super) fn positions(&self, horizon: &Horizon) -> Interval {
         let (wall, dt) = (self.contact.wall, self.time_step);
         let longest_step = dt * (self.max_speed + 0.5 * dt * self.max_acceleration());
-        let ends = wall.gap(self.start.position) + wall.gap(self.goal.position);
-        let mut farthest = 0.5 * (ends + horizon.steps() as f64 * longest_step);
+        let goal = self.goal_positions();
+        let (start, end) =
+            (wall.gap(self.start.position), wall.gap(goal.lower).max(wall.gap(goal.upper)));
+        let travel = horizon.steps() as f64 * longest_step;
+        let mut farthest = (0.5 * (start + end + travel)).min(start.max(0.0) + travel);
         let e = self.contact.restitution.value();
         let mut nearest = match (self.contact.law, self.collisions) {
             (ContactLaw::Literal, Collisions::Tolerated) => {
@@ -276,10 +365,20 @@ impl Scenario {
         Interval::new(one.min(other), one.max(other))
     }
 
+    /// The distance from the start to the nearest position at which a plan may end, in m.
+    pub(super) fn distance(&self) -> f64 {
+        (self.goal_positions().nearest(self.start.position) - self.start.position).abs()
+    }
+
+    /// The smallest speed at which a plan may end, in m/s.
+    pub(super) fn slowest_end(&self) -> f64 {
+        self.goal_velocities().nearest(0.0).abs()
+    }
+
     /// A number of steps (at least 1) at which to begin the search for the shortest horizon: full
     /// acceleration from the start without stopping. A guess, not a bound.
     pub(super) fn lower_hint(&self) -> usize {
-        let distance = (self.goal.position - self.start.position).abs();
+        let distance = self.distance();
         let (speed, acceleration) = (self.start.velocity.abs(), self.max_acceleration());
         let sprint = if acceleration > 0.0 {
             ((speed * speed + 2.0 * acceleration * distance).sqrt() - speed) / acceleration
@@ -289,4 +388,9 @@ impl Scenario {
         let time = sprint.max(distance / self.max_speed);
         ((time / self.time_step) as usize).max(1)
     }
+}
+
+/// The range of a state, of a region that may not have been checked.
+fn range(region: &Region, state: usize) -> Interval {
+    region.ranges.get(state).copied().unwrap_or(Interval::REALS)
 }

@@ -134,7 +134,7 @@ pub fn shortest_plan_with(
 ) -> Result<ShortestPlan, Error> {
     scenario.check()?;
     let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
-    let programs = Programs { scenario: *scenario, upper_hint: options.upper_hint };
+    let programs = Programs { scenario: scenario.clone(), upper_hint: options.upper_hint };
     let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
     let plan = match (&found.program, &found.solution) {
         (Some(program), Some(solution)) => Some(Plan::certify(scenario, program, solution)?),
@@ -260,7 +260,7 @@ pub fn compare(
     let mut options = options.clone();
     options.upper_hint = free.steps.or(options.upper_hint);
     let tolerant = shortest_plan(
-        &Scenario { collisions: Collisions::Tolerated, ..*scenario },
+        &Scenario { collisions: Collisions::Tolerated, ..scenario.clone() },
         &options,
         solver,
     )?;

@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use super::program::PlanningProgram;
 use super::scenario::Scenario;
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::hybrid::simulate::continuous::advance;
 use crate::hybrid::{ContactLaw, Samples};
 use crate::solution::Solution;
@@ -53,8 +55,14 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Reads a trajectory from the solution of a program.
-    pub(super) fn read(
+    /// Reads a trajectory from a solution of a program. Use
+    /// [`Plan::certify`](super::Plan::certify) for a plan that is carried out.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::NoPoint`] if the solution has no point, [`ErrorKind::ForeignHandle`] if it is of
+    /// another model.
+    pub fn read(
         scenario: &Scenario,
         program: &PlanningProgram,
         solution: &Solution,

@@ -116,8 +116,9 @@ impl Damage {
     ///
     /// # Arguments
     ///
-    /// * `contacts`: for each step t = 0, 1, ... its contact binary ζ(t) and impact speed, from
-    ///   [`Contact::add_step`](super::Contact::add_step).
+    /// * `contacts`: for each step t = 0, 1, ... its contact binary ζ(t) and impact speed, which are
+    ///   [`taken`](super::HybridProgram::taken) and the [`output`](super::HybridProgram::output)
+    ///   `impact speed` of a program under the reflecting law.
     ///
     /// # Errors
     ///

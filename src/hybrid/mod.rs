@@ -16,7 +16,7 @@ mod system;
 mod terminal;
 pub mod wall;
 
-pub use contact::{Contact, ContactLaw, ContactStep, ImpactSpeed, Restitution, RollOut};
+pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution, RollOut};
 pub use costs::{Cost, When};
 pub use damage::{Damage, DamageFunction, DamageLimits};
 /// Dense matrices, re-exported from `faer`.

@@ -16,12 +16,8 @@ const MOST: usize = 240;
 const BY_FORMAT: [&str; 2] = ["read", "write"];
 
 /// Structs that the caller fills, field by field, and whose fields are all there can be.
-const COMPLETE: [&str; 4] = [
-    "hybrid::contact::ContactStep",
-    "hybrid::contact::roll_out::RollOut",
-    "hybrid::simulate::Samples",
-    "interval::Interval",
-];
+const COMPLETE: [&str; 3] =
+    ["hybrid::contact::roll_out::RollOut", "hybrid::simulate::Samples", "interval::Interval"];
 
 /// A public type, trait or function, or a re-export, as a module declares it.
 enum Entry<'a> {

@@ -254,7 +254,7 @@ fn limits_that_exclude_zero_acceleration_hold() {
     let rest = Endpoint::at_rest(0.5);
     let scenario = Scenario::paper().with_start(rest).with_goal(rest).with_time_step(0.1);
     let pushed = scenario.with_acceleration(1.0, 2.0);
-    for scenario in [pushed, pushed.collision_free()] {
+    for scenario in [pushed.collision_free(), pushed] {
         let program = PlanningProgram::build(&scenario, 3, Objective::Feasibility).unwrap();
         for a in &program.acceleration {
             let bounds = program.model.variable_ref(a).unwrap().bounds();

@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use crate::common::config;
 use carom::hybrid::{
-    Contact, ContactLaw, ContactStep, Damage, DamageLimits, FreeSide, Horizon, HorizonEvent,
-    HorizonModel, LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus,
-    Verdict, Waiting, Wall, shortest_horizon, shortest_horizon_with,
+    Contact, ContactLaw, Damage, DamageLimits, FreeSide, Horizon, HorizonEvent, HorizonModel,
+    HybridProgram, HybridRun, HybridSystem, LinearSystem, Mat, Refutation, Restitution,
+    ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
+    shortest_horizon_with,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -160,42 +161,34 @@ fn horizons_out_of_range_are_refused_before_anything_is_built() {
 
 // -- contact laws -------------------------------------------------------------------------------
 
-/// One step of a double integrator beside a wall, as a model with variables x, v, a, x⁺, v⁺, ζ.
+/// One step of a double integrator beside a wall: x, v, a and the contact.
 struct OneStep {
     model: Model,
-    contact: Contact,
+    program: HybridProgram,
 }
 
 fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> OneStep {
     let contact = Contact::new(wall, Restitution::new(restitution).unwrap()).with_law(law);
-    let mut model = Model::new("step");
+    let [flight, hit] = contact.transitions(time_step, None).unwrap();
+    let hit = match law {
+        ContactLaw::Literal => hit.with_input_range("a", Interval::new(-40.0, 40.0)),
+        _ => hit,
+    };
+    let at = wall.position();
     let (low, high) = match wall.free() {
-        FreeSide::Above => (wall.position() - 20.0, wall.position() + 50.0),
-        _ => (wall.position() - 50.0, wall.position() + 20.0),
+        FreeSide::Above => (at - 20.0, at + 50.0),
+        _ => (at - 50.0, at + 20.0),
     };
-    let x = model.continuous("x", low, high).unwrap();
-    let v = model.continuous("v", -8.0, 8.0).unwrap();
-    let a = model.continuous("a", -40.0, 40.0).unwrap();
-    let next_x = model.continuous("next_x", low, high).unwrap();
-    let next_v = model.continuous("next_v", -30.0, 30.0).unwrap();
-    let zeta = model.binary("zeta").unwrap();
-    let vehicle = LinearSystem::double_integrator(time_step).unwrap();
-    let predicted = vehicle.predict(&[x, v], &[a]).unwrap();
-    let step = ContactStep {
-        step: 4,
-        time_step,
-        position: x.into(),
-        velocity: v.into(),
-        acceleration: a.into(),
-        acceleration_limits: Interval::new(-3.0, 3.0),
-        predicted_position: predicted[0].clone(),
-        predicted_velocity: predicted[1].clone(),
-        next_position: next_x.into(),
-        next_velocity: next_v.into(),
-        contact: zeta,
-    };
-    contact.add_step(&mut model, &step).unwrap();
-    OneStep { model, contact }
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(low, high))
+        .with_state("v", Interval::new(-30.0, 30.0))
+        .with_input("a", Interval::new(-3.0, 3.0))
+        .with_transition(flight)
+        .with_transition(hit);
+    let mut model = Model::new("step");
+    let horizon = Horizon::new(1, time_step).unwrap();
+    let program = system.write(&mut model, "", &horizon).unwrap();
+    OneStep { model, program }
 }
 
 fn statements(model: &Model) -> String {
@@ -209,13 +202,13 @@ fn the_reflecting_law_reads_like_the_law() {
     let step = one_step(Wall::above(1.0).unwrap(), 0.5, ContactLaw::Reflecting, 2.0);
     assert_eq!(
         statements(&step.model),
-        "  position[4]: -x - 2 v - 2 a + next_x - 1.5 penetration[4] = 0
-  velocity[4]: -v - 2 a + next_v - 1.5 impact_speed[4] = 0
-  outside[4]: x + 2 v + 2 a + penetration[4] >= 1
-  free_position[4]: zeta = 0 implies penetration[4] <= 0
-  free_velocity[4]: zeta = 0 implies impact_speed[4] <= 0
-  impact_position[4]: zeta = 1 implies 0.5 x + v + a + next_x <= 1.5
-  impact_velocity[4]: zeta = 1 implies 0.5 v + a + next_v = 0
+        "  dynamics_x[0]: -x[0] + x[1] - 2 v[0] - 2 a[0] - change_x[0] = 0
+  dynamics_v[0]: -v[0] + v[1] - 2 a[0] - 1.5 impact_speed[0] = 0
+  impact_x_always[0]: -1.5 x[0] - 3 v[0] - 3 a[0] - change_x[0] <= -1.5
+  flight_x[0]: impact[0] = 0 implies change_x[0] <= 0
+  flight_impact_speed[0]: impact[0] = 0 implies impact_speed[0] <= 0
+  impact_x[0]: impact[0] = 1 implies 0.5 x[0] + x[1] + v[0] + a[0] <= 1.5
+  impact_impact_speed[0]: impact[0] = 1 implies 0.5 v[0] + v[1] + a[0] = 0
 "
     );
 }
@@ -225,13 +218,13 @@ fn the_reflecting_law_faces_either_way() {
     let step = one_step(Wall::below(3.0).unwrap(), 0.0, ContactLaw::Reflecting, 2.0);
     assert_eq!(
         statements(&step.model),
-        "  position[4]: x + 2 v + 2 a - next_x - penetration[4] = 0
-  velocity[4]: v + 2 a - next_v - impact_speed[4] = 0
-  outside[4]: -x - 2 v - 2 a + penetration[4] >= -3
-  free_position[4]: zeta = 0 implies penetration[4] <= 0
-  free_velocity[4]: zeta = 0 implies impact_speed[4] <= 0
-  impact_position[4]: zeta = 1 implies -next_x <= -3
-  impact_velocity[4]: zeta = 1 implies -next_v = 0
+        "  dynamics_x[0]: -x[0] + x[1] - 2 v[0] - 2 a[0] - change_x[0] = 0
+  dynamics_v[0]: -v[0] + v[1] - 2 a[0] + impact_speed[0] = 0
+  impact_x_always[0]: x[0] + 2 v[0] + 2 a[0] + change_x[0] <= 3
+  flight_x[0]: impact[0] = 0 implies change_x[0] >= 0
+  flight_impact_speed[0]: impact[0] = 0 implies impact_speed[0] <= 0
+  impact_x[0]: impact[0] = 1 implies x[1] >= 3
+  impact_impact_speed[0]: impact[0] = 1 implies v[1] = 0
 "
     );
 }
@@ -241,26 +234,30 @@ fn the_literal_law_reads_like_the_paper() {
     let step = one_step(Wall::above(1.0).unwrap(), 0.5, ContactLaw::Literal, 2.0);
     assert_eq!(
         statements(&step.model),
-        "  dynamics_x[4]: -x - 2 v - 2 a + next_x = 0
-  dynamics_v[4]: -v - 2 a + next_v = 0
-  free_gap[4]: zeta = 0 implies x >= 1
-  contact_gap[4]: zeta = 1 implies x <= 1
-  free_acceleration[4]: zeta = 0 implies -3 <= a <= 3
-  contact_acceleration[4]: zeta = 1 implies 0.75 v + a = 0
+        "  dynamics_x[0]: -x[0] + x[1] - 2 v[0] - 2 a[0] = 0
+  dynamics_v[0]: -v[0] + v[1] - 2 a[0] = 0
+  flight_the_step_begins_outside_the_wall[0]: contact[0] = 0 implies -x[0] <= -1
+  flight_most_a[0]: contact[0] = 0 implies a[0] <= 3
+  flight_least_a[0]: contact[0] = 0 implies -a[0] <= 3
+  contact_the_step_begins_inside_the_wall[0]: contact[0] = 1 implies x[0] <= 1
+  contact_the_wall's_acceleration[0]: contact[0] = 1 implies 1.5 v[0] + 2 a[0] <= 0
+  contact_the_wall's_acceleration_2[0]: contact[0] = 1 implies -1.5 v[0] - 2 a[0] <= 0
 "
     );
 }
 
 impl OneStep {
-    /// Whether the model allows a point; the auxiliary variables take their best values.
-    fn allows(&self, x: f64, v: f64, a: f64, next_x: f64, next_v: f64, zeta: bool) -> bool {
-        let dt = 0.5;
-        let wall = self.contact.wall;
-        let (p, w) = (x + dt * v + 0.5 * dt * dt * a, v + dt * a);
-        let mut values = vec![x, v, a, next_x, next_v, f64::from(u8::from(zeta))];
-        if self.contact.law == ContactLaw::Reflecting {
-            let (h, f) = if zeta { (-wall.gap(p), -wall.rate(w)) } else { (0.0, 0.0) };
-            values.extend([h, f]);
+    /// Whether the model allows a step; the auxiliary variables take their only values.
+    fn allows(&self, x: f64, v: f64, a: f64, next_x: f64, next_v: f64, hits: bool) -> bool {
+        let transitions = &self.program.system().choices[0].transitions;
+        let taken = transitions[usize::from(hits)].name.clone();
+        let mut run = HybridRun::default();
+        run.states = vec![("x".into(), vec![x, next_x]), ("v".into(), vec![v, next_v])];
+        run.inputs = vec![("a".into(), vec![a])];
+        run.transitions = vec![("mode".into(), vec![taken])];
+        let mut values = vec![f64::NAN; self.model.variable_count()];
+        for (variable, value) in self.program.values(&run).unwrap() {
+            values[variable.index()] = value;
         }
         let point = Point::new(&self.model, values).unwrap();
         Verification::of(&self.model, &point, 1e-7).holds()

@@ -5,6 +5,7 @@ mod common;
 
 mod collision_tolerant;
 mod costs;
+mod goals;
 mod hybrid;
 mod physics;
 mod reach;

@@ -1,9 +1,7 @@
-//! Contact laws: what happens at a wall, as statements of a model.
+//! Contact laws: what happens at a wall, as transitions of a hybrid system.
 //!
-//! A law covers one step. It takes the step's variables and the free-flight prediction, and adds
-//! rows and [indicators](crate::model::Implication) on the step's contact binary ζ(t). Big-Ms are
-//! derived from bounds at each solve. Laws use gap and rate (see [`Wall`]), so they apply to walls
-//! that face either way.
+//! A law gives two transitions, the flight and the contact, which is an event. Laws use gap and rate
+//! (see [`Wall`]), so they apply to walls that face either way.
 //!
 //! | law | file | paper |
 //! | --- | --- | --- |
@@ -22,8 +20,7 @@ use super::wall::Wall;
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::interval::Interval;
-use crate::model::{Affine, Model, Variable};
+use crate::model::Affine;
 
 /// The output of an impact under the reflecting law: the speed towards the wall, in m/s.
 pub(crate) const IMPACT_SPEED: &str = "impact speed";
@@ -100,37 +97,6 @@ pub enum ContactLaw {
     Literal,
 }
 
-/// One step of a vehicle at a wall: the quantities that a contact law needs.
-///
-/// Positions (m), velocities (m/s) and accelerations (m/s²) are along a line that is normal to the
-/// wall. The prediction is the state after free flight; see
-/// [`LinearSystem::predict`](super::LinearSystem::predict).
-#[derive(Debug, Clone)]
-pub struct ContactStep {
-    /// The step t, for names.
-    pub step: usize,
-    /// Δt, in s.
-    pub time_step: f64,
-    /// x(t), in m.
-    pub position: Affine,
-    /// v(t), in m/s.
-    pub velocity: Affine,
-    /// a(t), in m/s².
-    pub acceleration: Affine,
-    /// Limits of a(t) in free flight, in m/s²; the literal law switches them off in contact.
-    pub acceleration_limits: Interval,
-    /// p(t), the position after free flight, in m.
-    pub predicted_position: Affine,
-    /// w(t), the velocity after free flight, in m/s.
-    pub predicted_velocity: Affine,
-    /// x(t+1), in m.
-    pub next_position: Affine,
-    /// v(t+1), in m/s.
-    pub next_velocity: Affine,
-    /// ζ(t), which is 1 if the step has a contact.
-    pub contact: Variable,
-}
-
 /// The impact speed of a step.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -183,23 +149,8 @@ impl Contact {
         self
     }
 
-    /// Adds the law's statements for one step, including the dynamics: x(t+1) and v(t+1) need no
-    /// other rows. Statements that describe the wall are [background](Model::set_background).
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`Model::add`].
-    pub fn add_step(&self, model: &mut Model, step: &ContactStep) -> Result<ImpactSpeed, Error> {
-        match self.law {
-            ContactLaw::Reflecting => {
-                reflecting::add_step(model, self.wall, self.restitution, step)
-            }
-            ContactLaw::Literal => literal::add_step(model, self.wall, self.restitution, step),
-        }
-    }
-
-    /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for
-    /// [reach sets](super::reach): first the flight, then the contact, which is an event.
+    /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for a
+    /// [`HybridSystem`](super::HybridSystem): first the flight, then the contact, which is an event.
     ///
     /// Under the reflecting law, the impact has the output `impact speed` (m/s). Under the literal
     /// law, the contact forces the input to `-(1+e) v/Δt`, so give the contact an

@@ -109,8 +109,7 @@ impl HybridSystem {
     fn held(&self, state: &[f64], names: &[&str]) -> Result<Option<Vec<f64>>, Error> {
         // A transition that cannot be repeated is no way to wait.
         let Ok(stay) = Stay::new(self, names) else { return Ok(None) };
-        let nearest: Vec<f64> =
-            stay.ranges.iter().map(|r| 0.0_f64.max(r.lower).min(r.upper)).collect();
+        let nearest: Vec<f64> = stay.ranges.iter().map(|range| range.nearest(0.0)).collect();
         let middle: Vec<f64> = stay.ranges.iter().map(|r| 0.5 * (r.lower + r.upper)).collect();
         let mut candidates = vec![nearest.clone()];
         for from in [nearest, middle] {

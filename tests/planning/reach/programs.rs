@@ -21,7 +21,12 @@ fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
     let (wall, dt) = (scenario.contact.wall, scenario.time_step);
     let (n, at, e) = (wall.normal(), wall.position(), scenario.contact.restitution.value());
     let (mut x, mut v) = (scenario.start.position, scenario.start.velocity);
-    let mut plan = Plan { scenario, position: vec![x], velocity: vec![v], contact: Vec::new() };
+    let mut plan = Plan {
+        scenario: scenario.clone(),
+        position: vec![x],
+        velocity: vec![v],
+        contact: Vec::new(),
+    };
     let literal = scenario.contact.law == ContactLaw::Literal;
     for &a in accelerations {
         let inside = literal && n * (x - at) < 0.0;

@@ -3,14 +3,15 @@
 use std::time::Duration;
 
 use crate::common::config;
+use crate::rows::wall::add_by_hand;
 use carom::collision_tolerant::{
     Endpoint, PlanningOptions, Scenario, ShortestPlan, shortest_plan, shortest_plan_with,
 };
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::{
-    Contact, ContactStep, DamageLimits, Halfspace, HorizonEvent, HorizonModel, HybridSystem,
-    LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus, Transition,
-    Verdict, Waiting, Wall, shortest_horizon,
+    DamageLimits, Halfspace, HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat,
+    Refutation, ShortestOptions, ShortestStatus, Transition, Verdict, Waiting, Wall,
+    shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -111,7 +112,7 @@ fn a_horizon_that_no_set_excludes_is_left_to_the_solver() {
     let scenario = Scenario::paper().with_time_step(0.05);
     let options = ShortestOptions::default();
     let mut solver = BranchAndBound::default();
-    let found = shortest_horizon(&Blunt(scenario), &options, &mut solver).unwrap();
+    let found = shortest_horizon(&Blunt(scenario.clone()), &options, &mut solver).unwrap();
     assert_eq!(found.steps, search(&scenario, true, 10_000).steps);
     let by = |refutation| {
         found.refutations().filter(|a| a.verdict == Verdict::Refuted(refutation)).count()
@@ -212,10 +213,6 @@ struct Planar {
 impl Planar {
     const PUSH: Interval = Interval { lower: -2.0, upper: 2.0 };
 
-    fn contact() -> Contact {
-        Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.3).unwrap())
-    }
-
     fn axes(&self) -> Result<LinearSystem, Error> {
         let line = LinearSystem::double_integrator(self.dt)?;
         let a =
@@ -247,22 +244,8 @@ impl HorizonModel for Planar {
             let next: Vec<_> = states.iter().map(|family| family[t + 1]).collect();
             line.add_dynamics(&mut model, &["y", "vy"], t, &now[2..], &[ay[t]], &next[2..])?;
             let predicted = line.predict(&now[..2], &[ax[t]])?;
-            Planar::contact().add_step(
-                &mut model,
-                &ContactStep {
-                    step: t,
-                    time_step: self.dt,
-                    position: now[0].into(),
-                    velocity: now[1].into(),
-                    acceleration: ax[t].into(),
-                    acceleration_limits: Planar::PUSH,
-                    predicted_position: predicted[0].clone(),
-                    predicted_velocity: predicted[1].clone(),
-                    next_position: next[0].into(),
-                    next_velocity: next[1].into(),
-                    contact: hit[t],
-                },
-            )?;
+            let predicted = [&predicted[0], &predicted[1]];
+            add_by_hand(&mut model, 0.3, t, predicted, [next[0], next[1]], hit[t]);
         }
         for (family, (from, to)) in
             states.iter().zip([(3.0, 0.2), (0.0, 0.0), (0.0, 1.0), (0.0, 0.0)])

@@ -4,4 +4,4 @@ mod names;
 mod properties;
 mod shapes;
 mod systems;
-mod wall;
+pub(crate) mod wall;

@@ -2,7 +2,7 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
-    Contact, ContactStep, Horizon, HybridProgram, HybridSystem, LinearSystem, Restitution, Wall,
+    Contact, Horizon, HybridProgram, HybridSystem, LinearSystem, Restitution, Wall,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -35,7 +35,31 @@ fn general(e: f64, steps: usize) -> (Model, HybridProgram) {
     (model, program)
 }
 
-/// The same by hand.
+/// A step beside a wall at 0 m, free above, by hand: the penetration `h` and the impact speed `f` are
+/// switched, and `x⁺ = p + (1+e) h`, `v⁺ = w + (1+e) f` hold in both modes.
+pub(crate) fn add_by_hand(
+    model: &mut Model,
+    e: f64,
+    t: usize,
+    [p, w]: [&Affine; 2],
+    [x, v]: [Variable; 2],
+    hit: Variable,
+) {
+    let mut shortfall = |family: &str, of: &Affine| {
+        let largest = (-model.range(of).unwrap().lower).max(0.0);
+        model.continuous((family, t), 0.0, largest).unwrap()
+    };
+    let (h, f) = (shortfall("penetration", p), shortfall("impact_speed", w));
+    model.add(("position", t), x.equals(p + (1.0 + e) * h)).unwrap();
+    model.add(("velocity", t), v.equals(w + (1.0 + e) * f)).unwrap();
+    model.add(("outside", t), (h + p).ge(0.0)).unwrap();
+    model.add(("free_position", t), hit.off().implies(h.le(0.0))).unwrap();
+    model.add(("free_velocity", t), hit.off().implies(f.le(0.0))).unwrap();
+    model.add(("impact_position", t), hit.on().implies(x.le(-e * p))).unwrap();
+    model.add(("impact_velocity", t), hit.on().implies(v.equals(-e * w))).unwrap();
+}
+
+/// The same system by hand.
 fn by_hand(e: f64, steps: usize) -> Model {
     let mut model = Model::new("by hand");
     let x = model.continuous_family("x", steps + 1, POSITIONS.lower, POSITIONS.upper).unwrap();
@@ -45,20 +69,8 @@ fn by_hand(e: f64, steps: usize) -> Model {
     let vehicle = LinearSystem::double_integrator(TIME_STEP).unwrap();
     for t in 0..steps {
         let predicted = vehicle.predict(&[x[t], v[t]], &[a[t]]).unwrap();
-        let step = ContactStep {
-            step: t,
-            time_step: TIME_STEP,
-            position: x[t].into(),
-            velocity: v[t].into(),
-            acceleration: a[t].into(),
-            acceleration_limits: FORCES,
-            predicted_position: predicted[0].clone(),
-            predicted_velocity: predicted[1].clone(),
-            next_position: x[t + 1].into(),
-            next_velocity: v[t + 1].into(),
-            contact: zeta[t],
-        };
-        contact(e).add_step(&mut model, &step).unwrap();
+        let next = [x[t + 1], v[t + 1]];
+        add_by_hand(&mut model, e, t, [&predicted[0], &predicted[1]], next, zeta[t]);
     }
     model
 }

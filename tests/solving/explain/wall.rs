@@ -3,7 +3,8 @@
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
 use carom::hybrid::{
-    Contact, ContactLaw, ContactStep, Damage, DamageLimits, LinearSystem, Restitution, Wall,
+    Contact, ContactLaw, Damage, DamageLimits, Horizon, HybridSystem, ImpactSpeed, Restitution,
+    Wall,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -11,36 +12,29 @@ use carom::solution::Point;
 
 const STEPS: usize = 40;
 
-/// A vehicle beside a plastic wall, written by hand: wide domains, limits as statements.
+/// A vehicle beside a plastic wall: wide domains, limits as statements.
 fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
-    let vehicle = LinearSystem::double_integrator(time_step).unwrap();
     let wall = Contact::new(Wall::above(0.0).unwrap(), Restitution::PLASTIC);
+    let [flight, impact] = wall.transitions(time_step, None).unwrap();
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(0.0, 40.0))
+        .with_state("v", Interval::new(-20.0, 20.0))
+        .with_input("a", Interval::new(-15.0, 15.0))
+        .with_transition(flight)
+        .with_transition(impact);
     let mut model = Model::new("wall_plan");
-    let x = model.continuous_family("x", STEPS + 1, 0.0, 40.0).unwrap();
-    let v = model.continuous_family("v", STEPS + 1, -20.0, 20.0).unwrap();
-    let a = model.continuous_family("a", STEPS, -15.0, 15.0).unwrap();
-    let hit = model.binary_family("hit", STEPS).unwrap();
-    let mut contacts = Vec::new();
+    let program = system.write(&mut model, "", &Horizon::new(STEPS, time_step).unwrap()).unwrap();
+    let (x, v, a) = (&program.states()[0], &program.states()[1], &program.inputs()[0]);
+    let hit = |t| program.taken("mode", "impact", t).unwrap().unwrap().variable();
+    let hit: Family = (0..STEPS).map(hit).collect();
     for t in 0..STEPS {
-        let predicted = vehicle.predict(&[x[t], v[t]], &[a[t]]).unwrap();
-        let step = ContactStep {
-            step: t,
-            time_step,
-            position: x[t].into(),
-            velocity: v[t].into(),
-            acceleration: a[t].into(),
-            acceleration_limits: Interval::new(-15.0, 15.0),
-            predicted_position: predicted[0].clone(),
-            predicted_velocity: predicted[1].clone(),
-            next_position: x[t + 1].into(),
-            next_velocity: v[t + 1].into(),
-            contact: hit[t],
-        };
-        contacts.push((hit[t], wall.add_step(&mut model, &step).unwrap()));
         model.add(("acceleration", t), a[t].within(-6.0, 6.0)).unwrap();
         model.add(("speed", t), v[t].within(-15.0, 15.0)).unwrap();
         model.add(("ceiling", t), x[t].le(30.0)).unwrap();
     }
+    let speeds = program.output("impact speed").unwrap();
+    let impacts = speeds.iter().map(|speed| ImpactSpeed::new(speed.clone(), true));
+    let contacts: Vec<(Variable, ImpactSpeed)> = hit.iter().zip(impacts).collect();
     let limits = DamageLimits::default().with_per_impact(20.0);
     let damage = Damage::add(&mut model, &contacts, &limits).unwrap();
     for (t, d) in damage.values.iter().enumerate() {
