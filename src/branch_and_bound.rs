@@ -3,15 +3,18 @@
 mod blocks;
 mod multipliers;
 mod pipeline;
+mod prepared;
 mod seeding;
 mod stage;
 
 use crate::error::Error;
 use crate::model::Model;
 use crate::search::{ColumnGuidance, Found};
-use crate::solution::{Multipliers, Outcome, Solution};
-use crate::solver::{Control, Options, Solver, StopToken, TreeSeed};
+use crate::solution::{Multipliers, Outcome, SeedReport, Solution};
+use crate::solver::{Control, Options, Prepared, Solver, StopToken, TreeSeed};
+use multipliers::Derivatives;
 use pipeline::Pipeline;
+use prepared::PreparedProgram;
 use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
@@ -75,23 +78,38 @@ impl Solver for BranchAndBound {
         found.statistics.time = token.elapsed();
         let seed_report =
             given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
-        let sign = model.sense().sign();
-        let signed = |values: Vec<f64>| values.into_iter().map(|v| sign * v + 0.0).collect();
-        let multipliers =
-            derivatives.map(|d| Multipliers::new(model, signed(d.rows), signed(d.columns)));
-        let solution = solution(model, options, found)?
-            .with_seed_report(seed_report)
-            .with_multipliers(multipliers);
-        #[cfg(feature = "tracing")]
-        tracing::info!(
-            termination = %solution.termination(),
-            objective = solution.objective(),
-            bound = solution.bound(),
-            nodes = solution.statistics().nodes,
-            "done"
-        );
-        Ok(solution)
+        answer(model, options, found, derivatives, seed_report)
     }
+
+    fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
+        Ok(Box::new(PreparedProgram::new(&mut self.options, model)?))
+    }
+}
+
+/// The verified solution with all that is known of it.
+fn answer(
+    model: &Model,
+    options: &Options,
+    found: Found,
+    derivatives: Option<Derivatives>,
+    seed_report: Option<SeedReport>,
+) -> Result<Solution, Error> {
+    let sign = model.sense().sign();
+    let signed = |values: Vec<f64>| values.into_iter().map(|v| sign * v + 0.0).collect();
+    let multipliers =
+        derivatives.map(|d| Multipliers::new(model, signed(d.rows), signed(d.columns)));
+    let solution = solution(model, options, found)?
+        .with_seed_report(seed_report)
+        .with_multipliers(multipliers);
+    #[cfg(feature = "tracing")]
+    tracing::info!(
+        termination = %solution.termination(),
+        objective = solution.objective(),
+        bound = solution.bound(),
+        nodes = solution.statistics().nodes,
+        "done"
+    );
+    Ok(solution)
 }
 
 /// The verified solution, in values of the model's variables.

@@ -24,6 +24,7 @@ mod guidance;
 mod heuristics;
 mod log;
 mod options;
+mod prepared;
 mod progress;
 mod relaxation_method;
 mod rules;
@@ -36,6 +37,7 @@ pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
 pub use heuristics::Heuristics;
 pub use log::Log;
 pub use options::{Options, PoolMode};
+pub use prepared::Prepared;
 pub use progress::{Event, Incumbent, Progress};
 pub use relaxation_method::RelaxationMethod;
 pub use rules::BranchingRule;
@@ -84,5 +86,16 @@ pub trait Solver {
     /// As for [`solve_with`](Solver::solve_with).
     fn solve(&mut self, model: &Model) -> Result<Solution, Error> {
         self.solve_with(model, &mut Control::default())
+    }
+
+    /// Prepares a model for many solves with other values of its parameters.
+    ///
+    /// By default nothing is prepared, and every solve begins from nothing.
+    ///
+    /// # Errors
+    ///
+    /// Errors of lowering, as for [`solve_with`](Solver::solve_with).
+    fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
+        Ok(Box::new(prepared::Afresh { solver: self, model: model.clone() }))
     }
 }

@@ -36,6 +36,21 @@ impl Pipeline<'_> {
         };
         let program = Program::assemble(lowered.model())?;
         let way_back = lowered.into_way_back();
+        self.run_program(program, &|values| way_back.restore(values), control)
+    }
+
+    /// The same from a program on: that of the lowered model, or what a presolve for all values of
+    /// the parameters has left of it. Seed and guidance are about its columns.
+    ///
+    /// # Arguments
+    ///
+    /// * `restore`: from values of the program's columns to values of the model's variables.
+    pub(super) fn run_program(
+        &self,
+        program: Program,
+        restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
+        control: &mut Control<'_>,
+    ) -> Result<(Found, Option<Derivatives>), Error> {
         let as_is = self.is_about_columns();
         let rules: &[Rule] = match self.options.reductions && !as_is {
             false => &[],
@@ -54,7 +69,7 @@ impl Pipeline<'_> {
         let seed = self.seed.map(carried);
         // Only multipliers need it from here on.
         let continuous = program.integers.is_empty().then_some(program);
-        let restore = |values: &[f64]| way_back.restore(&postsolve.point(values));
+        let restore = |values: &[f64]| restore(&postsolve.point(values));
         let stage = Stage {
             model: self.model,
             options: self.options,
@@ -90,13 +105,13 @@ impl Pipeline<'_> {
         Ok((found, derivatives))
     }
 
-    fn stopped(&self) -> Found {
+    pub(super) fn stopped(&self) -> Found {
         Found::stopped(self.token.ended().unwrap_or(Termination::Interrupted))
     }
 
     /// Takes what presolve may have lost to rounding off the bound, where it can be seen at all; the
     /// gap asked for may not be met then.
-    fn charge(&self, rounding: f64, found: &mut Found) -> Result<(), Error> {
+    pub(super) fn charge(&self, rounding: f64, found: &mut Found) -> Result<(), Error> {
         if !found.bound.is_finite() || rounding <= VISIBLE * found.bound.abs().max(1.0) {
             return Ok(());
         }
@@ -113,7 +128,7 @@ impl Pipeline<'_> {
     }
 
     /// Whether somebody speaks of the tree or of all columns: pools, leaves and splits do.
-    fn is_about_columns(&self) -> bool {
+    pub(super) fn is_about_columns(&self) -> bool {
         let kept = self.options.pool > 1 || self.options.keep_leaves;
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
         kept || boxes || self.guidance.splits()

@@ -80,6 +80,15 @@ impl Model {
         Ok(())
     }
 
+    /// Changes the values of several parameters; none if one of them is refused.
+    pub(crate) fn set_parameters(&mut self, values: &[(Variable, f64)]) -> Result<(), Error> {
+        for &(parameter, value) in values {
+            let range = self.declared_range(parameter)?;
+            check_value(&self.stored.variables[parameter.index()].name, value, range)?;
+        }
+        values.iter().try_for_each(|&(parameter, value)| self.set_parameter(parameter, value))
+    }
+
     /// Changes the declared range of a parameter. Earlier lowered forms become out of date.
     ///
     /// # Errors

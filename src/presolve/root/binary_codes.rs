@@ -57,7 +57,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
 fn one_of(work: &Work, row: usize) -> Option<(Vec<usize>, f64)> {
     let entries = &work.rows[row];
     let &(_, first) = entries.first()?;
-    let alike = entries.iter().all(|&(j, a)| a == first && work.lower[j] == 0.0);
+    let alike = entries.iter().all(|&(j, a)| a == first && work.lower[j] == 0.0 && !work.given[j]);
     let one = work.is_equality(row) && work.row_lower[row] == first;
     let fits = alike && one && (2..=LONGEST).contains(&entries.len());
     fits.then(|| (entries.iter().map(|e| e.0).collect(), first))

@@ -77,7 +77,7 @@ fn decided(
     multiplier: &dyn Fn(usize) -> [f64; 2],
     margin: f64,
 ) -> Option<f64> {
-    if !work.is_straight(column) {
+    if work.given[column] || !work.is_straight(column) {
         return None;
     }
     let [least, most] = reduced_cost(work, column, multiplier, None);

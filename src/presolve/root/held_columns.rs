@@ -8,7 +8,7 @@
 use super::work::{IMPLIED, Work, is_whole};
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
-    if !work.is_straight(column) {
+    if work.given[column] || !work.is_straight(column) {
         return 0;
     }
     let cost = work.linear[column];

@@ -137,7 +137,23 @@ const ROUNDS: usize = 30;
 ///
 /// [`ErrorKind::Allocation`](crate::ErrorKind::Allocation) when the matrices cannot be allocated.
 pub fn presolve(program: &Program, rules: &[Rule], token: &StopToken) -> Result<Presolve, Error> {
+    presolve_around(program, &[], rules, token)
+}
+
+/// As [`presolve`], for every value of some continuous columns within their bounds: these columns
+/// stay, with their bounds, and nothing that is concluded depends on where between them they are.
+///
+/// # Errors
+///
+/// Those of [`presolve`].
+pub(crate) fn presolve_around(
+    program: &Program,
+    given: &[usize],
+    rules: &[Rule],
+    token: &StopToken,
+) -> Result<Presolve, Error> {
     let mut work = Work::new(program, token);
+    given.iter().for_each(|&j| work.given[j] = true);
     match reduce(&mut work, rules, token) {
         Err(Infeasible) => Ok(Presolve::Infeasible),
         Ok(()) if token.is_over() => Ok(Presolve::Stopped),

@@ -41,7 +41,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     let tells = |&(j, a): &(usize, f64)| {
         let width = work.upper[j] - work.lower[j];
         // However wide a column is, it is moved by no more than a part of its unit.
-        width == 0.0 || a.abs() * width.min(1.0) >= TELLING * margin.max(noise)
+        let moves = a.abs() * width.min(1.0) >= TELLING * margin.max(noise);
+        !work.given[j] && (width == 0.0 || moves)
     };
     if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
         force(work, row, by_lower, margin.max(noise));

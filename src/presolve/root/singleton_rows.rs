@@ -28,6 +28,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             }
             work.drop_row(row);
         }
+        [(column, _)] if work.given[column] => return Ok(0),
         [(column, a)] => {
             // A side that the column's bounds miss by a hair says nothing, however small its
             // coefficient: `1e-17 z <= 0` does not fix a binary.

@@ -38,7 +38,8 @@ pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
     let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= GROWTH * pivot);
     let entries = work.column(column);
-    in_row
+    !work.given[column]
+        && in_row
         && entries.iter().all(|(_, a)| a.abs() <= GROWTH * pivot)
         && entries.iter().all(|&(other, _)| other == row || is_sharp(work, column, row, other))
 }

@@ -45,6 +45,9 @@ pub(super) struct Work {
     /// The same of the bounds of a column.
     pub(super) column_noise: Vec<f64>,
     pub(super) integral: Vec<bool>,
+    /// Columns whose value comes from outside: they keep their bounds, and no rule may choose their
+    /// value, put them in terms of others, or use that they could move.
+    pub(super) given: Vec<bool>,
     pub(super) linear: Vec<f64>,
     /// `P`, both triangles.
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
@@ -112,6 +115,7 @@ impl Work {
             upper: program.upper.clone(),
             column_alive: vec![true; n],
             integral: program.integral.clone(),
+            given: vec![false; n],
             linear: program.linear.clone(),
             quadratic: (0..n)
                 .map(|j| pairs(program.quadratic_column(j)).into_iter().collect())
@@ -287,6 +291,9 @@ impl Work {
         }
         let noise = self.column_noise[column];
         let (mut lower, mut upper) = (self.lower[column].max(lower), self.upper[column].min(upper));
+        if self.given[column] && lower <= upper {
+            return Ok(());
+        }
         if self.integral[column] {
             let slack = noise.max(tolerance::INTEGRALITY);
             (lower, upper) = ((lower - slack).ceil(), (upper + slack).floor());

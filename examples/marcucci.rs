@@ -1,0 +1,208 @@
+//! A cart-pole between two soft walls, planned again after every step: the experiment of T.
+//! Marcucci and R. Tedrake, "Warm start of mixed-integer programs for model predictive control of
+//! hybrid systems" (arXiv:1910.08251), without disturbances.
+//!
+//! `cargo run --release --example marcucci -- [STEPS] [--each]`
+//!
+//! Prints nodes and times of STEPS (50) solves from nothing, prepared, and prepared with the shifted
+//! plan, beside the published means; with `--each`, a line per step.
+
+use std::time::Instant;
+
+use carom::hybrid::{
+    Halfspace, HybridSystem, LinearSystem, Lqr, Mat, TerminalOptions, TerminalSet, Transition,
+};
+use carom::interval::Interval;
+use carom::prelude::*;
+use carom::solver::TreeSeed;
+
+const T: usize = 20;
+const H: f64 = 0.05;
+const WALL: f64 = 0.5;
+const STIFFNESS: f64 = 100.0;
+const DAMPING: f64 = 10.0;
+/// Limits of the position of the cart, the angle, and their rates.
+const MOST: [f64; 4] = [WALL, std::f64::consts::PI / 10.0, 1.0, 1.0];
+const START: [f64; 4] = [0.0, 0.0, 1.0, 0.0];
+
+/// The dynamics under the force on the cart and those of the walls on the pole's tip.
+fn dynamics() -> Result<LinearSystem, Error> {
+    let a = [
+        [1.0, 0.0, H, 0.0],
+        [0.0, 1.0, 0.0, H],
+        [0.0, 10.0 * H, 1.0, 0.0],
+        [0.0, 20.0 * H, 0.0, 1.0],
+    ];
+    let b = [[0.0; 3], [0.0; 3], [H, 0.0, 0.0], [H, -H, H]];
+    LinearSystem::new(a, b, [0.0; 4])
+}
+
+struct CartPole {
+    model: Model,
+    start: [Variable; 4],
+    state: [Family; 4],
+    force: [Family; 3],
+    contact: [Family; 4],
+}
+
+fn cart_pole() -> Result<CartPole, Error> {
+    let mut model = Model::new("cart_pole");
+    let names = ["q", "angle", "v", "rate"];
+    let mut state = Vec::new();
+    for (name, most) in names.iter().zip(MOST) {
+        state.push(model.continuous_family(*name, T + 1, -most, most)?);
+    }
+    let state: [Family; 4] = state.try_into().expect("four states");
+    // How far the tip can be in a wall and how fast it can go there, and the force that follows.
+    let (deep, fast) = (MOST[0] + MOST[1] - WALL, MOST[2] + MOST[3]);
+    let (far, most) = (-MOST[0] - MOST[1] - WALL, STIFFNESS * deep + DAMPING * fast);
+    let least = STIFFNESS * far - DAMPING * fast;
+    let force = [
+        model.continuous_family("push", T, -1.0, 1.0)?,
+        model.continuous_family("left", T, 0.0, most)?,
+        model.continuous_family("right", T, 0.0, most)?,
+    ];
+    let names = ["left_near", "left_pressed", "right_near", "right_pressed"];
+    let mut contact = Vec::new();
+    for name in names {
+        contact.push(model.binary_family(name, T)?);
+    }
+    let contact: [Family; 4] = contact.try_into().expect("four binaries");
+    let mut start = Vec::new();
+    for (i, name) in ["q0", "angle0", "v0", "rate0"].into_iter().enumerate() {
+        start.push(model.parameter(name, START[i], -MOST[i], MOST[i])?);
+        model.add(("start", i), (state[i][0] - start[i]).equals(0.0))?;
+    }
+    let system = dynamics()?;
+    for t in 0..T {
+        let now = [0, 1, 2, 3].map(|i| state[i][t]);
+        let inputs = [0, 1, 2].map(|i| force[i][t]);
+        for (i, next) in system.predict(&now, &inputs)?.into_iter().enumerate() {
+            model.add((["move_q", "move_angle", "move_v", "move_rate"][i], t), (state[i][t + 1] - next).equals(0.0))?;
+        }
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            let depth = sign * (state[0][t] - state[1][t]) - WALL;
+            let spring = STIFFNESS * sign * (state[0][t] - state[1][t])
+                + DAMPING * sign * (state[2][t] - state[3][t]);
+            let spring: Affine = spring - STIFFNESS * WALL;
+            let (near, pressed) = (contact[2 * side][t], contact[2 * side + 1][t]);
+            let f = force[1 + side][t];
+            let name = |what: &str| (format!("{}_{what}", ["left", "right"][side]), t);
+            model.add(name("is_near"), (far - depth.clone() - far * near).le(0.0))?;
+            model.add(name("is_far"), (depth - deep * near).le(0.0))?;
+            model.add(name("pulls"), (least - spring.clone() - least * pressed).le(0.0))?;
+            model.add(name("pushes"), (spring.clone() - most * pressed).le(0.0))?;
+            model.add(name("off"), (f - most * near).le(0.0))?;
+            model.add(name("free"), (f - most * pressed).le(0.0))?;
+            model.add(name("least"), (spring.clone() + DAMPING * fast * near - f).le(DAMPING * fast))?;
+            model.add(name("most"), (f - spring - least * pressed).le(-least))?;
+        }
+    }
+    let force_only = LinearSystem::new(
+        system.a().clone(),
+        Mat::from_fn(4, 1, |i, _| system.b()[(i, 0)]),
+        [0.0; 4],
+    )?;
+    let h2 = H * H;
+    let q = Mat::from_fn(4, 4, |i, j| if i == j { h2 } else { 0.0 });
+    let lqr = Lqr::new(&force_only, q, [[h2]])?;
+    let end = [0, 1, 2, 3].map(|i| state[i][T]);
+    terminal_set(force_only, &lqr)?.region.add(&mut model, "end", &end)?;
+    let cost = |t: usize| {
+        let square = |i: usize| state[i][t].square();
+        h2 * (square(0) + square(1) + square(2) + square(3) + force[0][t].square())
+    };
+    let mut objective: Quadratic = (0..T).map(cost).sum();
+    for i in 0..4 {
+        for j in 0..4 {
+            objective += lqr.cost[(i, j)] * (state[i][T] * state[j][T]);
+        }
+    }
+    model.minimize(objective)?;
+    let start = start.try_into().expect("four parameters");
+    Ok(CartPole { model, start, state, force, contact })
+}
+
+/// The states from which the regulator keeps all limits for ever without touching a wall.
+fn terminal_set(flow: LinearSystem, lqr: &Lqr) -> Result<TerminalSet, Error> {
+    let mut system = HybridSystem::new().with_input("push", Interval::new(-1.0, 1.0));
+    for (name, most) in ["q", "angle", "v", "rate"].into_iter().zip(MOST) {
+        system = system.with_state(name, Interval::new(-most, most));
+    }
+    for (name, sign) in [("left", -1.0), ("right", 1.0)] {
+        let spring = [STIFFNESS, -STIFFNESS, DAMPING, -DAMPING].map(|k| sign * k);
+        let normal = [sign, -sign, 0.0, 0.0];
+        system = system
+            .with_limit(Halfspace::new(format!("{name}_far"), normal, WALL))
+            .with_limit(Halfspace::new(format!("{name}_free"), spring, STIFFNESS * WALL));
+    }
+    let system = system.with_transition(Transition::new("free", flow));
+    let (target, options) = ([0.0; 4], TerminalOptions::default());
+    TerminalSet::new(&system, &["free"], lqr, &target, &options, &mut BranchAndBound::default())
+}
+
+fn main() -> Result<(), Error> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let steps = words.iter().find_map(|word| word.parse().ok()).unwrap_or(50);
+    let each = words.iter().any(|word| word == "--each");
+    let CartPole { mut model, start, state, contact, force } = cart_pole()?;
+    let _ = force;
+    let mut solver = BranchAndBound::default();
+    let mut second = BranchAndBound::default();
+    let mut third = BranchAndBound::default();
+    let mut prepared = second.prepare(&model)?;
+    let mut warm = third.prepare(&model)?;
+    let mut now = START;
+    let mut seed: Option<TreeSeed> = None;
+    let mut totals = [(0u64, 0u64, 0.0f64); 3];
+    for step in 0..steps {
+        let values: Vec<(Variable, f64)> = start.into_iter().zip(now).collect();
+        for &(variable, value) in &values {
+            model.set_parameter(variable, value)?;
+        }
+        let mut line = String::new();
+        let mut keep = None;
+        for way in 0..3 {
+            let begun = Instant::now();
+            let solution = match way {
+                0 => solver.solve(&model)?,
+                1 => prepared.solve(&values, &mut Control::default())?,
+                _ => {
+                    let mut control = Control::default();
+                    if let Some(seed) = &seed {
+                        control = control.with_seed(seed);
+                    }
+                    warm.solve(&values, &mut control)?
+                }
+            };
+            let time = 1e3 * begun.elapsed().as_secs_f64();
+            let s = solution.statistics();
+            totals[way].0 += s.nodes;
+            totals[way].1 += s.relaxations;
+            totals[way].2 += time;
+            line += &format!(" {:>4} {:>4} {:>7.2} {:.8}", s.nodes, s.relaxations, time, solution.objective().unwrap_or(f64::NAN));
+            keep = Some(solution);
+        }
+        if each {
+            println!("{step:>3}{line}");
+        }
+        let solution = keep.expect("three ways");
+        now = [0, 1, 2, 3].map(|i| solution.value(state[i][1]).unwrap_or(0.0));
+        let shifted = |v: Variable| {
+            contact.iter().find_map(|family| {
+                let place = (0..T).find(|&t| family[t] == v)?;
+                Some(family[place.checked_sub(1)?])
+            })
+        };
+        let integers = contact.iter().flat_map(|family| family.iter());
+        let last = contact.iter().map(|family| (family[T - 1], 0.0));
+        let shift = TreeSeed::of(&solution, integers).mapped(shifted);
+        let guess: Vec<_> = shift.guess.into_iter().chain(last).collect();
+        seed = Some(TreeSeed::new().with_guess(guess));
+    }
+    for (nodes, relaxations, time) in totals {
+        let n = steps as f64;
+        println!("{:.2} nodes {:.1} relaxations {:.2} ms", nodes as f64 / n, relaxations as f64 / n, time / n);
+    }
+    Ok(())
+}
