@@ -78,7 +78,10 @@ fn cart_pole() -> Result<CartPole, Error> {
         let now = [0, 1, 2, 3].map(|i| state[i][t]);
         let inputs = [0, 1, 2].map(|i| force[i][t]);
         for (i, next) in system.predict(&now, &inputs)?.into_iter().enumerate() {
-            model.add((["move_q", "move_angle", "move_v", "move_rate"][i], t), (state[i][t + 1] - next).equals(0.0))?;
+            model.add(
+                (["move_q", "move_angle", "move_v", "move_rate"][i], t),
+                (state[i][t + 1] - next).equals(0.0),
+            )?;
         }
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let depth = sign * (state[0][t] - state[1][t]) - WALL;
@@ -94,7 +97,10 @@ fn cart_pole() -> Result<CartPole, Error> {
             model.add(name("pushes"), (spring.clone() - most * pressed).le(0.0))?;
             model.add(name("off"), (f - most * near).le(0.0))?;
             model.add(name("free"), (f - most * pressed).le(0.0))?;
-            model.add(name("least"), (spring.clone() + DAMPING * fast * near - f).le(DAMPING * fast))?;
+            model.add(
+                name("least"),
+                (spring.clone() + DAMPING * fast * near - f).le(DAMPING * fast),
+            )?;
             model.add(name("most"), (f - spring - least * pressed).le(-least))?;
         }
     }
@@ -180,7 +186,13 @@ fn main() -> Result<(), Error> {
             totals[way].0 += s.nodes;
             totals[way].1 += s.relaxations;
             totals[way].2 += time;
-            line += &format!(" {:>4} {:>4} {:>7.2} {:.8}", s.nodes, s.relaxations, time, solution.objective().unwrap_or(f64::NAN));
+            line += &format!(
+                " {:>4} {:>4} {:>7.2} {:.8}",
+                s.nodes,
+                s.relaxations,
+                time,
+                solution.objective().unwrap_or(f64::NAN)
+            );
             keep = Some(solution);
         }
         if each {
@@ -202,7 +214,12 @@ fn main() -> Result<(), Error> {
     }
     for (nodes, relaxations, time) in totals {
         let n = steps as f64;
-        println!("{:.2} nodes {:.1} relaxations {:.2} ms", nodes as f64 / n, relaxations as f64 / n, time / n);
+        println!(
+            "{:.2} nodes {:.1} relaxations {:.2} ms",
+            nodes as f64 / n,
+            relaxations as f64 / n,
+            time / n
+        );
     }
     Ok(())
 }

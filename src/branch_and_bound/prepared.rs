@@ -76,10 +76,9 @@ impl<'a> PreparedProgram<'a> {
             let value = self.model.variable_ref(parameter)?.bounds().lower;
             (program.lower[column], program.upper[column]) = (value, value);
         }
-        let seed = pipeline.seed.map(|seed| Seed {
-            guess: postsolve.carry(&seed.guess),
-            ..Seed::default()
-        });
+        let seed = pipeline
+            .seed
+            .map(|seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() });
         let restore = |values: &[f64]| self.way_back.restore(&postsolve.point(values));
         let inner = Pipeline { seed: seed.as_ref(), ..pipeline };
         let (mut found, _) = inner.run_program(program, &restore, control)?;

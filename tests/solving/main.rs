@@ -17,6 +17,7 @@ mod invariance;
 mod limits;
 mod multipliers;
 mod oracle;
+mod prepared;
 mod search;
 mod stop_token;
 mod symmetry;

@@ -10,8 +10,11 @@ struct FixedColumn {
 }
 
 pub(super) fn apply(work: &mut Work) -> usize {
-    let fixed: Vec<usize> =
-        work.live_columns().into_iter().filter(|&j| work.lower[j] == work.upper[j] && !work.given[j]).collect();
+    let fixed: Vec<usize> = work
+        .live_columns()
+        .into_iter()
+        .filter(|&j| work.lower[j] == work.upper[j] && !work.given[j])
+        .collect();
     work.each_column(fixed, |work, column| {
         fix(work, column, work.lower[column]);
         1

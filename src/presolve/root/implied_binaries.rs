@@ -17,7 +17,10 @@ pub(super) fn apply(work: &mut Work) -> usize {
 
 fn make_whole(work: &mut Work, column: usize) -> usize {
     let bounds = [work.lower[column], work.upper[column]];
-    let open = bounds == [0.0, 1.0] && !work.integral[column] && !work.given[column] && work.is_straight(column);
+    let open = bounds == [0.0, 1.0]
+        && !work.integral[column]
+        && !work.given[column]
+        && work.is_straight(column);
     if !open || work.uses[column].is_empty() {
         return 0;
     }

@@ -40,8 +40,9 @@ pub(super) fn apply(work: &mut Work) -> usize {
     for most in [0, 1] {
         let count =
             |j: usize| [work.lower[j], work.upper[j]].into_iter().filter(|b| b.is_finite()).count();
-        let open: Vec<bool> =
-            (0..work.uses.len()).map(|j| work.column_alive[j] && !work.given[j] && count(j) <= most).collect();
+        let open: Vec<bool> = (0..work.uses.len())
+            .map(|j| work.column_alive[j] && !work.given[j] && count(j) <= most)
+            .collect();
         if !open.contains(&true) || work.is_late(0) {
             continue;
         }

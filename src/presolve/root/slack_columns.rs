@@ -21,7 +21,11 @@ struct Slack {
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     let [row] = work.uses[column][..] else { return 0 };
-    if work.given[column] || work.integral[column] || !work.is_straight(column) || work.rows[row].len() < 2 {
+    if work.given[column]
+        || work.integral[column]
+        || !work.is_straight(column)
+        || work.rows[row].len() < 2
+    {
         return 0;
     }
     if work.linear[column] != 0.0 && !work.is_equality(row) {

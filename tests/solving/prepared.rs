@@ -1,0 +1,165 @@
+//! Prepared programs: the same answers as solves from nothing, for any values of the parameters.
+
+use carom::ErrorKind;
+use carom::prelude::*;
+use carom::solver::TreeSeed;
+use proptest::prelude::*;
+
+/// A point mass among modes, whose start, target and wall are parameters.
+fn horizon(
+    steps: usize,
+    gains: [f64; 2],
+    weights: [f64; 3],
+) -> Result<(Model, Vec<Variable>), Error> {
+    let mut model = Model::new("horizon");
+    let x = model.continuous_family("x", steps + 1, -4.0, 4.0)?;
+    let u = model.continuous_family("u", steps, -1.0, 1.0)?;
+    let on = model.binary_family("on", steps)?;
+    let count = model.integer("count", 0.0, steps as f64)?;
+    let start = model.parameter("start", 0.0, -3.0, 3.0)?;
+    let target = model.parameter("target", 1.0, -5.0, 5.0)?;
+    let wall = model.parameter("wall", 3.0, -1.0, 4.0)?;
+    model.add("start", (x[0] - start).equals(0.0))?;
+    for t in 0..steps {
+        let free = x[t + 1] - x[t] - gains[0] * u[t];
+        let pushed = x[t + 1] - gains[1] * x[t] - u[t];
+        model.add(("free", t), on[t].off().implies(free.equals(0.0)))?;
+        model.add(("pushed", t), on[t].on().implies(pushed.equals(0.0)))?;
+        model.add(("behind", t), on[t].on().implies(x[t].ge(wall - 1.0)))?;
+        model.add(("before", t), on[t].off().implies(x[t].le(wall)))?;
+    }
+    model.add("count", (on.iter().sum::<Affine>() - count).equals(0.0))?;
+    model.add("reach", (x[steps] - wall).le(1.5))?;
+    let miss = (0..=steps).map(|t| (x[t] - target).square()).sum::<Quadratic>();
+    let effort = u.iter().map(|u| u.square()).sum::<Quadratic>();
+    model.minimize(weights[0] * miss + weights[1] * effort + weights[2] * count)?;
+    Ok((model, vec![start, target, wall]))
+}
+
+/// Status and objective of two solutions agree within the gaps.
+fn agree(cold: &Solution, warm: &Solution) {
+    assert_eq!(cold.termination(), warm.termination());
+    if let (Some(a), Some(b)) = (cold.objective(), warm.objective()) {
+        assert!((a - b).abs() <= 3e-6 * a.abs().max(1.0), "{a} from nothing, {b} prepared");
+    }
+    if warm.point().is_some() {
+        assert!(warm.verification().is_some_and(|v| v.holds()));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn prepared_solves_equal_cold_ones(
+        steps in 2..6_usize,
+        gains in [0.3..1.5, 0.3..1.0],
+        weights in [0.0..2.0, 0.1..1.0, -0.5..0.5],
+        values in prop::collection::vec([-3.0..3.0, -5.0..5.0, -1.0..4.0], 4),
+    ) {
+        let (mut model, parameters) = horizon(steps, gains, weights).unwrap();
+        let mut cold = BranchAndBound::default();
+        let mut solver = BranchAndBound::default();
+        let mut prepared = solver.prepare(&model).unwrap();
+        let mut guess = TreeSeed::new();
+        for value in values {
+            let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(value).collect();
+            for &(parameter, value) in &values {
+                model.set_parameter(parameter, value).unwrap();
+            }
+            let mut control = Control::default().with_seed(&guess);
+            let warm = prepared.solve(&values, &mut control).unwrap();
+            agree(&cold.solve(&model).unwrap(), &warm);
+            let integers = model.variables().filter(|v| v.kind().is_integral()).map(|v| v.id());
+            guess = TreeSeed::of(&warm, integers);
+        }
+    }
+}
+
+#[test]
+fn a_value_outside_its_range_is_refused_and_changes_nothing() {
+    let (model, parameters) = horizon(3, [1.0, 0.9], [1.0, 0.1, 0.0]).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut prepared = solver.prepare(&model).unwrap();
+    let before = prepared.solve(&[], &mut Control::default()).unwrap();
+    let bad = [(parameters[0], 1.0), (parameters[1], 5.5)];
+    let error = prepared.solve(&bad, &mut Control::default()).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }));
+    assert!(error.to_string().contains("`target`"));
+    let x0 = model.variable_by_name(("x", 0)).unwrap();
+    let error = prepared.solve(&[(x0, 1.0)], &mut Control::default()).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::NotParameter { .. }));
+    let after = prepared.solve(&[], &mut Control::default()).unwrap();
+    agree(&before, &after);
+}
+
+#[test]
+fn options_change_between_solves_and_pools_are_complete() {
+    let (model, parameters) = horizon(4, [1.0, 0.9], [1.0, 0.1, 0.1]).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut prepared = solver.prepare(&model).unwrap();
+    let at = [(parameters[0], 2.0), (parameters[2], 2.5)];
+    let plain = prepared.solve(&at, &mut Control::default()).unwrap();
+    prepared.options_mut().pool = 3;
+    let pooled = prepared.solve(&at, &mut Control::default()).unwrap();
+    agree(&plain, &pooled);
+    prepared.options_mut().pool = 1;
+    prepared.options_mut().reductions = false;
+    agree(&plain, &prepared.solve(&at, &mut Control::default()).unwrap());
+    prepared.options_mut().node_limit = Some(0);
+    let stopped = prepared.solve(&at, &mut Control::default()).unwrap();
+    assert_eq!(stopped.termination(), carom::solution::Termination::NodeLimit);
+    prepared.options_mut().relative_gap = -1.0;
+    assert!(prepared.solve(&at, &mut Control::default()).is_err());
+}
+
+/// Any other backend can be asked as well.
+#[test]
+fn a_solver_that_prepares_nothing_solves_afresh() {
+    struct Plain(BranchAndBound);
+    impl Solver for Plain {
+        fn name(&self) -> &str {
+            "plain"
+        }
+        fn options(&self) -> &Options {
+            self.0.options()
+        }
+        fn options_mut(&mut self) -> &mut Options {
+            self.0.options_mut()
+        }
+        fn solve_with(
+            &mut self,
+            model: &Model,
+            control: &mut Control<'_>,
+        ) -> Result<Solution, Error> {
+            self.0.solve_with(model, control)
+        }
+    }
+    let (model, parameters) = horizon(3, [1.0, 0.9], [1.0, 0.1, 0.0]).unwrap();
+    let (mut plain, mut own) = (Plain(BranchAndBound::default()), BranchAndBound::default());
+    let solver: &mut dyn Solver = &mut plain;
+    let mut afresh = solver.prepare(&model).unwrap();
+    let mut prepared = own.prepare(&model).unwrap();
+    for start in [-2.0, 0.5, 3.0] {
+        let at = [(parameters[0], start)];
+        let one = afresh.solve(&at, &mut Control::default()).unwrap();
+        agree(&one, &prepared.solve(&at, &mut Control::default()).unwrap());
+        assert_eq!(afresh.model().variable_ref(parameters[0]).unwrap().bounds().lower, start);
+    }
+}
+
+/// No value of the parameter has a point.
+#[test]
+fn what_is_infeasible_for_all_values_is_infeasible_in_each_solve() {
+    let mut model = Model::new("m");
+    let z = model.binary_family("z", 2).unwrap();
+    let p = model.parameter("p", 3.0, 2.5, 4.0).unwrap();
+    model.add("sum", (z[0] + z[1] - p).ge(0.0)).unwrap();
+    model.minimize(z[0] + z[1]).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut prepared = solver.prepare(&model).unwrap();
+    for value in [2.5, 4.0] {
+        let solution = prepared.solve(&[(p, value)], &mut Control::default()).unwrap();
+        assert_eq!(solution.termination(), carom::solution::Termination::Infeasible);
+    }
+}
