@@ -91,6 +91,16 @@ pub enum Flaw {
         /// How far outside the step ends, in the state's unit.
         distance: f64,
     },
+    /// From a state, every transition leads out of the domain, whatever the inputs are, although some
+    /// are possible there.
+    Stuck {
+        /// Choices and their modes, in choices with memory.
+        modes: Vec<(String, String)>,
+        /// The state, without inputs.
+        witness: Witness,
+        /// Its distance from the states that can stay inside, as a fraction of the widths of domains.
+        margin: f64,
+    },
     /// No transition enters a mode: a run can only begin in it.
     NeverEntered {
         /// The choice.
@@ -153,6 +163,17 @@ impl fmt::Display for Flaw {
                 "`{transition}` leads out of the domain of `{state}` by {distance:.6}, from {witness}; \
                  check its reset and flow, or widen the domain"
             ),
+            Flaw::Stuck { modes, witness, .. } => {
+                write!(f, "no input keeps the state in its domain at {witness}")?;
+                for (choice, mode) in modes {
+                    write!(f, ", with `{choice}` in the mode `{mode}`")?;
+                }
+                write!(
+                    f,
+                    "; widen the domain, exclude such states by a limit, or declare them with \
+                     `with_dead_ends`"
+                )
+            }
             Flaw::NeverEntered { choice, mode } => {
                 write!(f, "no transition of `{choice}` enters the mode `{mode}`")
             }

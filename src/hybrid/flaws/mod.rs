@@ -6,6 +6,7 @@
 mod flaw;
 mod piece;
 mod programs;
+mod stuck;
 
 use std::collections::BTreeSet;
 
@@ -24,15 +25,18 @@ const LONGEST_DWELL: usize = 50;
 
 impl HybridSystem {
     /// Looks for slips in the statement of the system: gaps and overlaps of guards, transitions that
-    /// are never possible, resets that leave the domain, modes without a way in or on, dwell times
-    /// that cannot be kept, inputs without effect, and domains that are hardly meant.
+    /// are never possible, resets that leave the domain, states that must leave it, modes without a
+    /// way in or on, dwell times that cannot be kept, inputs without effect, and domains that are
+    /// hardly meant.
     ///
     /// Gaps and overlaps are regions of states and inputs within domains, ranges and limits, with
     /// one such point each. Common boundaries of guards are neither. Guards made with
     /// [`Halfspace::limit`](super::Halfspace::limit) do not make a gap: they are limits to be kept.
-    /// A flow leaves the domain only if no input acts on it; that inputs can drive the state out of
-    /// its domain is no flaw. With several choices, each is looked at as if the others changed
-    /// nothing; only whether a transition is possible and a mode can be kept depends on all.
+    /// That inputs can drive the state out of its domain is no flaw, but a state from which no input
+    /// keeps it inside is one, such as the end of a line at full speed: one is reported for each
+    /// combination of modes. With several choices, each is looked at as if the others changed nothing;
+    /// only whether a transition is possible, a mode can be kept and the domain must be left depends
+    /// on all.
     ///
     /// Distances are fractions of the widths of domains and ranges; up to 1e-5 they count as none.
     /// If the system depends on the step, every different step is looked at, and a flaw is
@@ -85,6 +89,7 @@ impl HybridSystem {
                 search.overlaps(&compiled, c)?;
                 search.leaving(&compiled, c)?;
             }
+            search.stuck(&compiled)?;
             steps.push(compiled);
         }
         for (c, choice) in self.choices.iter().enumerate() {
@@ -406,15 +411,13 @@ fn beyond(
     let n = system.states.len();
     let factors = next.factors.iter().map(|own| factor * own);
     let mut map = AffineMap { factors: factors.collect(), constant: factor * next.constant };
-    for (k, (name, _)) in system.inputs.iter().enumerate() {
+    for k in 0..system.inputs.len() {
         let widest = Interval::new(
             step.units.lower[n + k],
             step.units.lower[n + k] + step.units.width[n + k],
         );
-        let Interval { lower, upper } = match system.restricts(choice, name) {
-            true => system.input_range(transition, k, step.number),
-            false => widest,
-        };
+        let own = system.input_range(choice, transition, k, step.number);
+        let Interval { lower, upper } = own.unwrap_or(widest);
         let own = std::mem::take(&mut map.factors[n + k]);
         map.constant += (own * lower).min(own * upper);
     }

@@ -40,8 +40,7 @@ impl Units {
     pub(super) fn new(system: &HybridSystem, step: usize) -> Self {
         let domains = system.states.iter().map(|(_, domain)| *domain);
         let ranges = (0..system.inputs.len()).map(|k| {
-            let own = system.transitions().map(|t| system.input_range(t, k, step));
-            own.reduce(|a, b| a.hull(b)).unwrap_or(Interval::REALS)
+            system.input_ranges(k, step).reduce(|a, b| a.hull(b)).unwrap_or(Interval::REALS)
         });
         let ranges: Vec<Interval> = domains.chain(ranges).collect();
         Units {
@@ -109,6 +108,21 @@ impl Piece {
         }
     }
 
+    /// Cuts it with another piece, without limits for the planner.
+    pub(super) fn add(&mut self, other: &Piece) {
+        self.is_empty[0] |= other.is_empty[0];
+        other.facets(false).for_each(|facet| self.add_facet(facet.clone()));
+    }
+
+    /// Cuts it with a half-space; one without a normal holds everywhere or nowhere.
+    pub(super) fn add_facet(&mut self, facet: Facet) {
+        if facet.normal.iter().all(|&n| n == 0.0) {
+            self.is_empty[usize::from(facet.is_limit)] |= facet.limit < 0.0;
+        } else if !self.facets.contains(&facet) {
+            self.facets.push(facet);
+        }
+    }
+
     /// Whether it is empty for a reason that counts.
     pub(super) fn is_empty(&self, with_limits: bool) -> bool {
         self.is_empty[0] || with_limits && self.is_empty[1]
@@ -163,12 +177,8 @@ fn input_ranges(
     transition: &Transition,
     step: usize,
 ) -> impl Iterator<Item = Interval> {
-    system.inputs.iter().enumerate().map(move |(k, (name, _))| {
-        match system.restricts(choice, name) {
-            true => system.input_range(transition, k, step),
-            false => Interval::REALS,
-        }
-    })
+    (0..system.inputs.len())
+        .map(move |k| system.input_range(choice, transition, k, step).unwrap_or(Interval::REALS))
 }
 
 fn cut_inputs(

@@ -123,6 +123,33 @@ pub(super) fn gap(
     }))
 }
 
+/// Whether no inputs complete a state to a point of a piece, by more than the margin.
+pub(super) fn is_empty_at(
+    piece: &Piece,
+    state: &[f64],
+    size: usize,
+    solver: &mut dyn Solver,
+) -> Result<bool, Error> {
+    if piece.is_empty(false) {
+        return Ok(true);
+    }
+    let mut model = Model::new("completion");
+    let missing = model.continuous("missing", 0.0, WIDEST)?;
+    let point: Vec<Variable> = model.continuous_family("point", size, 0.0, 1.0)?.iter().collect();
+    for (&variable, &value) in point.iter().zip(state) {
+        model.fix(variable, value)?;
+    }
+    for (k, facet) in piece.facets(false).enumerate() {
+        model.add(("inside", k), violation(facet, &point).le(missing))?;
+    }
+    model.minimize(missing)?;
+    let solution = solver.solve(&model)?;
+    match answer(&solution)? {
+        Some(solution) => Ok(solution.value(missing)? > MARGIN),
+        None => Ok(true),
+    }
+}
+
 /// The point of the base that is the farthest inside two pieces.
 pub(super) fn overlap(
     base: &Piece,

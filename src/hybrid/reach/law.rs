@@ -130,34 +130,35 @@ impl Context<'_> {
         law
     }
 
-    /// The ranges of the inputs, and whether there is a value in each.
+    /// The ranges of the inputs, and whether there is a value in each. A relaxed choice widens an
+    /// input that no other choice limits to what any of its transitions leaves.
     fn inputs(&self, members: &[&Transition]) -> (Vec<Interval>, bool) {
         let mut is_possible = true;
-        let ranges = self.system.inputs.iter().enumerate().map(|(j, (name, common))| {
+        let ranges = (0..self.system.inputs.len()).map(|j| {
             let given = self.given.map(|given| given[j]);
-            let named = members.iter().filter(|t| t.inputs.iter().any(|(own, _)| own == name));
-            let own = named.map(|t| self.system.input_range(t, j, self.step));
-            let Some(own) = own.reduce(|a, b| a.intersection(b)) else {
-                let common = common.get(self.step).copied().unwrap_or(Interval::REALS);
-                return given.unwrap_or(common);
-            };
-            let range = given.map_or(own, |given| own.intersection(given));
+            let followed = self.system.choices.iter().zip(members);
+            let followed = followed.filter_map(|(choice, t)| self.range(choice, t, j));
+            let relaxed = self.relaxed.iter().filter_map(|choice| {
+                let own = choice.transitions.iter().filter_map(|t| self.range(choice, t, j));
+                own.reduce(|a, b| a.hull(b))
+            });
+            let both = |a: Interval, b: Interval| a.intersection(b);
+            let own = followed.reduce(both).or_else(|| relaxed.reduce(both));
+            let range = own.into_iter().chain(given).fold(Interval::REALS, both);
             let slack = 2.0 * self.margin * margin_scale(range.magnitude(), 0.0);
             is_possible &= range.lower <= range.upper + slack;
-            if range.lower <= range.upper { range } else { Interval::point(range.lower) }
+            if range.is_empty() { Interval::point(range.lower) } else { range }
         });
-        let mut ranges: Vec<Interval> = ranges.collect();
-        // Relaxed choices may widen ranges.
-        for transition in self.relaxed.iter().flat_map(|choice| &choice.transitions) {
-            for (j, (name, _)) in self.system.inputs.iter().enumerate() {
-                if transition.inputs.iter().any(|(own, _)| own == name) {
-                    let own = self.system.input_range(transition, j, self.step);
-                    ranges[j] = ranges[j].hull(own);
-                    is_possible = true;
-                }
-            }
-        }
-        (ranges, is_possible)
+        (ranges.collect(), is_possible)
+    }
+
+    /// The range that a transition of a choice leaves to an input, where given ranges take the place
+    /// of the system's.
+    fn range(&self, choice: &Choice, transition: &Transition, input: usize) -> Option<Interval> {
+        let own = self.system.input_range(choice, transition, input, self.step)?;
+        let sets = transition.input_range(&self.system.inputs[input].0).is_some();
+        let given = self.given.filter(|_| !sets).map(|given| given[input]);
+        Some(given.unwrap_or(own))
     }
 
     fn reset(&self, transition: &Transition) -> Option<(Mat<f64>, Vec<f64>)> {
@@ -319,15 +320,10 @@ impl Context<'_> {
             Interval::new(range.lower - slack, range.upper + slack)
         };
         let domains: Vec<Interval> = self.system.states.iter().map(|(_, d)| wide(d)).collect();
+        let inputs: Vec<Interval> = inputs.iter().map(wide).collect();
         let common = self.system.flow.as_ref();
         let of = |transition: &Transition| -> Vec<Interval> {
             let next = after_reset(&flow_of(transition), self.reset(transition));
-            let inputs: Vec<Interval> = (0..inputs.len())
-                .map(|j| {
-                    let own = self.system.input_range(transition, j, self.step);
-                    wide(&own.hull(inputs[j]))
-                })
-                .collect();
             (0..n)
                 .map(|i| {
                     let a = |j| next.a[(i, j)] - common.map_or(0.0, |f| f.a()[(i, j)]);

@@ -123,11 +123,12 @@ pub(super) fn excess(halfspace: &Halfspace, width: usize, step: usize) -> Option
     limit.is_finite().then_some(Map { factors, constant: -limit })
 }
 
-/// A transition of a checked system at a step.
+/// A transition of a checked system at a step, with the ranges of the inputs in it.
 pub(super) fn behaviour(
     system: &HybridSystem,
     transition: &Transition,
     outputs: &[&str],
+    inputs: Vec<Interval>,
     step: usize,
 ) -> Behaviour {
     let (n, m) = (system.states.len(), system.inputs.len());
@@ -163,6 +164,6 @@ pub(super) fn behaviour(
         next,
         outputs: outputs.iter().map(output).collect(),
         guards: guards.collect(),
-        inputs: (0..m).map(|u| system.input_range(transition, u, step)).collect(),
+        inputs,
     }
 }

@@ -243,11 +243,12 @@ impl HybridProgram {
         choice.transitions.iter().map(difference).collect()
     }
 
-    /// The transitions of a choice at a step.
+    /// The transitions of a choice at a step, without the ranges of the inputs.
     pub(super) fn behaviours(&self, choice: usize, step: usize) -> Vec<Behaviour> {
         let transitions = &self.system.choices[choice].transitions;
         let outputs = map::output_names(transitions);
-        transitions.iter().map(|t| map::behaviour(&self.system, t, &outputs, step)).collect()
+        let behaviour = |t| map::behaviour(&self.system, t, &outputs, Vec::new(), step);
+        transitions.iter().map(behaviour).collect()
     }
 
     pub(super) fn choice(&self, name: &str) -> Result<usize, Error> {

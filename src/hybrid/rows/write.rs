@@ -24,17 +24,11 @@ struct Plan {
     steps: Vec<(Vec<Behaviour>, Switch)>,
 }
 
-/// The ranges of the inputs at a step, over all transitions of every choice that restricts them.
+/// The ranges of the inputs at a step, over all transitions of every choice that limits them.
 fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
     let range = |u: usize| {
-        let over = |choice: &Choice| {
-            let all = choice.transitions.iter().map(|t| system.input_range(t, u, step));
-            all.reduce(|a, b| a.hull(b))
-        };
-        let name = &system.inputs[u].0;
-        let restricting = system.choices.iter().filter(|choice| system.restricts(choice, name));
-        let all = restricting.filter_map(over).reduce(|a, b| a.intersection(b));
-        all.unwrap_or(Interval::REALS)
+        let ranges = system.input_ranges(u, step);
+        ranges.fold(Interval::REALS, |all, range| all.intersection(range))
     };
     (0..system.inputs.len()).map(range).collect()
 }
@@ -55,17 +49,12 @@ fn plan(system: &HybridSystem, choice: &Choice, count: usize) -> Plan {
         let ranges = input_ranges(system, t);
         let known = known(system, t);
         let behaviour = |transition| {
-            let mut own = map::behaviour(system, transition, &outputs, t);
-            let inputs = system.inputs.iter().zip(&mut own.inputs).zip(&ranges);
-            for (((name, _), range), all) in inputs {
-                let both = range.intersection(*all);
-                if !system.restricts(choice, name) {
-                    *range = *all;
-                } else if both.lower <= both.upper {
-                    *range = both;
-                }
-            }
-            own
+            let inputs = ranges.iter().enumerate().map(|(u, all)| {
+                let own = system.input_range(choice, transition, u, t).unwrap_or(*all);
+                let both = own.intersection(*all);
+                if both.is_empty() { own } else { both }
+            });
+            map::behaviour(system, transition, &outputs, inputs.collect(), t)
         };
         let own: Vec<Behaviour> = choice.transitions.iter().map(behaviour).collect();
         let region = |own: &Behaviour| Region::new(own, &domains, &known, alone);

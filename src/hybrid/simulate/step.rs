@@ -68,10 +68,9 @@ impl StepStart<'_> {
             Slack::of_halfspace(condition, guard, &prediction, self.step)
         });
         let own = self.system.inputs.iter().zip(self.input).enumerate();
-        let own = own.filter(|(_, ((name, _), _))| self.system.restricts(choice, name));
-        let ranges = own.map(|(k, ((name, _), &value))| {
-            let range = self.system.input_range(transition, k, self.step);
-            Slack::of_range(Condition::InputRange { input: name.clone() }, range, value)
+        let ranges = own.filter_map(|(k, ((name, _), &value))| {
+            let range = self.system.input_range(choice, transition, k, self.step)?;
+            Some(Slack::of_range(Condition::InputRange { input: name.clone() }, range, value))
         });
         let slacks = guards.chain(predicted).chain(ranges).collect();
         let next = match &transition.reset {

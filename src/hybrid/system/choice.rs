@@ -48,7 +48,7 @@ pub struct Choice {
     /// among them, as among gears. Then [`flaws`](super::HybridSystem) reports no overlap.
     pub is_free: bool,
     /// Whether states and inputs at which no transition is possible are meant, such as a limit
-    /// stated by guards. Then no gap is reported.
+    /// stated by guards, or states that must leave their domain. Then neither is reported.
     pub may_end: bool,
 }
 
@@ -67,7 +67,7 @@ impl Choice {
     setters! {
         /// Declares overlaps of the transitions intended.
         with_free_choice(is_free: bool) => is_free = is_free;
-        /// Declares gaps between the transitions intended.
+        /// Declares gaps between the transitions and states without a way on intended.
         with_dead_ends(may_end: bool) => may_end = may_end;
     }
 
@@ -94,7 +94,7 @@ impl Choice {
 
     /// Whether one of its transitions sets a range of an input.
     pub(crate) fn sets(&self, input: &str) -> bool {
-        self.transitions.iter().flat_map(|t| &t.inputs).any(|(name, _)| name == input)
+        self.transitions.iter().any(|transition| transition.input_range(input).is_some())
     }
 
     /// The names of its modes, in the order in which the transitions name them; empty without

@@ -7,6 +7,7 @@
 //! | a transition: flow, guards, reset, outputs | `system/transition.rs` |
 //! | a half-space | `system/halfspace.rs` |
 //! | values by step | `system/schedule.rs` |
+//! | ranges of inputs under several choices | `system/input_range.rs` |
 //! | starts and goals | `system/region.rs` |
 //! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
 //! | mixed logical dynamical systems | `system/mixed_logical_dynamical.rs`, `system/mixed_logical_rows.rs` |
@@ -16,6 +17,7 @@
 mod check;
 mod choice;
 mod halfspace;
+mod input_range;
 mod mixed_logical_dynamical;
 mod mixed_logical_rows;
 mod named;
@@ -171,18 +173,6 @@ impl HybridSystem {
         self.choices[..choice].iter().map(|choice| choice.transitions.len()).sum()
     }
 
-    /// The range of an input in a step of a transition, of a system that has been checked.
-    pub(crate) fn input_range(
-        &self,
-        transition: &Transition,
-        input: usize,
-        step: usize,
-    ) -> Interval {
-        let (name, range) = &self.inputs[input];
-        let own = transition.inputs.iter().rfind(|(own, _)| own == name);
-        own.map_or(range, |(_, range)| range).get(step).copied().unwrap_or(Interval::REALS)
-    }
-
     /// Everything that depends on the step, at one step, in a fixed order.
     pub(crate) fn values_at(&self, step: usize) -> Vec<f64> {
         let ranges = self.inputs.iter().chain(self.transitions().flat_map(|t| &t.inputs));
@@ -193,12 +183,6 @@ impl HybridSystem {
         let resets = self.transitions().filter_map(|t| t.reset.as_ref());
         values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
         values
-    }
-
-    /// Whether transitions of a choice limit an input: if one of them sets a range of it, or if no
-    /// transition of any choice does.
-    pub(crate) fn restricts(&self, choice: &Choice, input: &str) -> bool {
-        choice.sets(input) || !self.choices.iter().any(|choice| choice.sets(input))
     }
 
     /// The step from which on nothing depends on the step.

@@ -130,6 +130,11 @@ impl Transition {
         self
     }
 
+    /// The range of an input that the transition sets.
+    pub(crate) fn input_range(&self, input: &str) -> Option<&Schedule<Interval>> {
+        self.inputs.iter().rfind(|(name, _)| name == input).map(|(_, range)| range)
+    }
+
     /// Makes the transition lead from a mode to a mode, by their names. The modes of a choice are
     /// those that its transitions name; either all of them name modes or none does.
     #[must_use]

@@ -57,10 +57,7 @@ impl Stay {
             let guards = transition.prediction_guards.iter();
             limits.extend(guards.filter_map(|h| of_prediction(h, flow, step)));
         }
-        let ranges = (0..m).map(|input| {
-            let ranges = taken.iter().map(|t| system.input_range(t, input, step));
-            ranges.fold(Interval::REALS, |all, range| all.intersection(range))
-        });
+        let ranges = (0..m).map(|input| system.input_range_of(&taken, input, step));
         let modes = system.choices.iter().zip(&taken).filter_map(|(choice, transition)| {
             let (mode, _) = transition.modes.as_ref()?;
             Some((choice.name.clone(), mode.clone()))

@@ -5,6 +5,9 @@ use carom::hybrid::{
 };
 use carom::interval::Interval;
 use carom::prelude::*;
+use proptest::prelude::*;
+
+use crate::common::config;
 
 /// The findings in a few words, sorted.
 fn findings(system: &HybridSystem) -> Vec<String> {
@@ -22,6 +25,10 @@ fn words(flaw: &Flaw) -> String {
         Flaw::Overlap { transitions: [a, b], .. } => format!("overlap {a} {b}"),
         Flaw::NeverTaken { transition, .. } => format!("never taken {transition}"),
         Flaw::LeavesDomain { transition, state, .. } => format!("leaves {transition} {state}"),
+        Flaw::Stuck { modes, .. } => {
+            let modes: Vec<&str> = modes.iter().map(|(_, mode)| mode.as_str()).collect();
+            format!("stuck {}", modes.join(" "))
+        }
         Flaw::NeverEntered { mode, .. } => format!("never entered {mode}"),
         Flaw::NoWayOn { mode, .. } => format!("no way on {mode}"),
         Flaw::NeverKept { mode, least, .. } => format!("never kept {mode} {least}"),
@@ -37,10 +44,15 @@ fn wall(e: f64) -> HybridSystem {
 }
 
 #[test]
-fn the_wall_has_one_gap_and_nothing_else() {
+fn the_wall_has_a_gap_and_ends_at_full_speed() {
     for e in [0.0, 0.5, 1.0] {
         let flaws = wall(e).flaws(&mut BranchAndBound::default()).unwrap();
-        let [Flaw::Gap { witness, .. }] = &flaws[..] else { panic!("{flaws:?}") };
+        let [Flaw::Gap { witness, .. }, Flaw::Stuck { witness: end, .. }] = &flaws[..] else {
+            panic!("{flaws:?}")
+        };
+        // At full speed at the far end of the domain.
+        let at = end.states();
+        assert!((at[0] - 20.0).abs() < 1e-3 && (at[1] - 8.0).abs() < 1e-3, "{end}");
         // It ends behind the wall while moving away.
         let (x, u) = (witness.states(), witness.inputs());
         let y = LinearSystem::double_integrator(0.1).unwrap().step(&x, &u).unwrap();
@@ -69,9 +81,25 @@ fn gears_overlap_unless_the_choice_is_free() {
         .with_state("x", Interval::new(0.0, 15.0))
         .with_state("v", Interval::new(-2.5, 2.5))
         .with_input("u", Interval::new(-1.0, 1.0));
-    assert_eq!(findings(&elevator.clone().with_choice(gears.clone())), ["overlap low high"]);
-    let free = elevator.with_choice(gears.with_free_choice(true));
-    assert_eq!(findings(&free), [""; 0]);
+    assert_eq!(
+        findings(&elevator.clone().with_choice(gears.clone())),
+        ["overlap low high", "stuck "]
+    );
+    let free = elevator.clone().with_choice(gears.clone().with_free_choice(true));
+    assert_eq!(findings(&free), ["stuck "]);
+    // Slow enough to stop: with 0.06 m/s a step in low gear, v² <= 1.2 x and a bit less, from 40
+    // tangents of it at either end.
+    let mut safe = free;
+    for k in 0..=40 {
+        let at = 0.0625 * f64::from(k);
+        // v <= (distance + at²/1.2) / (at/0.6).
+        let slope = (at + 0.06) / 0.6;
+        for (sign, end) in [(1.0, 15.0), (-1.0, 0.0)] {
+            let limit = sign * end + at * at / 1.2;
+            safe = safe.with_limit(Halfspace::new("braking", [sign, sign * slope], limit));
+        }
+    }
+    assert_eq!(findings(&safe), [""; 0]);
 }
 
 /// A tank whose outflow changes at 2 m: level in m, inflow in m per step.
@@ -112,7 +140,7 @@ fn resets_that_leave_the_domain_are_named() {
     let mut wrong = wall(0.5);
     let impact = wrong.choices[0].transitions[1].clone();
     wrong.choices[0].transitions[1] = impact.with_reset([[0.5, 0.0], [0.0, -0.5]], [0.0, 0.0]);
-    assert_eq!(findings(&wrong), ["gap mode -", "leaves impact x"]);
+    assert_eq!(findings(&wrong), ["gap mode -", "leaves impact x", "stuck "]);
     let flaws = wrong.flaws(&mut BranchAndBound::default()).unwrap();
     let Flaw::LeavesDomain { witness, distance, .. } = &flaws[1] else { panic!("{flaws:?}") };
     // At the wall with the largest impact speed: 0.1 s at 5 m/s, scaled by 0.5.
@@ -127,7 +155,7 @@ fn resets_that_leave_the_domain_are_named() {
         .with_transition(flight)
         .with_transition(impact.with_reset([[-0.5, 0.0], [0.0, -0.5]], [0.0, 0.0]));
     // All of its resets leave the domain, so it can never be taken.
-    let expected = ["gap mode -", "leaves impact x", "never taken impact"];
+    let expected = ["gap mode -", "leaves impact x", "never taken impact", "stuck "];
     assert_eq!(findings(&ceiling), expected);
     // A flow without inputs that leaves it.
     let grow = LinearSystem::new([[1.1]], [[]; 1], [0.0]).unwrap();
@@ -135,6 +163,106 @@ fn resets_that_leave_the_domain_are_named() {
         .with_state("x", Interval::new(0.0, 1.0))
         .with_transition(Transition::new("grow", grow));
     assert_eq!(findings(&growing), ["leaves grow x"]);
+}
+
+#[test]
+fn states_without_a_way_to_stay_are_named() {
+    let domain = Interval::new(0.0, 10.0);
+    // One step of 1 s: x + v + a/2 <= 10 needs x + v <= 10.5.
+    let line = LinearSystem::double_integrator(1.0).unwrap();
+    let cart = HybridSystem::new()
+        .with_state("x", domain)
+        .with_state("v", Interval::new(-1.0, 1.0))
+        .with_input("a", Interval::new(-1.0, 1.0))
+        .with_transition(Transition::new("roll", line));
+    let flaws = cart.flaws(&mut BranchAndBound::default()).unwrap();
+    assert_eq!(
+        flaws[0].to_string(),
+        "no input keeps the state in its domain at x = 10.000000, v = 1.000000; widen the domain, \
+         exclude such states by a limit, or declare them with `with_dead_ends`"
+    );
+    assert_eq!(flaws.len(), 1);
+    let limited = cart
+        .with_limit(Halfspace::new("slow at the far end", [1.0, 1.0], 10.0))
+        .with_limit(Halfspace::new("slow at the near end", [-1.0, -1.0], 0.0));
+    assert_eq!(findings(&limited), [""; 0]);
+
+    // A drift that only another choice can stop, in one of its modes.
+    let flow = |shift: f64| LinearSystem::new([[1.0]], [[1.0]], [shift]).unwrap();
+    let drifting = |brake: f64| {
+        let brakes = Choice::new("brake")
+            .with_transition(Transition::new("release", flow(1.0)).within("off"))
+            .with_transition(Transition::new("press", flow(1.0 - brake)).within("on"));
+        HybridSystem::new()
+            .with_state("x", domain)
+            .with_input("u", Interval::new(-0.5, 0.5))
+            .with_flow(flow(1.0))
+            .with_choice(Choice::new("idle").with_transition(Transition::new("idle", flow(1.0))))
+            .with_choice(brakes)
+    };
+    let never = ["never entered off", "never entered on"];
+    assert_eq!(findings(&drifting(1.0)), [&never[..], &["stuck off"]].concat());
+    assert_eq!(findings(&drifting(0.2)), [&never[..], &["stuck off", "stuck on"]].concat());
+    let mut declared = drifting(1.0);
+    declared.choices[1].may_end = true;
+    assert_eq!(findings(&declared), never);
+}
+
+proptest! {
+    #![proptest_config(config(24, "tests/regressions/flaws.txt"))]
+
+    /// A state is reported exactly if a grid of states and inputs has one, up to the grid's width.
+    #[test]
+    fn a_grid_finds_the_same_states(
+        matrix in prop::collection::vec(-1.1..1.1_f64, 4),
+        gains in prop::collection::vec(-1.0..1.0_f64, 4),
+        shift in prop::collection::vec(-0.3..0.3_f64, 2),
+        split in -0.5..0.5_f64,
+    ) {
+        // Two modes left and right of a line, with two inputs.
+        let unit = Interval::new(-1.0, 1.0);
+        let flow = |sign: f64| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| matrix[k] * if k > 1 { sign } else { 1.0 });
+            let gains = [[gains[0], 0.2 * gains[1]], [gains[2], sign * 0.2 * gains[3]]];
+            LinearSystem::new([[a, b], [c, d]], gains, shift.clone()).unwrap()
+        };
+        let (left, right) = (flow(1.0), flow(-1.0));
+        let system = HybridSystem::new()
+            .with_state("x", unit)
+            .with_state("y", unit)
+            .with_input("u", Interval::new(-0.3, 0.3))
+            .with_input("w", unit)
+            .with_transition(Transition::new("left", left.clone())
+                .with_guard(Halfspace::new("left", [1.0, 0.0], split)))
+            .with_transition(Transition::new("right", right.clone())
+                .with_guard(Halfspace::new("right", [-1.0, 0.0], -split)));
+        let found = findings(&system).contains(&"stuck ".to_owned());
+        // How far outside the best next state is, over the corners and a grid of the inputs.
+        let outside = |x: &[f64]| {
+            let flow = if x[0] <= split { &left } else { &right };
+            let inputs = (0..=20).flat_map(|i| (0..=20).map(move |j| [i, j]));
+            let next = inputs.map(|[i, j]| {
+                let u = [-0.3 + 0.03 * f64::from(i), -1.0 + 0.1 * f64::from(j)];
+                let next = flow.step(x, &u).unwrap();
+                next[0].abs().max(next[1].abs()) - 1.0
+            });
+            next.fold(f64::INFINITY, f64::min)
+        };
+        let grid = (0..=16).flat_map(|i| (0..=16).map(move |j| [i, j]));
+        let grid = grid.map(|[i, j]| [-1.0 + 0.125 * f64::from(i), -1.0 + 0.125 * f64::from(j)]);
+        let worst = grid.map(|x| outside(&x)).fold(f64::NEG_INFINITY, f64::max);
+        // Between two inputs of the grid the next state moves by less than this.
+        let width = 0.03 + 0.02;
+        prop_assert!(found || worst <= width, "missed: {worst}");
+        if let Some(Flaw::Stuck { witness, .. }) = system
+            .flaws(&mut BranchAndBound::default())
+            .unwrap()
+            .into_iter()
+            .find(|flaw| matches!(flaw, Flaw::Stuck { .. }))
+        {
+            prop_assert!(outside(&witness.states()) > 0.0, "{witness}");
+        }
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod certify;
 mod constructors;
 mod flaws;
+mod input_ranges;
 mod literature;
 mod random;
 #[cfg(feature = "serde")]
