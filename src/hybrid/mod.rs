@@ -10,6 +10,7 @@ pub mod linear;
 mod matrix;
 pub mod reach;
 mod rows;
+pub mod scene;
 pub mod shortest_horizon;
 pub mod simulate;
 mod system;
@@ -18,7 +19,7 @@ pub mod wall;
 
 pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution, RollOut};
 pub use costs::{Cost, When};
-pub use damage::{Damage, DamageFunction, DamageLimits};
+pub use damage::{Damage, DamageFunction, DamageLimits, ImpactEstimate};
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;
 pub use flaws::{Flaw, Witness};

@@ -10,5 +10,6 @@ mod hybrid;
 mod physics;
 mod reach;
 mod rows;
+mod scenes;
 mod shortest;
 mod system;

@@ -148,7 +148,8 @@ pub(super) fn behaviour(
     let output = |name: &&str| {
         let own = transition.outputs.iter().find(|output| output.name == **name);
         own.map_or(Map::constant(width, 0.0), |output| {
-            combine(output.factors.iter().copied(), &predicted, width, output.constant)
+            let constant = output.constant.get(step).copied().unwrap_or(0.0);
+            combine(output.factors.iter().copied(), &predicted, width, constant)
         })
     };
     let at_start = transition.guards.iter().map(|guard| (guard, excess(guard, width, step)));

@@ -64,6 +64,8 @@ pub struct HybridProgram {
     pub(super) choices: Vec<ChoiceProgram>,
     /// Names and values over the steps.
     pub(super) outputs: Vec<(String, Vec<Affine>)>,
+    /// The same for each choice.
+    pub(super) own_outputs: Vec<Vec<(String, Vec<Affine>)>>,
 }
 
 impl HybridProgram {
@@ -152,6 +154,12 @@ impl HybridProgram {
         find(names, name, "output of the system").map(|o| &self.outputs[o].1[..])
     }
 
+    /// An output of one choice; `None` if it has none of this name.
+    pub(crate) fn output_of(&self, choice: &str, name: &str) -> Result<Option<&[Affine]>, Error> {
+        let own = &self.own_outputs[self.choice(choice)?];
+        Ok(own.iter().find(|(own, _)| own == name).map(|(_, values)| &values[..]))
+    }
+
     /// The number of events in a step, over all choices.
     ///
     /// # Errors
@@ -223,8 +231,9 @@ impl HybridProgram {
             if own >= n {
                 let name = outputs.get(own - n)?;
                 let output = transition.outputs.iter().find(|output| output.name == **name);
-                let value = output.map(|output| (output.factors.clone(), output.constant));
-                return Some(value.unwrap_or((vec![0.0; n], 0.0)));
+                let Some(output) = output else { return Some((vec![0.0; n], 0.0)) };
+                let constant = output.constant.is_constant().then(|| output.constant.get(0));
+                return Some((output.factors.clone(), *constant.flatten()?));
             }
             let unit = |j: usize| if j == own { 1.0 } else { 0.0 };
             let Some(reset) = &transition.reset else {

@@ -119,6 +119,7 @@ fn variables(
         inputs: Vec::new(),
         choices: Vec::new(),
         outputs: Vec::new(),
+        own_outputs: Vec::new(),
     };
     for (name, domain) in &system.states {
         let name = names.family(&[name]);
@@ -216,7 +217,9 @@ fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize
 fn outputs(program: &mut HybridProgram, plans: &[Plan]) {
     let (n, steps) = (program.states.len(), program.horizon.steps());
     let mut outputs: Vec<(String, Vec<Affine>)> = Vec::new();
+    let mut by_choice = Vec::new();
     for (c, choice) in program.system.choices.iter().enumerate() {
+        let mut of_choice = Vec::new();
         for (o, name) in map::output_names(&choice.transitions).into_iter().enumerate() {
             let value = |t: usize| {
                 let own = &at(&plans[c].steps, t).0;
@@ -225,13 +228,15 @@ fn outputs(program: &mut HybridProgram, plans: &[Plan]) {
                 expression(program, common, t) + change(&program.choices[c], own, n + o, t)
             };
             let values: Vec<Affine> = (0..steps).map(value).collect();
+            of_choice.push((name.to_owned(), values.clone()));
             match outputs.iter_mut().find(|(own, _)| own == name) {
                 None => outputs.push((name.to_owned(), values)),
                 Some((_, sums)) => sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += v),
             }
         }
+        by_choice.push(of_choice);
     }
-    program.outputs = outputs;
+    (program.outputs, program.own_outputs) = (outputs, by_choice);
 }
 
 struct Writer<'a> {

@@ -217,7 +217,7 @@ impl RunCertificate {
             let Some(&value) = values.get(step) else { continue };
             let parts = taken.iter().flat_map(|(transition, flown)| {
                 let own = transition.outputs.iter().filter(|output| output.name == *name);
-                own.map(|output| output_value(&output.factors, output.constant, flown))
+                own.map(|output| output_value(output, flown, step))
             });
             let expected: f64 = parts.sum();
             let (residual, allowed) =

@@ -97,7 +97,8 @@ impl HybridSystem {
         check_names("output", transition.outputs.iter().map(|output| &output.name))?;
         for output in &transition.outputs {
             check_length("the factors of an output", output.factors.len(), n)?;
-            let numbers = output.factors.iter().chain([&output.constant]);
+            output.constant.check(&format!("the constant of `{}`", output.name))?;
+            let numbers = output.factors.iter().chain(output.constant.values());
             check_numbers(&output.name, "a number", numbers.copied())?;
         }
         let Some(Reset { matrix, offset }) = &transition.reset else { return Ok(()) };

@@ -38,6 +38,7 @@ pub use schedule::Schedule;
 pub use transition::Transition;
 
 pub(crate) use check::{check_ends, check_halfspace};
+pub(crate) use transition::TransitionOutput;
 
 #[cfg(feature = "serde")]
 use serialized::StoredSystem;
@@ -182,6 +183,8 @@ impl HybridSystem {
         values.extend(self.limits.iter().chain(guards).map(|h| h.limit_at(step)));
         let resets = self.transitions().filter_map(|t| t.reset.as_ref());
         values.extend(resets.filter_map(|r| r.offset.get(step)).flatten());
+        let outputs = self.transitions().flat_map(|t| &t.outputs);
+        values.extend(outputs.filter_map(|output| output.constant.get(step)));
         values
     }
 
@@ -192,6 +195,8 @@ impl HybridSystem {
         let resets = self.transitions().filter_map(|t| t.reset.as_ref());
         let ranges = ranges.map(|(_, range)| range.settles());
         let limits = self.limits.iter().chain(guards).map(|h| h.limit.settles());
+        let outputs = self.transitions().flat_map(|t| &t.outputs);
+        let limits = limits.chain(outputs.map(|output| output.constant.settles()));
         ranges.chain(limits).chain(resets.map(|r| r.offset.settles())).max().unwrap_or(0)
     }
 }

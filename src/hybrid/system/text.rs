@@ -199,8 +199,8 @@ impl<'a> Names<'a> {
             }
         }
         for output in &transition.outputs {
-            let value = self.sum(&output.factors, mark, output.constant);
-            writeln!(f, "    {} = {value}", output.name)?;
+            let text = |constant: &f64| self.sum(&output.factors, mark, *constant);
+            writeln!(f, "    {} = {}", output.name, ByStep(&output.constant, text))?;
         }
         Ok(())
     }

@@ -30,7 +30,8 @@ pub(crate) struct TransitionOutput {
     pub(crate) name: String,
     /// One coefficient per state.
     pub(crate) factors: Vec<f64>,
-    pub(crate) constant: f64,
+    /// By step.
+    pub(crate) constant: Schedule<f64>,
 }
 
 /// One way to get from a sample to the next, such as a mode or a contact.
@@ -169,15 +170,15 @@ impl Transition {
     }
 
     /// Adds an output `factors . y + constant`, where y is the prediction, with n `factors` for n
-    /// states. In transitions of the same choice without this output, it is 0.
+    /// states. The constant may depend on the step, as at a moving wall. In transitions of the same choice without this output, it is 0.
     #[must_use]
     pub fn with_output(
         mut self,
         name: impl Into<String>,
         factors: impl Into<Vec<f64>>,
-        constant: f64,
+        constant: impl Into<Schedule<f64>>,
     ) -> Self {
-        let (name, factors) = (name.into(), factors.into());
+        let (name, factors, constant) = (name.into(), factors.into(), constant.into());
         self.outputs.push(TransitionOutput { name, factors, constant });
         self
     }

@@ -1,0 +1,245 @@
+//! Bodies: shape, mass and linear dynamics.
+
+use faer::Mat;
+
+use super::error::SceneError;
+use crate::error::{Error, ErrorKind, check_finite};
+use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::system::Region;
+use crate::interval::Interval;
+use crate::setters::setters;
+
+/// The shape of a body, around its position. It does not turn.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Shape {
+    /// A point.
+    #[default]
+    Point,
+    /// A disc in the plane, a ball in space, with a radius in m.
+    Ball(f64),
+    /// A box along the axes, with half its width along each axis, in m.
+    Box(Vec<f64>),
+}
+
+impl Shape {
+    /// How far it reaches in a direction of length 1, in m.
+    pub(super) fn reach(&self, direction: &[f64]) -> f64 {
+        match self {
+            Shape::Point => 0.0,
+            Shape::Ball(radius) => *radius,
+            Shape::Box(half) => half.iter().zip(direction).map(|(h, n)| h * n.abs()).sum(),
+        }
+    }
+}
+
+/// A body: `dv/dt = K x + D v + u + g` along 1 to 3 axes, with the input u (m/s²) held over each
+/// step. By default K, D and g are 0.
+///
+/// ```
+/// use carom::hybrid::Region;
+/// use carom::hybrid::scene::{Body, Shape};
+/// use carom::interval::Interval;
+///
+/// // A puck on a table of 2 m by 1 m, at most 3 m/s and 4 m/s² along each axis.
+/// let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
+/// let puck = Body::new("puck", table, 3.0, 4.0)
+///     .with_shape(Shape::Ball(0.05))
+///     .with_mass(0.2)
+///     .with_start(Region::point([0.2, 0.5, 0.0, 0.0]));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Body {
+    /// Its name.
+    pub name: String,
+    /// Where its position may be along each axis, in m.
+    pub domain: Vec<Interval>,
+    /// The largest speed along each axis at a sample, in m/s.
+    pub max_speed: f64,
+    /// The range of the input along each axis, in m/s².
+    pub acceleration: Vec<Interval>,
+    /// Its mass, in kg; default 1.
+    pub mass: f64,
+    /// Its shape; default a point.
+    pub shape: Shape,
+    /// K, in 1/s², and D, in 1/s.
+    pub(super) dynamics: Option<(Mat<f64>, Mat<f64>)>,
+    /// g, in m/s².
+    pub(super) gravity: Vec<f64>,
+    /// Where it starts: positions (m), then velocities (m/s).
+    pub start: Option<Region>,
+    /// Where it ends, in the same order.
+    pub goal: Option<Region>,
+    pub(super) first: Option<Vec<f64>>,
+}
+
+impl Body {
+    /// A point of 1 kg.
+    ///
+    /// # Arguments
+    ///
+    /// * `domain`: where it may be along each axis, in m; its length is the number of axes.
+    /// * `max_speed`: along each axis, in m/s; `max_acceleration`: along each axis, in m/s².
+    pub fn new(
+        name: impl Into<String>,
+        domain: impl Into<Vec<Interval>>,
+        max_speed: f64,
+        max_acceleration: f64,
+    ) -> Self {
+        let domain = domain.into();
+        let range = Interval::new(-max_acceleration, max_acceleration);
+        Body {
+            name: name.into(),
+            max_speed,
+            acceleration: vec![range; domain.len()],
+            gravity: vec![0.0; domain.len()],
+            domain,
+            mass: 1.0,
+            shape: Shape::Point,
+            dynamics: None,
+            start: None,
+            goal: None,
+            first: None,
+        }
+    }
+
+    setters! {
+        /// Sets the mass, in kg.
+        with_mass(mass: f64) => mass = mass;
+        /// Sets the shape.
+        with_shape(shape: Shape) => shape = shape;
+        /// Sets where it starts: positions (m), then velocities (m/s).
+        with_start(region: Region) => start = Some(region);
+        /// Sets where it ends: positions (m), then velocities (m/s).
+        with_goal(region: Region) => goal = Some(region);
+    }
+
+    /// Sets the range of the input along each axis, in m/s².
+    #[must_use]
+    pub fn with_acceleration(mut self, ranges: impl Into<Vec<Interval>>) -> Self {
+        self.acceleration = ranges.into();
+        self
+    }
+
+    /// Sets the input of the first step, in m/s², one entry per axis.
+    #[must_use]
+    pub fn with_first_acceleration(mut self, first: impl Into<Vec<f64>>) -> Self {
+        self.first = Some(first.into());
+        self
+    }
+
+    /// Sets g, in m/s², one entry per axis.
+    #[must_use]
+    pub fn with_gravity(mut self, gravity: impl Into<Vec<f64>>) -> Self {
+        self.gravity = gravity.into();
+        self
+    }
+
+    /// Sets K (1/s²) and D (1/s), each with a row and a column per axis: springs, drag, the motion
+    /// relative to an orbit.
+    #[must_use]
+    pub fn with_dynamics(mut self, k: impl IntoMatrix, d: impl IntoMatrix) -> Self {
+        self.dynamics = Some((k.into_matrix(), d.into_matrix()));
+        self
+    }
+
+    /// Number of axes.
+    pub fn axes(&self) -> usize {
+        self.domain.len()
+    }
+
+    /// A step of `[x, v]` under u.
+    pub(super) fn flow(&self, time_step: f64) -> Result<LinearSystem, Error> {
+        let (d, dt) = (self.axes(), time_step);
+        let on = |i: usize, j: usize, value: f64| if i == j { value } else { 0.0 };
+        let Some((k, damping)) = &self.dynamics else {
+            let a = Mat::from_fn(2 * d, 2 * d, |i, j| on(i, j, 1.0) + on(i + d, j, dt));
+            let b = |i: usize, j: usize| on(i, j, 0.5 * dt * dt) + on(i, j + d, dt);
+            let c = (0..2 * d).map(|i| {
+                let part = if i < d { 0.5 * dt * dt } else { dt };
+                part * self.gravity[i % d]
+            });
+            return LinearSystem::new(a, Mat::from_fn(2 * d, d, b), c.collect::<Vec<_>>());
+        };
+        let a = Mat::from_fn(2 * d, 2 * d, |i, j| match (i < d, j < d) {
+            (true, _) => on(i + d, j, 1.0),
+            (false, true) => k[(i - d, j)],
+            (false, false) => damping[(i - d, j - d)],
+        });
+        let c = [vec![0.0; d], self.gravity.clone()].concat();
+        LinearSystem::zero_order_hold(a, Mat::from_fn(2 * d, d, |i, j| on(i, j + d, 1.0)), c, dt)
+    }
+
+    /// The largest rate of change of the acceleration in a direction, in m/s³: 0 without K and D.
+    pub(super) fn largest_jerk(&self, direction: &[f64]) -> f64 {
+        let Some((k, damping)) = &self.dynamics else { return 0.0 };
+        let d = self.axes();
+        let speed = Interval::new(-self.max_speed, self.max_speed);
+        // Within a step, the speed may exceed its limit at the samples; twice covers it.
+        let speed = speed * 2.0;
+        let sum = |m: &Mat<f64>, i: usize, of: &dyn Fn(usize) -> Interval| {
+            (0..d).fold(Interval::point(0.0), |sum, j| sum + of(j) * m[(i, j)])
+        };
+        let accelerations: Vec<Interval> = (0..d)
+            .map(|i| {
+                let own = self.acceleration[i] + Interval::point(self.gravity[i]);
+                own + sum(k, i, &|j| self.domain[j]) + sum(damping, i, &|_| speed)
+            })
+            .collect();
+        let jerk = (0..d).fold(Interval::point(0.0), |total, i| {
+            let own = sum(k, i, &|_| speed) + sum(damping, i, &|j| accelerations[j]);
+            total + own * direction[i]
+        });
+        jerk.magnitude()
+    }
+
+    pub(super) fn check(&self, axes: usize) -> Result<(), Error> {
+        let name = &self.name;
+        let lengths = [
+            self.axes(),
+            self.acceleration.len(),
+            self.gravity.len(),
+            self.first.as_ref().map_or(axes, Vec::len),
+            match &self.shape {
+                Shape::Box(half) => half.len(),
+                _ => axes,
+            },
+        ];
+        if let Some(&found) = lengths.iter().find(|&&length| length != axes) {
+            return Err(SceneError::Axes { name: name.clone(), found, expected: axes }.into());
+        }
+        for range in self.domain.iter().chain(&self.acceleration) {
+            range.check(name)?;
+        }
+        check_finite(name, "the gravity", self.gravity.iter().copied())?;
+        check_finite(name, "the first acceleration", self.first.iter().flatten().copied())?;
+        let sizes = match &self.shape {
+            Shape::Point => Vec::new(),
+            Shape::Ball(radius) => vec![*radius],
+            Shape::Box(half) => half.clone(),
+        };
+        let positive = |value: &f64| value.is_finite() && *value > 0.0;
+        for (what, value, fits) in [
+            ("mass (kg)", self.mass, positive(&self.mass)),
+            ("largest speed (m/s)", self.max_speed, positive(&self.max_speed)),
+            ("size (m)", sizes.iter().copied().fold(0.0, f64::min), sizes.iter().all(positive)),
+        ] {
+            if !fits {
+                let what = format!("the {what} of `{name}`");
+                return Err(Error::out_of_range(what, value, "finite and positive"));
+            }
+        }
+        for matrix in self.dynamics.iter().flat_map(|(k, d)| [k, d]) {
+            let (rows, columns) = (matrix.nrows(), matrix.ncols());
+            if rows != axes || columns != axes {
+                let expected = format!("{axes}x{axes}");
+                let what = "a matrix of the dynamics of a body";
+                return Err(ErrorKind::Shape { what, rows, columns, expected }.into());
+            }
+        }
+        Ok(())
+    }
+}

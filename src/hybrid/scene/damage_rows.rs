@@ -1,0 +1,166 @@
+//! Damage and rules about it in the program of a scene.
+
+use super::contact::Contact;
+use super::geometry::dot;
+use super::law::{IMPACT_SPEED, sound_margin};
+use super::program::SceneProgram;
+use super::rule::{CHORDS, DamageMeasure, DamageRule};
+use crate::error::Error;
+use crate::hybrid::damage::ImpactEstimate;
+use crate::model::{Affine, Model};
+
+impl SceneProgram {
+    /// Adds damage to the contacts for which a rule needs it.
+    pub(super) fn add_damage(&mut self) -> Result<(), Error> {
+        for c in 0..self.contacts.len() {
+            let contact = &self.contacts[c];
+            let needs = |rule: &DamageRule| {
+                let faces = 0..contact.faces.len();
+                rule.needs_damage()
+                    && faces.into_iter().any(|k| rule.applies(&self.scene, contact, k))
+            };
+            if self.scene.rules.iter().any(needs) {
+                self.add_damage_of(c)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds `damage_c[t]`, in m/s: at least the impact speed of each hit.
+    pub(super) fn add_damage_of(&mut self, c: usize) -> Result<(), Error> {
+        let contact = self.contacts[c].clone();
+        let Some(speeds) = self.hybrid.output_of(&contact.name, IMPACT_SPEED)? else {
+            return Ok(());
+        };
+        let speeds = speeds.to_vec();
+        let is_sound = self.scene.estimate == ImpactEstimate::Sound;
+        let dt = self.scene.time_step;
+        let family = format!("damage_{c}");
+        let mut members = Vec::with_capacity(speeds.len());
+        for (t, speed) in speeds.iter().enumerate() {
+            let hits = self.hits_of(c, t);
+            let hit_modes = contact.modes.iter().filter(|mode| mode.is_hit);
+            let mut most = self.model.range(speed)?.upper.max(0.0);
+            let mut approaches = Vec::new();
+            for mode in hit_modes.filter(|_| is_sound) {
+                let face = &contact.faces[mode.face];
+                let surface = dot(&face.normal, &contact.velocity_in(t, self.scene.axes()));
+                let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+                let margin = sound_margin(face, dt);
+                let start = self.along(&contact, &back, t, true) + (surface + margin);
+                most = most.max(self.model.range(&start)?.upper);
+                approaches.push((self.taken(c, mode, t)?, start));
+            }
+            let margin = contact.faces.iter().map(|f| sound_margin(f, dt)).fold(0.0_f64, f64::max);
+            let margin = if is_sound { margin } else { 0.0 };
+            let damage = self.model.continuous((family.as_str(), t), 0.0, most + margin)?;
+            let at_end = speed + margin * hits;
+            self.model.add((format!("{family}_end").as_str(), t), damage.ge(at_end))?;
+            for (k, (taken, start)) in approaches.into_iter().enumerate() {
+                let row = damage.ge(start);
+                let name = format!("{family}_start_{k}");
+                match taken {
+                    Some(taken) => drop(self.model.add((name.as_str(), t), taken.implies(row))?),
+                    None => drop(self.model.add((name.as_str(), t), row)?),
+                }
+            }
+            members.push(damage);
+        }
+        self.damage[c] = Some(members.into_iter().collect());
+        Ok(())
+    }
+
+    /// Adds the rules on sums and numbers of hits.
+    pub(super) fn add_rules(&mut self) -> Result<(), Error> {
+        let steps = self.steps();
+        for (r, rule) in self.scene.rules.clone().iter().enumerate() {
+            let mut measured = Vec::new();
+            for c in 0..self.contacts.len() {
+                measured.push(self.measure(rule, r, c)?);
+            }
+            let window = rule.window.unwrap_or(steps).min(steps);
+            for first in 0..=steps - window {
+                let span = first..first + window;
+                if let Some(most) = rule.total {
+                    let values = measured.iter().flat_map(|values| values.get(span.clone()));
+                    let sum: Affine = values.flatten().cloned().sum();
+                    if !sum.terms().is_empty() {
+                        let name = format!("{}_total", rule.name);
+                        self.model.add((name.as_str(), first), sum.le(most))?;
+                    }
+                }
+                if let Some(most) = rule.count {
+                    let contacts = 0..self.contacts.len();
+                    let hits = contacts.flat_map(|c| span.clone().map(move |t| (c, t)));
+                    let hits: Affine = hits.map(|(c, t)| self.counted(rule, c, t)).sum();
+                    if !hits.terms().is_empty() {
+                        let name = format!("{}_count", rule.name);
+                        self.model.add((name.as_str(), first), hits.le(most as f64))?;
+                    }
+                }
+            }
+            self.measured.push(measured);
+        }
+        Ok(())
+    }
+
+    /// A rule's measure of a contact by step; empty if it does not count there, or needs no
+    /// variables.
+    fn measure(&mut self, rule: &DamageRule, r: usize, c: usize) -> Result<Vec<Affine>, Error> {
+        let contact = self.contacts[c].clone();
+        let faces: Vec<usize> = (0..contact.faces.len())
+            .filter(|&face| rule.applies(&self.scene, &contact, face))
+            .collect();
+        let (true, Some(damage), Some(&first)) =
+            (rule.needs_damage(), self.damage[c].clone(), faces.first())
+        else {
+            return Ok(Vec::new());
+        };
+        let is_all =
+            faces.len() == contact.faces.iter().filter(|f| f.surface.restitution.is_some()).count();
+        let factor = rule.factor(&contact, first);
+        let is_even = faces.iter().all(|&face| rule.factor(&contact, face) == factor);
+        let linear =
+            matches!(rule.measure, DamageMeasure::ImpactSpeed | DamageMeasure::NormalImpulse);
+        let mut values = Vec::with_capacity(damage.len());
+        for (t, own) in damage.iter().enumerate() {
+            if linear && is_all && is_even {
+                values.push(factor * own);
+                continue;
+            }
+            let most = self.model.variable_ref(own)?.bounds().upper;
+            let largest = faces.iter().map(|&k| rule.damage(&contact, k, most)).fold(0.0, f64::max);
+            let family = format!("{}_{r}_{c}", rule.name);
+            let value = self.model.continuous((family.as_str(), t), 0.0, largest)?;
+            for &face in &faces {
+                let hit = self.sum_of(c, t, |mode| mode.is_hit && mode.face == face);
+                for (k, (slope, constant)) in pieces(rule, &contact, face, most).iter().enumerate()
+                {
+                    let row = format!("{family}_{face}_{k}");
+                    // Where the face is not hit, the right side is at most 0.
+                    let off = if is_all && is_even { 0.0 } else { (slope * most).max(0.0) };
+                    let right = *slope * own + (constant + off) * hit.clone() - off;
+                    self.model.add((row.as_str(), t), value.ge(right))?;
+                }
+            }
+            values.push(value.into());
+        }
+        Ok(values)
+    }
+}
+
+/// Lines `slope f + constant` whose largest value is at least the damage of f, from 0 to `most`.
+fn pieces(rule: &DamageRule, contact: &Contact, face: usize, most: f64) -> Vec<(f64, f64)> {
+    let factor = rule.factor(contact, face);
+    match &rule.measure {
+        DamageMeasure::Convex(pieces) => pieces.clone(),
+        DamageMeasure::DissipatedEnergy => (0..CHORDS)
+            .map(|k| {
+                let ends = [k, k + 1].map(|k| most * k as f64 / CHORDS as f64);
+                // The chord of a square: (a + b) f - a b.
+                (factor * (ends[0] + ends[1]), -factor * ends[0] * ends[1])
+            })
+            .collect(),
+        _ => vec![(factor, 0.0)],
+    }
+}

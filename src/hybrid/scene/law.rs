@@ -1,0 +1,368 @@
+//! The ways in which a step may pass a contact, as transitions of a hybrid system.
+//!
+//! With the prediction of free flight, let `g` be the gap to a face with the normal n, and `r` the
+//! velocity relative to the face. A hit needs `g <= 0` and `n . r <= 0`, and then
+//! `x⁺ = x - n (1+e) g` and `v⁺ = v + (M - 1) r`, where M is the surface's law; in a hit of two
+//! bodies, each takes its share.
+
+use std::f64::consts::{PI, TAU};
+
+use faer::Mat;
+
+use super::contact::{Contact, ContactFace, Mode, at};
+use super::geometry::{dot, tangents};
+use super::statement::Scene;
+use super::surface::Tangential;
+use crate::hybrid::damage::ImpactEstimate;
+use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::system::{Halfspace, Schedule, Transition};
+
+/// The output of every hit, in m/s.
+pub(super) const IMPACT_SPEED: &str = "impact speed";
+
+/// A linear function of the relative velocity that must be at most 0: its factors, and a name.
+struct Guard {
+    name: &'static str,
+    factors: Vec<f64>,
+}
+
+/// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies.
+struct Law {
+    name: String,
+    /// M - 1, by rows.
+    change: Vec<Vec<f64>>,
+    guards: Vec<Guard>,
+}
+
+/// Writes the transitions of one contact.
+pub(super) struct Writer<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) contact: &'a Contact,
+    pub(super) flow: &'a LinearSystem,
+}
+
+/// Values at the samples that begin steps.
+fn at_start(values: &[f64]) -> Schedule<f64> {
+    match values.len() {
+        0 | 1 => at(values, 0).into(),
+        n => values[..n - 1].to_vec().into(),
+    }
+}
+
+/// Values at the samples that end steps.
+fn at_end(values: &[f64]) -> Schedule<f64> {
+    match values.len() {
+        0 | 1 => at(values, 0).into(),
+        _ => values[1..].to_vec().into(),
+    }
+}
+
+impl Writer<'_> {
+    fn axes(&self) -> usize {
+        self.scene.axes()
+    }
+
+    /// `direction . x`, of the body or relative to the other body, as factors of all states.
+    pub(super) fn position(&self, direction: &[f64]) -> Vec<f64> {
+        self.spread(direction, 0)
+    }
+
+    /// `direction . v`, likewise.
+    pub(super) fn velocity(&self, direction: &[f64]) -> Vec<f64> {
+        self.spread(direction, self.axes())
+    }
+
+    fn spread(&self, direction: &[f64], from: usize) -> Vec<f64> {
+        let mut factors = vec![0.0; self.flow.states()];
+        let block = 2 * self.axes();
+        for (i, n) in direction.iter().enumerate() {
+            factors[block * self.contact.body + from + i] += n;
+            if let Some(other) = self.contact.other {
+                factors[block * other + from + i] -= n;
+            }
+        }
+        factors
+    }
+
+    /// `direction` times the velocity of the surface, by step.
+    fn speed(&self, direction: &[f64]) -> Schedule<f64> {
+        match self.contact.velocity.is_empty() {
+            true => 0.0.into(),
+            false => {
+                let speeds = self.contact.velocity.iter().map(|v| dot(direction, v));
+                speeds.collect::<Vec<f64>>().into()
+            }
+        }
+    }
+
+    /// All transitions, and what they are.
+    pub(super) fn transitions(&self) -> (Vec<Transition>, Vec<Mode>) {
+        let (mut transitions, mut modes) = (Vec::new(), Vec::new());
+        for face in 0..self.contact.faces.len() {
+            transitions.push(self.flight(face));
+            let name = transitions[transitions.len() - 1].name.clone();
+            modes.push(Mode { name, face, is_hit: false });
+        }
+        for (face, own) in self.contact.faces.iter().enumerate() {
+            let Some(restitution) = own.surface.restitution else { continue };
+            for law in laws(own, restitution.value()) {
+                let transition = self.hit(face, restitution.value(), law);
+                modes.push(Mode { name: transition.name.clone(), face, is_hit: true });
+                transitions.push(transition);
+            }
+        }
+        (transitions, modes)
+    }
+
+    fn is_convex(&self) -> bool {
+        self.contact.faces.len() > 1
+    }
+
+    fn name(&self, word: &str, face: usize) -> String {
+        if self.is_convex() { format!("{word} {face}") } else { word.to_owned() }
+    }
+
+    /// The step stays in front of a face.
+    fn flight(&self, face: usize) -> Transition {
+        let own = &self.contact.faces[face];
+        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        let minus = |values: &[f64]| values.iter().map(|b| -b).collect::<Vec<f64>>();
+        let word = if self.is_convex() { "beyond" } else { "clear" };
+        let mut flight = Transition::new(self.name(word, face), self.flow.clone());
+        let limits = minus(&own.limit);
+        if self.scene.estimate == ImpactEstimate::Sound {
+            if self.is_convex() {
+                let starts =
+                    Halfspace::new("starts in front", self.position(&back), at_start(&limits));
+                flight = flight.with_guard(starts);
+            }
+            flight = flight.with_guard(self.no_dip(own));
+        }
+        let ends = Halfspace::new("ends in front", self.position(&back), at_end(&limits));
+        flight.with_prediction_guard(ends)
+    }
+
+    /// The middle control point of the step's parabola is in front of a face, so that the whole step
+    /// is if both ends are: `g + Δt/2 s >= J Δt³/12`, where J bounds the third derivative of g.
+    fn no_dip(&self, face: &ContactFace) -> Halfspace {
+        let dt = self.scene.time_step;
+        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+        let mut factors = self.position(&back);
+        let rates = self.velocity(&back);
+        factors.iter_mut().zip(rates).for_each(|(x, v)| *x += 0.5 * dt * v);
+        let margin = face.jerk * dt * dt * dt / 12.0;
+        let steps = face.limit.len().saturating_sub(1).max(1);
+        let limit = |t: usize| {
+            let (from, to) = (face.limit_at(t), at(&face.limit, t + 1));
+            // b + Δt/2 s, with the speed of the face s = (b' - b)/Δt.
+            -0.5 * (from + to) - margin
+        };
+        let limits: Vec<f64> = (0..steps).map(limit).collect();
+        Halfspace::new("no dip", factors, limits)
+    }
+
+    /// The step hits a face.
+    fn hit(&self, face: usize, e: f64, law: Law) -> Transition {
+        let own = &self.contact.faces[face];
+        let mut hit = Transition::event(self.name(&law.name, face), self.flow.clone());
+        if self.is_convex() {
+            let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+            let limits: Vec<f64> = own.limit.iter().map(|b| -b).collect();
+            let starts = Halfspace::new("starts in front", self.position(&back), at_start(&limits));
+            hit = hit.with_guard(starts);
+        }
+        for (k, (normal, limits)) in own.extent.iter().enumerate() {
+            let factors = self.position(normal);
+            let start =
+                Halfspace::new(format!("starts within end {k}"), factors.clone(), at_start(limits));
+            let end = Halfspace::new(format!("ends within end {k}"), factors, at_end(limits));
+            hit = hit.with_guard(start).with_prediction_guard(end);
+        }
+        let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&own.limit));
+        hit = hit.with_prediction_guard(ends);
+        let towards = self.velocity(&own.normal);
+        hit = hit.with_prediction_guard(Halfspace::new(
+            "moves towards it",
+            towards.clone(),
+            self.speed(&own.normal),
+        ));
+        for guard in &law.guards {
+            let limit = self.speed(&guard.factors);
+            let factors = self.velocity(&guard.factors);
+            hit = hit.with_prediction_guard(Halfspace::new(guard.name, factors, limit));
+        }
+        hit = self.limited(hit, face);
+        let (matrix, offset) = self.reset(own, e, &law);
+        let away: Vec<f64> = towards.iter().map(|n| -n).collect();
+        hit.with_reset_by_step(matrix, offset).with_output(
+            IMPACT_SPEED,
+            away,
+            self.speed(&own.normal),
+        )
+    }
+
+    /// The limits of the rules on a single hit.
+    fn limited(&self, mut hit: Transition, face: usize) -> Transition {
+        let own = &self.contact.faces[face];
+        let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        for rule in &self.scene.rules {
+            if !rule.applies(self.scene, self.contact, face) {
+                continue;
+            }
+            if let Some(most) = rule.most_speed(self.contact, face) {
+                let is_sound = self.scene.estimate == ImpactEstimate::Sound;
+                let margin = if is_sound { sound_margin(own, self.scene.time_step) } else { 0.0 };
+                let most = most - margin;
+                let limit = |most: f64| self.speed(&back).map(|s| most + s);
+                let name = format!("{} at the end", rule.name);
+                let end = Halfspace::limit(name, self.velocity(&back), limit(most));
+                hit = hit.with_prediction_guard(end);
+                if is_sound {
+                    let name = format!("{} at the start", rule.name);
+                    let start = Halfspace::limit(name, self.velocity(&back), limit(most));
+                    hit = hit.with_guard(start);
+                }
+            }
+            if let Some(slope) = rule.incidence_slope(self.axes()) {
+                for (k, tangent) in around(&own.normal, rule.incidence_directions()).enumerate() {
+                    // d . r + slope n . r <= 0.
+                    let factors: Vec<f64> =
+                        tangent.iter().zip(&own.normal).map(|(d, n)| d + slope * n).collect();
+                    let name = format!("{} incidence {k}", rule.name);
+                    let limit = self.speed(&factors);
+                    let guard = Halfspace::limit(name, self.velocity(&factors), limit);
+                    hit = hit.with_prediction_guard(guard);
+                }
+            }
+        }
+        hit
+    }
+
+    /// The reset of a hit: a matrix and an offset by step.
+    fn reset(&self, face: &ContactFace, e: f64, law: &Law) -> (Mat<f64>, Schedule<Vec<f64>>) {
+        let (axes, width) = (self.axes(), self.flow.states());
+        let n = &face.normal;
+        let mut matrix = Mat::<f64>::identity(width, width);
+        let steps = face.limit.len().saturating_sub(1).max(1);
+        let mut offsets = vec![vec![0.0; width]; steps];
+        let gap = self.position(n);
+        let parts = [
+            (Some(self.contact.body), self.contact.share),
+            (self.contact.other, self.contact.share - 1.0),
+        ];
+        for (body, share) in parts {
+            let Some(body) = body else { continue };
+            let first = 2 * axes * body;
+            for i in 0..axes {
+                let lift = -share * (1.0 + e) * n[i];
+                for (j, g) in gap.iter().enumerate() {
+                    matrix[(first + i, j)] += lift * g;
+                }
+                let change = self.velocity(&law.change[i]);
+                for (j, c) in change.iter().enumerate() {
+                    matrix[(first + axes + i, j)] += share * c;
+                }
+                for (t, offset) in offsets.iter_mut().enumerate() {
+                    offset[first + i] -= lift * at(&face.limit, t + 1);
+                    let surface = self.contact.velocity_in(t, axes);
+                    offset[first + axes + i] -= share * dot(&law.change[i], &surface);
+                }
+            }
+        }
+        // Not -0.
+        offsets.iter_mut().flatten().for_each(|r| *r += 0.0);
+        (matrix, offsets.into())
+    }
+}
+
+/// By how much the approach within a step may exceed that at its ends, in m/s: `J Δt²/8`.
+pub(super) fn sound_margin(face: &ContactFace, time_step: f64) -> f64 {
+    face.jerk * time_step * time_step / 8.0
+}
+
+/// Directions along a face: both in the plane, `count` in space, none on a line.
+fn around(normal: &[f64], count: usize) -> impl Iterator<Item = Vec<f64>> {
+    let tangents = tangents(normal);
+    let all: Vec<Vec<f64>> = match &tangents[..] {
+        [one] => vec![one.clone(), one.iter().map(|t| -t).collect()],
+        [one, two] => (0..count)
+            .map(|k| {
+                let (sin, cos) = (TAU * k as f64 / count as f64).sin_cos();
+                one.iter().zip(two).map(|(a, b)| cos * a + sin * b).collect()
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    all.into_iter()
+}
+
+/// `-(1+e) n n'`, as rows.
+fn rebound(n: &[f64], e: f64) -> Vec<Vec<f64>> {
+    n.iter().map(|a| n.iter().map(|b| -(1.0 + e) * a * b).collect()).collect()
+}
+
+/// Adds `factor a b'`.
+fn add(change: &mut [Vec<f64>], factor: f64, a: &[f64], b: &[f64]) {
+    for (row, a) in change.iter_mut().zip(a) {
+        row.iter_mut().zip(b).for_each(|(c, b)| *c += factor * a * b);
+    }
+}
+
+/// The laws of a face: one, or those of sticking and slipping.
+fn laws(face: &ContactFace, e: f64) -> Vec<Law> {
+    let n = &face.normal;
+    let plain = || Law { name: "hit".into(), change: rebound(n, e), guards: Vec::new() };
+    let tangents = tangents(n);
+    match face.surface.tangential {
+        _ if tangents.is_empty() || face.surface.is_frictionless() => vec![plain()],
+        Tangential::Frictionless => vec![plain()],
+        Tangential::Linear { keep, from_normal } => {
+            let mut law = plain();
+            for tangent in &tangents {
+                add(&mut law.change, keep - 1.0, tangent, tangent);
+                // The impact speed is -n . r.
+                add(&mut law.change, -from_normal, tangent, n);
+            }
+            vec![law]
+        }
+        Tangential::Coulomb { coefficient, directions } => {
+            let in_plane = tangents.len() == 1;
+            // The pyramid lies inside the cone.
+            let inside = if in_plane { 1.0 } else { (PI / directions as f64).cos() };
+            let bound = coefficient * inside * (1.0 + e);
+            let ways: Vec<Vec<f64>> = around(n, directions).collect();
+            let mut stick = Law { name: "stick".into(), ..plain() };
+            for tangent in &tangents {
+                add(&mut stick.change, -1.0, tangent, tangent);
+            }
+            // d . r <= bound f, with f = -n . r.
+            let exceeds = |d: &[f64], sign: f64| -> Vec<f64> {
+                d.iter().zip(n).map(|(d, n)| sign * (d + bound * n)).collect()
+            };
+            let guards = ways.iter().map(|d| Guard { name: "sticks", factors: exceeds(d, 1.0) });
+            stick.guards = guards.collect();
+            let mut laws = vec![stick];
+            for (k, d) in ways.iter().enumerate() {
+                let name = match (in_plane, k) {
+                    (true, 0) => "slip left".to_owned(),
+                    (true, _) => "slip right".to_owned(),
+                    (false, k) => format!("slip {k} at"),
+                };
+                let mut law = Law { name, ..plain() };
+                // The impulse -bound f d, with f = -n . r.
+                add(&mut law.change, bound, d, n);
+                law.guards.push(Guard { name: "slips", factors: exceeds(d, -1.0) });
+                if !in_plane {
+                    // Within the sector: nearer to d than to its neighbours.
+                    for other in [k + 1, k + ways.len() - 1] {
+                        let other = &ways[other % ways.len()];
+                        let factors = other.iter().zip(d).map(|(o, d)| o - d).collect();
+                        law.guards.push(Guard { name: "sector", factors });
+                    }
+                }
+                laws.push(law);
+            }
+            laws
+        }
+    }
+}

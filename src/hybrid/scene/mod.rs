@@ -1,0 +1,29 @@
+#![doc = include_str!("../../../docs/modules/scene.md")]
+
+mod body;
+mod contact;
+mod damage_rows;
+mod error;
+mod geometry;
+mod law;
+
+mod plan;
+mod program;
+mod replay;
+mod rule;
+mod shortest;
+mod solid;
+mod statement;
+mod surface;
+mod system;
+
+pub use body::{Body, Shape};
+pub use error::SceneError;
+pub use plan::{BodyPath, SceneHit, ScenePlan};
+pub use program::SceneProgram;
+pub use replay::SceneCertificate;
+pub use rule::{DamageMeasure, DamageRule};
+pub use shortest::ShortestScenePlan;
+pub use solid::Solid;
+pub use statement::Scene;
+pub use surface::Surface;

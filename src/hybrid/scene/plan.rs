@@ -1,0 +1,145 @@
+//! Plans of a scene, read from solutions and replayed.
+
+use super::program::SceneProgram;
+use super::replay::{self, SceneCertificate};
+use super::system::AXES;
+use crate::error::Error;
+use crate::hybrid::rows::HybridRun;
+use crate::solution::Solution;
+
+/// The path of a body.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyPath {
+    /// Its name.
+    pub name: String,
+    /// Position at each sample, in m.
+    pub position: Vec<Vec<f64>>,
+    /// Velocity at each sample, in m/s.
+    pub velocity: Vec<Vec<f64>>,
+    /// Input of each step, in m/s².
+    pub acceleration: Vec<Vec<f64>>,
+}
+
+/// A hit of a plan.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SceneHit {
+    /// The step in which it happens.
+    pub step: usize,
+    /// The contact: `puck at wall`, or `a and b`.
+    pub contact: String,
+    /// The body.
+    pub body: String,
+    /// The number of the face.
+    pub face: usize,
+    /// Approach at the start of the step, in m/s.
+    pub start_speed: f64,
+    /// Approach at the end of the step, had there been no hit, in m/s.
+    pub end_speed: f64,
+    /// The impact speed that counts as damage, in m/s.
+    pub damage: f64,
+    /// When the impact is located, in s.
+    pub time: f64,
+    /// The speed of the located impact, in m/s.
+    pub speed: f64,
+    /// Where the body is then, in m.
+    pub place: Vec<f64>,
+    /// The impulse on the body, in N s.
+    pub impulse: Vec<f64>,
+    /// The kinetic energy that the hit takes, in J.
+    pub energy: f64,
+}
+
+/// A plan of a scene, replayed.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ScenePlan {
+    /// Δt, in s.
+    pub time_step: f64,
+    /// The bodies, in the order of the scene.
+    pub bodies: Vec<BodyPath>,
+    /// The hits, by step.
+    pub hits: Vec<SceneHit>,
+    /// The run of the scene's hybrid system.
+    pub run: HybridRun,
+    /// What the replay says.
+    pub certificate: SceneCertificate,
+}
+
+impl ScenePlan {
+    /// The number of steps.
+    pub fn steps(&self) -> usize {
+        self.bodies.first().map_or(0, |body| body.acceleration.len())
+    }
+
+    /// Its duration, in s.
+    pub fn duration(&self) -> f64 {
+        self.steps() as f64 * self.time_step
+    }
+
+    /// A body's path by its name.
+    pub fn body(&self, name: &str) -> Option<&BodyPath> {
+        self.bodies.iter().find(|body| body.name == name)
+    }
+}
+
+impl SceneProgram {
+    /// The plan of a solution, replayed by code that reads neither the program nor its system.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::Replay`](super::SceneError::Replay) for a plan that is not what the scene
+    /// does; [`ErrorKind::NoPoint`](crate::ErrorKind::NoPoint) for a solution without a point; the
+    /// errors of [`HybridProgram::certified`](crate::hybrid::HybridProgram::certified).
+    pub fn certified(&self, solution: &Solution) -> Result<ScenePlan, Error> {
+        let (run, _) = self.hybrid.certified(solution)?;
+        let mut bodies = Vec::new();
+        for body in &self.scene.bodies {
+            let axes = &AXES[..self.scene.axes()];
+            let series = |what: &str| -> Result<Vec<Vec<f64>>, Error> {
+                let names = axes.iter().map(|axis| format!("{} {what}{axis}", body.name));
+                let columns = names.map(|name| match what {
+                    "a" => run.input(&name).map(<[f64]>::to_vec),
+                    _ => run.state(&name).map(<[f64]>::to_vec),
+                });
+                let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>()?;
+                let count = columns.first().map_or(0, Vec::len);
+                Ok((0..count).map(|t| columns.iter().map(|c| c[t]).collect()).collect())
+            };
+            bodies.push(BodyPath {
+                name: body.name.clone(),
+                position: series("")?,
+                velocity: series("v")?,
+                acceleration: series("a")?,
+            });
+        }
+        let mut hits = Vec::new();
+        for contact in &self.contacts {
+            for (step, name) in run.transitions(&contact.name)?.iter().enumerate() {
+                let mode = contact.modes.iter().find(|mode| mode.is_hit && mode.name == *name);
+                hits.extend(mode.map(|mode| SceneHit {
+                    step,
+                    contact: contact.name.clone(),
+                    body: self.scene.bodies[contact.body].name.clone(),
+                    face: mode.face,
+                    start_speed: 0.0,
+                    end_speed: 0.0,
+                    damage: 0.0,
+                    time: 0.0,
+                    speed: 0.0,
+                    place: Vec::new(),
+                    impulse: Vec::new(),
+                    energy: 0.0,
+                }));
+            }
+        }
+        hits.sort_by_key(|hit| hit.step);
+        let certificate = replay::certify(&self.scene, &bodies, &mut hits)?;
+        let time_step = self.scene.time_step;
+        Ok(ScenePlan { time_step, bodies, hits, run, certificate })
+    }
+}

@@ -1,0 +1,350 @@
+//! The program of a scene over a horizon.
+
+use std::borrow::{Borrow, BorrowMut};
+
+use super::contact::{Contact, Mode};
+use super::rule::DamageRule;
+use super::statement::Scene;
+use super::system::{AXES, Stated};
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::costs::When;
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::rows::HybridProgram;
+use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable};
+
+/// The program of a scene over a horizon: its model, and the variables in it.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct SceneProgram {
+    /// The model. Its objective is the price of the rules; set another one with
+    /// [`Model::minimize`].
+    pub model: Model,
+    /// The variables by name and step.
+    pub hybrid: HybridProgram,
+    pub(super) scene: Scene,
+    pub(super) contacts: Vec<Contact>,
+    /// Damage of each contact by step, if a rule needs it.
+    pub(super) damage: Vec<Option<Family>>,
+    /// The value of each rule's measure by contact and step.
+    pub(super) measured: Vec<Vec<Vec<Affine>>>,
+}
+
+impl Borrow<Model> for SceneProgram {
+    fn borrow(&self) -> &Model {
+        &self.model
+    }
+}
+
+impl BorrowMut<Model> for SceneProgram {
+    fn borrow_mut(&mut self) -> &mut Model {
+        &mut self.model
+    }
+}
+
+impl Scene {
+    /// The program of the scene over a horizon, from starts to goals.
+    ///
+    /// ```
+    /// use carom::hybrid::Region;
+    /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
+    /// let pillar = [Interval::new(1.5, 2.0), Interval::new(0.0, 1.2)];
+    /// let scene = Scene::new(0.25)
+    ///     .with_body(
+    ///         Body::new("drone", room, 2.0, 2.0)
+    ///             .with_start(Region::point([0.5, 0.5, 0.0, 0.0]))
+    ///             .with_goal(Region::point([3.5, 0.5, 0.0, 0.0])),
+    ///     )
+    ///     .with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid()));
+    /// let mut program = scene.program(16)?;
+    /// let effort = program.effort()?;
+    /// program.model.minimize(effort)?;
+    /// let solution = BranchAndBound::default().solve(&program.model)?;
+    /// let plan = program.certified(&solution)?;
+    /// assert!(plan.bodies[0].position.iter().all(|p| p[0] < 1.5 || p[0] > 2.0 || p[1] > 1.199));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `steps`: the horizon τ.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
+    /// courses are shorter than the horizon; those of [`Horizon::new`].
+    pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
+        self.stated()?.program(steps, true)
+    }
+}
+
+impl Stated {
+    /// The program from the starts, to the goals if `to_goal`.
+    pub(super) fn program(&self, steps: usize, to_goal: bool) -> Result<SceneProgram, Error> {
+        let Stated { scene, contacts, system } = self;
+        let horizon = Horizon::new(steps, scene.time_step)?;
+        if let Some((obstacle, last)) = scene.longest().filter(|(_, last)| *last < steps) {
+            let obstacle = obstacle.name.clone();
+            return Err(super::SceneError::Course { obstacle, last, needed: steps }.into());
+        }
+        let mut model = Model::new("scene");
+        let hybrid = system.write(&mut model, "", &horizon)?;
+        hybrid.require(&mut model, "start", &scene.ends(system, true), When::At(0))?;
+        if to_goal {
+            hybrid.require(&mut model, "goal", &scene.ends(system, false), When::At(steps))?;
+        }
+        let mut program = SceneProgram {
+            model,
+            hybrid,
+            scene: scene.clone(),
+            contacts: contacts.clone(),
+            damage: vec![None; contacts.len()],
+            measured: Vec::new(),
+        };
+        program.fix_first()?;
+        program.one_hit()?;
+        program.next_outside()?;
+        program.add_damage()?;
+        program.add_rules()?;
+        let price = program.price();
+        program.model.minimize(price)?;
+        Ok(program)
+    }
+}
+
+impl SceneProgram {
+    /// The number of steps.
+    pub fn steps(&self) -> usize {
+        self.hybrid.horizon().steps()
+    }
+
+    /// The effort `Σ Δt |u(t)|²` of all bodies, in m²/s³.
+    ///
+    /// # Errors
+    ///
+    /// None for programs of scenes.
+    pub fn effort(&self) -> Result<Quadratic, Error> {
+        let mut effort = Quadratic::zero();
+        for family in self.hybrid.inputs() {
+            for variable in family {
+                effort.add_product(self.scene.time_step, variable, variable);
+            }
+        }
+        Ok(effort)
+    }
+
+    /// The sum of the magnitudes of all inputs, in m/s²; adds variables to the model.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::DuplicateName`] at the second call.
+    pub fn fuel(&mut self) -> Result<Affine, Error> {
+        let mut fuel = Affine::zero();
+        for (k, family) in self.hybrid.inputs().to_vec().iter().enumerate() {
+            for (t, variable) in family.iter().enumerate() {
+                let most = self.model.variable_ref(variable)?.bounds().magnitude();
+                let name = format!("fuel_{k}");
+                let size = self.model.continuous((name.as_str(), t), 0.0, most)?;
+                let above = format!("fuel_above_{k}");
+                let below = format!("fuel_below_{k}");
+                self.model.add((above.as_str(), t), size.ge(variable))?;
+                self.model.add((below.as_str(), t), size.ge(-variable))?;
+                fuel += size;
+            }
+        }
+        Ok(fuel)
+    }
+
+    /// The number of hits of all bodies.
+    pub fn hits(&self) -> Affine {
+        let steps = 0..self.steps();
+        steps.map(|t| (0..self.contacts.len()).map(|c| self.hits_of(c, t)).sum::<Affine>()).sum()
+    }
+
+    /// The largest damage of a hit, as a new variable `largest_damage` in m/s.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::DuplicateName`] at the second call.
+    pub fn largest_impact(&mut self) -> Result<Variable, Error> {
+        for c in 0..self.contacts.len() {
+            if self.damage[c].is_none() && self.contacts[c].bounces() {
+                self.add_damage_of(c)?;
+            }
+        }
+        let families: Vec<Family> = self.damage.iter().flatten().cloned().collect();
+        let mut most = 0.0_f64;
+        for variable in families.iter().flatten() {
+            most = most.max(self.model.variable_ref(variable)?.bounds().upper);
+        }
+        let largest = self.model.continuous("largest_damage", 0.0, most)?;
+        for (k, family) in families.iter().enumerate() {
+            for (t, variable) in family.iter().enumerate() {
+                let name = format!("damage_at_most_{k}");
+                self.model.add((name.as_str(), t), largest.ge(variable))?;
+            }
+        }
+        Ok(largest)
+    }
+
+    /// The sum of the prices of the rules: what their damage and their hits cost.
+    pub fn price(&self) -> Affine {
+        let mut price = Affine::zero();
+        for (rule, measured) in self.scene.rules.iter().zip(&self.measured) {
+            for (c, values) in measured.iter().enumerate() {
+                price += rule.price * values.iter().cloned().sum::<Affine>();
+                if rule.price_per_hit != 0.0 {
+                    let hits = (0..self.steps()).map(|t| self.counted(rule, c, t));
+                    price += rule.price_per_hit * hits.sum::<Affine>();
+                }
+            }
+        }
+        price
+    }
+
+    /// The damage that a rule measures over the whole plan, in its unit, by the rule's name.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`] for a rule that the scene does not have, or that has neither a
+    /// total nor a price, so that its damage is no variable.
+    pub fn damage(&self, rule: &str) -> Result<Affine, Error> {
+        let known = self.scene.rules.iter().position(|own| own.name == rule && own.needs_damage());
+        let k = known.ok_or_else(|| -> Error {
+            let kind = "rule with a total or a price";
+            ErrorKind::UnknownName { name: rule.to_owned(), kind }.into()
+        })?;
+        Ok(self.measured[k].iter().flatten().cloned().sum())
+    }
+
+    /// The binary of a contact's mode in a step.
+    pub(super) fn taken(
+        &self,
+        contact: usize,
+        mode: &Mode,
+        step: usize,
+    ) -> Result<Option<Literal>, Error> {
+        self.hybrid.taken(&self.contacts[contact].name, &mode.name, step)
+    }
+
+    pub(super) fn sum_of(
+        &self,
+        contact: usize,
+        step: usize,
+        wanted: impl Fn(&Mode) -> bool,
+    ) -> Affine {
+        let modes = self.contacts[contact].modes.iter().filter(|mode| wanted(mode));
+        let values = modes.map(|mode| match self.taken(contact, mode, step) {
+            Ok(Some(literal)) if literal.is_on() => Affine::from(literal.variable()),
+            Ok(Some(literal)) => 1.0 - literal.variable(),
+            // The only mode of a contact is no hit.
+            _ => Affine::constant(1.0),
+        });
+        values.sum()
+    }
+
+    /// 1 if a contact is hit in a step, and 0 otherwise.
+    pub(super) fn hits_of(&self, contact: usize, step: usize) -> Affine {
+        self.sum_of(contact, step, |mode| mode.is_hit)
+    }
+
+    /// 1 if a contact is hit in a step at a face that a rule counts.
+    pub(super) fn counted(&self, rule: &DamageRule, contact: usize, step: usize) -> Affine {
+        let own = &self.contacts[contact];
+        let counts = |mode: &Mode| mode.is_hit && rule.applies(&self.scene, own, mode.face);
+        self.sum_of(contact, step, counts)
+    }
+
+    /// Fixes the inputs of the first step, where bodies say so.
+    fn fix_first(&mut self) -> Result<(), Error> {
+        for body in &self.scene.bodies {
+            let Some(first) = &body.first else { continue };
+            for (axis, value) in AXES.iter().zip(first) {
+                let input = self.hybrid.input(&format!("{} a{axis}", body.name))?;
+                self.model.fix(input[0], *value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// At most one hit of each body in a step, unless corners are allowed.
+    fn one_hit(&mut self) -> Result<(), Error> {
+        if self.scene.corners {
+            return Ok(());
+        }
+        for b in 0..self.scene.bodies.len() {
+            let of_body = |c: &usize| {
+                let contact = &self.contacts[*c];
+                contact.bounces() && (contact.body == b || contact.other == Some(b))
+            };
+            let own: Vec<usize> = (0..self.contacts.len()).filter(of_body).collect();
+            if own.len() < 2 {
+                continue;
+            }
+            let family = format!("one_hit_{b}");
+            for t in 0..self.steps() {
+                let hits: Affine = own.iter().map(|&c| self.hits_of(c, t)).sum();
+                self.model.add((family.as_str(), t), hits.le(1.0))?;
+            }
+            self.model.set_background(&family)?;
+        }
+        Ok(())
+    }
+
+    /// A body that hits something else in a step still ends it in front of the same face of each
+    /// convex obstacle.
+    fn next_outside(&mut self) -> Result<(), Error> {
+        for c in 0..self.contacts.len() {
+            let contact = self.contacts[c].clone();
+            let involved = |other: &Contact| {
+                let own = [Some(contact.body), contact.other];
+                other.bounces()
+                    && (own.contains(&Some(other.body))
+                        || other.other.is_some() && own.contains(&other.other))
+            };
+            let others = (0..self.contacts.len()).filter(|&k| k != c);
+            if contact.faces.len() < 2 || !others.into_iter().any(|k| involved(&self.contacts[k])) {
+                continue;
+            }
+            let family = format!("outside_{c}");
+            for t in 0..self.steps() {
+                for mode in contact.modes.iter().filter(|mode| !mode.is_hit) {
+                    let face = &contact.faces[mode.face];
+                    let gap = self.along(&contact, &face.normal, t + 1, false);
+                    let Some(taken) = self.taken(c, mode, t)? else { continue };
+                    let row = gap.ge(face.limit_at(t + 1));
+                    let name = format!("{family}_{}", mode.face);
+                    self.model.add((name.as_str(), t), taken.implies(row))?;
+                    self.model.set_background(&name)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `direction . x` or `direction . v` of a contact at a sample.
+    pub(super) fn along(
+        &self,
+        contact: &Contact,
+        direction: &[f64],
+        sample: usize,
+        speed: bool,
+    ) -> Affine {
+        let axes = self.scene.axes();
+        let from = if speed { axes } else { 0 };
+        let mut sum = Affine::zero();
+        for (body, sign) in [(Some(contact.body), 1.0), (contact.other, -1.0)] {
+            let Some(body) = body else { continue };
+            let families = &self.hybrid.states()[2 * axes * body + from..];
+            for (family, n) in families.iter().zip(direction) {
+                if let Some(variable) = family.get(sample).filter(|_| *n != 0.0) {
+                    sum.add_term(sign * n, variable);
+                }
+            }
+        }
+        sum
+    }
+}

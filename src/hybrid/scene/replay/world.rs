@@ -1,0 +1,276 @@
+//! The geometry and the motion of a scene in numbers, without its hybrid system.
+
+use crate::hybrid::scene::body::Body;
+use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::statement::Scene;
+use crate::hybrid::scene::surface::{Surface, Tangential};
+
+/// Number of Runge-Kutta steps in a step of a body with springs or drag.
+const SUBSTEPS: f64 = 64.0;
+
+/// Positions and velocities of all bodies.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub(super) x: Vec<Vec<f64>>,
+    pub(super) v: Vec<Vec<f64>>,
+}
+
+/// What may touch: a body and an obstacle, or two bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Touch {
+    Obstacle(usize, usize),
+    /// The number of the pair.
+    Pair(usize),
+}
+
+/// A scene, asked for gaps and motions.
+pub(super) struct World<'a> {
+    pub(super) scene: &'a Scene,
+}
+
+impl World<'_> {
+    pub(super) fn touches(&self) -> Vec<Touch> {
+        let Scene { bodies, obstacles, pairs, .. } = self.scene;
+        let obstacles = 0..obstacles.len();
+        let of = |o: usize| (0..bodies.len()).map(move |b| Touch::Obstacle(b, o));
+        obstacles.flat_map(of).chain((0..pairs.len()).map(Touch::Pair)).collect()
+    }
+
+    /// The name of the thing that a body touches, as plans give it.
+    pub(super) fn name(&self, touch: Touch) -> String {
+        let scene = self.scene;
+        match touch {
+            Touch::Obstacle(b, o) => {
+                format!("{} at {}", scene.bodies[b].name, scene.obstacles[o].name)
+            }
+            Touch::Pair(p) => {
+                let pair = &scene.pairs[p];
+                format!("{} and {}", scene.bodies[pair.first].name, scene.bodies[pair.second].name)
+            }
+        }
+    }
+
+    pub(super) fn faces(&self, touch: Touch) -> usize {
+        match touch {
+            Touch::Obstacle(_, o) => self.scene.obstacles[o].faces.len(),
+            Touch::Pair(p) => self.scene.pairs[p].normals.len(),
+        }
+    }
+
+    pub(super) fn normal(&self, touch: Touch, face: usize) -> &[f64] {
+        match touch {
+            Touch::Obstacle(_, o) => &self.scene.obstacles[o].faces[face].normal,
+            Touch::Pair(p) => &self.scene.pairs[p].normals[face],
+        }
+    }
+
+    pub(super) fn surface(&self, touch: Touch, face: usize) -> Surface {
+        match touch {
+            Touch::Obstacle(_, o) => self.scene.obstacles[o].faces[face].surface,
+            Touch::Pair(p) => self.scene.pairs[p].surface,
+        }
+    }
+
+    /// The bodies with the share of the velocity's change that each takes, with its sign.
+    pub(super) fn shares(&self, touch: Touch) -> Vec<(usize, f64)> {
+        match touch {
+            Touch::Obstacle(b, _) => vec![(b, 1.0)],
+            Touch::Pair(p) => {
+                let pair = &self.scene.pairs[p];
+                let [a, b] = [pair.first, pair.second].map(|b| self.scene.bodies[b].mass);
+                vec![(pair.first, b / (a + b)), (pair.second, -a / (a + b))]
+            }
+        }
+    }
+
+    /// The mass that a hit moves, in kg.
+    pub(super) fn mass(&self, touch: Touch) -> f64 {
+        let (body, share) = self.shares(touch)[0];
+        self.scene.bodies[body].mass * share
+    }
+
+    /// Gap to a face, `part` of the way through a step, in m.
+    pub(super) fn gap(
+        &self,
+        touch: Touch,
+        face: usize,
+        x: &[Vec<f64>],
+        step: usize,
+        part: f64,
+    ) -> f64 {
+        let n = self.normal(touch, face);
+        match touch {
+            Touch::Obstacle(b, o) => {
+                let obstacle = &self.scene.obstacles[o];
+                let axes = n.len();
+                let (from, to) =
+                    (obstacle.displacement(step, axes), obstacle.displacement(step + 1, axes));
+                let place: Vec<f64> =
+                    from.iter().zip(&to).map(|(a, b)| a + part * (b - a)).collect();
+                let reach = self.scene.bodies[b].shape.reach(n);
+                dot(n, &x[b]) - dot(n, &place) - obstacle.faces[face].offset - reach
+            }
+            Touch::Pair(p) => {
+                let pair = &self.scene.pairs[p];
+                let reach = self.scene.bodies[pair.first].shape.reach(n)
+                    + self.scene.bodies[pair.second].shape.reach(n);
+                dot(n, &x[pair.first]) - dot(n, &x[pair.second]) - reach
+            }
+        }
+    }
+
+    /// The largest gap over the faces: negative inside.
+    pub(super) fn clearance(
+        &self,
+        touch: Touch,
+        x: &[Vec<f64>],
+        step: usize,
+        part: f64,
+    ) -> (f64, usize) {
+        let gaps = (0..self.faces(touch)).map(|k| (self.gap(touch, k, x, step, part), k));
+        gaps.fold((f64::NEG_INFINITY, 0), |best, own| if own.0 > best.0 { own } else { best })
+    }
+
+    /// The velocity relative to what is touched, in m/s.
+    pub(super) fn relative(&self, touch: Touch, v: &[Vec<f64>], step: usize) -> Vec<f64> {
+        match touch {
+            Touch::Obstacle(b, o) => {
+                let axes = self.scene.axes();
+                let obstacle = &self.scene.obstacles[o];
+                let (from, to) =
+                    (obstacle.displacement(step, axes), obstacle.displacement(step + 1, axes));
+                (0..axes).map(|i| v[b][i] - (to[i] - from[i]) / self.scene.time_step).collect()
+            }
+            Touch::Pair(p) => {
+                let pair = &self.scene.pairs[p];
+                v[pair.first].iter().zip(&v[pair.second]).map(|(a, b)| a - b).collect()
+            }
+        }
+    }
+
+    /// Free flight for a time (s) under the inputs of a step.
+    pub(super) fn fly(&self, from: &State, inputs: &[Vec<f64>], time: f64) -> State {
+        let mut to = from.clone();
+        for (b, body) in self.scene.bodies.iter().enumerate() {
+            let (x, v) = self.fly_body(body, &from.x[b], &from.v[b], &inputs[b], time);
+            (to.x[b], to.v[b]) = (x, v);
+        }
+        to
+    }
+
+    fn fly_body(
+        &self,
+        body: &Body,
+        x: &[f64],
+        v: &[f64],
+        u: &[f64],
+        time: f64,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let axes = x.len();
+        let Some((k, d)) = &body.dynamics else {
+            let a: Vec<f64> = u.iter().zip(&body.gravity).map(|(u, g)| u + g).collect();
+            let x = (0..axes).map(|i| x[i] + time * v[i] + 0.5 * time * time * a[i]);
+            return (x.collect(), (0..axes).map(|i| v[i] + time * a[i]).collect());
+        };
+        let force = |x: &[f64], v: &[f64]| -> Vec<f64> {
+            let row = |i: usize| {
+                let terms = (0..axes).map(|j| k[(i, j)] * x[j] + d[(i, j)] * v[j]);
+                u[i] + body.gravity[i] + terms.sum::<f64>()
+            };
+            (0..axes).map(row).collect()
+        };
+        let plus = |a: &[f64], h: f64, b: &[f64]| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| a + h * b).collect()
+        };
+        let count = (SUBSTEPS * time / self.scene.time_step).ceil().max(1.0);
+        let h = time / count;
+        let (mut x, mut v) = (x.to_vec(), v.to_vec());
+        for _ in 0..count as usize {
+            let a1 = force(&x, &v);
+            let (x2, v2) = (plus(&x, 0.5 * h, &v), plus(&v, 0.5 * h, &a1));
+            let a2 = force(&x2, &v2);
+            let (x3, v3) = (plus(&x, 0.5 * h, &v2), plus(&v, 0.5 * h, &a2));
+            let a3 = force(&x3, &v3);
+            let (x4, v4) = (plus(&x, h, &v3), plus(&v, h, &a3));
+            let a4 = force(&x4, &v4);
+            for i in 0..axes {
+                x[i] += h / 6.0 * (v[i] + 2.0 * v2[i] + 2.0 * v3[i] + v4[i]);
+                v[i] += h / 6.0 * (a1[i] + 2.0 * a2[i] + 2.0 * a3[i] + a4[i]);
+            }
+        }
+        (x, v)
+    }
+
+    /// What a hit may change about the relative velocity: one possibility, or, where friction may
+    /// act in several directions, one for each that its law allows up to `slack` (m/s).
+    pub(super) fn changes(
+        &self,
+        touch: Touch,
+        face: usize,
+        r: &[f64],
+        slack: f64,
+    ) -> Vec<Vec<f64>> {
+        let surface = self.surface(touch, face);
+        let n = self.normal(touch, face);
+        let e = surface.restitution.map_or(0.0, |e| e.value());
+        let along_normal = dot(n, r);
+        let normal: Vec<f64> = n.iter().map(|n| -(1.0 + e) * along_normal * n).collect();
+        let sliding: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - along_normal * n).collect();
+        let speed = dot(&sliding, &sliding).sqrt();
+        let with = |factor: f64, direction: &[f64]| -> Vec<f64> {
+            normal.iter().zip(direction).map(|(a, d)| a + factor * d).collect()
+        };
+        match surface.tangential {
+            Tangential::Frictionless => vec![normal],
+            Tangential::Linear { keep, from_normal } => {
+                let mut change = with(keep - 1.0, &sliding);
+                if let [x, y] = n {
+                    change[0] += from_normal * along_normal * y;
+                    change[1] -= from_normal * along_normal * x;
+                }
+                vec![change]
+            }
+            Tangential::Coulomb { coefficient, directions } => {
+                let most = coefficient * (1.0 + e) * (-along_normal).max(0.0);
+                if n.len() < 3 {
+                    let part = if speed > most { most / speed } else { 1.0 };
+                    return vec![with(-part, &sliding)];
+                }
+                let most = most * (std::f64::consts::PI / directions as f64).cos();
+                let ways = directions_along(n, directions);
+                let shares: Vec<f64> = ways.iter().map(|d| dot(d, r)).collect();
+                let largest = shares.iter().copied().fold(0.0, f64::max);
+                let mut all = Vec::new();
+                if largest <= most + slack {
+                    all.push(with(-1.0, &sliding));
+                }
+                for (way, share) in ways.iter().zip(&shares) {
+                    if *share >= largest - slack && largest >= most - slack {
+                        all.push(with(-most, way));
+                    }
+                }
+                all
+            }
+        }
+    }
+}
+
+/// Directions across a normal in space, the first one in the plane of the axis that is least along
+/// the normal.
+fn directions_along(n: &[f64], count: usize) -> Vec<Vec<f64>> {
+    let least = (0..3).fold(0, |best, i| if n[i].abs() < n[best].abs() { i } else { best });
+    let mut first: Vec<f64> = n.iter().map(|a| -n[least] * a).collect();
+    first[least] += 1.0;
+    let length = dot(&first, &first).sqrt();
+    first.iter_mut().for_each(|a| *a /= length);
+    let second = [
+        n[1] * first[2] - n[2] * first[1],
+        n[2] * first[0] - n[0] * first[2],
+        n[0] * first[1] - n[1] * first[0],
+    ];
+    let way = |k: usize| {
+        let angle = std::f64::consts::TAU * k as f64 / count as f64;
+        (0..3).map(|i| angle.cos() * first[i] + angle.sin() * second[i]).collect()
+    };
+    (0..count).map(way).collect()
+}

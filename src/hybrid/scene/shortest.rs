@@ -1,0 +1,153 @@
+//! The shortest plan of a scene.
+
+use super::plan::ScenePlan;
+use super::program::SceneProgram;
+use super::statement::Scene;
+use super::system::Stated;
+use crate::error::Error;
+use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::shortest_horizon::{
+    HorizonModel, ShortestHorizon, ShortestOptions, Waiting, shortest_horizon,
+};
+use crate::hybrid::system::Region;
+use crate::interval::Interval;
+use crate::solver::Solver;
+
+/// How many times longer the steps of the coarser grid are.
+const COARSER: f64 = 8.0;
+
+/// The outcome of [`Scene::shortest_plan`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[must_use]
+pub struct ShortestScenePlan {
+    /// How the search ended, its horizons, its sets and its attempts.
+    pub search: ShortestHorizon<SceneProgram>,
+    /// Whether waiting is free, and why.
+    pub waiting: Waiting,
+    /// The plan of `search.steps` steps.
+    pub plan: Option<ScenePlan>,
+}
+
+impl Scene {
+    /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
+    /// and refutes all smaller numbers.
+    ///
+    /// Where axes are independent, sets are kept for each axis of each body. With many convex
+    /// obstacles, the last of them are left to the search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::program`]; those of [`shortest_horizon`] and of the solver; those of
+    /// [`SceneProgram::certified`] for a plan that is not what the scene does.
+    pub fn shortest_plan(
+        &self,
+        options: &ShortestOptions,
+        solver: &mut dyn Solver,
+    ) -> Result<ShortestScenePlan, Error> {
+        let stated = self.stated()?;
+        let waiting = stated.waiting()?;
+        let mut options = options.clone();
+        if let Some((_, longest)) = stated.scene.longest() {
+            options.max_steps = options.max_steps.min(longest);
+        }
+        let task = Task { stated, waiting };
+        let search = shortest_horizon(&task, &options, solver)?;
+        let plan = match (&search.program, &search.solution) {
+            (Some(program), Some(solution)) => Some(program.certified(solution)?),
+            _ => None,
+        };
+        Ok(ShortestScenePlan { search, waiting: task.waiting, plan })
+    }
+
+    /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in
+    /// words, and [tighten](crate::hybrid::reach::Tube::tighten) programs. Bodies whose axes are
+    /// independent have sets for each axis.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself.
+    pub fn reach_sets(&self) -> Result<ReachSets, Error> {
+        self.stated()?.sets(true)
+    }
+}
+
+impl Stated {
+    pub(super) fn sets(&self, to_goal: bool) -> Result<ReachSets, Error> {
+        let (start, mut goal) = (self.ends(true), self.ends(false));
+        if !to_goal {
+            goal = Region::from(self.domains());
+        }
+        let sets = ReachSets::new(&self.system, start, goal, SetOptions::default())?;
+        let bodies = &self.scene.bodies;
+        if bodies.iter().all(|body| body.first.is_none()) {
+            return Ok(sets);
+        }
+        let first = bodies.iter().flat_map(|body| match &body.first {
+            Some(first) => first.iter().map(|&a| Interval::point(a)).collect(),
+            None => body.acceleration.clone(),
+        });
+        sets.with_first_inputs(&first.collect::<Vec<_>>())
+    }
+
+    fn ends(&self, is_start: bool) -> Region {
+        self.scene.ends(&self.system, is_start)
+    }
+
+    fn domains(&self) -> Vec<Interval> {
+        self.system.states.iter().map(|(_, domain)| *domain).collect()
+    }
+
+    fn waiting(&self) -> Result<Waiting, Error> {
+        let (start, goal) = (self.ends(true), self.ends(false));
+        // Who waits hits nothing.
+        let mut system = self.system.clone();
+        for choice in &mut system.choices {
+            choice.transitions.retain(|transition| !transition.is_event);
+        }
+        let moves = |body: &super::Body| {
+            body.first.as_ref().is_some_and(|first| first.iter().any(|&a| a != 0.0))
+        };
+        match self.scene.bodies.iter().any(moves) {
+            // The first inputs are given, so that nobody can wait at the start.
+            true => system.waiting(&Region::from(self.domains()), &goal),
+            false => system.waiting(&start, &goal),
+        }
+    }
+}
+
+struct Task {
+    stated: Stated,
+    waiting: Waiting,
+}
+
+impl HorizonModel for Task {
+    type Program = SceneProgram;
+
+    fn build(&self, steps: usize) -> Result<SceneProgram, Error> {
+        let mut program = self.stated.program(steps, true)?;
+        program.model.minimize(0.0)?;
+        Ok(program)
+    }
+
+    fn waiting(&self) -> Waiting {
+        self.waiting.clone()
+    }
+
+    fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
+        self.stated.sets(true).map(Some)
+    }
+
+    fn variables(&self, program: &SceneProgram) -> HorizonVariables {
+        program.hybrid.horizon_variables()
+    }
+
+    fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = SceneProgram> + '_>> {
+        let scene = &self.stated.scene;
+        let still = scene.obstacles.iter().all(|obstacle| obstacle.course.is_empty());
+        let coarse = Scene { time_step: COARSER * scene.time_step, ..scene.clone() };
+        let stated = coarse.stated().ok().filter(|_| still)?;
+        let waiting = stated.waiting().ok()?;
+        Some(Box::new(Task { stated, waiting }))
+    }
+}

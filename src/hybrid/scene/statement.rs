@@ -1,0 +1,343 @@
+//! A scene: bodies, obstacles, pairs of bodies.
+
+use super::body::{Body, Shape};
+use super::error::SceneError;
+use super::geometry::{self, Side, dot};
+use super::rule::DamageRule;
+use super::solid::Solid;
+use super::surface::Surface;
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::damage::ImpactEstimate;
+use crate::hybrid::horizon::Horizon;
+use crate::hybrid::system::{Region, check_ends};
+use crate::interval::Interval;
+use crate::setters::setters;
+
+/// Number of normals of two discs in the plane that meet.
+const NORMALS: usize = 8;
+
+/// How far a start or a goal may be inside an obstacle, in m.
+const INSIDE: f64 = 1e-9;
+
+/// Two bodies that avoid each other or hit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pair {
+    pub(super) first: usize,
+    pub(super) second: usize,
+    pub(super) surface: Surface,
+    /// Of length 1, from the second towards the first.
+    pub(super) normals: Vec<Vec<f64>>,
+}
+
+/// Bodies and obstacles on a line, in the plane or in space.
+///
+/// The scene is a [`HybridSystem`](crate::hybrid::HybridSystem) whose choices are its contacts:
+/// each body and obstacle, and each pair of bodies, chooses in every step whether and at which face
+/// it touches. See the [module](super) for the laws.
+///
+/// ```
+/// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
+/// use carom::hybrid::{Region, Restitution, ShortestOptions};
+/// use carom::interval::Interval;
+/// use carom::prelude::*;
+///
+/// // A puck that comes in fast and must stop near a cushion at x = 0: with the cushion's help.
+/// let puck = Body::new("puck", [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)], 3.0, 3.0)
+///     .with_start(Region::point([1.5, 0.5, -2.0, 0.0]))
+///     .with_goal(Region::point([0.2, 0.6, 0.0, 0.0]));
+/// let cushion = Surface::bounce(Restitution::new(0.3)?);
+/// let scene = Scene::new(0.1)
+///     .with_body(puck)
+///     .with_obstacle(Solid::halfspace("cushion", [1.0, 0.0], 0.0, cushion));
+/// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
+/// let found = scene.shortest_plan(&options, &mut solver)?;
+/// let plan = found.plan.expect("there is one");
+/// assert!(plan.certificate.largest_residual < 1e-6);
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Scene {
+    /// Δt, in s.
+    pub time_step: f64,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// The obstacles.
+    pub obstacles: Vec<Solid>,
+    /// Rules about damage.
+    pub rules: Vec<DamageRule>,
+    /// How impacts within a step are counted; default [`ImpactEstimate::Sound`].
+    pub estimate: ImpactEstimate,
+    /// Whether a body may hit several faces in one step, as in a corner; default no.
+    pub corners: bool,
+    pub(super) pairs: Vec<Pair>,
+    /// Pairs whose bodies or normals are wrong, for the check.
+    pub(super) wrong: Vec<(String, usize)>,
+}
+
+impl Scene {
+    /// A scene without bodies and obstacles.
+    ///
+    /// # Arguments
+    ///
+    /// * `time_step`: Δt in s, finite and positive.
+    pub fn new(time_step: f64) -> Self {
+        Scene {
+            time_step,
+            bodies: Vec::new(),
+            obstacles: Vec::new(),
+            rules: Vec::new(),
+            estimate: ImpactEstimate::Sound,
+            corners: false,
+            pairs: Vec::new(),
+            wrong: Vec::new(),
+        }
+    }
+
+    setters! {
+        /// Sets how impacts within a step are counted.
+        with_estimate(estimate: ImpactEstimate) => estimate = estimate;
+        /// Lets bodies hit several faces in one step. The effects add, which is the law of a corner
+        /// whose faces are at right angles.
+        with_corners(wanted: bool) => corners = wanted;
+    }
+
+    /// Adds a body.
+    #[must_use]
+    pub fn with_body(mut self, body: Body) -> Self {
+        self.bodies.push(body);
+        self
+    }
+
+    /// Adds an obstacle.
+    #[must_use]
+    pub fn with_obstacle(mut self, obstacle: Solid) -> Self {
+        self.obstacles.push(obstacle);
+        self
+    }
+
+    /// Adds the walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the
+    /// lower and the upper side of each axis.
+    #[must_use]
+    pub fn with_room(mut self, name: &str, sides: &[Interval], surface: Surface) -> Self {
+        for (i, side) in sides.iter().enumerate() {
+            for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
+                let normal: Vec<f64> =
+                    (0..sides.len()).map(|j| if i == j { sign } else { 0.0 }).collect();
+                let name = format!("{name} {}", 2 * i + k);
+                self.obstacles.push(Solid::halfspace(name, normal, at, surface));
+            }
+        }
+        self
+    }
+
+    /// Adds a rule about damage.
+    #[must_use]
+    pub fn with_rule(mut self, rule: DamageRule) -> Self {
+        self.rules.push(rule);
+        self
+    }
+
+    /// Lets two bodies avoid each other, or hit, by their names. Bodies without such a statement
+    /// pass through each other.
+    ///
+    /// The direction of a hit is one of a few normals: along the axes if both are boxes and on a
+    /// line or in space, otherwise 8 around the circle.
+    #[must_use]
+    pub fn with_pair(self, first: &str, second: &str, surface: Surface) -> Self {
+        let normals: &[[f64; 0]] = &[];
+        self.with_pair_along(first, second, surface, normals.iter().copied())
+    }
+
+    /// As [`with_pair`](Scene::with_pair), with the normals along which they hit, from the second
+    /// body towards the first. They must surround the second body.
+    #[must_use]
+    pub fn with_pair_along<N: Into<Vec<f64>>>(
+        mut self,
+        first: &str,
+        second: &str,
+        surface: Surface,
+        normals: impl IntoIterator<Item = N>,
+    ) -> Self {
+        let find = |name: &str| self.bodies.iter().position(|body| body.name == name);
+        let found = [first, second].map(find);
+        for (name, found) in [first, second].iter().zip(found) {
+            if found.is_none() {
+                self.wrong.push(((*name).to_owned(), 0));
+            }
+        }
+        let [Some(a), Some(b)] = found else { return self };
+        let mut normals: Vec<Vec<f64>> = normals.into_iter().map(Into::into).collect();
+        if normals.is_empty() {
+            normals = default_normals(&self.bodies[a], &self.bodies[b]);
+        }
+        for normal in &mut normals {
+            let length = dot(normal, normal).sqrt();
+            if !(length > 1e-9 && length.is_finite()) || normal.len() != self.bodies[a].axes() {
+                self.wrong.push((format!("{first} and {second}"), normal.len()));
+                return self;
+            }
+            normal.iter_mut().for_each(|n| *n /= length);
+        }
+        self.pairs.push(Pair { first: a, second: b, surface, normals });
+        self
+    }
+
+    /// The number of axes.
+    pub fn axes(&self) -> usize {
+        self.bodies.first().map_or(0, Body::axes)
+    }
+
+    /// A body's number.
+    pub(super) fn body(&self, name: &str) -> Result<usize, Error> {
+        let found = self.bodies.iter().position(|body| body.name == name);
+        found.ok_or_else(|| unknown(name, "body of the scene"))
+    }
+
+    /// The longest plan that courses allow, in steps; `None` if nothing moves.
+    pub(super) fn longest(&self) -> Option<(&Solid, usize)> {
+        let moving = self.obstacles.iter().filter(|obstacle| !obstacle.course.is_empty());
+        moving.map(|o| (o, o.course.len() - 1)).min_by_key(|(_, steps)| *steps)
+    }
+
+    /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
+    pub(super) fn checked(&self) -> Result<Scene, Error> {
+        Horizon::new(1, self.time_step)?;
+        let axes = self.axes();
+        if !(1..=3).contains(&axes) {
+            let what = "the number of axes of the scene's first body";
+            return Err(Error::out_of_range(what, axes as f64, "from 1 to 3"));
+        }
+        if let Some((name, found)) = self.wrong.first() {
+            if *found > 0 {
+                let name = name.clone();
+                return Err(SceneError::Axes { name, found: *found, expected: axes }.into());
+            }
+            return Err(unknown(name, "body of the scene"));
+        }
+        let mut names: Vec<&str> = Vec::new();
+        let all = self.bodies.iter().map(|body| &body.name);
+        for name in all.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)) {
+            if name.is_empty() {
+                return Err(ErrorKind::InvalidName { name: name.clone() }.into());
+            }
+            if names.contains(&name.as_str()) {
+                let kind = "body or obstacle";
+                return Err(ErrorKind::DuplicateName { name: name.clone(), kind }.into());
+            }
+            names.push(name);
+        }
+        for body in &self.bodies {
+            body.check(axes)?;
+            for region in body.start.iter().chain(&body.goal) {
+                check_region(&body.name, region, axes)?;
+            }
+        }
+        let mut own = self.clone();
+        for obstacle in &mut own.obstacles {
+            *obstacle = obstacle.checked(axes)?;
+            check_faces(obstacle, axes)?;
+        }
+        for pair in &own.pairs {
+            let name =
+                format!("{} and {}", own.bodies[pair.first].name, own.bodies[pair.second].name);
+            pair.surface.check(&name, axes)?;
+        }
+        own.check_ends()?;
+        own.rules.iter().try_for_each(|rule| rule.check(&own))?;
+        Ok(own)
+    }
+
+    /// Refuses bodies that start or end inside something.
+    fn check_ends(&self) -> Result<(), Error> {
+        let place = |region: &Option<Region>| -> Option<Vec<f64>> {
+            let ranges = &region.as_ref()?.ranges[..self.axes()];
+            let is_point = ranges.iter().all(|range| range.lower == range.upper);
+            is_point.then(|| ranges.iter().map(|range| range.lower).collect())
+        };
+        for contact in super::contact::contacts(self) {
+            let (body, other) =
+                (&self.bodies[contact.body], contact.other.map(|b| &self.bodies[b]));
+            let ends = [
+                ("starts", &body.start, other.map(|o| &o.start)),
+                ("ends", &body.goal, other.map(|o| &o.goal)),
+            ];
+            for (end, own, its) in ends {
+                if end == "ends" && !contact.velocity.is_empty() {
+                    continue;
+                }
+                let Some(mut x) = place(own) else { continue };
+                if let Some(its) = its {
+                    let Some(its) = place(its) else { continue };
+                    x.iter_mut().zip(its).for_each(|(x, y)| *x -= y);
+                }
+                let inside = |face: &super::contact::ContactFace| {
+                    dot(&face.normal, &x) < face.limit_at(0) - INSIDE
+                };
+                if contact.faces.iter().all(inside) {
+                    let obstacle = match (contact.obstacle, other) {
+                        (Some(o), _) => self.obstacles[o].name.clone(),
+                        (None, other) => other.map_or(String::new(), |other| other.name.clone()),
+                    };
+                    let body = body.name.clone();
+                    return Err(SceneError::Inside { body, end, obstacle }.into());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn unknown(name: &str, kind: &'static str) -> Error {
+    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
+}
+
+fn check_region(body: &str, region: &Region, axes: usize) -> Result<(), Error> {
+    let found = region.ranges.len();
+    if found != 2 * axes {
+        let name = format!("the start or goal of {body}");
+        return Err(SceneError::Axes { name, found, expected: 2 * axes }.into());
+    }
+    let finite = |range: &&Interval| range.lower.is_finite() && range.upper.is_finite();
+    region.ranges.iter().filter(finite).try_for_each(|range| check_ends(body, *range))
+}
+
+/// Refuses obstacles without inside and faces without extent.
+fn check_faces(obstacle: &Solid, axes: usize) -> Result<(), SceneError> {
+    let mut sides: Vec<Side> =
+        obstacle.faces.iter().map(|face| (face.normal.clone(), face.offset)).collect();
+    let count = sides.len();
+    sides.extend(geometry::frame(&sides, axes));
+    let corners = geometry::corners(&sides, axes);
+    let name = || obstacle.name.clone();
+    let middle: Vec<f64> = (0..axes)
+        .map(|i| corners.iter().map(|(x, _)| x[i]).sum::<f64>() / corners.len() as f64)
+        .collect();
+    let is_inside = |(n, b): &Side| dot(n, &middle) < b - INSIDE;
+    if corners.is_empty() || !sides.iter().all(is_inside) {
+        return Err(SceneError::Crossed { obstacle: name() });
+    }
+    for face in 0..count {
+        let on = corners.iter().filter(|(_, sides)| sides.contains(&face));
+        let on: Vec<&Vec<f64>> = on.map(|(x, _)| x).collect();
+        if !geometry::spans(&on, axes) {
+            return Err(SceneError::NoExtent { obstacle: name(), face });
+        }
+    }
+    Ok(())
+}
+
+/// The normals along which two bodies hit.
+fn default_normals(first: &Body, second: &Body) -> Vec<Vec<f64>> {
+    let axes = first.axes();
+    let round = |shape: &Shape| matches!(shape, Shape::Ball(_));
+    if axes == 2 && (round(&first.shape) || round(&second.shape)) {
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / NORMALS as f64;
+        let tidy = |x: f64| if x.abs() < 1e-14 { 0.0 } else { x };
+        return (0..NORMALS).map(|k| vec![tidy(angle(k).cos()), tidy(angle(k).sin())]).collect();
+    }
+    let along = |(i, sign): (usize, f64)| -> Vec<f64> {
+        (0..axes).map(|j| if i == j { sign } else { 0.0 }).collect()
+    };
+    (0..axes).flat_map(|i| [(i, 1.0), (i, -1.0)]).map(along).collect()
+}

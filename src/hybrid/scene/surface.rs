@@ -1,0 +1,112 @@
+//! Surfaces: to avoid, or to bounce off with or without friction.
+
+use super::error::SceneError;
+use crate::hybrid::contact::Restitution;
+use crate::setters::setters;
+
+/// What happens to the velocity along a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) enum Tangential {
+    /// Nothing.
+    Frictionless,
+    /// `u⁺ = keep u + from_normal f`, with the impact speed f.
+    Linear { keep: f64, from_normal: f64 },
+    /// Coulomb's law: an impulse of at most `coefficient` times the normal one, in space along one
+    /// of `directions` directions.
+    Coulomb { coefficient: f64, directions: usize },
+}
+
+/// What a body may do at a surface, and what happens there.
+///
+/// ```
+/// use carom::hybrid::Restitution;
+/// use carom::hybrid::scene::Surface;
+///
+/// let cushion = Surface::bounce(Restitution::new(0.8)?).with_friction(0.2);
+/// assert!(cushion.restitution().is_some() && Surface::avoid().restitution().is_none());
+/// # Ok::<(), carom::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Surface {
+    pub(super) restitution: Option<Restitution>,
+    pub(super) tangential: Tangential,
+}
+
+impl Surface {
+    /// A surface that no body may reach; touching it at a sample is allowed.
+    pub fn avoid() -> Self {
+        Surface { restitution: None, tangential: Tangential::Frictionless }
+    }
+
+    /// A surface off which bodies may bounce, without friction.
+    pub fn bounce(restitution: Restitution) -> Self {
+        Surface { restitution: Some(restitution), ..Surface::avoid() }
+    }
+
+    setters! {
+        /// Coulomb's friction with a coefficient (no unit, from 0 to 10): the tangential impulse is
+        /// at most this many times the normal one, and stops the sliding if it can. Exact in the
+        /// plane; in space it acts along one of 8 directions, within a pyramid inside the cone.
+        with_friction(coefficient: f64) =>
+            tangential = Tangential::Coulomb { coefficient, directions: 8 };
+        /// The same with another number of directions in space, from 3 to 32.
+        with_friction_along(coefficient: f64, directions: usize) =>
+            tangential = Tangential::Coulomb { coefficient, directions };
+        /// A linear law, as identified from experiments: the velocity u along the surface becomes
+        /// `keep u + from_normal f`, where f is the impact speed (both no unit). In the plane, u
+        /// is counted along the normal turned left; on a line and in space `from_normal` is 0.
+        with_linear_map(keep: f64, from_normal: f64) =>
+            tangential = Tangential::Linear { keep, from_normal };
+    }
+
+    /// The coefficient of restitution; `None` if the surface is to be avoided.
+    pub fn restitution(&self) -> Option<Restitution> {
+        self.restitution
+    }
+
+    /// Whether nothing happens along the surface.
+    pub(super) fn is_frictionless(&self) -> bool {
+        match self.tangential {
+            Tangential::Frictionless => true,
+            Tangential::Linear { keep, from_normal } => keep == 1.0 && from_normal == 0.0,
+            Tangential::Coulomb { coefficient, .. } => coefficient == 0.0,
+        }
+    }
+
+    pub(super) fn check(&self, obstacle: &str, axes: usize) -> Result<(), SceneError> {
+        let wrong = |reason| {
+            let obstacle = obstacle.to_owned();
+            Err(SceneError::Surface { obstacle, reason })
+        };
+        if self.restitution.is_none() && self.tangential != Tangential::Frictionless {
+            return wrong("it is avoided, so nothing rubs there; let bodies bounce, or drop it");
+        }
+        match self.tangential {
+            Tangential::Frictionless => Ok(()),
+            Tangential::Coulomb { coefficient, directions } => {
+                if !(0.0..=10.0).contains(&coefficient) {
+                    return wrong("the coefficient of friction must lie within [0, 10]");
+                }
+                if !(3..=32).contains(&directions) {
+                    return wrong("friction in space needs 3 to 32 directions");
+                }
+                Ok(())
+            }
+            Tangential::Linear { keep, from_normal } => {
+                let e = self.restitution.map_or(0.0, |e| e.value());
+                // The largest singular value of [[e, 0], [from_normal, keep]] is at most 1.
+                let (trace, det) = (e * e + from_normal * from_normal + keep * keep, e * keep);
+                let gains = !(trace - det * det <= 1.0 + 1e-12 && det.abs() <= 1.0);
+                if gains || !trace.is_finite() {
+                    return wrong("its linear map adds energy; make its entries smaller");
+                }
+                if axes != 2 && from_normal != 0.0 {
+                    return wrong("`from_normal` has a meaning in the plane alone; set it to 0");
+                }
+                Ok(())
+            }
+        }
+    }
+}

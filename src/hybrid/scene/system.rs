@@ -1,0 +1,160 @@
+//! A scene as a hybrid system.
+
+use faer::Mat;
+
+use super::contact::{Contact, at, contacts};
+use super::law::Writer;
+use super::statement::Scene;
+use crate::error::Error;
+use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::system::{Choice, Halfspace, HybridSystem, Region, Transition};
+use crate::interval::Interval;
+
+/// The names of the axes.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A checked scene with its contacts and its hybrid system.
+#[derive(Debug, Clone)]
+pub(super) struct Stated {
+    pub(super) scene: Scene,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) system: HybridSystem,
+}
+
+impl Scene {
+    /// The scene as a hybrid system. For a body `puck` in the plane, its states are `puck x`,
+    /// `puck y` (m), `puck vx` and `puck vy` (m/s), its inputs `puck ax` and `puck ay` (m/s²); its
+    /// choices are the contacts, such as `puck at wall`, and `a and b` for two bodies.
+    ///
+    /// A convex obstacle has a transition `beyond k` for each face k, in front of which the whole
+    /// step stays, and `hit k`, or `stick k` and `slip ... k`, for each face to bounce off. With a
+    /// single face they are `clear`, `hit`, `stick`, `slip ...`.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself.
+    pub fn hybrid_system(&self) -> Result<HybridSystem, Error> {
+        Ok(self.stated()?.system)
+    }
+
+    /// Checks the scene and states its system.
+    pub(super) fn stated(&self) -> Result<Stated, Error> {
+        let scene = self.checked()?;
+        let mut contacts = contacts(&scene);
+        let flow = scene.flow()?;
+        let mut system = HybridSystem::new();
+        let mut limits = Vec::new();
+        let mut domains: Vec<Interval> = Vec::new();
+        for body in &scene.bodies {
+            domains.extend(&body.domain);
+            domains
+                .extend(body.domain.iter().map(|_| Interval::new(-body.max_speed, body.max_speed)));
+        }
+        for contact in &contacts {
+            limits.extend(outside(&scene, contact, &flow, &mut domains));
+        }
+        for (name, domain) in scene.state_names().into_iter().zip(domains) {
+            system = system.with_state(name, domain);
+        }
+        for body in &scene.bodies {
+            for (axis, range) in AXES.iter().zip(&body.acceleration) {
+                system = system.with_input(format!("{} a{axis}", body.name), *range);
+            }
+        }
+        system = limits.into_iter().fold(system, HybridSystem::with_limit);
+        for contact in &mut contacts {
+            let writer = Writer { scene: &scene, contact, flow: &flow };
+            let (transitions, modes) = writer.transitions();
+            let choice = Choice::new(contact.name.clone());
+            system =
+                system.with_choice(transitions.into_iter().fold(choice, Choice::with_transition));
+            contact.modes = modes;
+        }
+        if contacts.is_empty() {
+            system = system.with_transition(Transition::new("flight", flow.clone()));
+        }
+        if contacts.len() > 1 {
+            system = system.with_flow(flow);
+        }
+        system.check()?;
+        Ok(Stated { scene, contacts, system })
+    }
+
+    /// The names of the states: for each body, positions and then velocities.
+    pub(super) fn state_names(&self) -> Vec<String> {
+        let axes = &AXES[..self.axes()];
+        let of = |name: &String| -> Vec<String> {
+            let positions = axes.iter().map(|axis| format!("{name} {axis}"));
+            positions.chain(axes.iter().map(|axis| format!("{name} v{axis}"))).collect()
+        };
+        self.bodies.iter().flat_map(|body| of(&body.name)).collect()
+    }
+
+    /// Free flight of all bodies.
+    fn flow(&self) -> Result<LinearSystem, Error> {
+        let flows = self.bodies.iter().map(|body| body.flow(self.time_step));
+        let flows: Vec<LinearSystem> = flows.collect::<Result<_, _>>()?;
+        let (d, count) = (self.axes(), flows.len());
+        let block = |size: usize, of: &dyn Fn(&LinearSystem, usize, usize) -> f64| {
+            Mat::from_fn(2 * d * count, size * count, |i, j| {
+                let (b, c) = (i / (2 * d), j / size);
+                if b == c { of(&flows[b], i % (2 * d), j % size) } else { 0.0 }
+            })
+        };
+        let a = block(2 * d, &|flow, i, j| flow.a()[(i, j)]);
+        let b = block(d, &|flow, i, j| flow.b()[(i, j)]);
+        let c: Vec<f64> = flows.iter().flat_map(|flow| flow.c().to_vec()).collect();
+        LinearSystem::new(a, b, c)
+    }
+
+    /// Starts or goals of all bodies as one region.
+    pub(super) fn ends(&self, system: &HybridSystem, is_start: bool) -> Region {
+        let block = 2 * self.axes();
+        let mut ranges = Vec::new();
+        let mut halfspaces = Vec::new();
+        for (b, body) in self.bodies.iter().enumerate() {
+            let region = if is_start { &body.start } else { &body.goal };
+            match region {
+                None => {
+                    ranges.extend(system.states[block * b..block * (b + 1)].iter().map(|s| s.1))
+                }
+                Some(region) => {
+                    ranges.extend(&region.ranges);
+                    halfspaces.extend(region.halfspaces.iter().map(|halfspace| {
+                        let mut wide = halfspace.clone();
+                        wide.normal = vec![0.0; system.states.len()];
+                        wide.normal[block * b..block * (b + 1)].copy_from_slice(&halfspace.normal);
+                        wide
+                    }));
+                }
+            }
+        }
+        halfspaces.into_iter().fold(Region::from(ranges), Region::with_halfspace)
+    }
+}
+
+/// A contact with a single face holds its body outside at every sample: by its domain if that can say
+/// it, otherwise by a limit.
+fn outside(
+    scene: &Scene,
+    contact: &Contact,
+    flow: &LinearSystem,
+    domains: &mut [Interval],
+) -> Option<Halfspace> {
+    let [face] = &contact.faces[..] else { return None };
+    let axis = face.normal.iter().position(|n| n.abs() == 1.0);
+    if let (Some(axis), None, 1) = (axis, contact.other, face.limit.len()) {
+        let domain = &mut domains[2 * scene.axes() * contact.body + axis];
+        let at = face.normal[axis] * at(&face.limit, 0);
+        if face.normal[axis] > 0.0 {
+            domain.lower = domain.lower.max(at);
+        } else {
+            domain.upper = domain.upper.min(at);
+        }
+        return None;
+    }
+    let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+    let writer = Writer { scene, contact, flow };
+    let limits: Vec<f64> = face.limit.iter().map(|b| -b).collect();
+    Some(Halfspace::new(format!("outside {}", contact.name), writer.position(&back), limits))
+}

@@ -1,0 +1,5 @@
+//! Scenes: bodies among obstacles, in one to three axes.
+
+mod paper;
+mod plane;
+mod refusals;

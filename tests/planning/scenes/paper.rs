@@ -1,0 +1,39 @@
+//! A scene on a line is the paper's program.
+
+use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::hybrid::scene::{Body, Scene, Solid, Surface};
+use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::interval::Interval;
+use carom::prelude::*;
+
+/// The paper's scenario as a scene.
+fn scene(scenario: &Scenario) -> Scene {
+    let (start, goal) = (scenario.start, scenario.goal);
+    let car = Body::new("car", [Interval::new(0.0, 25.0)], scenario.max_speed, 6.0)
+        .with_start(Region::point([start.position, start.velocity]))
+        .with_goal(Region::point([goal.position, goal.velocity]))
+        .with_first_acceleration([0.0]);
+    let wall = Surface::bounce(scenario.contact.restitution);
+    Scene::new(scenario.time_step)
+        .with_body(car)
+        .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, wall))
+        .with_estimate(ImpactEstimate::EndOfStep)
+}
+
+#[test]
+fn a_scene_on_a_line_needs_as_many_steps_as_the_papers_planner() {
+    let mut solver = BranchAndBound::default();
+    for (restitution, time_step) in [(0.0, 0.05), (0.025, 0.02), (0.5, 0.025), (0.8, 0.05)] {
+        let scenario = Scenario::paper().with_restitution(restitution).unwrap();
+        let scenario = scenario.with_time_step(time_step);
+        let expected = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
+        let found = scene(&scenario).shortest_plan(&ShortestOptions::default(), &mut solver);
+        let found = found.unwrap();
+        assert!(found.search.is_found() && found.waiting.is_free());
+        let plan = expected.plan.unwrap();
+        assert_eq!(found.search.steps, Some(plan.trajectory.steps()));
+        let replayed = found.plan.unwrap();
+        assert!(replayed.certificate.drift < 1e-6);
+    }
+    assert!(Restitution::new(1.1).is_err());
+}

@@ -1,0 +1,90 @@
+//! Plans in the plane.
+
+use carom::hybrid::scene::{Body, Scene, ScenePlan, Shape, Solid, Surface};
+use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::interval::Interval;
+use carom::prelude::*;
+
+fn bounce(e: f64) -> Surface {
+    Surface::bounce(Restitution::new(e).unwrap())
+}
+
+fn shortest(scene: &Scene) -> Option<ScenePlan> {
+    let options = ShortestOptions::default().with_max_steps(80);
+    let found = scene.shortest_plan(&options, &mut BranchAndBound::default()).unwrap();
+    found.plan
+}
+
+fn table(surface: Surface) -> Scene {
+    let sides = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
+    let puck = Body::new("puck", sides, 3.0, 3.0)
+        .with_start(Region::point([1.2, 0.3, 2.0, 1.5]))
+        .with_goal(Region::point([0.4, 0.3, 0.0, 0.0]));
+    Scene::new(0.05).with_body(puck).with_room("cushion", &sides, surface)
+}
+
+#[test]
+fn a_cushion_makes_a_puck_sooner() {
+    let (avoiding, bouncing) = (shortest(&table(Surface::avoid())), shortest(&table(bounce(0.9))));
+    let (avoiding, bouncing) = (avoiding.unwrap(), bouncing.unwrap());
+    assert!(avoiding.hits.is_empty());
+    assert!(bouncing.steps() + 10 < avoiding.steps());
+    let hit = &bouncing.hits[0];
+    assert!(hit.damage >= hit.speed - 1e-6 && hit.energy > 0.0);
+    assert!(bouncing.certificate.largest_residual < 1e-6);
+}
+
+#[test]
+fn friction_stays_in_its_cone() {
+    for coefficient in [0.05, 0.3, 2.0] {
+        let plan = shortest(&table(bounce(0.9).with_friction(coefficient))).unwrap();
+        assert!(!plan.hits.is_empty());
+        assert!(plan.certificate.cone_excess < 1e-6 && plan.certificate.energy_gain < 1e-6);
+    }
+}
+
+#[test]
+fn a_disc_goes_around_a_pillar_without_cutting_its_corners() {
+    let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)];
+    let pillar = [Interval::new(1.6, 2.2), Interval::new(0.8, 2.0)];
+    let drone = Body::new("drone", room, 2.0, 2.0)
+        .with_shape(Shape::Ball(0.1))
+        .with_start(Region::point([0.5, 1.4, 0.0, 0.0]))
+        .with_goal(Region::point([3.5, 1.4, 0.0, 0.0]));
+    let scene = Scene::new(0.25).with_body(drone).with_obstacle(Solid::cuboid(
+        "pillar",
+        &pillar,
+        Surface::avoid(),
+    ));
+    let plan = shortest(&scene).unwrap();
+    assert!(plan.certificate.dip < 1e-5);
+    // Only the ends of the steps: sooner, through the corners.
+    let coarse = shortest(&scene.clone().with_estimate(ImpactEstimate::EndOfStep)).unwrap();
+    assert!(coarse.certificate.dip > 1e-3 && coarse.steps() <= plan.steps());
+    // A bouncy pillar is no worse than one that must be avoided.
+    let pillar = Solid::cuboid("pillar", &pillar, bounce(0.5));
+    let bouncy = Scene { obstacles: vec![pillar], ..scene };
+    assert!(shortest(&bouncy).unwrap().steps() <= plan.steps());
+}
+
+#[test]
+fn two_discs_exchange_momentum() {
+    let lane = [Interval::new(0.0, 3.0), Interval::new(0.0, 1.0)];
+    // The left one starts fast and the right one at rest; both cannot push.
+    let body = |name: &str, mass| {
+        Body::new(name, lane, 3.0, 0.0).with_mass(mass).with_shape(Shape::Ball(0.1))
+    };
+    let scene = Scene::new(0.125)
+        .with_body(body("a", 1.0).with_start(Region::point([0.5, 0.5, 1.0, 0.0])))
+        .with_body(body("b", 1.0).with_start(Region::point([1.5, 0.5, 0.0, 0.0])))
+        .with_pair("a", "b", bounce(1.0));
+    let mut program = scene.program(16).unwrap();
+    let hits = program.hits();
+    program.model.minimize(hits).unwrap();
+    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    let plan = program.certified(&solution).unwrap();
+    assert_eq!(plan.hits.len(), 1);
+    let end = |name| plan.body(name).unwrap().velocity.last().unwrap().clone();
+    assert!((end("b")[0] - 1.0).abs() < 1e-6 && end("a")[0].abs() < 1e-6);
+    assert!(plan.certificate.momentum_error < 1e-6);
+}
