@@ -7,7 +7,7 @@ use super::program::SceneProgram;
 use super::rule::{CHORDS, DamageMeasure, DamageRule};
 use crate::error::Error;
 use crate::hybrid::damage::ImpactEstimate;
-use crate::model::{Affine, Model};
+use crate::model::Affine;
 
 impl SceneProgram {
     /// Adds damage to the contacts for which a rule needs it.

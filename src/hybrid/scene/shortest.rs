@@ -1,5 +1,6 @@
 //! The shortest plan of a scene.
 
+use super::contact::Contact;
 use super::plan::ScenePlan;
 use super::program::SceneProgram;
 use super::statement::Scene;
@@ -15,6 +16,10 @@ use crate::solver::Solver;
 
 /// How many times longer the steps of the coarser grid are.
 const COARSER: f64 = 8.0;
+
+/// The most combinations of modes of a step for which sets of coupled axes are kept: they are
+/// templates of all states, each image of which costs many times a polygon's.
+const MOST_MOVES: usize = 4;
 
 /// The outcome of [`Scene::shortest_plan`].
 #[derive(Debug, Clone)]
@@ -33,8 +38,9 @@ impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
     /// and refutes all smaller numbers.
     ///
-    /// Where axes are independent, sets are kept for each axis of each body. With many convex
-    /// obstacles, the last of them are left to the search.
+    /// Where axes are independent, [sets](Scene::reach_sets) are kept for each axis of each body, and
+    /// refute most horizons. With many convex obstacles, the last of them are left to the search;
+    /// with friction, slanted faces or pairs of bodies, all of it is.
     ///
     /// # Errors
     ///
@@ -90,6 +96,20 @@ impl Stated {
         sets.with_first_inputs(&first.collect::<Vec<_>>())
     }
 
+    /// Whether sets pay: axes are independent of each other, or few moves couple them.
+    fn is_separable(&self) -> bool {
+        let alone = |contact: &Contact| {
+            contact.other.is_none()
+                && contact.faces.iter().all(|face| {
+                    let along_axis = face.normal.iter().any(|n| n.abs() == 1.0);
+                    let bounces = face.surface.restitution.is_some();
+                    along_axis && (!bounces || face.surface.is_frictionless())
+                })
+        };
+        let modes = self.contacts.iter().map(|contact| contact.modes.len());
+        self.contacts.iter().all(alone) || modes.fold(1, usize::saturating_mul) <= MOST_MOVES
+    }
+
     fn ends(&self, is_start: bool) -> Region {
         self.scene.ends(&self.system, is_start)
     }
@@ -116,6 +136,7 @@ impl Stated {
     }
 }
 
+/// From starts to goals, in any number of steps.
 struct Task {
     stated: Stated,
     waiting: Waiting,
@@ -135,7 +156,7 @@ impl HorizonModel for Task {
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
-        self.stated.sets(true).map(Some)
+        self.stated.is_separable().then(|| self.stated.sets(true)).transpose()
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {
