@@ -149,6 +149,11 @@ pub(super) fn behaviour(
         let own = transition.outputs.iter().find(|output| output.name == **name);
         own.map_or(Map::constant(width, 0.0), |output| {
             let constant = output.constant.get(step).copied().unwrap_or(0.0);
+            if output.is_at_start {
+                let mut factors = output.factors.clone();
+                factors.resize(width, 0.0);
+                return Map { factors, constant };
+            }
             combine(output.factors.iter().copied(), &predicted, width, constant)
         })
     };

@@ -232,8 +232,9 @@ impl HybridProgram {
                 let name = outputs.get(own - n)?;
                 let output = transition.outputs.iter().find(|output| output.name == **name);
                 let Some(output) = output else { return Some((vec![0.0; n], 0.0)) };
-                let constant = output.constant.is_constant().then(|| output.constant.get(0));
-                return Some((output.factors.clone(), *constant.flatten()?));
+                let is_known = output.constant.is_constant() && !output.is_at_start;
+                let constant = is_known.then(|| output.constant.get(0)).flatten()?;
+                return Some((output.factors.clone(), *constant));
             }
             let unit = |j: usize| if j == own { 1.0 } else { 0.0 };
             let Some(reset) = &transition.reset else {

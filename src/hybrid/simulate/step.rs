@@ -18,10 +18,10 @@ pub(super) struct StepStart<'a> {
 /// Where a transition leads if no other choice changes anything.
 #[derive(Debug, Clone)]
 pub(super) struct Flown {
-    /// The flow's result, before the reset.
-    pub(super) prediction: Vec<f64>,
     /// After the reset.
     pub(super) next: Vec<f64>,
+    /// The outputs, in the order of the transition.
+    pub(super) outputs: Vec<f64>,
 }
 
 /// The conditions of a sample: domains, and limits on states alone.
@@ -73,8 +73,15 @@ impl StepStart<'_> {
             Some(Slack::of_range(Condition::InputRange { input: name.clone() }, range, value))
         });
         let slacks = guards.chain(predicted).chain(ranges).collect();
+        let outputs = transition.outputs.iter().map(|output| {
+            let from = if output.is_at_start { &joint } else { &prediction };
+            let mut sum = Sum::new(output.constant.get(self.step).copied().unwrap_or(0.0));
+            output.factors.iter().zip(from).for_each(|(&factor, &x)| sum.add_product(factor, x));
+            sum.value()
+        });
+        let outputs = outputs.collect();
         let next = match &transition.reset {
-            None => prediction.clone(),
+            None => prediction,
             Some(reset) => {
                 let offset = reset.offset.get(self.step).into_iter().flatten();
                 let row = |(i, &offset): (usize, &f64)| {
@@ -87,7 +94,7 @@ impl StepStart<'_> {
                 offset.enumerate().map(row).collect()
             }
         };
-        Ok((Flown { prediction, next }, slacks))
+        Ok((Flown { next, outputs }, slacks))
     }
 }
 

@@ -6,7 +6,7 @@ use super::options::SimulationOptions;
 use super::simulation::{Candidate, DeadEnd, SimulatedStep};
 use super::step::{Flown, StepStart};
 use crate::error::Error;
-use crate::hybrid::system::{Choice, Transition, TransitionOutput};
+use crate::hybrid::system::{Choice, Transition};
 
 /// Up to how many combinations of transitions are counted in a step.
 const MOST_MOVES: usize = 65_536;
@@ -91,7 +91,7 @@ impl<'a> Stepper<'a> {
         }
         let taken: Vec<&Way<'a>> =
             picked.iter().zip(&ways).filter_map(|(&k, ways)| ways.get(k)).collect();
-        let report = report(&taken, candidates, moves, step);
+        let report = report(&taken, candidates, moves);
         Ok(Ok(Taken { picked, next, report }))
     }
 
@@ -207,17 +207,10 @@ impl Way<'_> {
     }
 }
 
-fn report(
-    picked: &[&Way<'_>],
-    candidates: Vec<Vec<Candidate>>,
-    moves: usize,
-    step: usize,
-) -> SimulatedStep {
+fn report(picked: &[&Way<'_>], candidates: Vec<Vec<Candidate>>, moves: usize) -> SimulatedStep {
     let outputs = picked.iter().flat_map(|way| {
-        way.transition
-            .outputs
-            .iter()
-            .map(|output| (output.name.clone(), output_value(output, &way.flown, step)))
+        let names = way.transition.outputs.iter().map(|output| output.name.clone());
+        names.zip(way.flown.outputs.iter().copied())
     });
     SimulatedStep {
         taken: picked.iter().map(|way| way.transition.name.clone()).collect(),
@@ -226,11 +219,4 @@ fn report(
         events: picked.iter().filter(|way| way.transition.is_event).count(),
         outputs: outputs.collect(),
     }
-}
-
-/// An output at a prediction, in a step.
-pub(super) fn output_value(output: &TransitionOutput, flown: &Flown, step: usize) -> f64 {
-    let constant = output.constant.get(step).copied().unwrap_or(0.0);
-    let terms = output.factors.iter().zip(&flown.prediction).map(|(factor, y)| factor * y);
-    terms.sum::<f64>() + constant
 }

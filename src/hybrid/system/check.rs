@@ -96,7 +96,9 @@ impl HybridSystem {
         }
         check_names("output", transition.outputs.iter().map(|output| &output.name))?;
         for output in &transition.outputs {
-            check_length("the factors of an output", output.factors.len(), n)?;
+            if !(output.is_at_start && output.factors.len() == n + m) {
+                check_length("the factors of an output", output.factors.len(), n)?;
+            }
             output.constant.check(&format!("the constant of `{}`", output.name))?;
             let numbers = output.factors.iter().chain(output.constant.values());
             check_numbers(&output.name, "a number", numbers.copied())?;

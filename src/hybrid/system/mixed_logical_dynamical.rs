@@ -19,11 +19,12 @@ pub(super) const MOST_COMBINATIONS: usize = 4096;
 ///
 /// ```text
 /// x⁺ = A x + B1 u + B2 δ + B3 z + B5
+/// y = C x + D1 u + D2 δ + D3 z + D5
 /// E2 δ + E3 z <= E1 u + E4 x + E5
 /// ```
 ///
-/// with states x, inputs u, binaries δ and continuous auxiliaries z. Each group of variables is
-/// given with its columns of both. A binary input is one of the binaries, with its columns of B1
+/// with states x, outputs y, inputs u, binaries δ and continuous auxiliaries z. Each group of
+/// variables is given with its columns of the first and the last line. A binary input is one of the binaries, with its columns of B1
 /// in B2 and of -E1 in E2; the planner chooses it, so declare the choice
 /// [free](super::Choice::with_free_choice). A binary state is a state from 0 to 1 that starts and
 /// is kept at 0 or 1.
@@ -66,6 +67,10 @@ pub struct MixedLogicalDynamical {
     e3: Mat<f64>,
     e4: Mat<f64>,
     e5: Vec<f64>,
+    outputs: Vec<String>,
+    c: Mat<f64>,
+    d: Mat<f64>,
+    d5: Vec<f64>,
 }
 
 impl MixedLogicalDynamical {
@@ -88,6 +93,10 @@ impl MixedLogicalDynamical {
             e3: empty_e.clone(),
             e4: empty_e,
             e5,
+            outputs: Vec::new(),
+            c: Mat::zeros(0, 0),
+            d: Mat::zeros(0, 0),
+            d5: Vec::new(),
         }
     }
 
@@ -134,6 +143,34 @@ impl MixedLogicalDynamical {
         self
     }
 
+    /// The names of the outputs y; C, and `[D1, D2, D3]` with a column per input, binary and
+    /// auxiliary; D5. In programs and runs an output has a value per step, by its name.
+    ///
+    /// ```
+    /// use carom::hybrid::{HybridSystem, MixedLogicalDynamical};
+    /// use carom::interval::Interval;
+    ///
+    /// // A heater, on only up to 21 °C (19 δ <= 40 - T): its power is 2 kW.
+    /// let room = MixedLogicalDynamical::new([0.5], [40.0])
+    ///     .with_states([("temperature", Interval::new(0.0, 40.0))], [[0.9]], [[-1.0]])
+    ///     .with_binaries(1, [[3.0]], [[19.0]])
+    ///     .with_outputs(["power"], [[0.0]], [[2.0]], [0.0]);
+    /// let room = HybridSystem::mixed_logical_dynamical(&room)?;
+    /// assert!(room.to_string().contains("power = 2"));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn with_outputs<S: Into<String>>(
+        mut self,
+        names: impl IntoIterator<Item = S>,
+        c: impl IntoMatrix,
+        d: impl IntoMatrix,
+        d5: impl Into<Vec<f64>>,
+    ) -> Self {
+        self.outputs = names.into_iter().map(Into::into).collect();
+        (self.c, self.d, self.d5) = (c.into_matrix(), d.into_matrix(), d5.into());
+        self
+    }
+
     fn check(&self) -> Result<(), Error> {
         let (n, rows) = (self.b5.len(), self.e5.len());
         check_length("the states", self.states.len(), n)?;
@@ -150,12 +187,30 @@ impl MixedLogicalDynamical {
         for (what, matrix, rows, columns) in groups {
             super::check::check_matrix(what, matrix, rows, columns)?;
         }
-        let numbers = self.b5.iter().chain(&self.e5).copied();
+        if !self.outputs.is_empty() {
+            let (count, others) = (self.outputs.len(), self.inputs.len() + self.binaries);
+            super::check::check_matrix("the matrix C", &self.c, count, n)?;
+            let others = others + self.auxiliaries.len();
+            super::check::check_matrix("the matrices D1, D2 and D3", &self.d, count, others)?;
+            check_length("the constants D5", self.d5.len(), count)?;
+        }
+        let numbers = self.b5.iter().chain(&self.e5).chain(&self.d5).copied();
         super::check::check_numbers("the constants", "a number", numbers)?;
         let named = self.states.iter().chain(&self.inputs);
         named.clone().try_for_each(|(name, range)| super::check::check_ends(name, *range))?;
         let auxiliary = |range| super::check::check_ends("an auxiliary", range);
         self.auxiliaries.iter().copied().try_for_each(auxiliary)
+    }
+
+    /// An output for values of the binaries, over (x, u, z), with the constant last.
+    fn output(&self, number: usize, binaries: &[bool]) -> Vec<f64> {
+        let (m, z) = (self.inputs.len(), self.auxiliaries.len());
+        let d = |j: usize| self.d[(number, j)];
+        let states = (0..self.states.len()).map(|j| self.c[(number, j)]);
+        let auxiliaries = (0..z).map(|j| d(m + self.binaries + j));
+        let on = binaries.iter().enumerate().filter(|(_, on)| **on).map(|(j, _)| d(m + j));
+        let constant = self.d5[number] + on.sum::<f64>();
+        states.chain((0..m).map(d)).chain(auxiliaries).chain([constant]).collect()
     }
 
     /// The inequalities over (x, u, z, δ).
@@ -238,6 +293,17 @@ impl HybridSystem {
                 }
             };
             let mut transition = Transition::new(name, flow);
+            for (number, name) in mld.outputs.iter().enumerate() {
+                let mut factors = mld.output(number, binaries);
+                let mut constant = factors.pop().unwrap_or(0.0);
+                if let Some(solution) = solved.as_ref().and_then(|solved| solved.get(k)) {
+                    for (factor, own) in factors.split_off(n + m).into_iter().zip(solution) {
+                        factors.iter_mut().zip(own).for_each(|(sum, own)| *sum += factor * own);
+                        constant += factor * own.last().copied().unwrap_or(0.0);
+                    }
+                }
+                transition = transition.with_start_output(name, factors, constant);
+            }
             for (row, normal, limit) in guards {
                 let name = format!("inequality {row}");
                 transition = transition.with_guard(Halfspace::new(name, normal, limit));

@@ -38,7 +38,6 @@ pub use schedule::Schedule;
 pub use transition::Transition;
 
 pub(crate) use check::{check_ends, check_halfspace};
-pub(crate) use transition::TransitionOutput;
 
 #[cfg(feature = "serde")]
 use serialized::StoredSystem;

@@ -199,6 +199,7 @@ impl<'a> Names<'a> {
             }
         }
         for output in &transition.outputs {
+            let mark = if output.is_at_start { "" } else { mark };
             let text = |constant: &f64| self.sum(&output.factors, mark, *constant);
             writeln!(f, "    {} = {}", output.name, ByStep(&output.constant, text))?;
         }

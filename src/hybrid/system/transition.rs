@@ -22,16 +22,20 @@ pub(crate) struct Reset {
     pub(crate) offset: Schedule<Vec<f64>>,
 }
 
-/// An affine function of a transition's prediction: an impact speed, a damage.
+/// An affine function of a transition's prediction, such as an impact speed, or of the state and the
+/// input at the start of the step.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TransitionOutput {
     /// Its name, the same in every transition that has it.
     pub(crate) name: String,
-    /// One coefficient per state.
+    /// One coefficient per state, and at the start, optionally, one per input.
     pub(crate) factors: Vec<f64>,
     /// By step.
     pub(crate) constant: Schedule<f64>,
+    /// Whether it is a function of the start of the step.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) is_at_start: bool,
 }
 
 /// One way to get from a sample to the next, such as a mode or a contact.
@@ -179,7 +183,21 @@ impl Transition {
         constant: impl Into<Schedule<f64>>,
     ) -> Self {
         let (name, factors, constant) = (name.into(), factors.into(), constant.into());
-        self.outputs.push(TransitionOutput { name, factors, constant });
+        self.outputs.push(TransitionOutput { name, factors, constant, is_at_start: false });
+        self
+    }
+
+    /// Adds an output `factors . (x, u) + constant` of the state and the input at the start of the
+    /// step; the coefficients of the inputs may be left out.
+    #[must_use]
+    pub fn with_start_output(
+        mut self,
+        name: impl Into<String>,
+        factors: impl Into<Vec<f64>>,
+        constant: impl Into<Schedule<f64>>,
+    ) -> Self {
+        let (name, factors, constant) = (name.into(), factors.into(), constant.into());
+        self.outputs.push(TransitionOutput { name, factors, constant, is_at_start: true });
         self
     }
 }

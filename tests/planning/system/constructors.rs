@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    HybridSystem, LinearSystem, Mat, MixedLogicalDynamical, Restitution, SimulationOptions,
+    Horizon, HybridSystem, LinearSystem, Mat, MixedLogicalDynamical, Restitution, SimulationOptions,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -51,6 +51,55 @@ fn free_auxiliaries_become_inputs() {
     let run = system.simulate(&[1.0], &[[2.0]]).unwrap();
     assert_eq!((run.taken(), run.last()), (vec![vec!["1".to_owned()]], &[2.5][..]));
     assert!(!system.simulate(&[1.0], &[[2.5]]).unwrap().is_complete());
+}
+
+#[test]
+fn outputs_have_names() {
+    // y = 2 x + u + 3 δ - z + 1 with z = x where δ, and a second output that is the same everywhere.
+    let outputs = |mld: MixedLogicalDynamical| {
+        let d = [[1.0, 3.0, -1.0], [0.5, 0.0, 0.0]];
+        mld.with_outputs(["y", "twice"], [[2.0], [2.0]], d, [1.0, 0.0])
+    };
+    let system = HybridSystem::mixed_logical_dynamical(&outputs(folded())).unwrap();
+    let y = |x: f64, u: f64| 2.0 * x + u + if x > 0.0 { 4.0 - x } else { 1.0 };
+    for (x, u) in [(5.0, -1.0), (-3.0, 0.25)] {
+        let run = system.simulate(&[x], &[[u]]).unwrap();
+        let outputs = &run.steps[0].outputs;
+        assert_eq!(
+            outputs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+            ["y", "twice"]
+        );
+        assert!((outputs[0].1 - y(x, u)).abs() < 1e-12 && outputs[1].1 == 2.0 * x + 0.5 * u);
+    }
+    // As rows: the least y over three steps.
+    let mut model = Model::new("outputs");
+    let program = system.write(&mut model, "", &Horizon::new(3, 1.0).unwrap()).unwrap();
+    model.fix(program.states()[0][0], -4.0).unwrap();
+    let total: Affine = program.output("y").unwrap().iter().sum();
+    model.minimize(total).unwrap();
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    let (run, _) = program.certified(&solution).unwrap();
+    let (x, u) = (run.state("x").unwrap(), run.input("u").unwrap());
+    let expected = |t: usize| y(x[t], u[t]);
+    for (t, value) in run.output("y").unwrap().iter().enumerate() {
+        assert!((value - expected(t)).abs() < 1e-6, "step {t}");
+    }
+    let mut wrong = run.clone();
+    wrong.outputs[0].1[1] += 1e-3;
+    assert!(system.certify(&wrong).unwrap_err().to_string().contains("the output `y` in step 1"));
+
+    // An output of an auxiliary that stays an input.
+    let range = Interval::new(-4.0, 4.0);
+    let mld = MixedLogicalDynamical::new([0.0], [0.0])
+        .with_states([("x", range)], [[0.5]], [[0.0]])
+        .with_auxiliaries([Interval::new(0.0, 3.0)], [[1.0]], [[-1.0]])
+        .with_outputs(["y"], [[1.0]], [[2.0]], [0.0]);
+    let system = HybridSystem::mixed_logical_dynamical(&mld).unwrap();
+    let run = system.simulate(&[1.0], &[[2.0]]).unwrap();
+    assert_eq!(run.steps[0].outputs, [("y".to_owned(), 5.0)]);
+    let narrow = mld.with_outputs(["y"], [[1.0]], [[2.0, 1.0]], [0.0]);
+    let error = HybridSystem::mixed_logical_dynamical(&narrow).unwrap_err();
+    assert!(error.to_string().starts_with("the matrices D1, D2 and D3 has shape 1x2"), "{error}");
 }
 
 #[test]
