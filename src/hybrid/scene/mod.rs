@@ -6,7 +6,9 @@ mod damage_rows;
 mod error;
 mod geometry;
 mod law;
+mod mitigate;
 
+mod picture;
 mod plan;
 mod program;
 mod replay;
@@ -19,6 +21,7 @@ mod system;
 
 pub use body::{Body, Shape};
 pub use error::SceneError;
+pub use mitigate::{Avoidable, Mitigation};
 pub use plan::{BodyPath, SceneHit, ScenePlan};
 pub use program::SceneProgram;
 pub use replay::SceneCertificate;

@@ -42,7 +42,8 @@ impl BorrowMut<Model> for SceneProgram {
 }
 
 impl Scene {
-    /// The program of the scene over a horizon, from starts to goals.
+    /// The program of the scene over a horizon, from starts to goals. Bodies without a start or a
+    /// goal may begin or end anywhere.
     ///
     /// ```
     /// use carom::hybrid::Region;
@@ -77,13 +78,13 @@ impl Scene {
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
     /// courses are shorter than the horizon; those of [`Horizon::new`].
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
-        self.stated()?.program(steps, true)
+        self.stated()?.program(steps)
     }
 }
 
 impl Stated {
-    /// The program from the starts, to the goals if `to_goal`.
-    pub(super) fn program(&self, steps: usize, to_goal: bool) -> Result<SceneProgram, Error> {
+    /// The program from the starts to the goals.
+    pub(super) fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let Stated { scene, contacts, system } = self;
         let horizon = Horizon::new(steps, scene.time_step)?;
         if let Some((obstacle, last)) = scene.longest().filter(|(_, last)| *last < steps) {
@@ -93,9 +94,7 @@ impl Stated {
         let mut model = Model::new("scene");
         let hybrid = system.write(&mut model, "", &horizon)?;
         hybrid.require(&mut model, "start", &scene.ends(system, true), When::At(0))?;
-        if to_goal {
-            hybrid.require(&mut model, "goal", &scene.ends(system, false), When::At(steps))?;
-        }
+        hybrid.require(&mut model, "goal", &scene.ends(system, false), When::At(steps))?;
         let mut program = SceneProgram {
             model,
             hybrid,

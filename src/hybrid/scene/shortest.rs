@@ -74,16 +74,13 @@ impl Scene {
     ///
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself.
     pub fn reach_sets(&self) -> Result<ReachSets, Error> {
-        self.stated()?.sets(true)
+        self.stated()?.sets()
     }
 }
 
 impl Stated {
-    pub(super) fn sets(&self, to_goal: bool) -> Result<ReachSets, Error> {
-        let (start, mut goal) = (self.ends(true), self.ends(false));
-        if !to_goal {
-            goal = Region::from(self.domains());
-        }
+    pub(super) fn sets(&self) -> Result<ReachSets, Error> {
+        let (start, goal) = (self.ends(true), self.ends(false));
         let sets = ReachSets::new(&self.system, start, goal, SetOptions::default())?;
         let bodies = &self.scene.bodies;
         if bodies.iter().all(|body| body.first.is_none()) {
@@ -97,7 +94,7 @@ impl Stated {
     }
 
     /// Whether sets pay: axes are independent of each other, or few moves couple them.
-    fn is_separable(&self) -> bool {
+    pub(super) fn is_separable(&self) -> bool {
         let alone = |contact: &Contact| {
             contact.other.is_none()
                 && contact.faces.iter().all(|face| {
@@ -146,7 +143,7 @@ impl HorizonModel for Task {
     type Program = SceneProgram;
 
     fn build(&self, steps: usize) -> Result<SceneProgram, Error> {
-        let mut program = self.stated.program(steps, true)?;
+        let mut program = self.stated.program(steps)?;
         program.model.minimize(0.0)?;
         Ok(program)
     }
@@ -156,7 +153,7 @@ impl HorizonModel for Task {
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
-        self.stated.is_separable().then(|| self.stated.sets(true)).transpose()
+        self.stated.is_separable().then(|| self.stated.sets()).transpose()
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {

@@ -115,9 +115,7 @@ impl Scene {
         for (b, body) in self.bodies.iter().enumerate() {
             let region = if is_start { &body.start } else { &body.goal };
             match region {
-                None => {
-                    ranges.extend(system.states[block * b..block * (b + 1)].iter().map(|s| s.1))
-                }
+                None => ranges.extend(vec![Interval::REALS; block]),
                 Some(region) => {
                     ranges.extend(&region.ranges);
                     halfspaces.extend(region.halfspaces.iter().map(|halfspace| {

@@ -1,0 +1,54 @@
+//! Two vehicles that exchange momentum: the heavy one brakes against the light one.
+//!
+//! `cargo run --release --example momentum [-- PICTURE.svg]`
+
+use std::error::Error as StdError;
+
+use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Shape, Surface};
+use carom::hybrid::{Region, Restitution, ShortestOptions};
+use carom::interval::Interval;
+use carom::prelude::*;
+
+fn main() -> Result<(), Box<dyn StdError>> {
+    let lane = [Interval::new(0.0, 6.0), Interval::new(0.0, 1.0)]; // m
+    let vehicle = |name: &str, mass, half: [f64; 2]| {
+        Body::new(name, lane, 3.0, 1.0).with_mass(mass).with_shape(Shape::Box(half.to_vec()))
+    };
+    let anywhere = [Interval::new(0.0, 6.0), Interval::new(0.0, 1.0), Interval::REALS];
+    let anywhere = [&anywhere[..], &[Interval::REALS]].concat();
+    let mut solver = BranchAndBound::default();
+    let bumper = Surface::bounce(Restitution::new(0.8)?);
+    for (name, surface) in [("avoid", Surface::avoid()), ("bump", bumper)] {
+        // The carrier arrives fast and must stop; the cart may go where it likes.
+        let scene = Scene::new(0.25)
+            .with_body(
+                vehicle("carrier", 2.0, [0.3, 0.2])
+                    .with_start(Region::point([0.5, 0.5, 2.0, 0.0]))
+                    .with_goal(Region::point([2.0, 0.5, 0.0, 0.0])),
+            )
+            .with_body(
+                vehicle("cart", 1.0, [0.2, 0.2])
+                    .with_start(Region::point([2.2, 0.5, 0.0, 0.0]))
+                    .with_goal(Region::from(anywhere.clone())),
+            )
+            .with_pair("carrier", "cart", surface)
+            .with_rule(DamageRule::new("bumper", DamageMeasure::NormalImpulse).with_per_hit(4.0));
+        let options = ShortestOptions::default().with_max_steps(40);
+        let found = scene.shortest_plan(&options, &mut solver)?;
+        let Some(plan) = found.plan else {
+            println!("{name}: {}", found.search.status);
+            continue;
+        };
+        println!("{name}: {:.2} s", plan.duration());
+        for hit in &plan.hits {
+            println!(
+                "  {} at {:.2} s with {:.2} m/s: impulse {:.2} N s, {:.2} J lost",
+                hit.contact, hit.time, hit.speed, hit.impulse[0], hit.energy
+            );
+        }
+        if let (true, Some(path)) = (!plan.hits.is_empty(), std::env::args().nth(1)) {
+            std::fs::write(path, plan.to_svg(&scene)?)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! A gate that moves: the drone waits for it, and every shorter flight is refuted, one by one.
+//!
+//! `cargo run --release --example moving_gate [-- PICTURE.svg [ANIMATION.svg [PROGRAM.mps]]]`
+
+use std::error::Error as StdError;
+
+use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
+use carom::hybrid::{Region, ShortestOptions};
+use carom::interval::Interval;
+use carom::model::mps;
+use carom::prelude::*;
+
+const TIME_STEP: f64 = 0.2; // s
+
+fn main() -> Result<(), Box<dyn StdError>> {
+    let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
+    let drone = Body::new("drone", room, 1.5, 2.0)
+        .with_shape(Shape::Ball(0.1))
+        .with_start(Region::point([0.5, 1.0, 0.0, 0.0]))
+        .with_goal(Region::point([3.5, 1.0, 0.0, 0.0]));
+    // A door across the whole room that slides up from 1 s on, at 0.5 m/s.
+    let door = [Interval::new(1.9, 2.1), Interval::new(-0.5, 2.5)];
+    let course = (0..=40).map(|t| {
+        let time = f64::from(t) * TIME_STEP;
+        [0.0, 0.5 * (time - 1.0).clamp(0.0, 4.0)]
+    });
+    let door = Solid::cuboid("door", &door, Surface::avoid()).with_course(course);
+    let scene = Scene::new(TIME_STEP)
+        .with_body(drone)
+        .with_room("wall", &room, Surface::avoid())
+        .with_obstacle(door);
+    let mut solver = BranchAndBound::default();
+    let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+    println!("waiting: {}", found.waiting.reason());
+    let Some(plan) = &found.plan else { return Err(format!("{}", found.search.status).into()) };
+    let solves = found.search.attempts.iter().filter(|attempt| attempt.is_solve()).count();
+    println!(
+        "{} steps ({:.1} s); {} refuted one by one, {} attempts with {solves} solves, {:.2} s",
+        plan.steps(),
+        plan.duration(),
+        plan.steps() - 1,
+        found.search.attempts.len(),
+        found.search.time.as_secs_f64()
+    );
+    let mut paths = std::env::args().skip(1);
+    if let Some(path) = paths.next() {
+        std::fs::write(path, plan.to_svg(&scene)?)?;
+    }
+    if let Some(path) = paths.next() {
+        std::fs::write(path, plan.to_animation(&scene)?)?;
+    }
+    if let Some(path) = paths.next() {
+        for steps in [plan.steps() - 1, plan.steps()] {
+            let program = scene.program(steps)?;
+            let lowered = carom::reformulate::lower(&program.model)?;
+            std::fs::write(format!("{path}.{steps}.mps"), mps::write(lowered.model())?)?;
+        }
+    }
+    Ok(())
+}
