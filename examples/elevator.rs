@@ -51,9 +51,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
     println!("the plan takes high gear in {high} of {steps} steps");
 
     if let Some(path) = std::env::args().nth(1) {
-        let (x, v) = (run.state("x")?, run.state("v")?);
-        let plan: Vec<Vec<f64>> = x.iter().zip(v).map(|(x, v)| vec![*x, *v]).collect();
-        std::fs::write(&path, tube.to_svg(0, 1, &plan)?)?;
+        std::fs::write(&path, tube.to_svg(0, 1, Some(run))?)?;
         println!("wrote {path}");
     }
     if let Some(sets) = &mut search.sets

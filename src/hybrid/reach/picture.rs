@@ -1,4 +1,4 @@
-//! A picture of a tube and a plan.
+//! A picture of a tube and a run.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,8 @@ use super::set::ReachSet;
 use super::tube::Tube;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::error::{Error, check_finite, check_length};
+use crate::error::{Error, check_finite};
+use crate::hybrid::rows::HybridRun;
 use crate::interval::Interval;
 
 /// Size of the picture and of the margins around the plane, in pixels.
@@ -15,6 +16,9 @@ const MARGINS: [f64; 4] = [64.0, 24.0, 46.0, 40.0]; // left, right, bottom, top
 
 /// Approximate number of samples whose sets are drawn.
 const SAMPLES: usize = 12;
+
+/// The room that the name of a transition takes, in pixels.
+const LABEL: [f64; 2] = [70.0, 16.0];
 
 const FORWARD: &str = "#1f77b4";
 const BACKWARD: &str = "#e67814";
@@ -53,15 +57,14 @@ impl Frame {
 
 impl Tube {
     /// Draws the projection of the tube on two states as an SVG picture: the forward and backward
-    /// sets of about a dozen samples, and a plan.
+    /// sets of about a dozen samples, and a run with the names of its transitions where they change.
     ///
     /// ```
     /// use carom::collision_tolerant::Scenario;
     ///
     /// let scenario = Scenario::paper().with_time_step(0.05);
     /// let tube = scenario.reach_sets()?.tube(47)?;
-    /// // Without a plan. To draw one, pass the states of its samples, in order.
-    /// let svg = tube.to_svg(0, 1, &[])?;
+    /// let svg = tube.to_svg(0, 1, None)?;
     /// assert!(svg.starts_with("<svg") && svg.contains(">x</text>"));
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -69,15 +72,20 @@ impl Tube {
     /// # Arguments
     ///
     /// * `first`, `second`: indices of the states on the horizontal and the vertical axis.
-    /// * `plan`: one vector of all states per sample, in the units of the states; may be empty.
+    /// * `run`: a run of the system; may be shorter or longer than the tube.
     ///
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] for states that do not exist or are the same,
-    /// [`ErrorKind::Length`] for plans with a different number of states, [`ErrorKind::NotFinite`]
-    /// for values that are not finite.
-    pub fn to_svg(&self, first: usize, second: usize, plan: &[Vec<f64>]) -> Result<String, Error> {
-        let path = self.path(first, second, plan)?;
+    /// [`ErrorKind::UnknownName`] for a run of another system, [`ErrorKind::NotFinite`] for values
+    /// that are not finite.
+    pub fn to_svg(
+        &self,
+        first: usize,
+        second: usize,
+        run: Option<&HybridRun>,
+    ) -> Result<String, Error> {
+        let path = self.path(first, second, run)?;
         let samples: Vec<usize> = (0..=self.steps()).step_by(1 + self.steps() / SAMPLES).collect();
         let mut outlines = Vec::new();
         for &sample in &samples {
@@ -121,24 +129,29 @@ impl Tube {
             let [x, y] = frame.pixel(*state);
             let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>");
         }
-        svg.push_str("</g>\n</svg>\n");
+        svg.push_str("</g>\n");
+        draw_transitions(&mut svg, &frame, &path, run);
+        svg.push_str("</svg>\n");
         Ok(svg)
     }
 
-    /// The plan, projected on two states.
-    fn path(&self, first: usize, second: usize, plan: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, Error> {
+    /// The run, projected on two states.
+    fn path(
+        &self,
+        first: usize,
+        second: usize,
+        run: Option<&HybridRun>,
+    ) -> Result<Vec<[f64; 2]>, Error> {
         let states = self.system.states.len();
         if first >= states || second >= states || first == second {
             let range = format!("two different ones below {states}");
             return Err(Error::out_of_range("the number of a state to draw", second as f64, range));
         }
-        let point = |state: &Vec<f64>| {
-            check_length("a state of the plan", state.len(), states)?;
-            let point = [state[first], state[second]];
-            check_finite("the plan", "a state", point)?;
-            Ok(point)
-        };
-        plan.iter().map(point).collect()
+        let Some(run) = run else { return Ok(Vec::new()) };
+        let values = |state: usize| run.state(&self.system.states[state].0);
+        let (x, y) = (values(first)?, values(second)?);
+        check_finite("the run", "a state", x.iter().chain(y).copied())?;
+        Ok(x.iter().zip(y).map(|(&x, &y)| [x, y]).collect())
     }
 
     /// The visible part of the plane: the plan and the tube's bounds, or everything that is drawn.
@@ -212,6 +225,32 @@ impl Tube {
             svg,
             "<text x=\"{left}\" y=\"24\">{steps} steps: <tspan fill=\"{FORWARD}\">reached from the \
              start</tspan>, <tspan fill=\"{BACKWARD}\">leads to the goal</tspan></text>"
+        );
+    }
+}
+
+/// The names of the transitions at the samples from which on they are taken, where there is room.
+fn draw_transitions(svg: &mut String, frame: &Frame, path: &[[f64; 2]], run: Option<&HybridRun>) {
+    let taken = |t: usize| -> Vec<&str> {
+        let choices = run.iter().flat_map(|run| &run.transitions);
+        choices.filter_map(|(_, names)| names.get(t)).map(String::as_str).collect()
+    };
+    let mut last = [f64::NEG_INFINITY; 2];
+    for (t, &state) in path.iter().enumerate() {
+        let names = taken(t);
+        let [x, y] = frame.pixel(state);
+        let is_free = (x - last[0]).abs() > LABEL[0] || (y - last[1]).abs() > LABEL[1];
+        if names.is_empty() || t > 0 && names == taken(t - 1) || !is_free {
+            continue;
+        }
+        last = [x, y];
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"white\" stroke=\"black\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+            x + 7.0,
+            y - 7.0,
+            escaped(&names.join(" and "))
         );
     }
 }

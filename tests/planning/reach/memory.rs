@@ -97,7 +97,7 @@ fn an_explanation_names_modes() {
         text.contains("with 1 event, with heater off, T can only be 15, and 29 is needed"),
         "{text}"
     );
-    let svg = sets.tube(4).unwrap().to_svg(0, 0, &[]);
+    let svg = sets.tube(4).unwrap().to_svg(0, 0, None);
     assert!(svg.is_err(), "one state has no plane");
 }
 

@@ -186,6 +186,13 @@ fn a_tube_tightens_the_rows() {
     }
     let solution = BranchAndBound::default().solve(&model).unwrap();
     assert!((solution.objective().unwrap() - before).abs() < 1e-4);
-    let run = program.read(&solution).unwrap();
+    let mut run = program.read(&solution).unwrap();
     assert!(system(0.5).certify(&run).unwrap().largest_residual < 1e-6);
+    // The picture names the transitions where they change.
+    let svg = tube.to_svg(0, 1, Some(&run)).unwrap();
+    assert!(svg.contains(">flight</text>") && svg.contains("<polyline"), "{svg}");
+    run.transitions[0].1[3] = "im<pact".into();
+    assert!(tube.to_svg(0, 1, Some(&run)).unwrap().contains(">im&lt;pact</text>"));
+    run.states.remove(0);
+    assert!(tube.to_svg(0, 1, Some(&run)).is_err());
 }
