@@ -11,6 +11,10 @@ use super::bound::{Gradient, Pair, is_equality, largest};
 /// The largest number of columns that are corrected together.
 const MOST_CORRECTED: usize = 400;
 
+/// The least entry on the diagonal of a factor of scaled curvature with which it is used alone: the
+/// square root of how flat it may be.
+const FLAT: f64 = 1e-4;
+
 /// A quantity that can be moved to change the gradient.
 #[derive(Debug, Clone, Copy)]
 enum Lever {
@@ -28,6 +32,7 @@ pub(super) struct Correction {
     columns: Vec<usize>,
     /// The scale of each entry of the gradient.
     units: Vec<f64>,
+    /// Empty if the columns' own curvature is factorised.
     levers: Vec<Weighted>,
     factor: Llt<f64>,
 }
@@ -39,6 +44,9 @@ impl Correction {
         let k = columns.len();
         if k == 0 || k > MOST_CORRECTED {
             return None;
+        }
+        if let Some(correction) = Correction::by_curvature(pair, columns) {
+            return Some(correction);
         }
         let levers = levers(pair, columns);
         let mut effects = Mat::<f64>::zeros(k, levers.len());
@@ -58,10 +66,47 @@ impl Correction {
         Some(Correction { columns: columns.to_vec(), units, levers, factor })
     }
 
+    /// The correction by the columns' own curvature; `None` if that is flat somewhere.
+    fn by_curvature(pair: &Pair<'_>, columns: &[usize]) -> Option<Self> {
+        let k = columns.len();
+        let mut position = vec![usize::MAX; pair.x.len()];
+        columns.iter().enumerate().for_each(|(r, &j)| position[j] = r);
+        let mut curvature = Mat::<f64>::zeros(k, k);
+        for &j in columns.iter().filter(|_| pair.objective) {
+            let (rows, entries) = pair.program.quadratic.vector(j);
+            for (&i, &p) in rows.iter().zip(entries).filter(|(i, _)| position[**i] < k) {
+                curvature[(position[i], position[j])] += p;
+                if i != j {
+                    curvature[(position[j], position[i])] += p;
+                }
+            }
+        }
+        if (0..k).any(|r| curvature[(r, r)] <= 0.0) {
+            return None;
+        }
+        let units: Vec<f64> = (0..k).map(|r| 1.0 / curvature[(r, r)].sqrt()).collect();
+        for c in 0..k {
+            (0..k).for_each(|r| curvature[(r, c)] *= units[r] * units[c]);
+        }
+        let factor = curvature.llt(faer::Side::Lower).ok()?;
+        let steep = (0..k).all(|r| factor.L()[(r, r)] >= FLAT);
+        let columns = columns.to_vec();
+        steep.then(|| Correction { columns, units, levers: Vec::new(), factor })
+    }
+
     /// Moves the pair; `false` if the step is not finite.
     pub(super) fn apply(&self, pair: &mut Pair<'_>, gradient: &Gradient) -> bool {
         let entry = |r: usize, _| -gradient.value[self.columns[r]].high * self.units[r];
         let multiplier = self.factor.solve(&Mat::from_fn(self.columns.len(), 1, entry));
+        if self.levers.is_empty() {
+            for (r, &j) in self.columns.iter().enumerate() {
+                let step = self.units[r] * multiplier[(r, 0)];
+                if !step.is_finite() {
+                    return false;
+                }
+                pair.x[j] = pair.x[j].plus(step);
+            }
+        }
         for (lever, weight, effect) in &self.levers {
             let along: f64 =
                 effect.iter().map(|&(r, a)| a * self.units[r] * multiplier[(r, 0)]).sum();

@@ -10,6 +10,7 @@ use super::active_set::ActiveSet;
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
+use super::simplex::DualSimplex;
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use super::{lower_bound, polish, proves_infeasible};
 use crate::presolve::Reduced;
@@ -44,14 +45,14 @@ pub enum Purpose {
 /// Who is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Who {
-    /// The method for small dense programs, which the others do not see.
-    Small,
+    /// The method that starts from the parent's state, where there is one for the program.
+    Warm,
     /// The first method: quick, and gives up early.
     First,
     /// The last method: slower, and gives up late.
     Last,
 }
-use Who::{First, Last, Small};
+use Who::{First, Last, Warm};
 
 /// Who is asked, with how many iterations, at which tolerance, with how many refinements.
 type Attempt = (Who, u32, f64, u32);
@@ -60,15 +61,15 @@ type Attempt = (Who, u32, f64, u32);
 /// keeps an interior-point method busy without a verdict.
 fn attempts(purpose: Purpose) -> &'static [Attempt] {
     match purpose {
-        Purpose::Trial => &[(Small, 300, 1e-9, 1), (First, 30, 1e-5, 1)],
+        Purpose::Trial => &[(Warm, 500, 1e-9, 1), (First, 30, 1e-5, 1)],
         Purpose::Root | Purpose::Node => &[
-            (Small, 500, 1e-9, 1),
+            (Warm, 2000, 1e-9, 1),
             (First, 60, 1e-8, 1),
             (Last, 60, 1e-8, 1),
             (Last, 200, 1e-9, 10),
         ],
         Purpose::Leaf => &[
-            (Small, 500, 1e-9, 1),
+            (Warm, 2000, 1e-9, 1),
             (First, 60, 1e-11, 1),
             (Last, 60, 1e-8, 1),
             (Last, 200, 1e-9, 10),
@@ -91,10 +92,7 @@ struct Entry {
 impl Entry {
     fn of(method: RelaxationMethod) -> Self {
         match method {
-            RelaxationMethod::ActiveSet => {
-                Entry { method: Box::new(ActiveSet::new()), count: |counts| &mut counts.active_set }
-            }
-            RelaxationMethod::InteriorPoint => Entry {
+            RelaxationMethod::ActiveSet | RelaxationMethod::InteriorPoint => Entry {
                 method: Box::new(InteriorPoint::new()),
                 count: |counts| &mut counts.interior_point,
             },
@@ -168,7 +166,8 @@ pub enum Verdict {
 
 /// The methods of a search, and what they have taken.
 pub struct Ladder {
-    small: Option<Entry>,
+    /// None or all: for dense programs with curvature, and for linear ones.
+    warm: Vec<Entry>,
     first: Entry,
     /// `None` if the first method is alone.
     last: Option<Entry>,
@@ -178,21 +177,23 @@ pub struct Ladder {
 impl Ladder {
     /// The ladder of a choice.
     pub fn new(choice: RelaxationMethod) -> Self {
-        let (small, first, last) = match choice {
+        let last = RelaxationMethod::Clarabel;
+        let last = (choice != last).then(|| Entry::of(last));
+        let methods: Vec<Box<dyn Relaxation>> = match choice {
             RelaxationMethod::ActiveSet => {
-                (Some(choice), RelaxationMethod::InteriorPoint, Some(RelaxationMethod::Clarabel))
+                vec![Box::new(ActiveSet::new()), Box::new(DualSimplex::new())]
             }
-            RelaxationMethod::InteriorPoint => (None, choice, Some(RelaxationMethod::Clarabel)),
-            RelaxationMethod::Clarabel => (None, choice, None),
+            _ => Vec::new(),
         };
-        let [small, last] = [small, last].map(|method| method.map(Entry::of));
-        Ladder { small, first: Entry::of(first), last, spent: Spent::default() }
+        let entry = |method| Entry { method, count: |counts| &mut counts.active_set };
+        let warm = methods.into_iter().map(entry).collect();
+        Ladder { warm, first: Entry::of(choice), last, spent: Spent::default() }
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let first = Entry { method, count: |counts| &mut counts.interior_point };
-        Ladder { small: None, first, last: None, spent: Spent::default() }
+        Ladder { warm: Vec::new(), first, last: None, spent: Spent::default() }
     }
 
     /// What was taken since this was last called.
@@ -202,11 +203,11 @@ impl Ladder {
 
     /// The attempts of a purpose at a program. A method that is alone is not asked twice for the
     /// same.
-    fn attempts(&self, purpose: Purpose, program: &Reduced) -> &'static [Attempt] {
+    fn attempts(&self, purpose: Purpose, warm: Option<usize>) -> &'static [Attempt] {
         let all = attempts(purpose);
         let others = match all {
-            [(Small, ..), ..] if self.small.is_some() && ActiveSet::suits(program) => return all,
-            [(Small, ..), others @ ..] => others,
+            [(Warm, ..), ..] if warm.is_some() => return all,
+            [(Warm, ..), others @ ..] => others,
             all => all,
         };
         match others {
@@ -215,16 +216,23 @@ impl Ladder {
         }
     }
 
+    /// Which of the methods that start from a state is for a program. Without a state the dual
+    /// simplex method is for the root only.
+    fn warm_method(&self, program: &Reduced, question: &Question<'_>) -> Option<usize> {
+        let starts = question.warm.is_some() || question.purpose == Purpose::Root;
+        let suits = [ActiveSet::suits(program), starts && DualSimplex::suits(program)];
+        (0..self.warm.len()).find(|&k| suits[k])
+    }
+
     fn ask(
         &mut self,
         (who, iterations, tolerance, refinements): Attempt,
         program: &Reduced,
-        cutoff: f64,
-        token: &StopToken,
-        warm: Option<&WarmState>,
+        (cutoff, token): (f64, &StopToken),
+        (warm_method, warm): (Option<usize>, Option<&WarmState>),
     ) -> RelaxationResult {
         let entry = match who {
-            Small => self.small.as_mut(),
+            Warm => warm_method.map(|k| &mut self.warm[k]),
             First => None,
             Last => self.last.as_mut(),
         };
@@ -245,7 +253,8 @@ impl Ladder {
         purpose: Purpose,
         token: &StopToken,
     ) -> RelaxationResult {
-        self.ask(self.attempts(purpose, program)[0], program, f64::INFINITY, token, None)
+        let first = self.attempts(purpose, None)[0];
+        self.ask(first, program, (f64::INFINITY, token), (None, None))
     }
 
     /// Solves a program with one attempt of a purpose after the other until a result is accepted.
@@ -256,10 +265,10 @@ impl Ladder {
         token: &StopToken,
         mut accept: impl FnMut(RelaxationResult) -> Option<T>,
     ) -> Option<T> {
-        let attempts = self.attempts(purpose, program).iter();
-        attempts
-            .copied()
-            .find_map(|attempt| accept(self.ask(attempt, program, f64::INFINITY, token, None)))
+        let attempts = self.attempts(purpose, None).iter().copied();
+        let mut ask = |attempt| self.ask(attempt, program, (f64::INFINITY, token), (None, None));
+        let mut attempts = attempts;
+        attempts.find_map(|attempt| accept(ask(attempt)))
     }
 
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
@@ -271,10 +280,11 @@ impl Ladder {
             known.warm = question.warm.cloned();
             return known.relaxed(program.offset, Vec::new(), true);
         }
-        let all = self.attempts(question.purpose, program);
+        let warm = self.warm_method(program, question);
+        let all = self.attempts(question.purpose, warm);
         let mut at = 0;
         while let Some(&attempt) = all.get(at) {
-            let result = self.ask(attempt, program, known.cutoff, token, question.warm);
+            let result = self.ask(attempt, program, (known.cutoff, token), (warm, question.warm));
             if result.claim == Claim::Unknown && token.is_over() {
                 return Verdict::Stopped;
             }

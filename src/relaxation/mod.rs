@@ -1,7 +1,7 @@
 //! Continuous relaxations: methods that solve them, and proofs of what the methods claim.
 //!
-//! A method implements the trait [`Relaxation`]. [`ActiveSet`] is quick on small dense programs with
-//! curvature, and starts from the parent's multipliers; [`InteriorPoint`] is quick on the small
+//! A method implements the trait [`Relaxation`]. [`DualSimplex`] solves linear programs from their
+//! parent's basis, [`ActiveSet`] small dense ones with curvature from its multipliers; [`InteriorPoint`] is quick on the small
 //! sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
 //! decides which method is asked and how hard, and is all that the rest of the crate sees. It checks
 //! what a method claims: [`lower_bound`] recomputes a rigorous bound from the multipliers, and
@@ -16,6 +16,8 @@ mod interior;
 mod ladder;
 mod polish;
 mod recession;
+mod scaling;
+mod simplex;
 mod warm_state;
 
 pub use active_set::ActiveSet;
@@ -27,6 +29,7 @@ pub use ladder::Ladder;
 pub(crate) use ladder::{Purpose, Question, Verdict};
 pub use polish::polish;
 pub(crate) use polish::polish_leaf;
+pub use simplex::DualSimplex;
 pub use warm_state::WarmState;
 
 use crate::presolve::Reduced;

@@ -1,7 +1,7 @@
 //! The state that all workers share: open nodes, best points, bounds, limits.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::best_points::{Accepted, BestPoints};
 use super::found::{ClosedNode, Found};
@@ -11,6 +11,7 @@ use super::seed::{GuessEnd, Seed, Seeded};
 use super::task::Task;
 use super::trace::event;
 use crate::program::Program;
+use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::Progress;
 
@@ -30,6 +31,8 @@ pub(super) struct Tree<'a> {
     /// Nodes that wait: in the queue and at the workers' own.
     pub(super) open: AtomicUsize,
     pub(super) steps: StepCount,
+    /// What the root's relaxation left: a start for nodes that have kept none.
+    pub(super) root_state: OnceLock<WarmState>,
     /// What all workers learned about columns.
     pub(super) pseudocosts: Mutex<Pseudocosts>,
 }
@@ -97,6 +100,7 @@ impl<'a> Tree<'a> {
             serial: AtomicU64::new(1),
             open: AtomicUsize::new(1),
             steps: StepCount::default(),
+            root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
         }
     }

@@ -14,6 +14,7 @@ use super::node::{Decision, Node, Path};
 use super::round_buffer::RoundBuffer;
 use super::seed::{GuessEnd, Seed, Seeded};
 use super::tree::{Share, Tree};
+use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 
 /// Open nodes from which on no more relaxed points are kept with them.
@@ -95,6 +96,17 @@ impl<'a> TreeView<'a> {
     pub(super) fn has_room(&self) -> bool {
         let few = self.tree.open.load(Ordering::Relaxed) < ROOMY;
         few && self.tree.task.options.memory_limit.is_none()
+    }
+
+    /// What the root's relaxation left.
+    pub(super) fn root_state(&self) -> Option<WarmState> {
+        self.tree.root_state.get().cloned()
+    }
+
+    /// Keeps what the root's relaxation leaves.
+    pub(super) fn keep_root_state(&self, state: &WarmState) {
+        // A root that is relaxed again leaves no better one.
+        let _ = self.tree.root_state.set(state.clone());
     }
 
     /// The best point and its value, in rounds that of the round's start.

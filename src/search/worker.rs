@@ -86,7 +86,8 @@ impl<'a> Worker<'a> {
     fn conclude(&mut self, mut node: Node) -> Option<Node> {
         let at_root = node.path.is_empty();
         let own = node.known.as_mut().and_then(|known| known.warm.take());
-        self.context.node.warm = own.or_else(|| node.warm.clone());
+        let parent = || node.warm.clone().or_else(|| self.context.tree.root_state());
+        self.context.node.warm = own.or_else(parent);
         if !self.enter(&node) {
             let ctx = &mut self.context;
             ctx.tree.count(|s| s.refuted_by_propagation += 1);
@@ -181,6 +182,9 @@ fn relax_node(
             return None;
         }
         Verdict::Relaxed { bound, x, y, warm, .. } => {
+            if let Some(warm) = warm.as_ref().filter(|_| node.path.is_empty()) {
+                ctx.tree.keep_root_state(warm);
+            }
             ctx.node.warm = warm;
             if let Some(last) = node.path.last() {
                 let gain = bound - node.bound;

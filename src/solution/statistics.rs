@@ -77,7 +77,7 @@ pub struct Statistics {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RelaxationCounts {
-    /// By the active-set method.
+    /// By the dual simplex method or the active-set method.
     pub active_set: u64,
     /// By the crate's own interior-point method.
     pub interior_point: u64,

@@ -7,8 +7,9 @@ use std::fmt;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RelaxationMethod {
-    /// The crate's own active-set method for small dense relaxations that are strictly convex. For
-    /// the others, and for those that it gives up on, as [`InteriorPoint`](Self::InteriorPoint).
+    /// Methods that start from what the parent's relaxation left: dual simplex for linear
+    /// relaxations, dual active set for small dense ones that are strictly convex. For the others, and
+    /// for those that these give up on, as [`InteriorPoint`](Self::InteriorPoint).
     #[default]
     ActiveSet,
     /// The crate's own interior-point method, and Clarabel for the relaxations that it gives up on.

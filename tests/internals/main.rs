@@ -14,6 +14,7 @@ mod presolve;
 mod propagation;
 mod relaxation;
 mod search;
+mod simplex;
 mod strengthening;
 mod subset;
 mod sum;

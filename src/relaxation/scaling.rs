@@ -1,0 +1,34 @@
+//! Units of columns and rows in which the entries of a program are near 1.
+
+use crate::presolve::Reduced;
+
+/// Rounds of scaling; each takes the square root of the largest entry of every row and column.
+const ROUNDS: usize = 3;
+
+/// Largest factor by which a column, a row or the objective is scaled.
+pub(super) const MOST: f64 = 1e6;
+
+/// Factors of columns and rows that bring the largest entry of each near 1.
+pub(super) fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
+    let (n, m) = (program.columns.len(), program.rows.len());
+    let (mut column, mut row) = (vec![1.0; n], vec![1.0; m]);
+    for _ in 0..ROUNDS {
+        let (mut of_column, mut of_row) = (vec![0.0_f64; n], vec![0.0_f64; m]);
+        for i in 0..m {
+            let (index, value) = program.rows.vector(i);
+            for (&j, a) in index.iter().zip(value) {
+                let size = (a * row[i] * column[j]).abs();
+                of_row[i] = of_row[i].max(size);
+                of_column[j] = of_column[j].max(size);
+            }
+        }
+        let adjust = |factor: &mut f64, largest: f64| {
+            if largest > 0.0 {
+                *factor = (*factor / largest.sqrt()).clamp(1.0 / MOST, MOST);
+            }
+        };
+        column.iter_mut().zip(of_column).for_each(|(f, l)| adjust(f, l));
+        row.iter_mut().zip(of_row).for_each(|(f, l)| adjust(f, l));
+    }
+    (column, row)
+}

@@ -1,0 +1,182 @@
+//! A dual simplex method for linear relaxations, started from the parent's basis.
+//!
+//! The basis of a parent is dual feasible at its children, whose bounds are all that differs, and a
+//! few exchanges away from theirs. Rows weigh by steepest edges, columns between two bounds jump
+//! where the dual objective still rises beyond them, and a basis that no longer fits, because rows
+//! or columns of the parent are gone, is mended with the rows' own columns. The dual objective
+//! never falls, so the method stops when it exceeds the cutoff.
+//!
+//! Where the numbers are too bad, or a start is not dual feasible in the end, the method gives up.
+
+mod dual;
+mod factors;
+mod program;
+mod ratio;
+
+use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
+use crate::presolve::Reduced;
+use dual::{Dual, NONE, Step};
+use program::LinearProgram;
+use ratio::Rest;
+
+/// The relative margin by which a bound must exceed the cutoff before the method stops.
+const PROMISE: f64 = 1e-7;
+
+/// Objectives with fewer terms than one in so many columns are left to others.
+const FEW: usize = 50;
+
+/// The dual simplex method.
+#[derive(Debug, Clone, Default)]
+pub struct DualSimplex {}
+
+/// A basis: of each column or row by its name, where it is.
+#[derive(Debug, Default)]
+struct Basis {
+    columns: Vec<Option<Place>>,
+    rows: Vec<Option<Place>>,
+    /// By row, its multiplier.
+    y: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// In the basis, with a weight.
+    Inside(f64),
+    Outside(Rest),
+}
+
+impl DualSimplex {
+    /// A fresh instance.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Whether a program is of the kind that this method is for. An objective of hardly any terms
+    /// leaves a large face of optima; an interior-point method ends in its middle, which tells
+    /// branching more than a corner does.
+    pub fn suits(program: &Reduced) -> bool {
+        let terms = || program.linear.iter().filter(|q| **q != 0.0).count();
+        program.quadratic.index.is_empty() && FEW * terms() > program.columns.len()
+    }
+}
+
+impl Relaxation for DualSimplex {
+    fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
+        let nothing = || RelaxationResult {
+            claim: Claim::Unknown,
+            x: vec![f64::NAN; program.columns.len()],
+            y: vec![0.0; program.rows.len()],
+            iterations: 0,
+            warm: None,
+        };
+        if !DualSimplex::suits(program) {
+            return nothing();
+        }
+        let parent = effort.warm.and_then(WarmState::get::<Basis>);
+        let (wanted, rest) = start(program, parent);
+        let linear = LinearProgram::of(program);
+        let mut y = vec![0.0; program.rows.len()];
+        if let Some(parent) = parent {
+            let known = |name: &usize| parent.y.get(*name).copied().unwrap_or(0.0);
+            y.iter_mut().zip(&program.origin).for_each(|(y, name)| *y = known(name));
+        }
+        let y = linear.scaled_multipliers(&y);
+        let Some(mut dual) = Dual::new(linear, wanted, rest, &y) else {
+            return nothing();
+        };
+        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        let unit = dual.program.objective_unit;
+        let mut claim = Claim::Unknown;
+        let mut ray = None;
+        let mut iterations = 0;
+        let (mut fresh, mut unshifted) = (false, false);
+        while iterations < effort.iterations && !effort.token.is_over() {
+            match dual.step() {
+                Step::Moved => (iterations, fresh) = (iterations + 1, false),
+                Step::Optimal if fresh && dual.is_shifted && !unshifted => {
+                    dual.unshift();
+                    unshifted = true;
+                }
+                Step::Optimal if fresh => {
+                    claim = if dual.is_shifted { Claim::Unknown } else { Claim::Solved };
+                    break;
+                }
+                Step::Optimal => {
+                    dual.compute();
+                    fresh = true;
+                }
+                Step::Infeasible(y) => {
+                    (claim, ray) = (Claim::Infeasible, Some(y));
+                    break;
+                }
+                Step::Stuck => break,
+            }
+            if !dual.is_shifted && dual.value() / unit + program.offset > enough {
+                claim = Claim::Beyond;
+                break;
+            }
+        }
+        let y = match ray {
+            Some(ray) => dual.program.multipliers(&ray, 1.0),
+            None => {
+                let y = dual.multipliers().to_vec();
+                dual.program.multipliers(&y, unit)
+            }
+        };
+        let x = dual.program.point(&dual.x[..program.columns.len()]);
+        let warm = Some(WarmState::new(basis(program, &dual, &y)));
+        RelaxationResult { claim, x, y, iterations: u64::from(iterations), warm }
+    }
+}
+
+/// The columns that the basis should have, with their weights, and where the others rest: as at the
+/// parent; the rows without a parent.
+fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<Rest>) {
+    let (n, m) = (program.columns.len(), program.rows.len());
+    let mut wanted = Vec::with_capacity(m);
+    let mut rest = vec![Rest::Lower; n + m];
+    for k in 0..n + m {
+        let place = parent.and_then(|basis| match k.checked_sub(n) {
+            None => basis.columns.get(program.columns[k]).copied().flatten(),
+            Some(i) => {
+                let name = program.origin.get(i).copied();
+                basis.rows.get(name.unwrap_or(usize::MAX)).copied().flatten()
+            }
+        });
+        match place {
+            Some(Place::Inside(weight)) => wanted.push((k, weight)),
+            Some(Place::Outside(at)) => rest[k] = at,
+            None if k >= n => wanted.push((k, 1.0)),
+            None => {}
+        }
+    }
+    (wanted, rest)
+}
+
+/// The basis by the names of columns and rows.
+fn basis(program: &Reduced, dual: &Dual, y: &[f64]) -> Basis {
+    let n = program.columns.len();
+    let mut basis = Basis::default();
+    for k in 0..dual.slot.len() {
+        let place = match dual.slot[k] {
+            NONE => Place::Outside(dual.rest[k]),
+            slot => Place::Inside(dual.weight[slot]),
+        };
+        let (list, name) = match k.checked_sub(n) {
+            None => (&mut basis.columns, program.columns[k]),
+            Some(i) => match program.origin.get(i) {
+                Some(&name) if name != usize::MAX => (&mut basis.rows, name),
+                _ => continue,
+            },
+        };
+        if list.len() <= name {
+            list.resize(name + 1, None);
+        }
+        list[name] = Some(place);
+    }
+    basis.y = vec![0.0; basis.rows.len()];
+    for (&name, y) in program.origin.iter().zip(y).filter(|(name, _)| **name != usize::MAX) {
+        basis.y[name] = *y;
+    }
+    basis
+}

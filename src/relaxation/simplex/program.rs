@@ -1,0 +1,83 @@
+//! A linear program in scaled units, its rows as columns of their own.
+
+use super::factors::Columns;
+use crate::presolve::Reduced;
+use crate::relaxation::scaling::factors;
+
+/// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`, which
+/// follow them.
+#[derive(Debug)]
+pub(super) struct LinearProgram {
+    pub(super) columns: Columns,
+    pub(super) rows: Columns,
+    pub(super) cost: Vec<f64>,
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+    /// Units of the columns, inverse units of the rows, inverse unit of the objective.
+    column_unit: Vec<f64>,
+    row_unit: Vec<f64>,
+    pub(super) objective_unit: f64,
+}
+
+impl LinearProgram {
+    pub(super) fn of(program: &Reduced) -> Self {
+        let (column_unit, row_unit) = factors(program);
+        let (n, m) = (column_unit.len(), row_unit.len());
+        let mut rows = Columns::new();
+        for (i, unit) in row_unit.iter().enumerate() {
+            let (index, value) = program.rows.vector(i);
+            rows.push(index.iter().zip(value).map(|(&j, a)| (j, a * unit * column_unit[j])));
+        }
+        let mut cost: Vec<f64> =
+            program.linear.iter().zip(&column_unit).map(|(q, unit)| q * unit).collect();
+        let largest = cost.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+        let objective_unit = if largest > 0.0 { 1.0 / largest } else { 1.0 };
+        cost.iter_mut().for_each(|q| *q *= objective_unit);
+        cost.resize(n + m, 0.0);
+        let join = |of_columns: &[f64], of_rows: &[f64]| -> Vec<f64> {
+            let columns = of_columns.iter().zip(&column_unit).map(|(v, unit)| v / unit);
+            columns.chain(of_rows.iter().zip(&row_unit).map(|(v, unit)| v * unit)).collect()
+        };
+        let lower = join(&program.lower, &program.row_lower);
+        let upper = join(&program.upper, &program.row_upper);
+        let columns = rows.transposed(n);
+        LinearProgram { columns, rows, cost, lower, upper, column_unit, row_unit, objective_unit }
+    }
+
+    /// The number of columns proper, and that of rows.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.column_unit.len(), self.row_unit.len())
+    }
+
+    /// Calls `f` with the entries of a column or of a row's activity.
+    pub(super) fn each(&self, k: usize, mut f: impl FnMut(usize, f64)) {
+        match k.checked_sub(self.column_unit.len()) {
+            None => self.columns.of(k).for_each(|(i, a)| f(i, a)),
+            Some(i) => f(i, -1.0),
+        }
+    }
+
+    /// The product of a column with a vector over the rows.
+    pub(super) fn product(&self, k: usize, y: &[f64]) -> f64 {
+        match k.checked_sub(self.column_unit.len()) {
+            None => self.columns.of(k).map(|(i, a)| a * y[i]).sum(),
+            Some(i) => -y[i],
+        }
+    }
+
+    /// A point in the units of the program.
+    pub(super) fn point(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().zip(&self.column_unit).map(|(x, unit)| x * unit).collect()
+    }
+
+    /// The multipliers that [`multipliers`](Self::multipliers) gives as `y`.
+    pub(super) fn scaled_multipliers(&self, y: &[f64]) -> Vec<f64> {
+        y.iter().zip(&self.row_unit).map(|(y, unit)| -y * self.objective_unit / unit).collect()
+    }
+
+    /// Multipliers in the units of the program, of the sign that the proofs expect; `value` is the
+    /// unit of the objective, 1 for certificates.
+    pub(super) fn multipliers(&self, y: &[f64], value: f64) -> Vec<f64> {
+        y.iter().zip(&self.row_unit).map(|(y, unit)| -y * unit / value).collect()
+    }
+}
