@@ -1,41 +1,24 @@
 //! Solves a model file, or writes it in another format.
 //!
-//! `cargo run --release --example solve -- FILE [--solution] [--time-limit S] [--threads K] [--gap G]
-//! [--node-limit N] [--deterministic] [--with PART] [--without PART] [--symmetry] [--conflicts] [--log]
-//! [--relaxation METHOD] [--pool K] [--write OUT] [--lowered OUT]`
+//! `cargo run --release --example solve -- FILE [OPTIONS]`; `--help` lists the options.
 //!
 //! Files are MPS (free or fixed), LP, or JSON (with `--features serde`). The format follows from
 //! the extension `.mps`, `.lp` or `.json`, otherwise from the contents.
 //!
-//! * `--solution`: also print the values with magnitudes above 1e-9, `name = value`
-//! * `--time-limit S`: stop after S seconds
-//! * `--node-limit N`: stop after N nodes
-//! * `--threads K`: threads of the tree search, 1 by default
-//! * `--gap G`: relative gap at which to stop, 1e-6 by default
-//! * `--deterministic`: the same search for any number of threads
-//! * `--without PART`: leave out `presolve` or a part of it (`reductions`, `disjunctive-tightening`,
-//!   `big-m-tightening`), `probing`, `cuts`, `blocks`, a heuristic (`rounding`, `roll-out`, `diving`,
-//!   `neighbourhood`, `local-branching`, `pump`) or all `heuristics`; may be given several times
-//! * `--with PART`: add a heuristic, or all `heuristics`
-//! * `--relaxation METHOD`: solve relaxations by `active-set` (the default: small dense ones that
-//!   way, the others as by the next), `interior-point` (with Clarabel if it gives up) or `clarabel`
-//!   alone
-//! * `--symmetry`: order interchangeable columns
-//! * `--conflicts`: learn from conflicts
-//! * `--log`: progress and a summary on the standard error
-//! * `--pool K`: print the proved objectives of the K best points with distinct integers
-//! * `--write OUT`: write the model without solving it
-//! * `--lowered OUT`: write the lowered model, with indicators and logic as rows, and solve it
-//!
-//! The first line is `rows=… columns=… integers=… nonzeros=…`, as read; rows include those of
-//! indicators. The second one is `status=… objective=… bound=… nodes=… seconds=…`. The status is
-//! `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
+//! The first line of the output is `rows=… columns=… integers=… nonzeros=…`, as read; rows include
+//! those of indicators. The last one is `status=… objective=… bound=… nodes=… seconds=…`. The status
+//! is `optimal`, `infeasible`, `unbounded`, `feasible` (stopped with a point that is not proved
 //! optimal) or `limit` (stopped without a point). The objective is `-` if there is no point. The
-//! seconds exclude reading the file.
+//! seconds exclude reading the file. A summary for people is on the standard error, and so is a
+//! progress bar if that is a terminal.
 
 #[macro_use]
 #[path = "common/output.rs"]
 mod output;
+#[path = "common/bar.rs"]
+mod bar;
+#[path = "common/sol.rs"]
+mod sol;
 
 use std::error::Error;
 use std::path::Path;
@@ -48,18 +31,48 @@ use carom::prelude::{
     BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
 };
 use carom::reformulate;
-use carom::solver::{Heuristics, PoolMode, RelaxationMethod};
+use carom::solution::GuessStatus;
+use carom::solver::{Heuristics, PoolMode, RelaxationMethod, TreeSeed};
 
-const USAGE: &str = "usage: solve FILE [--solution] [--time-limit S] [--threads K] [--gap G] \
-                     [--node-limit N] [--deterministic] [--with PART] [--without PART] \
-                     [--symmetry] [--conflicts] [--log] [--relaxation METHOD] \
-                     [--pool K] [--write OUT] [--lowered OUT]";
+use bar::Bar;
+
+const USAGE: &str = "usage: solve FILE [OPTIONS]; `solve --help` lists the options";
+
+const HELP: &str = "\
+Solves a model file (MPS, LP, or JSON with `--features serde`), or writes it in another format.
+
+usage: solve FILE [OPTIONS]
+
+  --solution           print the values with magnitudes above 1e-9, `name = value`
+  --start FILE.sol     begin with the integers of a point: lines `name value` or `name = value`;
+                       integers that are not named are 0
+  --time-limit S       stop after S seconds
+  --node-limit N       stop after N nodes
+  --gap G              relative gap at which to stop, 1e-6 by default
+  --threads K          threads of the tree search, 1 by default
+  --deterministic      the same search for any number of threads
+  --pool K             print the proved objectives of the K best points with distinct integers
+  --log                progress in lines and a long summary on the standard error
+  --write OUT          write the model without solving it
+  --lowered OUT        write the lowered model, with indicators and logic as rows, and solve it
+  --without PART       leave out `presolve` or a part of it (`reductions`, `disjunctive-tightening`,
+                       `big-m-tightening`), `probing`, `cuts`, `blocks`, a heuristic (`rounding`,
+                       `roll-out`, `diving`, `neighbourhood`, `local-branching`, `pump`) or all
+                       `heuristics`; may be given several times
+  --with PART          add a heuristic, or all `heuristics`
+  --relaxation METHOD  solve relaxations by `active-set` (the default: small dense ones that way,
+                       the others as by the next), `interior-point` (with Clarabel if it gives up)
+                       or `clarabel` alone
+  --symmetry           order interchangeable columns
+  --conflicts          learn from conflicts
+  --help               print this";
 
 #[derive(Default)]
 struct Arguments {
     file: String,
     write: Option<String>,
     lowered: Option<String>,
+    start: Option<String>,
     solution: bool,
     log: bool,
     options: Options,
@@ -76,7 +89,10 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
-    let arguments = arguments()?;
+    let Some(arguments) = arguments()? else {
+        println!("{HELP}");
+        return Ok(());
+    };
     let file = &arguments.file;
     let text = text(file)?;
     let model = read(file, &text).map_err(|error| format!("{file}: {error}"))?;
@@ -87,26 +103,31 @@ fn run() -> Result<(), Box<dyn Error>> {
     if let Some(path) = arguments.lowered {
         write(reformulate::lower(&model)?.model(), &path)?;
     }
+    let seed = arguments.start.map(|path| seed(&model, &path)).transpose()?;
     let start = Instant::now();
-    let mut log = Log::new(std::io::stderr());
-    let mut callback = |event: &Event| log.record(event);
-    let mut control = Control::default();
-    if arguments.log {
-        control = control.with_progress(&mut callback);
+    let (mut log, bar) = (Log::new(std::io::stderr()), Bar::new());
+    let mut lines = |event: &Event| log.record(event);
+    let mut line = |event: &Event| bar.show(event);
+    let mut control = if arguments.log {
+        Control::default().with_progress(&mut lines)
+    } else {
+        Control::default().with_progress(&mut line)
+    };
+    if let Some(seed) = &seed {
+        control = control.with_seed(seed);
     }
     let mut solver = BranchAndBound::new(arguments.options);
-    let solution = solver.solve_with(&model, &mut control)?;
-    let seconds = start.elapsed().as_secs_f64();
+    let solution = solver.solve_with(&model, &mut control);
+    bar.clear();
+    let (solution, seconds) = (solution?, start.elapsed().as_secs_f64());
+    if let Some(report) = solution.seed_report() {
+        eprintln!("{}", start_report(report.guess.as_ref()));
+    }
     if arguments.log {
         log.finish(&solution);
+    } else {
+        eprintln!("{}", summary(&solution, seconds));
     }
-    println!(
-        "status={} objective={} bound={} nodes={} seconds={seconds:.6}",
-        status(&solution),
-        solution.objective().map_or("-".into(), twelve_digits),
-        twelve_digits(solution.bound()),
-        solution.statistics().nodes,
-    );
     if solver.options().pool > 1 {
         let proved = if solution.pool().is_complete() { "proved" } else { "found" };
         let values = solution.pool().iter().map(|p| twelve_digits(p.objective()));
@@ -120,7 +141,51 @@ fn run() -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    println!(
+        "status={} objective={} bound={} nodes={} seconds={seconds:.6}",
+        status(&solution),
+        solution.objective().map_or("-".into(), twelve_digits),
+        twelve_digits(solution.bound()),
+        solution.statistics().nodes,
+    );
     Ok(())
+}
+
+/// The MIP start of a file.
+fn seed(model: &Model, path: &str) -> Result<TreeSeed, String> {
+    let guess = sol::integers(model, &text(path)?).map_err(|error| format!("{path}: {error}"))?;
+    Ok(TreeSeed::new().with_guess(guess))
+}
+
+/// What became of the MIP start.
+fn start_report(guess: Option<&GuessStatus>) -> String {
+    match guess {
+        Some(GuessStatus::Accepted) => "start: accepted".into(),
+        Some(GuessStatus::Repaired { changed }) => {
+            format!("start: repaired, {} integers differ", changed.len())
+        }
+        Some(GuessStatus::Rejected { reason }) => format!("start: rejected, {reason}"),
+        _ => "start: not tried, because the answer was known before".into(),
+    }
+}
+
+/// The outcome in a line.
+fn summary(solution: &Solution, seconds: f64) -> String {
+    let statistics = solution.statistics();
+    let effort = format!(
+        "{seconds:.2} s, {} nodes and {} relaxations",
+        statistics.nodes, statistics.relaxations
+    );
+    let found = match solution.objective() {
+        Some(objective) => format!(
+            "objective {}, proved bound {}, gap {:.4} %",
+            twelve_digits(objective),
+            twelve_digits(solution.bound()),
+            100.0 * solution.relative_gap()
+        ),
+        None => "no point".into(),
+    };
+    format!("{}: {found}, after {effort}", solution.termination())
 }
 
 /// The text of a file. If it is not text, the error says where.
@@ -194,13 +259,16 @@ fn counts(model: &Model) -> String {
     format!("rows={rows} columns={columns} integers={integers} nonzeros={nonzeros}")
 }
 
-fn arguments() -> Result<Arguments, Box<dyn Error>> {
+/// The arguments; `None` if help is asked for.
+fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
     let mut arguments = Arguments::default();
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value\n{USAGE}"));
         match word.as_str() {
+            "--help" | "-h" => return Ok(None),
             "--solution" => arguments.solution = true,
+            "--start" => arguments.start = Some(value()?),
             "--time-limit" => {
                 let seconds = number(&word, &value()?)?;
                 arguments.options.time_limit = Some(Duration::try_from_secs_f64(seconds)?);
@@ -236,7 +304,7 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             _ => arguments.file = word,
         }
     }
-    if arguments.file.is_empty() { Err(USAGE.into()) } else { Ok(arguments) }
+    if arguments.file.is_empty() { Err(USAGE.into()) } else { Ok(Some(arguments)) }
 }
 
 /// Switches a heuristic, or all of them.
