@@ -1,0 +1,153 @@
+//! What the page shows.
+
+use carom::collision_tolerant::{PlanComparison, Saving, ShortestPlan, Trajectory};
+use carom::hybrid::reach::{ReachSet, Tube};
+use serde::Serialize;
+
+use crate::task::Task;
+use crate::words;
+
+/// Approximate number of samples whose reach sets are drawn.
+const SAMPLES: usize = 32;
+
+/// The answer to a task: an error, or the plans without and with collisions.
+#[derive(Debug, Default, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Answer {
+    error: Option<String>,
+    free: Option<Side>,
+    tolerant: Option<Side>,
+    /// What hitting the wall saves, in s.
+    saved: Option<f64>,
+    conclusion: String,
+}
+
+impl Answer {
+    /// A task that cannot be planned.
+    pub fn of_error(error: &str) -> Self {
+        Answer { error: Some(words::sentence(error)), ..Answer::default() }
+    }
+
+    /// The answer to a task.
+    pub fn new(task: &Task, plans: &PlanComparison) -> Self {
+        let seconds = |plan: &ShortestPlan| Some(plan.steps.filter(|_| plan.is_found())? as f64);
+        let both = seconds(&plans.free).zip(seconds(&plans.tolerant));
+        let both = both.map(|(free, tolerant)| (free * task.time_step, tolerant * task.time_step));
+        let saving = both.map(|(free, tolerant)| Saving::new(free, tolerant));
+        Answer {
+            error: None,
+            free: Some(Side::new(&plans.free, task)),
+            tolerant: Some(Side::new(&plans.tolerant, task)),
+            saved: both.map(|(free, tolerant)| free - tolerant),
+            conclusion: words::conclusion(plans, task, saving),
+        }
+    }
+}
+
+/// Why one step less is not enough.
+#[derive(Debug, Default, Serialize)]
+pub struct Reasons {
+    /// Without collisions.
+    pub free: Option<String>,
+    /// With collisions.
+    pub tolerant: Option<String>,
+}
+
+/// The shortest plan with or without collisions.
+#[derive(Debug, Serialize)]
+struct Side {
+    /// Proved to be the shortest.
+    found: bool,
+    steps: Option<usize>,
+    /// Every horizon up to this one is impossible, in steps.
+    refuted: usize,
+    seconds: Option<f64>,
+    /// How that was proved.
+    proof: String,
+    curve: Option<Curve>,
+    /// Reach sets of some samples.
+    sets: Vec<Sets>,
+}
+
+/// A plan.
+#[derive(Debug, Serialize)]
+struct Curve {
+    time: Vec<f64>,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    impacts: Vec<Hit>,
+}
+
+/// An impact: its time (s), and the speeds before and after it (m/s).
+#[derive(Debug, Serialize)]
+struct Hit {
+    time: f64,
+    before: f64,
+    after: f64,
+}
+
+/// Outlines in the plane of position (m) and velocity (m/s).
+#[derive(Debug, Serialize)]
+struct Sets {
+    time: f64,
+    reached: Vec<[f64; 2]>,
+    #[serde(rename = "toGo")]
+    to_go: Vec<[f64; 2]>,
+}
+
+impl Side {
+    fn new(plan: &ShortestPlan, task: &Task) -> Self {
+        let trajectory = plan.plan.as_ref().map(|plan| &plan.trajectory);
+        let sets = trajectory.zip(plan.tube.as_ref()).map(|(path, tube)| sets(tube, path));
+        Side {
+            found: plan.is_found(),
+            steps: plan.steps,
+            refuted: plan.refuted_steps.unwrap_or(0),
+            seconds: plan.steps.map(|steps| steps as f64 * task.time_step),
+            proof: words::proof(plan, task),
+            curve: trajectory.map(Curve::new),
+            sets: sets.unwrap_or_default(),
+        }
+    }
+}
+
+impl Curve {
+    fn new(path: &Trajectory) -> Self {
+        let hit = |impact: &carom::collision_tolerant::Impact| Hit {
+            time: impact.time,
+            before: impact.speed_before,
+            after: impact.speed_after,
+        };
+        Curve {
+            time: path.time.clone(),
+            position: path.position.clone(),
+            velocity: path.velocity.clone(),
+            acceleration: path.acceleration.clone(),
+            impacts: path.impacts.iter().map(hit).collect(),
+        }
+    }
+}
+
+/// The sets that hold the plan, at some samples.
+fn sets(tube: &Tube, path: &Trajectory) -> Vec<Sets> {
+    let every = (tube.steps() / SAMPLES).max(1);
+    let of = |sample: usize| {
+        let state = [path.position[sample], path.velocity[sample]];
+        Sets {
+            time: path.time[sample],
+            reached: holding(tube.reached(sample), state),
+            to_go: holding(tube.to_go(sample), state),
+        }
+    };
+    (0..path.time.len()).step_by(every).map(of).collect()
+}
+
+/// The outline of the first set that contains a state. Sets are ordered by the number of impacts,
+/// so this is the set of the plan's own number.
+fn holding<'a>(mut sets: impl Iterator<Item = &'a ReachSet>, state: [f64; 2]) -> Vec<[f64; 2]> {
+    let holds = |set: &&ReachSet| set.contains(&state).unwrap_or(false);
+    let outline = sets.find(holds).and_then(|set| set.outline(0, 1).ok()).unwrap_or_default();
+    let is_finite = outline.iter().flatten().all(|value| value.is_finite());
+    if is_finite { outline } else { Vec::new() }
+}

@@ -1,0 +1,56 @@
+//! What the page asks.
+
+use carom::collision_tolerant::{Endpoint, Scenario};
+use carom::hybrid::DamageLimits;
+use carom::prelude::*;
+use serde::Deserialize;
+
+/// The longest plan that is looked for, in s.
+pub const LONGEST: f64 = 30.0;
+
+/// A task, in SI units.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Task {
+    start: f64,
+    velocity: f64,
+    goal: f64,
+    restitution: f64,
+    impact_limit: Option<f64>,
+    max_speed: f64,
+    max_acceleration: f64,
+    /// Δt.
+    pub time_step: f64,
+}
+
+impl Task {
+    /// Reads a task.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let task: Task = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        if task.time_step.is_finite() && task.time_step >= 1e-3 {
+            Ok(task)
+        } else {
+            Err("the time step must be at least 1 ms".into())
+        }
+    }
+
+    /// The task as a scenario. As in the paper, plans begin and end without acceleration.
+    pub fn scenario(&self) -> Result<Scenario, Error> {
+        let at = |position| Endpoint::at_rest(position).with_acceleration(0.0);
+        let mut damage = DamageLimits::default();
+        damage.per_impact = self.impact_limit;
+        Scenario::paper()
+            .with_start(at(self.start).with_velocity(self.velocity))
+            .with_goal(at(self.goal))
+            .with_acceleration(-self.max_acceleration, self.max_acceleration)
+            .with_max_speed(self.max_speed)
+            .with_time_step(self.time_step)
+            .with_damage(damage)
+            .with_restitution(self.restitution)
+    }
+
+    /// The largest horizon that is tried, in steps.
+    pub fn max_steps(&self) -> usize {
+        ((LONGEST / self.time_step).ceil() as usize).max(1)
+    }
+}
