@@ -1,4 +1,5 @@
-//! A free-flyer in a room with a pillar: avoid everything, or bounce. Time, effort and impulse.
+//! A free-flyer in a room with a pillar: avoid the walls, or bounce off them. Time, effort and
+//! impulse.
 //!
 //! `cargo run --release --example free_flyer [-- PICTURE.svg]`
 
@@ -15,21 +16,21 @@ const TIME_STEP: f64 = 0.5; // s
 fn scene(surface: Surface) -> Scene {
     let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)];
     let pillar = [Interval::new(1.7, 2.3), Interval::new(0.9, 2.2)];
-    let robot = Body::new("robot", room, 0.5, 0.1)
+    let robot = Body::new("robot", room, 0.5, 0.15)
         .with_mass(10.0)
         .with_shape(Shape::Ball(0.16))
-        .with_start(Region::point([0.5, 1.5, 0.4, 0.1]))
+        .with_start(Region::point([0.8, 1.5, -0.4, 0.3]))
         .with_goal(Region::point([3.5, 1.2, 0.0, 0.0]));
     Scene::new(TIME_STEP)
         .with_body(robot)
         .with_room("wall", &room, surface)
-        .with_obstacle(Solid::cuboid("pillar", &pillar, surface))
+        .with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid()))
 }
 
 fn main() -> Result<(), Box<dyn StdError>> {
     let mut solver = BranchAndBound::default();
     let bumper = Surface::bounce(Restitution::new(0.6)?);
-    println!("surfaces  time (s)  effort (m²/s³)  impulse (N s)  hits");
+    println!("walls     time (s)  effort (m²/s³)  impulse (N s)  hits");
     for (name, surface) in [("avoid", Surface::avoid()), ("bounce", bumper)] {
         let scene = scene(surface);
         let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;

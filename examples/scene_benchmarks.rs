@@ -78,7 +78,12 @@ fn main() -> Result<(), Box<dyn StdError>> {
     let mut program = puck()?.program(25)?;
     let effort = program.effort()?;
     program.model.minimize(5.0 * effort)?;
-    compare("puck, 25 steps", &instances::generators::puck(25, 0.2), &program.model)?;
+    let by_hand = instances::generators::puck(25, 0.2);
+    compare("puck, 25 steps", &by_hand, &program.model)?;
+    let start = Instant::now();
+    program.tighten()?;
+    println!("sets of each axis: {:.3} s", start.elapsed().as_secs_f64());
+    compare("puck, 25 steps, tightened", &by_hand, &program.model)?;
 
     let (mut by_hand, mut as_scene) = (0.0, 0.0);
     for restitution in [0.0, 0.025, 0.1, 0.25, 0.5, 0.65, 0.8, 1.0] {

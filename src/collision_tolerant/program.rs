@@ -151,7 +151,14 @@ impl PlanningProgram {
         // Under the literal law the wall pushes from the start of the step on.
         let zero_in_flight = scenario.contact.law == ContactLaw::Reflecting;
         let speeds = self.impact_speed.iter();
-        let impacts = speeds.map(|speed| ImpactSpeed::new(speed.clone(), zero_in_flight));
+        let wall = scenario.contact.wall;
+        let impacts = speeds.zip(&self.velocity).map(|(speed, v)| {
+            let impact = ImpactSpeed::new(speed.clone(), zero_in_flight);
+            match scenario.is_sound() {
+                true => impact.with_start(-wall.rate_of(&v.into())),
+                false => impact,
+            }
+        });
         let contacts: Vec<(Variable, ImpactSpeed)> = zeta.iter().zip(impacts).collect();
         self.damage = Some(Damage::add(&mut self.model, &contacts, &scenario.damage)?);
         Ok(())

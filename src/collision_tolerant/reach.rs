@@ -5,7 +5,7 @@ use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
 use crate::hybrid::{
-    ContactLaw, Horizon, HorizonModel, HybridSystem, LinearSystem, Transition, Waiting,
+    ContactLaw, Halfspace, Horizon, HorizonModel, HybridSystem, LinearSystem, Transition, Waiting,
 };
 use crate::interval::Interval;
 use crate::model::Model;
@@ -47,6 +47,10 @@ impl Scenario {
             .with_state("v", Interval::new(-self.max_speed, self.max_speed))
             .with_input("a", self.acceleration);
         let [flight, contact] = self.contact.transitions(self.time_step, max_impact_speed)?;
+        let (flight, contact) = match self.is_sound() {
+            true => self.within_steps(flight, contact, max_impact_speed),
+            false => (flight, contact),
+        };
         Ok(match (self.collisions, self.contact.law) {
             (Collisions::Forbidden, _) => {
                 let flow = LinearSystem::double_integrator(self.time_step)?;
@@ -62,6 +66,25 @@ impl Scenario {
             }
             (Collisions::Tolerated, _) => system.with_transition(flight).with_transition(contact),
         })
+    }
+
+    /// A flight that does not dip into the wall, and a contact whose limit holds at both ends of its
+    /// step.
+    fn within_steps(
+        &self,
+        flight: Transition,
+        contact: Transition,
+        max_impact_speed: Option<f64>,
+    ) -> (Transition, Transition) {
+        let (wall, dt) = (self.contact.wall, self.time_step);
+        let n = wall.normal();
+        // The middle control point of the step's parabola.
+        let dip = Halfspace::new("no dip", [-n, -0.5 * dt * n], -n * wall.position());
+        let limited = max_impact_speed.map(|most| {
+            let name = "the limit on the speed before the impact";
+            Halfspace::limit(name, [0.0, -n], most)
+        });
+        (flight.with_guard(dip), contact.with_guards(limited))
     }
 
     /// Reach sets of the scenario: forward from its start, backward from its goal.

@@ -5,7 +5,8 @@ use super::error::ScenarioError;
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::{
-    Contact, ContactLaw, DamageLimits, FreeSide, Horizon, Region, Restitution, Waiting, Wall,
+    Contact, ContactLaw, DamageLimits, FreeSide, Horizon, ImpactEstimate, Region, Restitution,
+    Waiting, Wall,
 };
 use crate::interval::Interval;
 use crate::setters::{changed_copies, setters};
@@ -87,13 +88,17 @@ pub struct Scenario {
     pub collisions: Collisions,
     /// Limits and weight of damage; equations (14)-(20). Ignored if collisions are forbidden.
     pub damage: DamageLimits,
+    /// Which speed counts as the impact speed under the reflecting law; default
+    /// [`ImpactEstimate::EndOfStep`], as in the paper.
+    pub estimate: ImpactEstimate,
     /// Allowed positions, in m. If `None`, they extend as far as the vehicle can go and still reach
     /// the goal within the horizon, which excludes no plan.
     pub domain: Option<Interval>,
 }
 
 impl Scenario {
-    /// A scenario with a perfectly plastic wall, the reflecting law and no damage limits.
+    /// A scenario with a perfectly plastic wall, the reflecting law, no damage limits and impact
+    /// speeds at the ends of steps.
     ///
     /// # Arguments
     ///
@@ -120,6 +125,7 @@ impl Scenario {
             contact: Contact::new(wall, Restitution::PLASTIC),
             collisions: Collisions::Tolerated,
             damage: DamageLimits::default(),
+            estimate: ImpactEstimate::EndOfStep,
             domain: None,
         }
     }
@@ -202,6 +208,8 @@ impl Scenario {
         with_time_step(time_step: f64) => time_step = time_step;
         /// Sets limits and weight of damage.
         with_damage(limits: DamageLimits) => damage = limits;
+        /// Sets which speed counts as the impact speed.
+        with_estimate(wanted: ImpactEstimate) => estimate = wanted;
         /// Sets the allowed positions, in m.
         with_domain(lower: f64, upper: f64) => domain = Some(Interval::new(lower, upper));
     }
@@ -321,6 +329,11 @@ impl Scenario {
             return Waiting::Free("the vehicle can rest at its goal".into());
         }
         Waiting::NotFree("the vehicle can rest neither at its start nor at its goal".into())
+    }
+
+    /// Whether impacts inside a step count; under the literal law they happen at its start.
+    pub(super) fn is_sound(&self) -> bool {
+        self.estimate == ImpactEstimate::Sound && self.contact.law == ContactLaw::Reflecting
     }
 
     /// Largest magnitude of an acceleration in free flight, in m/s².

@@ -86,7 +86,8 @@ impl Trajectory {
             if solution.value(zeta)? > 0.5 {
                 let speed = solution.value(speed)?;
                 trajectory.contact[t] = true;
-                trajectory.damage[t] = speed;
+                let start = -scenario.contact.wall.rate(trajectory.velocity[t]);
+                trajectory.damage[t] = if scenario.is_sound() { speed.max(start) } else { speed };
                 let impact = trajectory.impact(scenario, t, speed);
                 trajectory.impacts.push(impact);
             }

@@ -127,7 +127,9 @@ impl Damage {
     /// If the law's impact speed is 0 in flight, (16) and (17) hold in both modes and are plain
     /// rows.
     ///
-    /// The strict `>` of (17) and its -ε become an equality here: the damage *is* F_d.
+    /// The strict `>` of (17) and its -ε become an equality here: the damage *is* F_d. If an impact
+    /// speed [has a start](ImpactSpeed::with_start), the damage is at least both, and
+    /// `damage_start[t]` says so.
     ///
     /// # Arguments
     ///
@@ -151,7 +153,9 @@ impl Damage {
         for (t, (_, impact)) in contacts.iter().enumerate() {
             let range = model.range(&impact.speed)?;
             let lowest = if impact.zero_in_flight { 0.0 } else { range.lower.min(0.0) };
-            let highest = range.upper.max(0.0).min(limits.per_impact.unwrap_or(f64::INFINITY));
+            let start = impact.start.as_ref().map(|start| model.range(start)).transpose()?;
+            let upper = start.map_or(range.upper, |start| range.upper.max(start.upper));
+            let highest = upper.max(0.0).min(limits.per_impact.unwrap_or(f64::INFINITY));
             check_finite(format_args!("D[{t}]"), "a bound", [lowest, highest])?;
             model.set_bounds(values[t], lowest, highest)?;
             lowest_total += lowest;
@@ -161,7 +165,14 @@ impl Damage {
         let total = model.continuous("D_total", lowest_total, highest_total)?;
         for (t, ((hit, impact), damage)) in contacts.iter().zip(&values).enumerate() {
             model.add(("damage_off", t), hit.off().implies(damage.equals(0.0)))?;
-            let on = damage.equals(&impact.speed);
+            let on = match &impact.start {
+                None => damage.equals(&impact.speed),
+                Some(start) => {
+                    let row = hit.on().implies(damage.ge(start));
+                    model.add(("damage_start", t), row)?;
+                    damage.ge(&impact.speed)
+                }
+            };
             match impact.zero_in_flight {
                 true => drop(model.add(("damage_on", t), on)?),
                 false => drop(model.add(("damage_on", t), hit.on().implies(on))?),
@@ -172,6 +183,9 @@ impl Damage {
         let families = ["damage_off", "damage_on", "damage_total"];
         let added = if contacts.is_empty() { &families[2..] } else { &families[..] };
         added.iter().try_for_each(|family| model.set_background(family))?;
+        if contacts.iter().any(|(_, impact)| impact.start.is_some()) {
+            model.set_background("damage_start")?;
+        }
         let cost = limits.weight * total;
         Ok(Damage { values, total, cost })
     }

@@ -106,12 +106,23 @@ pub struct ImpactSpeed {
     /// Whether the law keeps `speed` at 0 if ζ(t) = 0, and never negative. Otherwise the expression
     /// has no meaning in flight.
     pub zero_in_flight: bool,
+    /// The approach at the start of the step, in m/s, if the damage of a hit is to be at least that
+    /// too; `None` if the damage is `speed`.
+    pub start: Option<Affine>,
 }
 
 impl ImpactSpeed {
     /// The speed into the wall, in m/s, and whether it is 0 in flight.
     pub fn new(speed: impl Into<Affine>, zero_in_flight: bool) -> Self {
-        ImpactSpeed { speed: speed.into(), zero_in_flight }
+        ImpactSpeed { speed: speed.into(), zero_in_flight, start: None }
+    }
+
+    /// Lets the damage of a hit be at least the approach at the start of its step too, in m/s; see
+    /// [`ImpactEstimate::Sound`](crate::hybrid::ImpactEstimate::Sound).
+    #[must_use]
+    pub fn with_start(mut self, approach: impl Into<Affine>) -> Self {
+        self.start = Some(approach.into());
+        self
     }
 }
 

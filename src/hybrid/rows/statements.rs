@@ -26,6 +26,8 @@ pub(super) struct ChoiceStep<'a> {
     pub(super) rows: &'a Switch,
     pub(super) step: usize,
     pub(super) method: Option<Method>,
+    /// Which next states are what is predicted.
+    pub(super) as_predicted: &'a [bool],
 }
 
 /// A statement's family, the row, and whether it describes the system.
@@ -63,7 +65,8 @@ impl ChoiceStep<'_> {
         let count = self.own.len();
         for (from, row) in &self.rows.common {
             let family = self.family(names, *from, row.label, true);
-            model.add((family.as_str(), self.step), self.expression(row).le(row.limit))?;
+            let left = self.by_next(*from, row).unwrap_or_else(|| self.expression(row));
+            model.add((family.as_str(), self.step), left.le(row.limit))?;
             note(background, family, describes(row.label));
         }
         let selectors = (0..count).map(|j| self.variables().taken.literal(j, self.step));
@@ -195,7 +198,8 @@ impl ChoiceStep<'_> {
             }
             let family = self.family(names, transition, row.label, false);
             let Label::Change { group, upper } = row.label else {
-                named.push((family, self.expression(row).le(row.limit), describes(row.label)));
+                let left = self.by_next(transition, row).unwrap_or_else(|| self.expression(row));
+                named.push((family, left.le(row.limit), describes(row.label)));
                 continue;
             };
             let both = Label::Change { group, upper: true };
@@ -263,6 +267,26 @@ impl ChoiceStep<'_> {
             }
         }
         Ok(best.map_or(Affine::zero().le(0.0), |(_, row)| row))
+    }
+
+    /// The left side of a guard on the prediction, by the next states, if these are what is
+    /// predicted. One variable says more to presolve than the terms of a flow.
+    fn by_next(&self, from: usize, row: &SwitchRow) -> Option<Affine> {
+        let Label::Guard { number, .. } = row.label else { return None };
+        let transition = &self.choice().transitions[from];
+        let number = number.checked_sub(transition.guards.len())?;
+        let normal = &transition.prediction_guards.get(number)?.normal;
+        let used = || normal.iter().enumerate().filter(|(_, n)| **n != 0.0);
+        if row.w.iter().any(|&w| w != 0.0) || !used().all(|(i, _)| self.as_predicted[i]) {
+            return None;
+        }
+        let flow = map::flow(&transition.flow);
+        let mut sum = Affine::zero();
+        for (i, n) in used() {
+            sum.add_term(*n, self.program.states.get(i)?.get(self.step + 1)?);
+            sum += -n * flow[i].constant;
+        }
+        Some(sum)
     }
 
     /// The left side of a row.

@@ -91,6 +91,7 @@ pub(super) fn write(
             program: &program,
             plans: &plans,
             options,
+            as_predicted: as_predicted(system),
             background: BTreeSet::new(),
         };
         writer.limits()?;
@@ -239,6 +240,23 @@ fn outputs(program: &mut HybridProgram, plans: &[Plan]) {
     (program.outputs, program.own_outputs) = (outputs, by_choice);
 }
 
+/// Which states every transition of every choice leaves as one common flow has them, so that the next
+/// state is what is predicted.
+fn as_predicted(system: &HybridSystem) -> Vec<bool> {
+    let flow = system.flow.as_ref().or(system.transitions().next().map(|t| &t.flow));
+    let Some(flow) = flow.map(map::flow) else { return Vec::new() };
+    let shared = system.transitions().all(|t| map::flow(&t.flow) == flow);
+    let keeps = |t: &crate::hybrid::system::Transition, i: usize| match &t.reset {
+        None => true,
+        Some(reset) => {
+            let unit = |j: usize| if i == j { 1.0 } else { 0.0 };
+            let is_row = (0..flow.len()).all(|j| reset.matrix[(i, j)] == unit(j));
+            is_row && reset.offset.values().all(|offset| offset.get(i) == Some(&0.0))
+        }
+    };
+    (0..flow.len()).map(|i| shared && system.transitions().all(|t| keeps(t, i))).collect()
+}
+
 struct Writer<'a> {
     system: &'a HybridSystem,
     model: &'a mut Model,
@@ -246,6 +264,8 @@ struct Writer<'a> {
     program: &'a HybridProgram,
     plans: &'a [Plan],
     options: &'a RowOptions,
+    /// Which states are as predicted.
+    as_predicted: Vec<bool>,
     /// Families of statements that describe the system.
     background: BTreeSet<String>,
 }
@@ -295,7 +315,16 @@ impl Writer<'_> {
             for (number, plan) in self.plans.iter().enumerate() {
                 let (own, rows) = at(&plan.steps, t);
                 let method = self.options.method;
-                let step = ChoiceStep { program: self.program, number, own, rows, step: t, method };
+                let as_predicted = &self.as_predicted;
+                let step = ChoiceStep {
+                    program: self.program,
+                    number,
+                    own,
+                    rows,
+                    step: t,
+                    method,
+                    as_predicted,
+                };
                 step.add(self.model, &mut self.names, &mut self.background)?;
             }
         }

@@ -79,16 +79,8 @@ impl Scene {
         cautious.rules.clear();
         let stated = cautious.stated()?;
         let mut program = stated.program(steps)?;
-        if stated.is_separable() {
-            let mut sets = stated.sets()?;
-            let tube = sets.tube(steps)?;
-            if tube.is_empty() {
-                return Ok(Avoidable::No(sets.explain(steps)?.map(Box::new)));
-            }
-            let variables = program.hybrid.horizon_variables();
-            if tube.tighten(&mut program.model, &variables)?.infeasible {
-                return Ok(Avoidable::No(None));
-            }
+        if !program.tighten()? {
+            return Ok(Avoidable::No(stated.sets()?.explain(steps)?.map(Box::new)));
         }
         let solution = solver.solve(&program.model)?;
         Ok(match solution.termination() {

@@ -3,6 +3,7 @@
 use std::borrow::{Borrow, BorrowMut};
 
 use super::contact::{Contact, Mode};
+use super::geometry::dot;
 use super::rule::DamageRule;
 use super::statement::Scene;
 use super::system::{AXES, Stated};
@@ -272,7 +273,7 @@ impl SceneProgram {
     /// At most one hit of each body in a step, unless corners are allowed.
     fn one_hit(&mut self) -> Result<(), Error> {
         if self.scene.corners {
-            return Ok(());
+            return self.opposite_faces();
         }
         for b in 0..self.scene.bodies.len() {
             let of_body = |c: &usize| {
@@ -286,6 +287,29 @@ impl SceneProgram {
             let family = format!("one_hit_{b}");
             for t in 0..self.steps() {
                 let hits: Affine = own.iter().map(|&c| self.hits_of(c, t)).sum();
+                self.model.add((family.as_str(), t), hits.le(1.0))?;
+            }
+            self.model.set_background(&family)?;
+        }
+        Ok(())
+    }
+
+    /// Even in a corner, a body does not hit two opposite walls at once.
+    fn opposite_faces(&mut self) -> Result<(), Error> {
+        let count = self.contacts.len();
+        for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))) {
+            let [first, second] = [a, b].map(|c| &self.contacts[c]);
+            let same = (first.body, first.other) == (second.body, second.other);
+            let ([one], [two]) = (&first.faces[..], &second.faces[..]) else { continue };
+            let opposite = dot(&one.normal, &two.normal) < -1.0 + 1e-12;
+            let room = one.limit.len() == 1 && two.limit.len() == 1;
+            let apart = one.limit_at(0) + two.limit_at(0) < 0.0;
+            if !(same && opposite && room && apart && first.bounces() && second.bounces()) {
+                continue;
+            }
+            let family = format!("one_of_two_{a}_{b}");
+            for t in 0..self.steps() {
+                let hits = self.hits_of(a, t) + self.hits_of(b, t);
                 self.model.add((family.as_str(), t), hits.le(1.0))?;
             }
             self.model.set_background(&family)?;

@@ -78,6 +78,29 @@ impl Scene {
     }
 }
 
+impl SceneProgram {
+    /// Fixes hits and narrows bounds by the [sets](Scene::reach_sets) of the horizon, where these are
+    /// quick to compute: where axes are independent. No plan is lost. `false` if the sets prove
+    /// that there is none; the model then stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// None for programs of scenes.
+    pub fn tighten(&mut self) -> Result<bool, Error> {
+        let (scene, contacts) = (self.scene.clone(), self.contacts.clone());
+        let stated = Stated { scene, contacts, system: self.hybrid.system().clone() };
+        if !stated.is_separable() {
+            return Ok(true);
+        }
+        let tube = stated.sets()?.tube(self.steps())?;
+        if tube.is_empty() {
+            return Ok(false);
+        }
+        let variables = self.hybrid.horizon_variables();
+        Ok(!tube.tighten(&mut self.model, &variables)?.infeasible)
+    }
+}
+
 impl Stated {
     pub(super) fn sets(&self) -> Result<ReachSets, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));

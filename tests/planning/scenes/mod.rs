@@ -2,4 +2,5 @@
 
 mod paper;
 mod plane;
+mod properties;
 mod refusals;

@@ -1,10 +1,33 @@
 //! A scene on a line is the paper's program.
 
-use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::collision_tolerant::{Objective, PlanningOptions, Scenario, plan, shortest_plan};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
+
+#[test]
+fn both_count_damage_alike() {
+    // The least largest damage over a horizon, sound and as in the paper.
+    let scenario = Scenario::paper().with_restitution(0.3).unwrap().with_time_step(0.1);
+    let mut solver = BranchAndBound::default();
+    let mut least = Vec::new();
+    for estimate in [ImpactEstimate::EndOfStep, ImpactEstimate::Sound] {
+        let scenario = scenario.with_estimate(estimate);
+        let planned = plan(&scenario, 24, Objective::LargestDamage, &mut solver).unwrap();
+        let planned = planned.into_plan().unwrap();
+        let mut program = scene(&scenario).with_estimate(estimate).program(24).unwrap();
+        let largest = program.largest_impact().unwrap();
+        program.model.minimize(largest).unwrap();
+        let solution = solver.solve(&program.model).unwrap();
+        let replayed = program.certified(&solution).unwrap();
+        let own = solution.objective().unwrap();
+        assert!((own - planned.trajectory.largest_damage()).abs() < 1e-4, "{estimate:?}");
+        assert!(replayed.hits.iter().all(|hit| hit.damage <= own + 1e-5));
+        least.push(own);
+    }
+    assert!(least[1] >= least[0] - 1e-6);
+}
 
 /// The paper's scenario as a scene.
 fn scene(scenario: &Scenario) -> Scene {
