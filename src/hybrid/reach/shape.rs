@@ -384,10 +384,7 @@ impl Shape {
         }
         match self {
             Shape::Planar(polygon) => polygon.support([direction[0], direction[1]]),
-            Shape::Template(set) => {
-                let exact = vec![0.0; direction.len()];
-                set.template.combinations(direction, &exact).bound(&set.limits)
-            }
+            Shape::Template(set) => set.support(direction),
         }
     }
 

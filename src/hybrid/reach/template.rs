@@ -201,6 +201,17 @@ impl Polyhedron {
         self.limits.is_empty()
     }
 
+    /// An upper bound of `direction . z`. The combinations of template directions are known, those of
+    /// others are found first.
+    pub(super) fn support(&self, direction: &[f64]) -> f64 {
+        let known = self.template.directions.iter().position(|own| own == direction);
+        if let Some(own) = known.and_then(|k| self.template.own.get(k)) {
+            return own.bound(&self.limits);
+        }
+        let exact = vec![0.0; direction.len()];
+        self.template.combinations(direction, &exact).bound(&self.limits)
+    }
+
     /// An upper bound of `direction . z`, from one template direction or from the axes.
     pub(super) fn rough_support(&self, direction: &[f64]) -> f64 {
         if self.is_empty() {
