@@ -5,7 +5,7 @@ use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::search::cuts::strengthen;
-use crate::search::{Accept, ColumnGuidance, Found, Seed, Task, search, with_perspective};
+use crate::search::{Accept, ColumnGuidance, Found, Root, Seed, Task, search, with_perspective};
 use crate::solution::{Point, Verification};
 use crate::solver::{Control, Options, StopToken};
 
@@ -96,20 +96,26 @@ impl Stage<'_> {
             None
         };
         let program = tight.as_ref().unwrap_or(program);
-        let (bent, root) = if options.cuts && !self.as_is {
-            with_perspective(program, token, &mut ladder)
-        } else {
-            (None, None)
-        };
-        let program = bent.as_ref().unwrap_or(program);
-        let cut = if options.cuts && !self.as_is {
-            strengthen(program, token, &mut ladder, root)
+        let mut root = Root::new(program, token, options.probing);
+        let bent = if options.cuts && !self.as_is {
+            with_perspective(program, &mut root, options, token, &mut ladder)
         } else {
             None
         };
+        let program = bent.as_ref().unwrap_or(program);
+        let cut = if options.cuts && !self.as_is {
+            strengthen(program, &mut root, options, token, &mut ladder)
+        } else {
+            None
+        };
+        let program = cut.as_ref().unwrap_or(program);
+        if bent.is_some() || cut.is_some() {
+            root.carry_over(program, token);
+        }
         let task = Task {
-            program: cut.as_ref().unwrap_or(program),
+            program,
             exact: Some(exact),
+            root: Some(&root),
             accept,
             key: &key,
             describe,

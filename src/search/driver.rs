@@ -27,17 +27,21 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     let token = &task.token.child(None);
     let ordered = ordered(task, seed);
     let task = Task { program: ordered.as_ref().unwrap_or(task.program), token, ..task };
-    let mut root = Root::new(task.program, token, task.options.probing);
+    let mut root = match task.root.filter(|_| ordered.is_none()) {
+        Some(root) => root.clone(),
+        None => Root::new(task.program, token, task.options.probing),
+    };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
         return Found::stopped(reason);
     }
     let windows = event_windows(task, &root);
     let program = windows.as_ref().map_or(task.program, EventWindows::program);
-    let task = Task { program, ..task };
+    let task = Task { program, root: None, ..task };
     root.extend(task.program, token);
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
-    let tree = Tree::new(task, seed, workers);
+    let known = root.point.as_ref().filter(|_| windows.is_none() && seed.is_none());
+    let tree = Tree::new(task, seed, known, workers);
     let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
     let shared = Shared { task, windows: windows.as_ref(), root: &root, nested };
     let mut reporter = Reporter::new(control);

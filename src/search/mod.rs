@@ -20,13 +20,13 @@
 //!
 //! The program:
 //!
-//! * `root_point` - the relaxed point of the root, for the next two
-//! * `perspective` - tighter costs of columns that binaries switch off
-//! * `cuts` - rows that cut off the relaxed point of the root
 //! * `symmetry` - interchangeable columns in non-increasing order
 //! * `event_windows` - branching on windows of time, `time_order` - the order of binaries in time
 //! * `indifferent_binaries` - integral values where the relaxed point leaves a choice
+//! * `root_point` - the relaxed point of the root, for the rest of these and the first node
 //! * `root` - propagation and probing before the first split
+//! * `perspective` - tighter costs of columns that binaries switch off
+//! * `cuts` - rows that cut off the relaxed point of the root
 //!
 //! The focus node:
 //!
@@ -96,6 +96,7 @@ pub(crate) use found::ClosedNode;
 pub use found::Found;
 pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
+pub(crate) use root::Root;
 pub use seed::SeedBox;
 pub(crate) use seed::{GuessEnd, Seed};
 pub use task::{Accept, Task};

@@ -9,6 +9,7 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 
+use super::root_point::RootPoint;
 use crate::relaxation::WarmState;
 
 /// One bound change by branching.
@@ -133,6 +134,13 @@ impl Node {
     pub fn root() -> Self {
         let (path, bound) = (Path::default(), f64::NEG_INFINITY);
         Node { path, bound, fraction: 0.0, known: None, warm: None, serial: 0 }
+    }
+
+    /// The root of a tree whose relaxed point may be known.
+    pub(super) fn relaxed_root(root: Option<&RootPoint>) -> Self {
+        let Some(RootPoint { bound, x, warm, .. }) = root else { return Node::root() };
+        let known = Some(Box::new(Known { point: x.clone(), warm: warm.clone() }));
+        Node { bound: *bound, known, ..Node::root() }
     }
 }
 

@@ -16,11 +16,12 @@
 
 use std::collections::BTreeMap;
 
+use super::root::Root;
 use super::root_point::RootPoint;
-use crate::presolve::{Domain, Propagator};
+use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
-use crate::solver::StopToken;
+use crate::solver::{Options, StopToken};
 
 /// Longest rows that are looked at (columns).
 const LONGEST: usize = 200;
@@ -141,36 +142,34 @@ fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
 }
 
 /// Replaces the squares that binaries switch off by tighter functions with the same cost at every
-/// point with whole binaries. Returns `None` for the program if that does not lift the bound of the
-/// root enough, and the relaxed point of the program that is left, where it was computed.
+/// point with whole binaries. Returns `None` if that does not lift the bound of the root enough. The
+/// root gets the relaxed point of the program that is left, where it was computed.
 pub(crate) fn with_perspective(
     program: &Program,
+    root: &mut Root,
+    options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-) -> (Option<Program>, Option<RootPoint>) {
+) -> Option<Program> {
     let all = switched_squares(program, token);
-    if all.is_empty() {
-        return (None, None);
+    if all.is_empty() || root.conflict.is_some() {
+        return None;
     }
-    let mut domain = Domain::new(program);
-    let mut propagator = Propagator::new(program);
-    propagator.set_stop_token(token);
-    if propagator.propagate_all(program, &mut domain).is_err() {
-        return (None, None);
-    }
-    let Some(root) = RootPoint::new(program, &domain, ladder, token) else { return (None, None) };
-    let squares = one_each(all, &root.x);
+    let point = RootPoint::new(program, &root.domain, ladder, options, token)?;
+    let squares = one_each(all, &point.x);
     // No function lifts the bound beyond its own value at this point.
-    let most: f64 = squares.iter().map(|square| excess(square, &root.x)).sum();
-    if !root.is_lifted_by(WORTH, root.value + most) {
-        return (None, Some(root));
+    let most: f64 = squares.iter().map(|square| excess(square, &point.x)).sum();
+    let mut tighter = None;
+    if point.is_lifted_by(WORTH, point.value + most) {
+        let found = best_slopes(program, &root.domain, &point, &squares, (options, token, ladder));
+        tighter = found.filter(|(_, best)| point.is_lifted_by(WORTH, best.value));
     }
-    match best_slopes(program, &domain, &root, &squares, (token, ladder)) {
-        Some((tighter, point)) if root.is_lifted_by(WORTH, point.value) => {
-            (Some(tighter), Some(point))
-        }
-        _ => (None, Some(root)),
-    }
+    let (tighter, point) = match tighter {
+        Some((tighter, best)) => (Some(tighter), best),
+        None => (None, point),
+    };
+    root.point = Some(point);
+    tighter
 }
 
 /// Looks for the slopes with the best bound: the program with them, and its relaxed point.
@@ -179,7 +178,7 @@ fn best_slopes(
     domain: &Domain,
     root: &RootPoint,
     squares: &[Switched],
-    (token, ladder): (&StopToken, &mut Ladder),
+    (options, token, ladder): (&Options, &StopToken, &mut Ladder),
 ) -> Option<(Program, RootPoint)> {
     let at_root = |square: &Switched| slope(square, &root.x).unwrap_or(0.0);
     let mut slopes: Vec<f64> = squares.iter().map(at_root).collect();
@@ -187,7 +186,7 @@ fn best_slopes(
     let mut idle = 0;
     for _ in 0..ROUNDS {
         let tighter = with_slopes(program, squares, &slopes)?;
-        let Some(point) = RootPoint::new(&tighter, domain, ladder, token) else { break };
+        let Some(point) = RootPoint::new(&tighter, domain, ladder, options, token) else { break };
         for (r, square) in slopes.iter_mut().zip(squares) {
             let wanted = slope(square, &point.x).unwrap_or(*r);
             *r += STEP * (wanted - *r);

@@ -1,6 +1,7 @@
-//! The root, propagated and probed once for all workers.
+//! The root, propagated and probed once for what strengthens the program and for all workers.
 
 use super::indifferent_binaries::{Group, groups, lone_binaries};
+use super::root_point::RootPoint;
 use crate::presolve::{Conflict, Domain, Propagator, covering_rows, probe, probe_implications};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -13,7 +14,8 @@ const ROOT_TRIALS: usize = 4000;
 const SIDES: std::ops::RangeInclusive<usize> = 3..=8;
 
 /// The root after propagation and probing; every worker starts from it.
-pub(super) struct Root {
+#[derive(Debug, Clone)]
+pub struct Root {
     /// The columns of each covering row that can be split.
     pub(super) covers: Vec<Vec<usize>>,
     pub(super) groups: Vec<Group>,
@@ -25,11 +27,13 @@ pub(super) struct Root {
     /// With what is known about implications.
     pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
+    /// The relaxed point, where it is known.
+    pub(super) point: Option<RootPoint>,
 }
 
 impl Root {
     /// Propagates, and probes if `probing`, until the token is over. Propagation keeps the token.
-    pub(super) fn new(program: &Program, token: &StopToken, probing: bool) -> Self {
+    pub(crate) fn new(program: &Program, token: &StopToken, probing: bool) -> Self {
         let mut domain = Domain::new(program);
         let mut propagator = Propagator::new(program);
         propagator.set_stop_token(token);
@@ -52,7 +56,27 @@ impl Root {
             .err();
         let (covers, groups) = (covering_rows(program, &SIDES), groups(program));
         let lone = lone_binaries(program, &groups);
-        Root { covers, groups, lone, late_first, domain, propagator, conflict }
+        Root { covers, groups, lone, late_first, domain, propagator, conflict, point: None }
+    }
+
+    /// Carries the root over to a program over the same columns with another objective or further
+    /// rows.
+    pub(crate) fn carry_over(&mut self, program: &Program, token: &StopToken) {
+        if self.conflict.is_some() {
+            return;
+        }
+        (self.covers, self.groups) = (covering_rows(program, &SIDES), groups(program));
+        self.lone = lone_binaries(program, &self.groups);
+        self.renew(program, token);
+    }
+
+    /// Propagates the domain through a program anew.
+    fn renew(&mut self, program: &Program, token: &StopToken) {
+        let mut propagator = Propagator::new(program);
+        propagator.set_stop_token(token);
+        propagator.set_implications(self.propagator.implications().clone());
+        self.conflict = propagator.propagate_all(program, &mut self.domain).err();
+        self.propagator = propagator;
     }
 
     /// Carries the root over to a program with further columns.
@@ -67,10 +91,7 @@ impl Root {
             domain.apply(j, false, lower);
             domain.apply(j, true, upper);
         }
-        let mut propagator = Propagator::new(program);
-        propagator.set_stop_token(token);
-        propagator.set_implications(self.propagator.implications().clone());
-        self.conflict = propagator.propagate_all(program, &mut domain).err();
-        (self.domain, self.propagator) = (domain, propagator);
+        self.domain = domain;
+        self.renew(program, token);
     }
 }

@@ -1,34 +1,54 @@
-//! The relaxed point of a root, and its value, for what strengthens a program before the search.
+//! The relaxed point of a root, and its value: for what strengthens a program before the search, and
+//! for the search, which need not relax the same root again.
 
-use crate::presolve::{Domain, Reduction, reduce};
+use crate::presolve::{Domain, Reduction, project, reduce, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{Claim, Ladder, Purpose};
-use crate::solver::StopToken;
+use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
+use crate::solver::{Options, StopToken};
 
 /// The relaxed point of a program, and its value.
 #[derive(Debug, Clone)]
-pub(crate) struct RootPoint {
+pub(super) struct RootPoint {
+    /// The proved bound.
+    pub(super) bound: f64,
     pub(super) value: f64,
     pub(super) x: Vec<f64>,
+    /// What the relaxation has left.
+    pub(super) warm: Option<WarmState>,
 }
 
 impl RootPoint {
-    /// Relaxes a program within a domain; `None` if nothing is left to relax, or without an optimum.
+    /// Relaxes a program within a domain as the search does; `None` if nothing is left to relax, or
+    /// without an optimum.
     pub(super) fn new(
         program: &Program,
         domain: &Domain,
         ladder: &mut Ladder,
+        options: &Options,
         token: &StopToken,
     ) -> Option<RootPoint> {
-        let Reduction::Reduced(reduced) = reduce(program, domain) else { return None };
+        let Reduction::Reduced(mut reduced) = reduce(program, domain) else { return None };
+        tighten_coefficients(&mut reduced, &program.integral);
+        let projection = project(*reduced, &program.integral);
+        let reduced = &projection.reduced;
         if reduced.columns.is_empty() {
             return None;
         }
-        ladder.solve_until(&reduced, Purpose::Separation, token, |answer| {
-            let solved = answer.claim == Claim::Solved && answer.x.iter().all(|v| v.is_finite());
-            let value = reduced.objective(&answer.x);
-            solved.then(|| RootPoint { value, x: reduced.lift(&answer.x) })
-        })
+        let question = Question {
+            purpose: Purpose::Separation,
+            cutoff: f64::INFINITY,
+            options,
+            look_for_descent: false,
+            token,
+            warm: None,
+        };
+        match ladder.solve(reduced, &question) {
+            Verdict::Relaxed { bound, x, warm, converged: true, .. } => {
+                let value = reduced.objective(&x);
+                Some(RootPoint { bound, value, x: projection.lift(&x), warm })
+            }
+            _ => None,
+        }
     }
 
     /// Whether another value is higher by at least a part of this one.

@@ -1,6 +1,7 @@
 //! The task of a search.
 
 use super::column_guidance::ColumnGuidance;
+use super::root::Root;
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solution::Point;
@@ -17,6 +18,8 @@ pub struct Task<'a> {
     pub program: &'a Program,
     /// The same columns and rows before big-Ms were tightened, for what becomes an answer.
     pub exact: Option<&'a Program>,
+    /// The root of the program, if it was probed before.
+    pub root: Option<&'a Root>,
     /// The check of incumbents.
     pub accept: &'a Accept<'a>,
     /// The integers that tell two points apart.

@@ -7,6 +7,7 @@ use super::best_points::{Accepted, BestPoints};
 use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::pseudocosts::Pseudocosts;
+use super::root_point::RootPoint;
 use super::seed::{GuessEnd, Seed, Seeded};
 use super::task::Task;
 use super::trace::event;
@@ -71,9 +72,15 @@ pub(super) struct Share {
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(task: Task<'a>, seed: Option<&'a Seed>, workers: usize) -> Self {
+    /// A tree with its root, whose relaxed point may be known.
+    pub(super) fn new(
+        task: Task<'a>,
+        seed: Option<&'a Seed>,
+        known: Option<&RootPoint>,
+        workers: usize,
+    ) -> Self {
         let mut queue = NodeQueue::default();
-        queue.push(Node::root());
+        queue.push(Node::relaxed_root(known));
         let state = State {
             queue,
             floors: vec![None; workers],

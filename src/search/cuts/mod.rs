@@ -1,7 +1,7 @@
 //! Cuts at the root: rows that every integral point satisfies and the relaxed point violates.
 //!
-//! Rounds of relaxing and cutting continue while they lift the bound. Cuts that are not active in
-//! the last relaxation are dropped, and all of them if the bound has hardly improved.
+//! Rounds of relaxing and cutting continue while they lift the bound. Cuts that stay slack leave, in
+//! the end all that are not active, and all of them if the bound has hardly improved.
 
 mod cut;
 mod implied_bounds;
@@ -12,16 +12,16 @@ pub use cut::Cut;
 pub use implied_bounds::implied_bound_cuts;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
+use super::root::Root;
 use super::root_point::RootPoint;
-use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::relaxation::Ladder;
-use crate::solver::StopToken;
+use crate::solver::{Options, StopToken};
 
 const ROUNDS: usize = 15;
 
 /// Most cuts of a round.
-const CUTS: usize = 60;
+const CUTS: usize = 300;
 
 /// A round that lifts the bound by less than this, relative, is idle; so many idle ones end it.
 const LIFT: f64 = 1e-3;
@@ -35,71 +35,126 @@ const HOPELESS: [f64; 2] = [1e-5, 5e-3];
 const WORTH: [f64; 2] = [5e-3, 1e-2];
 
 /// Cuts more parallel than this to a better one are left out (cosine).
-const PARALLEL: f64 = 0.9;
+const PARALLEL: f64 = 0.7;
+
+/// Rounds for which a cut may be slack before it leaves: the point is inside the face of all optima,
+/// and the next round may move it back.
+const PATIENCE: u32 = 2;
 
 /// Room, relative to the cut's terms, up to which a cut counts as binding.
 const BINDING: f64 = 1e-6;
 
-/// Adds cuts to a program. Returns `None` if they do not pay.
+/// Adds cuts to a program. Returns `None` if they do not pay. The root gets the relaxed point of the
+/// program that is left.
 ///
 /// # Arguments
 ///
 /// * `token`: ends the rounds.
 /// * `ladder`: keeps count of the relaxations.
-/// * `known`: the relaxed point, where it is known.
 pub(crate) fn strengthen(
     program: &Program,
+    root: &mut Root,
+    options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-    known: Option<RootPoint>,
 ) -> Option<Program> {
-    if program.integers.is_empty() || program.is_feasibility_problem() {
+    let idle = program.integers.is_empty() || program.is_feasibility_problem();
+    if idle || root.conflict.is_some() || token.is_over() {
         return None;
     }
+    let point = root.point.take();
+    let point = point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
-    let mut domain = Domain::new(program);
-    let mut propagator = Propagator::new(program);
-    propagator.set_stop_token(token);
-    propagator.propagate_all(program, &mut domain).ok()?;
-    if token.is_over() {
-        return None;
-    }
-    let root = known.or_else(|| RootPoint::new(program, &domain, ladder, token))?;
-    let (first, mut x) = (root.value, root.x);
-    let (mut last, mut idle) = (first, 0);
-    let mut cuts: Vec<Cut> = Vec::new();
-    for round in 0..ROUNDS {
-        if token.is_over() {
-            return None;
+    let mut rounds = Rounds { program, root, curved, cuts: Vec::new(), ages: Vec::new() };
+    let last = rounds.run(&point, options, token, ladder);
+    let last = last.filter(|last| point.is_lifted_by(WORTH[curved], last.value));
+    let more = last.as_ref().and_then(|last| {
+        rounds.drop_idle(&last.x, 0);
+        with_cuts(program, &rounds.cuts)
+    });
+    root.point = last.filter(|_| more.is_some()).or(Some(point));
+    more
+}
+
+/// Rounds of cutting the relaxed point off.
+struct Rounds<'a> {
+    program: &'a Program,
+    root: &'a mut Root,
+    /// 1 for a curved objective, 0 for a linear one.
+    curved: usize,
+    cuts: Vec<Cut>,
+    /// By cut, the rounds since it was active.
+    ages: Vec<u32>,
+}
+
+impl Rounds<'_> {
+    /// Cuts as long as it lifts the bound. Returns the last relaxed point, if there was a round.
+    ///
+    /// Cuts are found among the rows of the program and the cuts before them: a cut `x <= d z + s`
+    /// is the tight form of `x <= m z` from which the next one follows.
+    fn run(
+        &mut self,
+        root: &RootPoint,
+        options: &Options,
+        token: &StopToken,
+        ladder: &mut Ladder,
+    ) -> Option<RootPoint> {
+        let (mut last, mut more): (Option<RootPoint>, Option<Program>) = (None, None);
+        let mut idle = 0;
+        for round in 0..ROUNDS {
+            if token.is_over() {
+                return None;
+            }
+            let before = last.as_ref().unwrap_or(root);
+            let found =
+                self.separate(more.as_ref().unwrap_or(self.program), &before.x, round, token);
+            if found.is_empty() {
+                break;
+            }
+            self.drop_idle(&before.x, PATIENCE);
+            self.ages.extend(found.iter().map(|_| 0));
+            self.cuts.extend(found);
+            let program = more.insert(with_cuts(self.program, &self.cuts)?);
+            let point = RootPoint::new(program, &self.root.domain, ladder, options, token);
+            let Some(point) = point else { break };
+            idle = if before.is_lifted_by(LIFT, point.value) { 0 } else { idle + 1 };
+            let hopeless = round == 0 && !root.is_lifted_by(HOPELESS[self.curved], point.value);
+            last = Some(point);
+            if idle >= IDLE || hopeless {
+                break;
+            }
         }
+        last
+    }
+
+    /// The best cuts that a point violates, from the rows of a program.
+    fn separate(
+        &mut self,
+        program: &Program,
+        x: &[f64],
+        round: usize,
+        token: &StopToken,
+    ) -> Vec<Cut> {
+        let Root { domain, propagator, .. } = &mut *self.root;
         // Most curved programs gain nothing, and a look at single rows tells.
-        let rows = if curved == 1 && round == 0 { 1 } else { ROWS };
-        let mut found = mixed_integer_rounding_cuts(program, &domain, &x, rows, token);
-        if curved == 0 {
-            found.extend(implied_bound_cuts(program, &mut domain, &mut propagator, &x));
+        let rows = if self.curved == 1 && round == 0 { 1 } else { ROWS };
+        let mut found = mixed_integer_rounding_cuts(program, domain, x, rows, token);
+        if self.curved == 0 {
+            found.extend(implied_bound_cuts(self.program, domain, propagator, x));
         }
-        let found = select(found, &x);
-        if found.is_empty() {
-            break;
-        }
-        cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
-        cuts.extend(found);
-        let more = with_cuts(program, &cuts)?;
-        let Some(relaxed) = RootPoint::new(&more, &domain, ladder, token) else { break };
-        let bound = relaxed.value;
-        x = relaxed.x;
-        idle = if bound - last < LIFT * last.abs().max(1e-6) { idle + 1 } else { 0 };
-        let hopeless = last == first && bound - first < HOPELESS[curved] * first.abs().max(1e-6);
-        last = bound;
-        if idle >= IDLE || hopeless {
-            break;
-        }
+        select(found, x)
     }
-    if last - first < WORTH[curved] * first.abs().max(1e-6) {
-        return None;
+
+    /// Drops the cuts that were not active for more than some rounds.
+    fn drop_idle(&mut self, x: &[f64], most: u32) {
+        for (cut, age) in self.cuts.iter().zip(&mut self.ages) {
+            let active = cut.room(x) <= BINDING * cut.scale(x);
+            *age = if active { 0 } else { *age + 1 };
+        }
+        let mut ages = self.ages.iter();
+        self.cuts.retain(|_| ages.next().is_some_and(|age| *age <= most));
+        self.ages.retain(|age| *age <= most);
     }
-    cuts.retain(|cut| cut.room(&x) <= BINDING * cut.scale(&x));
-    with_cuts(program, &cuts)
 }
 
 /// The deepest cuts, no two of them nearly parallel.

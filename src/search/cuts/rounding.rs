@@ -35,25 +35,26 @@ struct From {
     value: f64,
 }
 
-/// Where each continuous column is measured from.
+/// Where each continuous column can be measured from.
 pub(super) struct Substitutes {
-    from: Vec<Option<From>>,
+    /// By column, the nearest simple bound and the nearest variable one.
+    simple: Vec<Option<From>>,
+    variable: Vec<Option<From>>,
 }
 
 impl Substitutes {
-    /// For a point: the nearest bound of each continuous column, simple or variable.
+    /// For a point.
     pub(super) fn new(program: &Program, domain: &Domain, x: &[f64]) -> Self {
         let n = program.column_count();
-        let mut from: Vec<Option<From>> = vec![None; n];
-        let mut offer = |j: usize, new: From| {
+        let (mut simple, mut variable) = (vec![None; n], vec![None; n]);
+        let offer = |from: &mut Option<From>, new: From| {
             if new.constant.is_finite()
                 && new.slope.is_finite()
-                && from[j].is_none_or(|old| new.value < old.value)
+                && from.is_none_or(|old| new.value < old.value)
             {
-                from[j] = Some(new);
+                *from = Some(new);
             }
         };
-        // Variable bounds first: they win a tie.
         for row in 0..program.row_count() {
             let (&[p, q], &[a, b]) = program.row(row) else { continue };
             for (j, a, z, b) in [(p, a, q, b), (q, b, p, a)] {
@@ -66,22 +67,44 @@ impl Substitutes {
                     let sign = if upper { -1.0 } else { 1.0 };
                     let (constant, slope) = (limit / a, -b / a);
                     let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
-                    offer(j, From { sign, constant, slope, binary: z, value });
+                    offer(&mut variable[j], From { sign, constant, slope, binary: z, value });
                 }
             }
         }
         for j in (0..n).filter(|&j| !program.integral[j]) {
             for (constant, sign) in [(domain.lower(j), 1.0), (domain.upper(j), -1.0)] {
                 let value = (sign * (x[j] - constant)).max(0.0);
-                offer(j, From { sign, constant, slope: 0.0, binary: 0, value });
+                offer(&mut simple[j], From { sign, constant, slope: 0.0, binary: 0, value });
             }
         }
-        Substitutes { from }
+        Substitutes { simple, variable }
+    }
+
+    /// The nearest bound of a continuous column; a variable one wins a tie.
+    fn nearest(&self, column: usize) -> Option<From> {
+        match (self.simple[column], self.variable[column]) {
+            (Some(simple), Some(variable)) if simple.value < variable.value => Some(simple),
+            (simple, variable) => variable.or(simple),
+        }
     }
 
     /// How far a continuous column is from what it is measured from; infinite for a free one.
     pub(super) fn distance(&self, column: usize) -> f64 {
-        self.from[column].map_or(f64::INFINITY, |from| from.value)
+        self.nearest(column).map_or(f64::INFINITY, |from| from.value)
+    }
+
+    /// The one of a column's bounds that makes the rounding of a term `a x` deeper.
+    fn deeper(&self, column: usize, a: f64, divisor: f64, f: f64, x: &[f64]) -> Option<From> {
+        let (Some(simple), Some(variable)) = (self.simple[column], self.variable[column]) else {
+            return self.nearest(column);
+        };
+        // Without their constants, which are mostly the same.
+        let term = |from: From| {
+            let rest = (a * from.sign).min(0.0) / (divisor * (1.0 - f)) * from.value;
+            let whole = if from.slope == 0.0 { 0.0 } else { rounded(a * from.slope / divisor, f) };
+            rest + whole * x[from.binary]
+        };
+        Some(if term(variable) >= term(simple) { variable } else { simple })
     }
 }
 
@@ -109,6 +132,13 @@ struct Base {
     right: f64,
 }
 
+/// An aggregate in measured columns, with the divisor that cuts deepest.
+struct Trial {
+    base: Base,
+    divisor: f64,
+    depth: f64,
+}
+
 /// The best rounding of `aggregate <= right side` that the point violates.
 pub(super) fn round(
     program: &Program,
@@ -117,13 +147,45 @@ pub(super) fn round(
     substitutes: &Substitutes,
     aggregate: &Aggregate,
 ) -> Option<Cut> {
-    let mut base = base(program, domain, x, substitutes, aggregate)?;
+    let n = program.column_count();
+    let measure = |pick: &dyn Fn(usize, f64) -> Option<From>| {
+        divide(base(program, domain, x, pick, aggregate)?, aggregate.noise)
+    };
+    let mut best = measure(&|j, _| substitutes.nearest(j));
+    // A column may be far below its variable bound because this is wide, and the rounding makes it
+    // narrow: all variable bounds, and then those of them that pay.
+    let hidden = |&j: &usize| {
+        let Some(from) = (j < n).then(|| substitutes.variable[j]).flatten() else { return false };
+        substitutes.nearest(j).is_some_and(|near| near.value < from.value)
+    };
+    if aggregate.terms.keys().any(hidden) {
+        let all = measure(&|j, _| substitutes.variable[j].or(substitutes.simple[j]));
+        if let Some(all) = all {
+            let chosen = fraction(&all.base, all.divisor)
+                .and_then(|f| measure(&|j, a| substitutes.deeper(j, a, all.divisor, f, x)));
+            for trial in chosen.into_iter().chain([all]) {
+                if best.as_ref().is_none_or(|best| trial.depth > best.depth) {
+                    best = Some(trial);
+                }
+            }
+        }
+    }
+    let Trial { mut base, divisor, mut depth } = best?;
+    turn_around(&mut base, divisor, &mut depth);
+    if depth <= 0.0 {
+        return None;
+    }
+    write(program, domain, x, &base, divisor)
+}
+
+/// Tries the coefficients of integers as divisors, and parts of the best one.
+fn divide(base: Base, noise: f64) -> Option<Trial> {
     let mut divisors: Vec<f64> = Vec::new();
     let mut candidates: Vec<&Whole> = base.whole.iter().filter(|w| w.value > 1e-6).collect();
     candidates.sort_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
     for whole in candidates {
         let size = whole.coefficient.abs();
-        let clear = size >= CLEAR * aggregate.noise;
+        let clear = size >= CLEAR * noise;
         if clear
             && divisors.len() < DIVISORS
             && divisors.iter().all(|d| (d - size).abs() > 1e-6 * size)
@@ -143,6 +205,11 @@ pub(super) fn round(
             (most, divisor) = (depth, first / part);
         }
     }
+    Some(Trial { base, divisor, depth: most })
+}
+
+/// Measures integers from their other bound where that cuts deeper.
+fn turn_around(base: &mut Base, divisor: f64, most: &mut f64) {
     let mut flips: Vec<usize> = (0..base.whole.len())
         .filter(|&k| {
             let whole = &base.whole[k];
@@ -153,24 +220,20 @@ pub(super) fn round(
     flips.sort_by(|&a, &b| centre(&base.whole[a]).total_cmp(&centre(&base.whole[b])));
     for k in flips.into_iter().take(FLIPS) {
         base.flip(k);
-        let depth = depth(&base, divisor);
-        if depth > most {
-            most = depth;
+        let depth = depth(base, divisor);
+        if depth > *most {
+            *most = depth;
         } else {
             base.flip(k);
         }
     }
-    if most <= 0.0 {
-        return None;
-    }
-    write(program, domain, x, &base, divisor)
 }
 
 fn base(
     program: &Program,
     domain: &Domain,
     x: &[f64],
-    substitutes: &Substitutes,
+    pick: &dyn Fn(usize, f64) -> Option<From>,
     aggregate: &Aggregate,
 ) -> Option<Base> {
     let n = program.column_count();
@@ -180,7 +243,7 @@ fn base(
             *integers.entry(key).or_insert(0.0) += a;
             continue;
         }
-        let from = if key < n { substitutes.from[key]? } else { slack_from(program, key - n, x) };
+        let from = if key < n { pick(key, a)? } else { slack_from(program, key - n, x) };
         if !from.constant.is_finite() {
             return None;
         }

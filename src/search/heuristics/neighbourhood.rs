@@ -107,7 +107,7 @@ fn search_within(
     options.memory_limit = ctx.tree.memory_left();
     let guidance = ctx.shared.task.guidance.idle();
     let (options, guidance) = (&options, &guidance);
-    let task = Task { program, guidance, options, cutoff, ..ctx.shared.task };
+    let task = Task { program, root: None, guidance, options, cutoff, ..ctx.shared.task };
     let activity = ctx.clock.pause();
     let Found { points, statistics, .. } = (ctx.shared.nested)(task);
     ctx.clock.resume(activity);

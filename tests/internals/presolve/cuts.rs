@@ -81,6 +81,15 @@ proptest! {
         for cut in &cuts {
             prop_assert!(cut.room(&x) < 0.0, "the relaxed point is not cut off");
         }
+        // Cuts from cuts.
+        let row = |cut: &Cut| (cut.terms.clone(), [f64::NEG_INFINITY, cut.limit]);
+        let rows: Vec<_> = cuts.iter().map(row).collect();
+        let mut more = program.clone();
+        more.append(&[], &rows).expect("more rows");
+        let middle: Vec<f64> = x.iter().zip(&program.lower).map(|(x, l)| 0.5 * (x + l)).collect();
+        let next =
+            mixed_integer_rounding_cuts(&more, &domain, &middle, ROWS, &StopToken::default());
+        prop_assert_eq!(cut_off(&next, &points), None);
     }
 
     #[test]

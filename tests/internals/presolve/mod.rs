@@ -34,6 +34,7 @@ pub(crate) fn search_by(
         cutoff: f64::INFINITY,
         program,
         exact: None,
+        root: None,
         accept,
         guidance: &guidance,
         key: &|x| x.iter().map(|v| v.round() as i64).collect(),
