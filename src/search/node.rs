@@ -138,7 +138,8 @@ impl Node {
 
     /// The root of a tree whose relaxed point may be known.
     pub(super) fn relaxed_root(root: Option<&RootPoint>) -> Self {
-        let Some(RootPoint { bound, x, warm, .. }) = root else { return Node::root() };
+        let sharp = root.filter(|root| root.is_sharp());
+        let Some(RootPoint { bound, x, warm, .. }) = sharp else { return Node::root() };
         let known = Some(Box::new(Known { point: x.clone(), warm: warm.clone() }));
         Node { bound: *bound, known, ..Node::root() }
     }

@@ -6,6 +6,10 @@ use crate::program::Program;
 use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
 use crate::solver::{Options, StopToken};
 
+/// Largest distance of a bound from the value of its point with which a root needs no other
+/// relaxation, relative.
+const SHARP: f64 = 1e-7;
+
 /// The relaxed point of a program, and its value.
 #[derive(Debug, Clone)]
 pub(super) struct RootPoint {
@@ -49,6 +53,11 @@ impl RootPoint {
             }
             _ => None,
         }
+    }
+
+    /// Whether the bound is as good as that of any relaxation.
+    pub(super) fn is_sharp(&self) -> bool {
+        self.value - self.bound <= SHARP * self.value.abs().max(1.0)
     }
 
     /// Whether another value is higher by at least a part of this one.

@@ -42,7 +42,8 @@ fn hold(work: &mut Work, column: usize, rises: bool) -> bool {
     let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
     let end = if a > 0.0 { (limit - rest.most) / a } else { (limit - rest.least) / a };
     let far = if a > 0.0 { (limit - rest.least) / a } else { (limit - rest.most) / a };
-    let margin = IMPLIED * (rest.scale / a.abs()).max(1.0);
+    // Rounding, and no part of the terms: between terms of 9e9 a billionth is 9.
+    let margin = IMPLIED.max(4.0 * f64::EPSILON * rest.scale / a.abs());
     let inside =
         if rises { far <= work.upper[column] + margin } else { end >= work.lower[column] - margin };
     if !(fits && inside) {

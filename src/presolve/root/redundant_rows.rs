@@ -45,7 +45,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         !work.given[j] && (width == 0.0 || moves)
     };
     if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
-        force(work, row, by_lower, margin.max(noise));
+        let room = if by_lower { range.most - lower } else { upper - range.least };
+        force(work, row, by_lower, room.max(0.0) + noise);
         return Ok(1);
     }
     let mut changes = 0;
@@ -64,14 +65,14 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     Ok(changes)
 }
 
-/// Moves the columns of a row to the bounds that it leaves them, up to a margin of the row, and
-/// drops the row.
-fn force(work: &mut Work, row: usize, by_lower: bool, margin: f64) {
+/// Moves the columns of a row to the bounds that it leaves them, up to some room in the row's unit,
+/// and drops the row.
+fn force(work: &mut Work, row: usize, by_lower: bool, room: f64) {
     let entries = work.rows[row].clone();
     for &(j, a) in &entries {
         let at_upper = (a > 0.0) == by_lower;
         if !work.integral[j] && work.lower[j] < work.upper[j] {
-            work.column_noise[j] = work.column_noise[j].max(margin / a.abs());
+            work.column_noise[j] = work.column_noise[j].max(room / a.abs());
         }
         if at_upper {
             work.lower[j] = work.upper[j];

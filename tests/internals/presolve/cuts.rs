@@ -82,10 +82,13 @@ proptest! {
             prop_assert!(cut.room(&x) < 0.0, "the relaxed point is not cut off");
         }
         // Cuts from cuts.
-        let row = |cut: &Cut| (cut.terms.clone(), [f64::NEG_INFINITY, cut.limit]);
-        let rows: Vec<_> = cuts.iter().map(row).collect();
-        let mut more = program.clone();
-        more.append(&[], &rows).expect("more rows");
+        let mut model = case.grid.model();
+        let columns: Vec<_> = model.variables().map(|v| v.id()).collect();
+        for (k, cut) in cuts.iter().enumerate() {
+            let sum: Affine = cut.terms.iter().map(|&(j, a)| a * columns[j]).sum();
+            model.add(format!("cut{k}"), sum.le(cut.limit)).unwrap();
+        }
+        let more = Program::assemble(&model).unwrap();
         let middle: Vec<f64> = x.iter().zip(&program.lower).map(|(x, l)| 0.5 * (x + l)).collect();
         let next =
             mixed_integer_rounding_cuts(&more, &domain, &middle, ROWS, &StopToken::default());
