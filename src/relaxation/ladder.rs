@@ -166,7 +166,8 @@ pub enum Verdict {
 
 /// The methods of a search, and what they have taken.
 pub struct Ladder {
-    /// None or all: for dense programs with curvature, and for linear ones.
+    /// Those that start from the parent's state, none or all: for dense programs with curvature, and
+    /// for linear ones.
     warm: Vec<Entry>,
     first: Entry,
     /// `None` if the first method is alone.
@@ -265,9 +266,8 @@ impl Ladder {
         token: &StopToken,
         mut accept: impl FnMut(RelaxationResult) -> Option<T>,
     ) -> Option<T> {
-        let attempts = self.attempts(purpose, None).iter().copied();
+        let mut attempts = self.attempts(purpose, None).iter().copied();
         let mut ask = |attempt| self.ask(attempt, program, (f64::INFINITY, token), (None, None));
-        let mut attempts = attempts;
         attempts.find_map(|attempt| accept(ask(attempt)))
     }
 

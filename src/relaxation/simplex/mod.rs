@@ -135,7 +135,7 @@ fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<R
     let (n, m) = (program.columns.len(), program.rows.len());
     let mut wanted = Vec::with_capacity(m);
     let mut rest = vec![Rest::Lower; n + m];
-    for k in 0..n + m {
+    for (k, rest) in rest.iter_mut().enumerate() {
         let place = parent.and_then(|basis| match k.checked_sub(n) {
             None => basis.columns.get(program.columns[k]).copied().flatten(),
             Some(i) => {
@@ -145,7 +145,7 @@ fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<R
         });
         match place {
             Some(Place::Inside(weight)) => wanted.push((k, weight)),
-            Some(Place::Outside(at)) => rest[k] = at,
+            Some(Place::Outside(at)) => *rest = at,
             None if k >= n => wanted.push((k, 1.0)),
             None => {}
         }
