@@ -6,6 +6,7 @@
 //! assembled program instead, as solves from nothing do.
 
 use super::answer;
+use super::history::History;
 use super::pipeline::Pipeline;
 use super::seeding::{report, seed_of};
 use crate::error::Error;
@@ -27,6 +28,7 @@ pub(super) struct PreparedProgram<'a> {
     way_back: WayBack,
     parameters: Vec<Variable>,
     reduced: Reduced,
+    history: History,
 }
 
 /// What presolve has left, for all values of the parameters.
@@ -59,8 +61,9 @@ impl<'a> PreparedProgram<'a> {
             true => reduce(model, &program, &parameters)?,
             false => Reduced::Not,
         };
+        let history = History::new(model);
         let (model, way_back) = (model.clone(), lowered.into_way_back());
-        Ok(PreparedProgram { options, model, program, way_back, parameters, reduced })
+        Ok(PreparedProgram { options, model, program, way_back, parameters, reduced, history })
     }
 
     /// Searches what presolve has left.
@@ -103,6 +106,10 @@ impl Prepared for PreparedProgram<'_> {
         self.options
     }
 
+    fn shift(&mut self) {
+        self.history.shift();
+    }
+
     fn solve(
         &mut self,
         parameters: &[(Variable, f64)],
@@ -117,11 +124,13 @@ impl Prepared for PreparedProgram<'_> {
         let guidance = ColumnGuidance::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
+        let own = self.history.seed().filter(|_| seed.is_none());
         let pipeline = Pipeline { model, options, token: &token, guidance: &guidance, seed };
         let about_columns = pipeline.is_about_columns() || !guidance.is_idle();
         let (mut found, derivatives) = match &self.reduced {
             Reduced::Infeasible if options.reductions => (Found::infeasible(), None),
             Reduced::To(reduced) if options.reductions && !about_columns => {
+                let pipeline = Pipeline { seed: seed.or(own.as_ref()), ..pipeline };
                 (self.run_reduced(pipeline, reduced, control)?, None)
             }
             _ => {
@@ -135,6 +144,7 @@ impl Prepared for PreparedProgram<'_> {
                 pipeline.run_program(program, &restore, control)?
             }
         };
+        self.history.take_in(&self.model, &found);
         found.statistics.time = token.elapsed();
         let report = given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
         answer(model, options, found, derivatives, report)

@@ -9,6 +9,7 @@ pub mod horizon;
 pub mod linear;
 mod matrix;
 pub mod reach;
+mod receding;
 mod rows;
 pub mod scene;
 pub mod shortest_horizon;
@@ -26,6 +27,7 @@ pub use flaws::{Flaw, Witness};
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::IntoMatrix;
+pub use receding::{ClosedLoop, Disturbance, Move, MoveSource, RecedingHorizon};
 pub use rows::{HybridProgram, HybridRun, RowOptions};
 pub use shortest_horizon::{
     Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, RunProgram, ShortestHorizon,

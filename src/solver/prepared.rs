@@ -9,8 +9,9 @@ use crate::solution::Solution;
 /// A model that is solved again and again for other values of its parameters; made by
 /// [`Solver::prepare`].
 ///
-/// What holds for all values in the declared ranges is done once, when the model is prepared. A
-/// solve has the status and, within the gaps, the objective of a solve from nothing.
+/// What holds for all values in the declared ranges is done once, when the model is prepared. The
+/// integers of the last point are tried first, unless a seed is given. A solve has the status and,
+/// within the gaps, the objective of a solve from nothing.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -40,6 +41,11 @@ pub trait Prepared {
 
     /// The solver's options, for changes between solves, such as a time limit.
     fn options_mut(&mut self) -> &mut Options;
+
+    /// Tells that the next solve begins a step later than the last one: the start that the last point
+    /// proposes moves one step ahead, by the names of variables (the value of `z[3]` goes to `z[2]`).
+    /// It is never trusted, so a shift too many or too few costs time only.
+    fn shift(&mut self) {}
 
     /// Solves the model for these values of parameters; those that are not listed keep theirs.
     ///

@@ -9,6 +9,7 @@ mod goals;
 mod hybrid;
 mod physics;
 mod reach;
+mod receding;
 mod rows;
 mod scenes;
 mod shortest;

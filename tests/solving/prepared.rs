@@ -55,23 +55,29 @@ proptest! {
         steps in 2..6_usize,
         gains in [0.3..1.5, 0.3..1.0],
         weights in [0.0..2.0, 0.1..1.0, -0.5..0.5],
-        values in prop::collection::vec([-3.0..3.0, -5.0..5.0, -1.0..4.0], 4),
+        values in prop::collection::vec(([-3.0..3.0, -5.0..5.0, -1.0..4.0], any::<[bool; 2]>()), 5),
     ) {
         let (mut model, parameters) = horizon(steps, gains, weights).unwrap();
         let mut cold = BranchAndBound::default();
         let mut solver = BranchAndBound::default();
         let mut prepared = solver.prepare(&model).unwrap();
         let mut guess = TreeSeed::new();
-        for value in values {
+        for (value, [seeded, shifted]) in values {
             let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(value).collect();
             for &(parameter, value) in &values {
                 model.set_parameter(parameter, value).unwrap();
             }
-            let mut control = Control::default().with_seed(&guess);
+            let mut control = Control::default();
+            if seeded {
+                control = control.with_seed(&guess);
+            }
             let warm = prepared.solve(&values, &mut control).unwrap();
             agree(&cold.solve(&model).unwrap(), &warm);
             let integers = model.variables().filter(|v| v.kind().is_integral()).map(|v| v.id());
             guess = TreeSeed::of(&warm, integers);
+            if shifted {
+                prepared.shift();
+            }
         }
     }
 }
@@ -111,6 +117,26 @@ fn options_change_between_solves_and_pools_are_complete() {
     assert_eq!(stopped.termination(), carom::solution::Termination::NodeLimit);
     prepared.options_mut().relative_gap = -1.0;
     assert!(prepared.solve(&at, &mut Control::default()).is_err());
+}
+
+/// Small steps of the state, as in a closed loop: what was proved before is of use.
+#[test]
+fn proofs_of_earlier_solves_save_relaxations() {
+    let (mut model, parameters) = horizon(8, [1.0, 0.9], [1.0, 0.3, 0.05]).unwrap();
+    let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
+    let mut prepared = solver.prepare(&model).unwrap();
+    let (mut state, mut relaxations) = (3.0, [0, 0]);
+    for _ in 0..8 {
+        model.set_parameter(parameters[0], state).unwrap();
+        let one = cold.solve(&model).unwrap();
+        let warm = prepared.solve(&[(parameters[0], state)], &mut Control::default()).unwrap();
+        agree(&one, &warm);
+        relaxations[0] += one.statistics().relaxations;
+        relaxations[1] += warm.statistics().relaxations;
+        state = warm.value(model.variable_by_name(("x", 1)).unwrap()).unwrap().clamp(-3.0, 3.0);
+        prepared.shift();
+    }
+    assert!(relaxations[1] <= relaxations[0], "{relaxations:?}");
 }
 
 /// Any other backend can be asked as well.

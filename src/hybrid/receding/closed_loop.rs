@@ -1,0 +1,116 @@
+//! Closed loops and their records.
+
+use std::fmt::{self, Write as _};
+
+use web_time::Duration;
+
+use super::RecedingHorizon;
+use super::step::{Move, MoveSource};
+use crate::error::{Error, check_finite, check_length};
+
+/// The record of a controller in a loop with a plant.
+///
+/// `{}` prints a summary.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ClosedLoop {
+    /// The state at every sample, the first one included, in the states' units.
+    pub states: Vec<Vec<f64>>,
+    /// The moves, one per step.
+    pub moves: Vec<Move>,
+}
+
+impl RecedingHorizon<'_> {
+    /// Runs the controller in a loop with a plant.
+    ///
+    /// # Arguments
+    ///
+    /// * `start`: the first state.
+    /// * `plant`: the state after a move from a state: a simulation of the system, or anything
+    ///   else with other dynamics, noise (see [`Disturbance`](super::Disturbance)), or a delay
+    ///   according to [`Move::time`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`step`](Self::step) and of the plant; [`ErrorKind::Length`](crate::ErrorKind::Length)
+    /// and [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite) for the states that it returns.
+    pub fn run(
+        &mut self,
+        start: &[f64],
+        steps: usize,
+        mut plant: impl FnMut(&[f64], &Move) -> Result<Vec<f64>, Error>,
+    ) -> Result<ClosedLoop, Error> {
+        let mut record = ClosedLoop { states: vec![start.to_vec()], moves: Vec::new() };
+        let mut state = start.to_vec();
+        for _ in 0..steps {
+            let next = self.step(&state)?;
+            let after = plant(&state, &next)?;
+            check_length("the state of the plant", after.len(), state.len())?;
+            check_finite("the state of the plant", "an entry", after.iter().copied())?;
+            state = after;
+            record.moves.push(next);
+            record.states.push(state.clone());
+        }
+        Ok(record)
+    }
+}
+
+impl ClosedLoop {
+    /// The number of moves from a source.
+    pub fn count(&self, source: MoveSource) -> usize {
+        self.moves.iter().filter(|next| next.source == source).count()
+    }
+
+    /// The time that no more than a part of the steps took longer than; zero without a step.
+    ///
+    /// # Arguments
+    ///
+    /// * `part`: from 0 (the longest step) to 1; 0.5 is the median.
+    pub fn time_exceeded_by(&self, part: f64) -> Duration {
+        let mut times: Vec<Duration> = self.moves.iter().map(|next| next.time).collect();
+        times.sort_unstable_by(|a, b| b.cmp(a));
+        let at = (part.clamp(0.0, 1.0) * times.len() as f64) as usize;
+        times.get(at.min(times.len().saturating_sub(1))).copied().unwrap_or_default()
+    }
+
+    /// A table with a line per step: state, input, source, nodes, relaxations, time in s.
+    pub fn to_csv(&self) -> String {
+        let width = |of: fn(&Move) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
+        let (states, inputs) = (width(|m| &m.state), width(|m| &m.input));
+        let mut text = String::from("step");
+        (0..states).for_each(|i| _ = write!(text, ",x{i}"));
+        (0..inputs).for_each(|i| _ = write!(text, ",u{i}"));
+        text.push_str(",source,objective,nodes,relaxations,seconds\n");
+        for next in &self.moves {
+            _ = write!(text, "{}", next.step);
+            next.state.iter().chain(&next.input).for_each(|v| _ = write!(text, ",{v}"));
+            let objective = next.objective.map(|v| v.to_string()).unwrap_or_default();
+            let (nodes, relaxations) = (next.nodes, next.relaxations);
+            let seconds = next.time.as_secs_f64();
+            _ = writeln!(text, ",{},{objective},{nodes},{relaxations},{seconds}", next.source);
+        }
+        text
+    }
+}
+
+impl fmt::Display for ClosedLoop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sum = |of: fn(&Move) -> u64| self.moves.iter().map(of).sum::<u64>();
+        let milliseconds = |part: f64| 1e3 * self.time_exceeded_by(part).as_secs_f64();
+        let mut sources: Vec<MoveSource> = self.moves.iter().map(|next| next.source).collect();
+        sources.sort_unstable();
+        sources.dedup();
+        let counts: Vec<String> =
+            sources.iter().map(|&source| format!("{} {source}", self.count(source))).collect();
+        writeln!(f, "{} steps: {}", self.moves.len(), counts.join(", "))?;
+        writeln!(f, "{} nodes, {} relaxations", sum(|m| m.nodes), sum(|m| m.relaxations))?;
+        write!(
+            f,
+            "time per step: median {:.2} ms, 99.5 % within {:.2} ms, longest {:.2} ms",
+            milliseconds(0.5),
+            milliseconds(0.005),
+            milliseconds(0.0)
+        )
+    }
+}

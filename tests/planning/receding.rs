@@ -1,0 +1,194 @@
+//! Controllers: the plans of cold solves, moves without a plan, and closed loops.
+
+use std::time::Duration;
+
+use carom::ErrorKind;
+use carom::hybrid::{
+    Cost, Disturbance, Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Lqr, Move,
+    MoveSource, RecedingHorizon, Region, TerminalOptions, TerminalSet, Transition, When,
+};
+use carom::interval::Interval;
+use carom::prelude::*;
+
+const H: f64 = 0.1;
+
+/// A cart in front of a spring.
+fn cart() -> HybridSystem {
+    let flow = |spring: f64| {
+        let a = [[1.0, H], [-H * spring, 1.0]];
+        LinearSystem::new(a, [[0.0], [H]], [0.0, H * spring]).unwrap()
+    };
+    let apart = Halfspace::new("apart", [1.0, 0.0], 1.0);
+    let touching = Halfspace::new("touching", [-1.0, 0.0], -1.0);
+    HybridSystem::new()
+        .with_state("x", Interval::new(-2.0, 2.0))
+        .with_state("v", Interval::new(-3.0, 3.0))
+        .with_input("u", Interval::new(-2.0, 2.0))
+        .with_transition(Transition::new("free", flow(0.0)).with_guard(apart))
+        .with_transition(Transition::new("pushed", flow(20.0)).with_guard(touching))
+}
+
+fn program(steps: usize) -> Result<(HybridProgram, Model), Error> {
+    let mut model = Model::new("cart");
+    let program = cart().write(&mut model, "", &Horizon::new(steps, H)?)?;
+    let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.05]]);
+    let cost = program.add_cost(&mut model, "cost", &cost)?;
+    model.minimize(cost)?;
+    Ok((program, model))
+}
+
+fn plant(state: &[f64], next: &Move) -> Result<Vec<f64>, Error> {
+    Ok(cart().simulate(state, &[&next.input])?.last().to_vec())
+}
+
+#[test]
+fn every_plan_costs_what_a_cold_one_does() {
+    let (handles, model) = program(10).unwrap();
+    let mut push = Disturbance::new(vec![Interval::new(-0.02, 0.02); 2], 3);
+    let mut solver = BranchAndBound::default();
+    let mut controller = RecedingHorizon::new(&handles, model.clone(), &mut solver).unwrap();
+    let disturbed = |state: &[f64], next: &Move| {
+        let after = plant(state, next)?;
+        Ok(after.iter().zip(push.next_value()).map(|(x, w)| (x + w).clamp(-1.9, 1.9)).collect())
+    };
+    let run = controller.run(&[0.5, 1.8], 12, disturbed).unwrap();
+    assert_eq!(run.count(MoveSource::Optimal), 12);
+    for next in &run.moves {
+        let mut cold = model.clone();
+        let at = Region::point(&next.state);
+        handles.require(&mut cold, "at", &at, When::At(0)).unwrap();
+        let best = BranchAndBound::default().solve(&cold).unwrap().objective().unwrap();
+        let own = next.objective.unwrap();
+        assert!((best - own).abs() <= 5e-6 * best.abs().max(1.0), "{best}, {own}");
+        assert_eq!(next.states[0].len(), 2);
+        assert_eq!((next.inputs.len(), next.is_admissible), (10, Some(true)));
+    }
+    assert_eq!(run.to_csv().lines().count(), 13);
+    assert!(run.to_string().starts_with("12 steps: 12 optimal"));
+}
+
+#[test]
+fn a_move_comes_from_the_last_plan_when_there_is_no_new_one() {
+    let (handles, model) = program(6).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let first = controller.step(&[0.0, 1.0]).unwrap();
+    assert_eq!(first.source, MoveSource::Optimal);
+    controller = controller.with_budget(Duration::ZERO);
+    let state = plant(&[0.0, 1.0], &first).unwrap();
+    let second = controller.step(&state).unwrap();
+    assert_eq!(second.source, MoveSource::LastPlan);
+    assert_eq!((second.input, second.is_admissible), (first.inputs[1].clone(), Some(true)));
+    assert!(second.reason.is_some() && second.states.is_empty());
+    // Six inputs were planned.
+    for _ in 0..4 {
+        assert_eq!(controller.step(&[0.0, 0.0]).unwrap().source, MoveSource::LastPlan);
+    }
+    let last = controller.step(&[0.0, 0.0]).unwrap();
+    assert_eq!((last.source, &last.input[..]), (MoveSource::Emergency, &[0.0][..]));
+}
+
+#[test]
+fn a_state_out_of_range_gets_a_fallback_and_bad_numbers_an_error() {
+    let (handles, model) = program(4).unwrap();
+    let mut solver = BranchAndBound::default();
+    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let mut controller = controller.with_fallback(|state| vec![-state[1].signum()]);
+    let next = controller.step(&[0.0, 3.5]).unwrap();
+    assert_eq!((next.source, &next.input[..]), (MoveSource::Given, &[-1.0][..]));
+    assert_eq!(next.is_admissible, Some(false));
+    assert!(next.reason.is_some_and(|why| why.contains("measured_v")));
+    // Too fast to stay within the domain: there is no plan.
+    let next = controller.step(&[1.95, 3.0]).unwrap();
+    assert_eq!(next.source, MoveSource::Given);
+    let error = controller.step(&[0.0]).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::Length { .. }));
+    let error = controller.step(&[f64::NAN, 0.0]).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::NotFinite { .. }));
+}
+
+#[test]
+fn a_terminal_set_keeps_the_loop_going() {
+    let line = LinearSystem::double_integrator(H).unwrap();
+    let lqr = Lqr::new(&line, [[1.0, 0.0], [0.0, 1.0]], [[1.0]]).unwrap();
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(-2.0, 2.0))
+        .with_state("v", Interval::new(-2.0, 2.0))
+        .with_input("a", Interval::new(-1.0, 1.0))
+        .with_transition(Transition::new("drive", line));
+    let options = TerminalOptions::default();
+    let mut solver = BranchAndBound::default();
+    let set =
+        TerminalSet::new(&system, &["drive"], &lqr, &[0.0, 0.0], &options, &mut solver).unwrap();
+    let mut model = Model::new("drive");
+    let handles = system.write(&mut model, "", &Horizon::new(5, H).unwrap()).unwrap();
+    handles.require(&mut model, "end", &set.region, When::At(5)).unwrap();
+    model.minimize(0.0).unwrap();
+    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let mut controller = controller.with_terminal_set(set).with_budget(Duration::ZERO);
+    let next = controller.step(&[0.1, 0.1]).unwrap();
+    assert_eq!((next.source, next.is_admissible), (MoveSource::TerminalFeedback, Some(true)));
+}
+
+#[test]
+fn a_shrinking_horizon_arrives_in_time() {
+    let build = |steps: usize| {
+        let (handles, mut model) = program(steps)?;
+        let goal = Region::from(vec![Interval::new(-0.1, 0.1), Interval::new(-0.1, 0.1)]);
+        handles.require(&mut model, "goal", &goal, When::At(steps))?;
+        Ok((handles, model))
+    };
+    let mut solver = BranchAndBound::default();
+    let mut controller = RecedingHorizon::shrinking(15, build, &mut solver);
+    let run = controller.run(&[0.6, 1.0], 15, plant).unwrap();
+    assert!(run.states[15].iter().all(|x| x.abs() <= 0.1 + 1e-5), "{:?}", run.states[15]);
+    assert_eq!(run.count(MoveSource::Optimal), 15);
+    let error = controller.step(&[0.0, 0.0]).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }));
+}
+
+#[test]
+fn an_excess_of_softened_limits_is_reported() {
+    let (handles, mut model) = program(5).unwrap();
+    let limit = Halfspace::new("slow", [0.0, 1.0], 0.5);
+    let price = handles.soften(&mut model, "slow", &limit, 100.0, 0.0).unwrap();
+    let excess: Affine = model
+        .variables()
+        .filter(|v| v.name().family() == "slow_excess")
+        .map(|v| Affine::from(v.id()))
+        .sum();
+    let cost = model.objective().clone() + price;
+    model.minimize(cost).unwrap();
+    let mut solver = BranchAndBound::default();
+    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let mut controller = controller.with_excess(excess);
+    let fast = controller.step(&[0.0, 1.0]).unwrap();
+    assert_eq!(fast.source, MoveSource::Softened);
+    assert!(fast.excess.is_some_and(|excess| excess > 0.5));
+    let slow = controller.step(&[0.0, 0.2]).unwrap();
+    assert_eq!(slow.source, MoveSource::Optimal);
+}
+
+/// Any model in which parameters are what is measured.
+#[test]
+fn a_model_of_ones_own_is_controlled() {
+    let mut model = Model::new("tank");
+    let level = model.continuous_family("level", 5, 0.0, 10.0).unwrap();
+    let open = model.binary_family("open", 4).unwrap();
+    let measured = model.parameter("measured", 5.0, 0.0, 10.0).unwrap();
+    model.add("now", (level[0] - measured).equals(0.0)).unwrap();
+    for t in 0..4 {
+        let change = level[t + 1] - level[t] - 1.5 * open[t];
+        model.add(("flow", t), change.equals(-1.0)).unwrap();
+    }
+    let miss = level.iter().map(|x| (x - 4.0).square()).sum::<Quadratic>();
+    model.minimize(miss).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut controller =
+        RecedingHorizon::of_model(&model, &[measured], &[level], &[open], &mut solver).unwrap();
+    let tank = |state: &[f64], next: &Move| Ok(vec![state[0] + 1.5 * next.input[0] - 1.0]);
+    let run = controller.run(&[7.0], 12, tank).unwrap();
+    assert!((run.states[12][0] - 4.0).abs() < 1.5, "{:?}", run.states);
+    let error = RecedingHorizon::of_model(&model, &[], &[], &[], &mut BranchAndBound::default());
+    assert!(error.is_ok());
+}
