@@ -139,10 +139,10 @@ fn a_shrinking_horizon_arrives_in_time() {
         Ok((handles, model))
     };
     let mut solver = BranchAndBound::default();
-    let mut controller = RecedingHorizon::shrinking(15, build, &mut solver);
-    let run = controller.run(&[0.6, 1.0], 15, plant).unwrap();
-    assert!(run.states[15].iter().all(|x| x.abs() <= 0.1 + 1e-5), "{:?}", run.states[15]);
-    assert_eq!(run.count(MoveSource::Optimal), 15);
+    let mut controller = RecedingHorizon::shrinking(20, build, &mut solver);
+    let run = controller.run(&[0.3, 0.5], 20, plant).unwrap();
+    assert!(run.states[20].iter().all(|x| x.abs() <= 0.1 + 1e-5), "{:?}", run.states[20]);
+    assert_eq!(run.count(MoveSource::Optimal), 20);
     let error = controller.step(&[0.0, 0.0]).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }));
 }
@@ -189,6 +189,11 @@ fn a_model_of_ones_own_is_controlled() {
     let tank = |state: &[f64], next: &Move| Ok(vec![state[0] + 1.5 * next.input[0] - 1.0]);
     let run = controller.run(&[7.0], 12, tank).unwrap();
     assert!((run.states[12][0] - 4.0).abs() < 1.5, "{:?}", run.states);
-    let error = RecedingHorizon::of_model(&model, &[], &[], &[], &mut BranchAndBound::default());
-    assert!(error.is_ok());
+    let mut solver = BranchAndBound::default();
+    let states = model.continuous_family("other", 5, 0.0, 1.0).unwrap();
+    let wrong = RecedingHorizon::of_model(&model, &[measured], &[], &[], &mut solver);
+    assert!(matches!(wrong.unwrap_err().kind(), ErrorKind::Length { .. }));
+    let wrong = [states[0]];
+    let error = RecedingHorizon::of_model(&model, &wrong, &[states], &[], &mut solver);
+    assert!(matches!(error.unwrap_err().kind(), ErrorKind::NotParameter { .. }));
 }
