@@ -281,6 +281,12 @@ impl ChoiceStep<'_> {
             return None;
         }
         let flow = map::flow(&transition.flow);
+        let factors = normal.iter().copied();
+        let predicted = map::combine(factors, &flow, row.z.len(), 0.0);
+        // The row may be another one where the prediction is constant.
+        if predicted.is_constant() || predicted.factors != row.z {
+            return None;
+        }
         let mut sum = Affine::zero();
         for (i, n) in used() {
             sum.add_term(*n, self.program.states.get(i)?.get(self.step + 1)?);
