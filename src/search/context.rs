@@ -14,6 +14,10 @@ use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{NodeView, Options, StopToken};
 
+/// What the start of a relaxation from its parent's state counts in the budgets of heuristics, in
+/// iterations.
+const START: u64 = 8;
+
 /// The search itself, for heuristics that solve smaller programs with it.
 pub(super) type NestedSearch = fn(Task<'_>) -> Found;
 
@@ -126,7 +130,8 @@ impl<'a> Context<'a> {
     pub(super) fn book_relaxations(&mut self) {
         let spent = self.ladder.take_spent();
         self.clock.transfer(Activity::Relaxation, spent.time);
-        self.iterations += spent.iterations;
+        // Steps from a parent's state are few, and the start is most of the work.
+        self.iterations += spent.iterations + START * spent.counts.active_set;
         self.tree.count(|s| spent.count(s));
     }
 }

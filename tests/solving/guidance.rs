@@ -13,7 +13,7 @@ use crate::common::quadratic_program::Minimum;
 use carom::ErrorKind;
 use carom::prelude::*;
 use carom::solution::Heuristic;
-use carom::solver::{Guidance, NodeView, SplitAt};
+use carom::solver::{Guidance, Heuristics, NodeView, SplitAt};
 use proptest::prelude::*;
 
 /// Agreement of objectives, relative and absolute.
@@ -198,7 +198,10 @@ fn high_priorities_are_split_first() {
 fn proposed_points_are_completed_and_counted() {
     let (model, x) = fractional();
     let propose = |_: &NodeView<'_>| x.iter().take(4).map(|v| (v, 2.0)).collect();
-    let solution = solve(&model, Guidance::default().with_proposal(&propose));
+    // Other heuristics may find the optimum first.
+    let options = Options::default().with_heuristics(Heuristics::none());
+    let mut control = Control::default().with_guidance(Guidance::default().with_proposal(&propose));
+    let solution = BranchAndBound::new(options).solve_with(&model, &mut control).unwrap();
     assert_eq!(solution.objective(), Some(2.0));
     let count = solution.statistics().heuristics.of(Heuristic::Proposal);
     assert!(count.calls > 0 && count.points > 0, "{count:?}");
