@@ -53,7 +53,7 @@ fn solve(model: &Model) -> Result<(f64, f64, u64), Error> {
         let solution = BranchAndBound::default().solve(model)?;
         times.push(start.elapsed().as_secs_f64());
         objective = solution.objective().unwrap_or(f64::NAN);
-        nodes = solution.statistics().nodes as u64;
+        nodes = solution.statistics().nodes;
     }
     times.sort_by(f64::total_cmp);
     Ok((times[2], objective, nodes))

@@ -33,9 +33,9 @@ pub(super) fn axes(svg: &mut String, view: &View) {
         bottom - top
     );
     let pixels = [right - left, bottom - top];
-    for axis in 0..2 {
+    for (axis, extent) in pixels.into_iter().enumerate() {
         let (low, high) = (view.low[axis], view.high[axis]);
-        let step = spacing(high - low, (pixels[axis] / 90.0).max(2.0));
+        let step = spacing(high - low, (extent / 90.0).max(2.0));
         let first = (low / step).ceil() as i64;
         for k in first..=(high / step).floor() as i64 {
             let value = k as f64 * step;
