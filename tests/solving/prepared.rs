@@ -119,9 +119,9 @@ fn options_change_between_solves_and_pools_are_complete() {
     assert!(prepared.solve(&at, &mut Control::default()).is_err());
 }
 
-/// Small steps of the state, as in a closed loop: what was proved before is of use.
+/// Small steps of the state, as in a closed loop: the last point is a good start.
 #[test]
-fn proofs_of_earlier_solves_save_relaxations() {
+fn the_shifted_point_costs_no_relaxations() {
     let (mut model, parameters) = horizon(8, [1.0, 0.9], [1.0, 0.3, 0.05]).unwrap();
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model).unwrap();

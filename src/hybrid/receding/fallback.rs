@@ -50,7 +50,8 @@ impl Fallback<'_> {
             if let Some(system) = system {
                 check_length("the input of the fallback", input.len(), system.inputs.len())?;
             }
-            let allowed = system.map(|system| is_allowed(system, state, &[input.clone()]));
+            let allowed =
+                system.map(|system| is_allowed(system, state, std::slice::from_ref(&input)));
             return Ok((input, MoveSource::Given, allowed));
         }
         let mut input = planned.and_then(|inputs| inputs.into_iter().next()).unwrap_or_default();
@@ -62,7 +63,7 @@ impl Fallback<'_> {
                 }
             }
         }
-        let allowed = system.map(|system| is_allowed(system, state, &[input.clone()]));
+        let allowed = system.map(|system| is_allowed(system, state, std::slice::from_ref(&input)));
         Ok((input, MoveSource::Emergency, allowed))
     }
 }
