@@ -79,8 +79,7 @@ impl<'a> Tree<'a> {
         known: Option<&RootPoint>,
         workers: usize,
     ) -> Self {
-        let mut queue = NodeQueue::default();
-        queue.push(Node::relaxed_root(known));
+        let queue = NodeQueue::default();
         let state = State {
             queue,
             floors: vec![None; workers],
@@ -96,7 +95,7 @@ impl<'a> Tree<'a> {
             guess: None,
             seeded: None,
         };
-        Tree {
+        let tree = Tree {
             task,
             seed,
             granularity: granularity(task.program),
@@ -109,7 +108,11 @@ impl<'a> Tree<'a> {
             steps: StepCount::default(),
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
-        }
+        };
+        let mut root = Node::relaxed_root(known);
+        root.bound = tree.strengthen(root.bound);
+        tree.lock().queue.push(root);
+        tree
     }
 
     /// A panic in another worker leaves consistent state behind: every change below is complete

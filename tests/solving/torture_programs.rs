@@ -47,16 +47,21 @@ fn no_wrong_answer_to_large_numbers() {
 /// measured by the costs of columns that it does not move (300001862), or next to not (940001462). Ms
 /// from the rows beside them ran away at impossible values (910005529), and became so small that what a
 /// row is known to decided about a binary (910009422, 920002141). A row of 1e-12 forced
-/// a column without an upper bound to its lower one (950008166).
+/// a column without an upper bound to its lower one (950008166). The bound of a root that was relaxed for
+/// its cuts was not rounded up to what the objective can be (5000961, 150000043), and the room of a row
+/// that forced its columns was taken for rounding of all others (88001453).
 #[test]
 fn what_was_wrong_is_right() {
     for seed in [
+        5_000_961,
         8_008_789,
         8_008_916,
         40_007_442,
         60_008_521,
+        88_001_453,
         90_009_665,
         130_006_971,
+        150_000_043,
         300_001_862,
         910_005_529,
         910_009_422,
