@@ -50,7 +50,7 @@ fn cart_pole() -> Result<CartPole, Error> {
     let names = ["q", "angle", "v", "rate"];
     let mut state = Vec::new();
     for (name, most) in names.iter().zip(MOST) {
-        state.push(model.continuous_family(*name, T + 1, -most, most)?);
+        state.push(model.continuous_family(name, T + 1, -most, most)?);
     }
     let state: [Family; 4] = state.try_into().expect("four states");
     // How far the tip can be in a wall and how fast it can go there, and the force that follows.
