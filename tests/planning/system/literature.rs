@@ -68,7 +68,9 @@ fn the_rotation_of_bemporad_and_morari() {
     for (steps, optimum) in optima {
         solved(&rotation(), &[5.0, 5.0], steps, |_, program| squares(program), optimum);
     }
-    for (steps, optimum) in [(2, 13.264_101_615_137_754), (20, 18.407_929_006_813_39)] {
+    for (steps, optimum) in
+        [(2, 13.264_101_615_137_754), (10, 18.407_929_006_813_39), (20, 18.407_929_006_813_39)]
+    {
         let cost = |model: &mut Model, program: &HybridProgram| {
             largest(model, "e", program.states()) + largest(model, "g", program.inputs())
         };
