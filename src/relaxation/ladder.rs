@@ -225,6 +225,11 @@ impl Ladder {
         (0..self.warm.len()).find(|&k| suits[k])
     }
 
+    /// Whether a method for a program starts from its parent's state.
+    pub fn starts_warm(&self, program: &Reduced) -> bool {
+        !self.warm.is_empty() && (ActiveSet::suits(program) || DualSimplex::suits(program))
+    }
+
     fn ask(
         &mut self,
         (who, iterations, tolerance, refinements): Attempt,

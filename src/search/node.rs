@@ -138,10 +138,9 @@ impl Node {
 
     /// The root of a tree whose relaxed point may be known.
     pub(super) fn relaxed_root(root: Option<&RootPoint>) -> Self {
-        let sharp = root.filter(|root| root.is_sharp());
-        let Some(RootPoint { bound, x, warm, .. }) = sharp else { return Node::root() };
-        let known = Some(Box::new(Known { point: x.clone(), warm: warm.clone() }));
-        Node { bound: *bound, known, ..Node::root() }
+        let Some(root) = root.filter(|root| root.is_final()) else { return Node::root() };
+        let known = Some(Box::new(Known { point: root.x.clone(), warm: None }));
+        Node { bound: root.bound, known, ..Node::root() }
     }
 }
 

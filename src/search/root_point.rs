@@ -3,7 +3,7 @@
 
 use crate::presolve::{Domain, Reduction, project, reduce, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
+use crate::relaxation::{Ladder, Purpose, Question, Verdict};
 use crate::solver::{Options, StopToken};
 
 /// Largest distance of a bound from the value of its point with which a root needs no other
@@ -17,8 +17,8 @@ pub(super) struct RootPoint {
     pub(super) bound: f64,
     pub(super) value: f64,
     pub(super) x: Vec<f64>,
-    /// What the relaxation has left.
-    pub(super) warm: Option<WarmState>,
+    /// Whether the nodes below can do without a state of this relaxation, which has left none.
+    needs_no_state: bool,
 }
 
 impl RootPoint {
@@ -47,17 +47,18 @@ impl RootPoint {
             warm: None,
         };
         match ladder.solve(reduced, &question) {
-            Verdict::Relaxed { bound, x, warm, converged: true, .. } => {
-                let value = reduced.objective(&x);
-                Some(RootPoint { bound, value, x: projection.lift(&x), warm })
+            Verdict::Relaxed { bound, x, converged: true, .. } => {
+                let (value, x) = (reduced.objective(&x), projection.lift(&x));
+                let needs_no_state = !ladder.starts_warm(reduced);
+                Some(RootPoint { bound, value, x, needs_no_state })
             }
             _ => None,
         }
     }
 
-    /// Whether the bound is as good as that of any relaxation.
-    pub(super) fn is_sharp(&self) -> bool {
-        self.value - self.bound <= SHARP * self.value.abs().max(1.0)
+    /// Whether the search need not relax the root: the bound is as good as that of any relaxation.
+    pub(super) fn is_final(&self) -> bool {
+        self.needs_no_state && self.value - self.bound <= SHARP * self.value.abs().max(1.0)
     }
 
     /// Whether another value is higher by at least a part of this one.

@@ -11,12 +11,15 @@ use proptest::prelude::*;
 
 const INF: f64 = f64::INFINITY;
 
+/// Columns and coefficients of a row.
+type Entries = Vec<(usize, i32)>;
+
 #[derive(Debug, Clone)]
 struct Case {
     /// A lower bound and a width; a width of 7 stands for no upper bound.
     columns: Vec<(i32, i32)>,
     /// Entries, a lower limit and a width; a width of 0 stands for an equality, 7 for no upper limit.
-    rows: Vec<(Vec<(usize, i32)>, i32, i32)>,
+    rows: Vec<(Entries, i32, i32)>,
     cost: Vec<i32>,
     /// The column that the child holds, and the part of the way to its upper bound.
     held: (usize, i32),
