@@ -44,7 +44,7 @@ impl Cut {
             let [lower, upper] = domain.bounds(j);
             let corner = if a > 0.0 { lower } else { upper };
             if a.abs() * DYNAMISM > largest {
-                size = size.max(a.abs() * finite(lower).max(finite(upper)).max(1.0));
+                size = size.max(a.abs() * reach(domain, j));
                 kept.push((j, a));
             } else if a != 0.0 {
                 if corner.is_infinite() {
@@ -96,7 +96,8 @@ impl Cut {
     }
 }
 
-/// The magnitude of a bound, 0 for a missing one.
-pub(super) fn finite(bound: f64) -> f64 {
-    if bound.is_finite() { bound.abs() } else { 0.0 }
+/// The larger magnitude of a column's bounds, at least 1; missing ones do not count.
+pub(super) fn reach(domain: &Domain, column: usize) -> f64 {
+    let known = domain.bounds(column).into_iter().filter(|bound| bound.is_finite());
+    known.fold(1.0, |most, bound| most.max(bound.abs()))
 }

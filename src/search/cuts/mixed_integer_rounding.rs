@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::cut::Cut;
+use super::cut::{Cut, reach};
 use super::rounding::{Substitutes, round};
 use crate::presolve::Domain;
 use crate::program::Program;
@@ -33,6 +33,8 @@ pub(super) struct Aggregate {
     pub(super) right: f64,
     /// How accurately the coefficients are known: rows that nearly cancel leave little else.
     pub(super) noise: f64,
+    /// The sum over its rows of the largest magnitude of a term or side, with what has cancelled.
+    pub(super) size: f64,
 }
 
 /// Cuts by rounding that a point violates, from aggregates of at most `rows` rows.
@@ -46,7 +48,7 @@ pub fn mixed_integer_rounding_cuts(
     let substitutes = Substitutes::new(program, domain, x);
     let mut cuts = Vec::new();
     for start in (0..program.row_count()).take(STARTS) {
-        let Some(mut aggregate) = equality(program, start, x) else { continue };
+        let Some(mut aggregate) = equality(program, domain, start, x) else { continue };
         let mut used = vec![start];
         loop {
             if token.spend(100 * aggregate.terms.len()) {
@@ -59,7 +61,8 @@ pub fn mixed_integer_rounding_cuts(
             let Some((column, row)) = next(program, &substitutes, &aggregate, x, &used) else {
                 break;
             };
-            eliminate(program, &mut aggregate, column, row, x);
+            let Some(other) = equality(program, domain, row, x) else { break };
+            eliminate(&mut aggregate, column, other);
             used.push(row);
         }
     }
@@ -67,7 +70,7 @@ pub fn mixed_integer_rounding_cuts(
 }
 
 /// A row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer.
-fn equality(program: &Program, row: usize, x: &[f64]) -> Option<Aggregate> {
+fn equality(program: &Program, domain: &Domain, row: usize, x: &[f64]) -> Option<Aggregate> {
     let (columns, values) = program.row(row);
     let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
     if columns.is_empty() || (lower.is_infinite() && upper.is_infinite()) {
@@ -80,7 +83,11 @@ fn equality(program: &Program, row: usize, x: &[f64]) -> Option<Aggregate> {
         terms.insert(program.column_count() + row, 1.0);
     }
     let noise = ACCURACY * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
-    Some(Aggregate { terms, right: if sign > 0.0 { upper } else { -lower }, noise })
+    let right = if sign > 0.0 { upper } else { -lower };
+    let reaches =
+        columns.iter().zip(values).map(|(&j, a)| a.abs() * reach(domain, j).max(x[j].abs()));
+    let size = reaches.fold(right.abs(), f64::max);
+    Some(Aggregate { terms, right, noise, size })
 }
 
 /// Which side of a row its slack is measured from: `1` for the upper one.
@@ -100,7 +107,7 @@ fn best_rounding(
 ) -> Option<Cut> {
     let rounded = [1.0, -1.0].into_iter().filter_map(|sign| {
         let terms = aggregate.terms.iter().map(|(&k, a)| (k, sign * a)).collect();
-        let one = Aggregate { terms, right: sign * aggregate.right, noise: aggregate.noise };
+        let one = Aggregate { terms, right: sign * aggregate.right, ..*aggregate };
         round(program, domain, x, substitutes, &one)
     });
     rounded.max_by(|a, b| a.depth(x).total_cmp(&b.depth(x)))
@@ -151,8 +158,7 @@ fn slack(program: &Program, row: usize, x: &[f64]) -> f64 {
     if slack <= NEAR { 0.0 } else { slack }
 }
 
-fn eliminate(program: &Program, aggregate: &mut Aggregate, column: usize, row: usize, x: &[f64]) {
-    let Some(other) = equality(program, row, x) else { return };
+fn eliminate(aggregate: &mut Aggregate, column: usize, other: Aggregate) {
     let (Some(&a), Some(&b)) = (aggregate.terms.get(&column), other.terms.get(&column)) else {
         return;
     };
@@ -168,4 +174,5 @@ fn eliminate(program: &Program, aggregate: &mut Aggregate, column: usize, row: u
     aggregate.terms.remove(&column);
     aggregate.right += factor * other.right;
     aggregate.noise += factor.abs() * other.noise;
+    aggregate.size += factor.abs() * other.size;
 }

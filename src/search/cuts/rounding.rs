@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::cut::{Cut, finite};
+use super::cut::{Cut, reach};
 use super::mixed_integer_rounding::{Aggregate, slack_sign};
 use crate::presolve::Domain;
 use crate::program::Program;
@@ -23,6 +23,9 @@ const DIVISORS: usize = 12;
 
 /// Most columns whose direction is tried both ways.
 const FLIPS: usize = 12;
+
+/// The part of an aggregate's size that counts for the margin of its cut: rounding, and no more.
+const SUMMED: f64 = 1e-3;
 
 /// A column measured from somewhere: `t = sign * (x - constant - slope * x_binary)`.
 #[derive(Debug, Clone, Copy)]
@@ -175,7 +178,7 @@ pub(super) fn round(
     if depth <= 0.0 {
         return None;
     }
-    write(program, domain, x, &base, divisor)
+    write(program, domain, x, &base, divisor, aggregate.size)
 }
 
 /// Tries the coefficients of integers as divisors, and parts of the best one.
@@ -338,9 +341,7 @@ struct Total<'a> {
 impl Total<'_> {
     fn add(&mut self, j: usize, a: f64) {
         *self.terms.entry(j).or_insert(0.0) += a;
-        let [lower, upper] = self.domain.bounds(j);
-        let reach = finite(lower).max(finite(upper)).max(1.0);
-        self.size = self.size.max(a.abs() * reach);
+        self.size = self.size.max(a.abs() * reach(self.domain, j));
     }
 
     fn raise(&mut self, limit: f64) {
@@ -349,11 +350,19 @@ impl Total<'_> {
     }
 }
 
-/// The rounding in the program's columns.
-fn write(program: &Program, domain: &Domain, x: &[f64], base: &Base, divisor: f64) -> Option<Cut> {
+/// The rounding in the program's columns. `size` is that of the aggregate.
+fn write(
+    program: &Program,
+    domain: &Domain,
+    x: &[f64],
+    base: &Base,
+    divisor: f64,
+    size: f64,
+) -> Option<Cut> {
     let f = fraction(base, divisor)?;
     let n = program.column_count();
-    let mut total = Total { domain, terms: BTreeMap::new(), limit: 0.0, size: 0.0 };
+    let size = SUMMED * size / (divisor * (1.0 - f));
+    let mut total = Total { domain, terms: BTreeMap::new(), limit: 0.0, size };
     total.raise((base.right / divisor).floor());
     for whole in &base.whole {
         let a = rounded(whole.coefficient / divisor, f);

@@ -235,7 +235,8 @@ fn a_hard_block_leaves_the_others_their_share() {
     let easy = -1.0 * add(&mut model, &knapsack(14, 3), "b");
     model.minimize(hard + easy).unwrap();
     let solve = |options| BranchAndBound::new(options).solve(&model).unwrap();
-    let solution = solve(Options::default().with_presolve(false).with_node_limit(200));
+    let options = Options::default().with_presolve(false).with_cuts(false);
+    let solution = solve(options.with_node_limit(200));
     assert_eq!(solution.termination(), Termination::NodeLimit);
     assert_eq!(solution.statistics().blocks, 2);
     assert!(solution.statistics().nodes <= 200);

@@ -183,7 +183,7 @@ fn without_any_the_search_is_complete() {
 /// Rounds do not depend on the number of threads, whatever runs inside them.
 #[test]
 fn rounds_repeat_with_all_of_them() {
-    for (model, nodes) in [(knapsack(90, 0), 600), (knapsack(24, 5), 1000), (parity(24), 60)] {
+    for (model, nodes) in [(knapsack(120, 0), 600), (knapsack(24, 5), 1000), (parity(24), 60)] {
         let run = |threads: usize| {
             let options = options(Heuristics::all())
                 .with_deterministic(true)
