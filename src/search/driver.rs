@@ -40,7 +40,8 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     root.extend(task.program, token);
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
-    let known = root.point.as_ref().filter(|_| windows.is_none() && seed.is_none());
+    let whole = seed.is_none_or(|seed| seed.leaves.is_empty());
+    let known = root.point.as_ref().filter(|_| windows.is_none() && whole);
     let tree = Tree::new(task, seed, known, workers);
     let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
     let shared = Shared { task, windows: windows.as_ref(), root: &root, nested };

@@ -2,8 +2,8 @@
 //!
 //! A binary that can be 0 or 1 with the same dynamics is useless for branching, but one of its
 //! values may be worse than the cutoff; then it is fixed to the other one. On some programs this
-//! excludes most impacts. On others such trials find nothing, so they are paid from a credit that
-//! every fixing raises.
+//! excludes most impacts. On others such trials find nothing, and small trees do without, so they
+//! are paid from a credit that comes with the nodes and that every fixing raises.
 
 use super::split::{RelaxedPoint, Split, both_sides, keep_only};
 use super::strong_branching::try_child;
@@ -13,24 +13,17 @@ use crate::search::pseudocosts::Pseudocosts;
 /// Most trials at a node that find nothing.
 const PATIENCE: usize = 8;
 
-/// The credit at first and at most, in trials.
-const START: f64 = 1.0;
+/// The credit at most, in trials.
 const MOST: f64 = 16.0;
 
 /// What a fixing is worth, in trials, and what a node without credit gains.
 const FIXED: f64 = 2.0;
 const DRIP: f64 = 0.05;
 
-/// The credit of one worker.
-#[derive(Debug)]
+/// The credit of one worker; none at first.
+#[derive(Debug, Default)]
 pub struct FixingCredit {
     credit: f64,
-}
-
-impl Default for FixingCredit {
-    fn default() -> Self {
-        FixingCredit { credit: START }
-    }
 }
 
 impl FixingCredit {

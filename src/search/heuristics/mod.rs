@@ -73,13 +73,15 @@ pub(super) fn look_for_points(
     let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
-        if on.rounding {
+        // Beside a MIP start they can wait.
+        let started = at_root && ctx.tree.seed().is_some() && ctx.tree.cutoff() < f64::INFINITY;
+        if on.rounding && !started {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
             round_and_propagate(ctx, point);
             ctx.tree.end(before);
         }
-        if on.roll_out && !ctx.program().is_feasibility_problem() {
+        if on.roll_out && !started && !ctx.program().is_feasibility_problem() {
             span!(DEBUG, "heuristic", name = "roll-out");
             let before = ctx.tree.begin(Heuristic::RollOut);
             roll_out(ctx, point);
