@@ -1,24 +1,23 @@
 //! What the page shows.
 
-use carom::collision_tolerant::{PlanComparison, Saving, ShortestPlan, Trajectory};
+use carom::collision_tolerant::{PlanComparison, ShortestPlan, Trajectory};
 use carom::hybrid::reach::{ReachSet, Tube};
 use serde::Serialize;
 
-use crate::task::Task;
-use crate::words;
+use crate::task::{LONGEST, Task};
+use crate::words::{self, Finding, Nouns};
 
 /// Approximate number of samples whose reach sets are drawn.
 const SAMPLES: usize = 32;
 
+const NOUNS: Nouns = Nouns { hitting: "Hitting the wall", plan: "a plan that hits the wall" };
+
 /// The answer to a task: an error, or the plans without and with collisions.
 #[derive(Debug, Default, Serialize)]
-#[serde(rename_all = "camelCase")]
 pub struct Answer {
     error: Option<String>,
     free: Option<Side>,
     tolerant: Option<Side>,
-    /// What hitting the wall saves, in s.
-    saved: Option<f64>,
     conclusion: String,
 }
 
@@ -30,16 +29,13 @@ impl Answer {
 
     /// The answer to a task.
     pub fn new(task: &Task, plans: &PlanComparison) -> Self {
-        let seconds = |plan: &ShortestPlan| Some(plan.steps.filter(|_| plan.is_found())? as f64);
-        let both = seconds(&plans.free).zip(seconds(&plans.tolerant));
-        let both = both.map(|(free, tolerant)| (free * task.time_step, tolerant * task.time_step));
-        let saving = both.map(|(free, tolerant)| Saving::new(free, tolerant));
+        let [free, tolerant] =
+            [&plans.free, &plans.tolerant].map(|plan| Finding::beside_wall(plan, task.time_step));
         Answer {
             error: None,
-            free: Some(Side::new(&plans.free, task)),
-            tolerant: Some(Side::new(&plans.tolerant, task)),
-            saved: both.map(|(free, tolerant)| free - tolerant),
-            conclusion: words::conclusion(plans, task, saving),
+            free: Some(Side::new(&plans.free, &free)),
+            tolerant: Some(Side::new(&plans.tolerant, &tolerant)),
+            conclusion: words::conclusion(&free, &tolerant, &NOUNS, LONGEST),
         }
     }
 }
@@ -97,15 +93,15 @@ struct Sets {
 }
 
 impl Side {
-    fn new(plan: &ShortestPlan, task: &Task) -> Self {
+    fn new(plan: &ShortestPlan, finding: &Finding<'_>) -> Self {
         let trajectory = plan.plan.as_ref().map(|plan| &plan.trajectory);
         let sets = trajectory.zip(plan.tube.as_ref()).map(|(path, tube)| sets(tube, path));
         Side {
-            found: plan.is_found(),
+            found: finding.is_found(),
             steps: plan.steps,
             refuted: plan.refuted_steps.unwrap_or(0),
-            seconds: plan.steps.map(|steps| steps as f64 * task.time_step),
-            proof: words::proof(plan, task),
+            seconds: finding.seconds(),
+            proof: words::proof(finding),
             curve: trajectory.map(Curve::new),
             sets: sets.unwrap_or_default(),
         }

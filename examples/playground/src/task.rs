@@ -27,11 +27,7 @@ impl Task {
     /// Reads a task.
     pub fn read(text: &str) -> Result<Self, String> {
         let task: Task = serde_json::from_str(text).map_err(|error| error.to_string())?;
-        if task.time_step.is_finite() && task.time_step >= 1e-3 {
-            Ok(task)
-        } else {
-            Err("the time step must be at least 1 ms".into())
-        }
+        check_time_step(task.time_step).map(|()| task)
     }
 
     /// The task as a scenario. As in the paper, plans begin and end without acceleration.
@@ -52,5 +48,14 @@ impl Task {
     /// The largest horizon that is tried, in steps.
     pub fn max_steps(&self) -> usize {
         ((LONGEST / self.time_step).ceil() as usize).max(1)
+    }
+}
+
+/// Refuses time steps (s) that would take a visitor's patience.
+pub fn check_time_step(time_step: f64) -> Result<(), String> {
+    if time_step.is_finite() && time_step >= 1e-3 {
+        Ok(())
+    } else {
+        Err("the time step must be at least 1 ms".into())
     }
 }

@@ -1,76 +1,169 @@
 //! Answers in words.
 
-use carom::collision_tolerant::{PlanComparison, Saving, ShortestPlan};
-use carom::hybrid::{Refutation, ShortestStatus, Verdict};
+use carom::collision_tolerant::{Saving, ShortestPlan};
+use carom::hybrid::scene::ShortestScenePlan;
+use carom::hybrid::{Attempt, Refutation, ShortestStatus, Verdict};
 
-use crate::task::{LONGEST, Task};
+/// What a search for the shortest plan found out.
+pub struct Finding<'a> {
+    status: ShortestStatus,
+    /// The plan's, if there is one.
+    pub steps: Option<usize>,
+    /// Every horizon up to this one is impossible, in steps.
+    pub refuted: Option<usize>,
+    attempts: &'a [Attempt],
+    /// How far the replayed plan is from the plan, in m.
+    replay: Option<f64>,
+    /// How far the plan is from continuous motion, in m; in scenes, in a step with a hit.
+    apart: Option<f64>,
+    time_step: f64,
+}
 
-/// What comes out of the comparison.
-pub fn conclusion(plans: &PlanComparison, task: &Task, saving: Option<Saving>) -> String {
-    let time = |plan: &ShortestPlan| plan.steps.unwrap_or(0) as f64 * task.time_step;
-    match (saving, plans.hitting_pays()) {
-        (Some(saving), Some(true)) => format!(
-            "Hitting the wall saves {:.3} s: {:.2} % of the careful plan's time, {:.2} % of its own.",
-            time(&plans.free) - time(&plans.tolerant),
-            saving.of_baseline,
-            saving.of_faster
-        ),
-        (Some(_), _) => {
-            "Hitting the wall does not pay here: no plan that hits it is any faster.".into()
+impl<'a> Finding<'a> {
+    /// The shortest plan beside a wall.
+    pub fn beside_wall(plan: &'a ShortestPlan, time_step: f64) -> Self {
+        let certificate = plan.plan.as_ref().map(|plan| &plan.certificate);
+        Finding {
+            status: plan.status,
+            steps: plan.steps,
+            refuted: plan.refuted_steps,
+            attempts: &plan.attempts,
+            replay: certificate.map(|found| found.discrete.max_position_error),
+            apart: certificate.map(|found| found.continuous.max_position_error),
+            time_step,
         }
-        (None, Some(true)) => {
-            "Only a plan that hits the wall gets there: without an impact it cannot stop in time."
-                .into()
+    }
+
+    /// The shortest plan of a scene.
+    pub fn of_scene(found: &'a ShortestScenePlan, time_step: f64) -> Self {
+        let certificate = found.plan.as_ref().map(|plan| &plan.certificate);
+        Finding {
+            status: found.search.status,
+            steps: found.search.steps,
+            refuted: found.search.refuted_steps,
+            attempts: &found.search.attempts,
+            replay: certificate.map(|found| found.drift),
+            apart: certificate.map(|found| found.step_error),
+            time_step,
         }
-        _ if none(&plans.free) && none(&plans.tolerant) => {
-            format!("There is no plan, with or without collisions, of {LONGEST} s or less.")
+    }
+
+    /// This plan, after a search for a shorter one in which more is allowed.
+    pub fn after(self, shorter: Finding<'a>) -> Self {
+        if shorter.steps.is_some() || self.steps.is_none() {
+            return shorter;
         }
-        _ => "The search was stopped before everything was proved.".into(),
+        let status = if shorter.is_none() { ShortestStatus::Found } else { shorter.status };
+        Finding { status, refuted: shorter.refuted, attempts: shorter.attempts, ..self }
+    }
+
+    /// Whether the shortest plan was found and proved.
+    pub fn is_found(&self) -> bool {
+        self.status == ShortestStatus::Found
+    }
+
+    fn is_none(&self) -> bool {
+        matches!(self.status, ShortestStatus::NoneWithin { .. })
+    }
+
+    /// The plan's duration, in s.
+    pub fn seconds(&self) -> Option<f64> {
+        Some(self.steps? as f64 * self.time_step)
+    }
+
+    /// By how much another plan that is proved to be shorter is shorter, in s.
+    fn longer_than(&self, other: &Finding<'_>) -> Option<f64> {
+        let (own, other) = (self.seconds()?, other.seconds()?);
+        (self.is_found() && own > other).then(|| own - other)
     }
 }
 
-fn none(plan: &ShortestPlan) -> bool {
-    matches!(plan.status, ShortestStatus::NoneWithin { .. })
+/// How the words of a task differ.
+pub struct Nouns {
+    /// What the plans with collisions do, as the subject of a sentence.
+    pub hitting: &'static str,
+    /// A plan that does so.
+    pub plan: &'static str,
+}
+
+/// What comes out of the comparison of the plans without and with collisions.
+pub fn conclusion(
+    free: &Finding<'_>,
+    tolerant: &Finding<'_>,
+    nouns: &Nouns,
+    longest: f64,
+) -> String {
+    let Nouns { hitting, plan } = nouns;
+    if let (Some(saved), Some(slow), Some(fast)) =
+        (free.longer_than(tolerant), free.seconds(), tolerant.seconds())
+    {
+        let saving = Saving::new(slow, fast);
+        return format!(
+            "{hitting} saves {saved:.3} s: {:.2} % of the careful plan's time, {:.2} % of its own.",
+            saving.of_baseline, saving.of_faster
+        );
+    }
+    match (free.seconds(), tolerant.seconds()) {
+        _ if free.is_none() && tolerant.is_none() => {
+            format!("There is no plan, with or without collisions, of {longest} s or less.")
+        }
+        (None, Some(_)) if free.is_none() => {
+            format!("Only {plan} gets there: without an impact there is no plan.")
+        }
+        _ if free.is_found() && tolerant.is_found() => {
+            format!("{hitting} does not pay here: it makes no plan any faster.")
+        }
+        (None, None) => "The search was stopped before it found a plan.".into(),
+        _ => "The search was stopped before it was proved that there is no faster plan.".into(),
+    }
 }
 
 /// How the shortest horizon of a plan was proved.
-pub fn proof(plan: &ShortestPlan, task: &Task) -> String {
-    let refuted = plan.refuted_steps.unwrap_or(0);
-    let impossible = match (refuted, plan.status) {
+pub fn proof(found: &Finding<'_>) -> String {
+    let refuted = found.refuted.unwrap_or(0);
+    let impossible = match (refuted, found.status) {
         (_, ShortestStatus::NoneWithin { max_steps }) => {
+            let longest = (max_steps as f64 * found.time_step * 1e3).round() / 1e3;
             return format!(
-                "Every number of steps up to {max_steps} ({LONGEST} s) is impossible{}.",
-                how(plan)
+                "Every number of steps up to {max_steps} ({longest} s) is impossible{}.",
+                how(found)
             );
         }
         (0, _) => String::new(),
-        (1, _) => format!("1 step is impossible{}.", how(plan)),
-        (n, _) => format!("{n} steps are impossible, and so is every smaller number{}.", how(plan)),
+        (1, _) => format!("1 step is impossible{}.", how(found)),
+        (n, _) => {
+            format!("{n} steps are impossible, and so is every smaller number{}.", how(found))
+        }
     };
-    let possible = match (&plan.plan, plan.steps) {
-        (Some(found), Some(steps)) => format!(
+    let possible = match (found.replay, found.steps) {
+        (Some(error), Some(steps)) => format!(
             " The plan of {steps} {} was replayed by a simulator, step by step, to within {:.0e} m.",
             if steps == 1 { "step" } else { "steps" },
-            found.certificate.discrete.max_position_error.max(1e-15)
-        ),
-        _ => format!(" The search of {} steps and more was stopped.", refuted + 1),
-    };
-    let apart = match &plan.plan {
-        Some(found) if task.time_step >= 0.05 => format!(
-            " Between samples the discrete law is up to {:.2} m away from continuous motion: \
-             smaller steps agree better.",
-            found.certificate.continuous.max_position_error
+            error.max(1e-15)
         ),
         _ => String::new(),
     };
-    format!("{impossible}{possible}{apart}").trim().to_owned()
+    let stopped = match found.status {
+        ShortestStatus::Stopped(_) => {
+            format!(" The search for a plan of {} steps was stopped.", refuted + 1)
+        }
+        _ => String::new(),
+    };
+    let apart = match found.apart {
+        Some(apart) if apart >= 0.005 && found.time_step >= 0.05 => format!(
+            " Between samples the discrete law is up to {apart:.2} m away from continuous motion: \
+             smaller steps agree better."
+        ),
+        _ => String::new(),
+    };
+    format!("{impossible}{stopped}{possible}{apart}").trim().to_owned()
 }
 
 /// By what the horizons were refuted.
-fn how(plan: &ShortestPlan) -> String {
+fn how(found: &Finding<'_>) -> String {
     let by = |way| {
         let refuted = Verdict::Refuted(way);
-        plan.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
+        found.attempts.iter().filter(|attempt| attempt.verdict == refuted).count()
     };
     let (sets, solves) =
         (by(Refutation::Sets), by(Refutation::Propagation) + by(Refutation::Relaxation));

@@ -1,32 +1,15 @@
-// The page: sliders and links hold the task, two workers plan it, the charts show the answer.
+// The page: sliders, things to drag and links hold the task, two workers plan it, the charts show the
+// answer.
 import { drawCurves, drawPhase, drawTrack } from "./charts.js";
+import { drawScene, makeMovable, speeds } from "./plane.js";
 import { Planners } from "./planners.js";
+import { KINDS, allowed, link, numbers, readLink } from "./tasks.js";
 
-const NO_LIMIT = 20;
-const STEPS = [0.005, 0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.5];
-const KNOBS = [
-  { key: "start", label: "Start", unit: "m", min: -1, max: 15, step: 0.1, digits: 1 },
-  { key: "velocity", label: "Velocity at the start", unit: "m/s", min: -16, max: 16, step: 0.5, digits: 1 },
-  { key: "goal", label: "Goal", unit: "m", min: -1, max: 8, step: 0.05, digits: 2 },
-  { key: "restitution", label: "Restitution of the wall", unit: "", min: 0, max: 1, step: 0.005, digits: 3 },
-  { key: "impactLimit", label: "Largest impact speed", unit: "m/s", min: 0, max: NO_LIMIT, step: 0.05, digits: 2, none: "no limit" },
-  { key: "maxSpeed", label: "Largest speed", unit: "m/s", min: 0.5, max: 20, step: 0.5, digits: 1 },
-  { key: "maxAcceleration", label: "Largest acceleration", unit: "m/s²", min: 0, max: 12, step: 0.25, digits: 2 },
-  { key: "timeStep", label: "Time step", unit: "s", values: STEPS, digits: 3 },
-];
-const PAPER = { start: 10, velocity: 0, goal: 0.3, restitution: 0, impactLimit: NO_LIMIT, maxSpeed: 15, maxAcceleration: 6, timeStep: 0.005 };
-const PRESETS = {
-  paper: {},
-  table3: { restitution: 0.025 },
-  bounce: { restitution: 0.5 },
-  gentle: { impactLimit: 6.2 },
-  saved: { start: 4, velocity: -10, restitution: 0.3 },
-  none: { start: 4, velocity: -10, restitution: 0.3, impactLimit: 4 },
-};
-
+const SIDES = ["free", "tolerant"];
 const $ = selector => document.querySelector(selector);
 const page = document.documentElement;
-let state = { ...PAPER };
+let [name, state] = readLink(location.hash);
+let kind = KINDS[name];
 let answer = null;
 let planners = null;
 let asked = { id: 0, at: 0 };
@@ -36,52 +19,43 @@ let playing = false;
 
 // --- the task: sliders, link ---
 
-/** The nearest value that a slider can take. */
-function allowed(knob, value) {
-  if (!Number.isFinite(value)) return PAPER[knob.key];
-  if (knob.values) return knob.values.reduce((a, b) => Math.abs(b - value) < Math.abs(a - value) ? b : a);
-  const steps = Math.round((Math.min(knob.max, Math.max(knob.min, value)) - knob.min) / knob.step);
-  return Number((knob.min + steps * knob.step).toFixed(3));
-}
-
-function readLink() {
-  const given = new URLSearchParams(location.hash.slice(1));
-  state = { ...PAPER };
-  for (const knob of KNOBS) if (given.has(knob.key)) state[knob.key] = allowed(knob, Number(given.get(knob.key)));
-}
-
-function writeLink() {
-  const changed = KNOBS.filter(({ key }) => state[key] !== PAPER[key]).map(({ key }) => [key, state[key]]);
-  const hash = new URLSearchParams(changed).toString();
-  history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
-}
-
 function said(knob) {
   const value = state[knob.key];
   if (knob.none && value >= knob.max) return knob.none;
   return `${value.toFixed(knob.digits).replace("-", "−")}${knob.unit ? ` ${knob.unit}` : ""}`;
 }
 
-function makeSliders() {
-  for (const knob of KNOBS) {
-    const row = document.createElement("div");
-    row.className = "slider";
-    const [min, max, step] = knob.values ? [0, knob.values.length - 1, 1] : [knob.min, knob.max, knob.step];
-    row.innerHTML = `<label for="${knob.key}">${knob.label}</label><output for="${knob.key}"></output>` +
-      `<input id="${knob.key}" name="${knob.key}" type="range" min="${min}" max="${max}" step="${step}">`;
-    $("#sliders").append(row);
-    knob.input = row.querySelector("input");
-    knob.output = row.querySelector("output");
-    knob.input.addEventListener("input", () => {
-      const value = Number(knob.input.value);
-      state[knob.key] = knob.values ? knob.values[value] : allowed(knob, value);
-      changed();
-    });
-  }
+/** The words, sliders and examples of a kind of task. */
+function showKind() {
+  kind = KINDS[name];
+  page.dataset.kind = name;
+  $("#title").textContent = kind.title;
+  $("#intro").textContent = kind.intro;
+  $("#kinds").innerHTML = Object.entries(KINDS).map(([key, { short }]) =>
+    `<a href="#${link(key, KINDS[key].defaults)}"${key === name ? ' aria-current="page"' : ""}>${short}</a>`).join("");
+  $("#presets").innerHTML = Object.keys(kind.presets).map(label => `<button type="button" data-preset="${label}">${label}</button>`).join("");
+  for (const part of document.querySelectorAll("[data-for]")) part.hidden = (part.dataset.for === "scene") !== Boolean(kind.room);
+  $("#sliders").replaceChildren(...kind.knobs.map(makeSlider));
+}
+
+function makeSlider(knob) {
+  const row = document.createElement("div");
+  row.className = "slider";
+  const [min, max, step] = knob.values ? [0, knob.values.length - 1, 1] : [knob.min, knob.max, knob.step];
+  row.innerHTML = `<label for="${knob.key}">${knob.label}</label><output for="${knob.key}"></output>` +
+    `<input id="${knob.key}" name="${knob.key}" type="range" min="${min}" max="${max}" step="${step}">`;
+  knob.input = row.querySelector("input");
+  knob.output = row.querySelector("output");
+  knob.input.addEventListener("input", () => {
+    const value = Number(knob.input.value);
+    state[knob.key] = knob.values ? knob.values[value] : allowed(kind, knob, value);
+    changed();
+  });
+  return row;
 }
 
 function showSliders() {
-  for (const knob of KNOBS) {
+  for (const knob of kind.knobs) {
     const value = state[knob.key];
     knob.input.value = knob.values ? knob.values.indexOf(value) : value;
     knob.output.textContent = said(knob);
@@ -89,21 +63,46 @@ function showSliders() {
   }
 }
 
+/** Another kind of task, or another state of it: the pictures of the old one go. */
+function begin() {
+  stop();
+  shownTime = 0;
+  answer = null;
+  showKind();
+  changed();
+}
+
 function changed() {
   showSliders();
-  writeLink();
+  const hash = link(name, state);
+  history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
   page.dataset.state = "planning";
-  const impactLimit = state.impactLimit >= NO_LIMIT ? null : state.impactLimit;
+  if (kind.room) draw();
   asked.at = performance.now();
-  asked.id = planners.ask({ ...state, impactLimit });
+  asked.id = planners.ask(kind.task(state), Boolean(kind.room));
   page.dataset.asked = asked.id;
+  clearTimeout(asked.slow);
+  asked.slow = setTimeout(() => { $("#took").textContent = "planning …"; }, 500);
+}
+
+/** Moves something of a scene to a place. */
+function move(own, place) {
+  const before = link(name, state);
+  for (const number of numbers(kind)) {
+    const axis = [`${own}X`, `${own}Y`].indexOf(number.key);
+    if (axis >= 0) state[number.key] = allowed(kind, number, place[axis]);
+  }
+  if (link(name, state) === before) return;
+  stop();
+  changed();
 }
 
 // --- the answer ---
 
 function heard({ id, answer: found, reasons, failure }) {
   if (failure) return fail(`The planner failed: ${failure}. Reload the page.`);
-  if (reasons) return showReasons(reasons);
+  if (reasons) return showReasons(id, reasons);
+  clearTimeout(asked.slow);
   answer = found;
   if (found.error) fail(found.error); else show(found);
   requestAnimationFrame(() => {
@@ -118,15 +117,15 @@ function fail(sentence) {
   page.dataset.state = "failed";
   $(".stage").classList.add("failed");
   $("#verdict").textContent = sentence;
-  for (const side of ["free", "tolerant"]) showSide(side, null);
+  for (const side of SIDES) showSide(side, null);
   draw();
 }
 
 function show(found) {
   page.dataset.state = "planned";
-  $(".stage").classList.toggle("failed", !found.free.curve && !found.tolerant.curve);
+  $(".stage").classList.toggle("failed", SIDES.every(side => !found[side].steps));
   $("#verdict").textContent = found.conclusion;
-  for (const side of ["free", "tolerant"]) showSide(side, found[side]);
+  for (const side of SIDES) showSide(side, found[side]);
   const start = !playing && shownTime === 0;
   draw();
   if (start && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
@@ -137,43 +136,64 @@ function showSide(name, side) {
   text(".seconds", side?.steps ? `${side.seconds.toFixed(3)} s` : "–");
   text(".steps", side?.steps ? `${side.steps} ${side.steps === 1 ? "step" : "steps"}` : side ? "no plan" : "");
   text(".proof", side?.proof ?? "");
+  text(".hits", (side?.plan?.hits ?? []).map(hit =>
+    `Hit: ${hit.contact} at ${hit.time.toFixed(2)} s with ${hit.speed.toFixed(2)} m/s, ${Math.hypot(...hit.impulse).toFixed(2)} N s.`).join(" "));
   text(".why", "");
 }
 
-function showReasons(reasons) {
-  for (const name of ["free", "tolerant"]) {
+function showReasons(id, reasons) {
+  for (const name of SIDES) {
     const why = reasons[name];
     $(`[data-side=${name}] .why`).textContent = why ? `${why[0].toUpperCase()}${why.slice(1)}.` : "";
   }
-  page.dataset.explained = page.dataset.drawn;
+  page.dataset.explained = id;
 }
 
 // --- pictures ---
 
 function draw() {
-  const curves = { free: answer?.free?.curve, tolerant: answer?.tolerant?.curve };
-  const sets = answer?.tolerant?.sets?.length ? answer.tolerant.sets : answer?.free?.sets ?? [];
-  views = [
-    drawTrack($("#track"), curves, state),
-    ...["position", "velocity", "acceleration"].map(name => {
-      const place = $(`#chart-${name}`);
-      const view = drawCurves(place, name, curves);
-      place.onpointermove = event => {
-        if (event.pointerType === "mouse" && !event.buttons) return;
-        stop();
-        showTime(view.timeAt(event.clientX - place.getBoundingClientRect().left));
-      };
-      return view;
-    }),
-    drawPhase($("#phase"), curves, sets),
-  ];
-  $("#time").max = duration();
-  showTime(Math.min(shownTime, duration()));
+  views = kind.room ? drawScenes() : drawWall();
+  const length = duration();
+  $("#time").max = length;
+  for (const control of [$("#time"), $("#play")]) control.disabled = !length;
+  showTime(Math.min(shownTime, length));
 }
 
+function drawWall() {
+  const curves = { free: answer?.free?.curve, tolerant: answer?.tolerant?.curve };
+  const sets = answer?.tolerant?.sets?.length ? answer.tolerant.sets : answer?.free?.sets ?? [];
+  const charts = ["position", "velocity", "acceleration"].map(name => drawChart($(`#chart-${name}`), name, curves));
+  return [drawTrack($("#track"), curves, state), ...charts, drawPhase($("#phase"), curves, sets)];
+}
+
+function drawScenes() {
+  const task = kind.task(state), motions = SIDES.map(side => answer?.[side]?.plan);
+  const scenes = SIDES.map((side, k) => drawScene($(`#scene-${side}`), side, motions[k], kind, task, state));
+  const charts = [0, 1].map(k => {
+    const body = task.bodies[k], place = $(`#speed-${k}`), figure = place.closest("figure");
+    figure.hidden = !body;
+    if (!body) return [];
+    figure.querySelector(".who").textContent = `${body.name[0].toUpperCase()}${body.name.slice(1)}`;
+    const curves = Object.fromEntries(SIDES.map((side, i) => [side, motions[i] && speeds(motions[i], k)]));
+    return drawChart(place, "speed", curves);
+  });
+  return [...scenes, ...charts.flat()];
+}
+
+/** A chart over time in which a visitor can point at a time. */
+function drawChart(place, name, curves) {
+  const view = drawCurves(place, name, curves);
+  place.onpointermove = event => {
+    if (!duration() || event.pointerType === "mouse" && !event.buttons) return;
+    stop();
+    showTime(view.timeAt(event.clientX - place.getBoundingClientRect().left));
+  };
+  return view;
+}
+
+/** Of the longer plan, in s; 0 if there is none. */
 function duration() {
-  const ends = ["free", "tolerant"].map(side => answer?.[side]?.curve?.time.at(-1) ?? 0);
-  return Math.max(...ends, 0.001);
+  return Math.max(...SIDES.map(side => answer?.[side]?.steps && (answer[side].curve ?? answer[side].plan) ? answer[side].seconds : 0));
 }
 
 function showTime(time) {
@@ -214,14 +234,15 @@ function listen() {
     play(!playing);
   });
   $("#time").addEventListener("input", () => { stop(); showTime(Number($("#time").value)); });
-  for (const button of document.querySelectorAll("[data-preset]")) {
-    button.addEventListener("click", () => {
-      state = { ...PAPER, ...PRESETS[button.dataset.preset] };
-      stop();
-      shownTime = 0;
-      changed();
-    });
-  }
+  $("#presets").addEventListener("click", event => {
+    const label = event.target.dataset.preset;
+    if (!label) return;
+    state = { ...kind.defaults, ...kind.presets[label] };
+    stop();
+    shownTime = 0;
+    changed();
+  });
+  SIDES.forEach((side, k) => makeMovable($(`#scene-${side}`), () => views[k], own => [state[`${own}X`], state[`${own}Y`]], move));
   $("#link").addEventListener("click", async () => {
     await navigator.clipboard?.writeText(location.href).catch(() => {});
     $("#link").textContent = "Copied";
@@ -231,13 +252,12 @@ function listen() {
     const dark = page.dataset.theme ? page.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
     page.dataset.theme = dark ? "light" : "dark";
   });
-  addEventListener("hashchange", () => { readLink(); changed(); });
+  addEventListener("hashchange", () => { [name, state] = readLink(location.hash); begin(); });
   let width = innerWidth;
   addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; draw(); } });
 }
 
-readLink();
-makeSliders();
+showKind();
 showSliders();
 listen();
 try {

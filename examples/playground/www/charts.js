@@ -1,7 +1,10 @@
 // Charts as SVG text, as wide as their place, so that letters keep their size on every screen.
 
 const SIDES = ["free", "tolerant"];
-const round = value => Math.round(value * 100) / 100;
+export const round = value => Math.round(value * 100) / 100;
+
+/** The width of a place; of a hidden one, any that can be drawn. */
+export const widthOf = place => Math.max(place.clientWidth, 200);
 
 /** Round numbers between two ends, about `count` of them. */
 export function ticks(low, high, count) {
@@ -55,7 +58,7 @@ export function drawCurves(place, name, curves) {
   const shown = SIDES.filter(side => curves[side]);
   const end = Math.max(0.01, ...shown.map(side => curves[side].time.at(-1)));
   const values = shown.flatMap(side => curves[side][name]);
-  const plane = new Plane(place.clientWidth, name === "position" ? 230 : 210, [0, end], range([0, ...values], 0.05));
+  const plane = new Plane(widthOf(place), name === "position" ? 230 : 210, [0, end], range([0, ...values], 0.05));
   const held = name === "acceleration";
   const drawn = shown.map(side => {
     const { time, impacts } = curves[side], values = curves[side][name];
@@ -83,8 +86,8 @@ export function drawPhase(place, curves, sets) {
   const shown = SIDES.filter(side => curves[side]);
   const x = range([0, ...shown.flatMap(side => curves[side].position)], 0.1);
   const speeds = shown.flatMap(side => [...curves[side].velocity, ...curves[side].impacts.flatMap(hit => [-hit.before, hit.after])]);
-  const height = Math.min(640, Math.max(340, place.clientWidth * 1.02));
-  const plane = new Plane(place.clientWidth, height, x, range([0, ...speeds], 0.5));
+  const height = Math.min(640, Math.max(340, widthOf(place) * 1.02));
+  const plane = new Plane(widthOf(place), height, x, range([0, ...speeds], 0.5));
   const outline = (kind, corners) => corners.length < 2 ? "" :
     `<polygon class="${kind}" points="${corners.map(([x, v]) => `${plane.px(x)},${plane.py(v)}`).join(" ")}"/>`;
   const areas = sets.map(set => `<g class="sets">${outline("reached", set.reached)}${outline("to-go", set.toGo)}</g>`).join("");
@@ -117,7 +120,7 @@ export function drawPhase(place, curves, sets) {
 /** The wall, the goal, and a vehicle for each plan. */
 export function drawTrack(place, curves, task) {
   const shown = SIDES.filter(side => curves[side]);
-  const width = place.clientWidth, height = 178;
+  const width = widthOf(place), height = 178;
   const all = shown.flatMap(side => curves[side].position);
   const [, high] = range([0, task.start, task.goal, ...all], 0.4);
   const wall = 22, px = x => round(wall + Math.max(x, -0.5) / high * (width - wall - 34));

@@ -7,9 +7,9 @@ export class Planners {
     this.spare = this.#spawn();
   }
 
-  /** Plans a task; what an earlier one would still have answered is dropped. */
-  ask(task) {
-    this.waiting = { id: ++this.latest, task };
+  /** Plans a task, of a scene or beside a wall; what an earlier one would still have answered is dropped. */
+  ask(task, isScene) {
+    this.waiting = { id: ++this.latest, task, isScene };
     this.#next();
     return this.latest;
   }

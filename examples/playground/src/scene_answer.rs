@@ -1,0 +1,132 @@
+//! What the page shows of a scene.
+
+use carom::hybrid::scene::{BodyPath, SceneHit, ScenePlan, ShortestScenePlan};
+use serde::Serialize;
+
+use crate::scene_task::SceneTask;
+use crate::words::{self, Finding, Nouns};
+
+const NOUNS: Nouns = Nouns { hitting: "Bouncing", plan: "a plan that bounces" };
+
+/// The answer to a scene: an error, or the plans without and with collisions.
+#[derive(Debug, Default, Serialize)]
+pub struct SceneAnswer {
+    error: Option<String>,
+    free: Option<Side>,
+    tolerant: Option<Side>,
+    conclusion: String,
+}
+
+/// The shortest plan with or without collisions.
+#[derive(Debug, Serialize)]
+struct Side {
+    /// Proved to be the shortest.
+    found: bool,
+    steps: Option<usize>,
+    /// Every horizon up to this one is impossible, in steps.
+    refuted: usize,
+    seconds: Option<f64>,
+    /// How that was proved.
+    proof: String,
+    plan: Option<Motion>,
+}
+
+/// A plan.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Motion {
+    time_step: f64,
+    bodies: Vec<Path>,
+    hits: Vec<Hit>,
+}
+
+/// The samples of a body.
+#[derive(Debug, Serialize)]
+struct Path {
+    name: String,
+    position: Vec<Vec<f64>>,
+    velocity: Vec<Vec<f64>>,
+}
+
+/// A hit: who, when (s), where (m), how fast (m/s), and the impulse on the body (N s). Of two
+/// bodies, each has its own.
+#[derive(Debug, Serialize)]
+struct Hit {
+    body: String,
+    contact: String,
+    step: usize,
+    time: f64,
+    place: Vec<f64>,
+    speed: f64,
+    impulse: Vec<f64>,
+}
+
+impl SceneAnswer {
+    /// A scene that cannot be planned.
+    pub fn of_error(error: &str) -> Self {
+        SceneAnswer { error: Some(words::sentence(error)), ..SceneAnswer::default() }
+    }
+
+    /// The answer to a scene.
+    ///
+    /// # Arguments
+    ///
+    /// * `free`: the search without collisions.
+    /// * `shorter`: the search with collisions for a shorter plan; `None` if there can be none.
+    pub fn new(
+        task: &SceneTask,
+        free: &ShortestScenePlan,
+        shorter: Option<&ShortestScenePlan>,
+    ) -> Self {
+        let finding = |found| Finding::of_scene(found, task.time_step);
+        let careful = finding(free);
+        let bold = match shorter {
+            Some(shorter) => finding(free).after(finding(shorter)),
+            None => finding(free),
+        };
+        let plan = shorter.and_then(|found| found.plan.as_ref()).or(free.plan.as_ref());
+        SceneAnswer {
+            error: None,
+            conclusion: words::conclusion(&careful, &bold, &NOUNS, task.longest),
+            free: Some(Side::new(free.plan.as_ref(), &careful)),
+            tolerant: Some(Side::new(plan, &bold)),
+        }
+    }
+}
+
+impl Side {
+    fn new(plan: Option<&ScenePlan>, finding: &Finding<'_>) -> Self {
+        Side {
+            found: finding.is_found(),
+            steps: finding.steps,
+            refuted: finding.refuted.unwrap_or(0),
+            seconds: finding.seconds(),
+            proof: words::proof(finding),
+            plan: plan.map(Motion::new),
+        }
+    }
+}
+
+impl Motion {
+    fn new(plan: &ScenePlan) -> Self {
+        let path = |body: &BodyPath| Path {
+            name: body.name.clone(),
+            position: body.position.clone(),
+            velocity: body.velocity.clone(),
+        };
+        let hit = |hit: &SceneHit| Hit {
+            body: hit.body.clone(),
+            contact: hit.contact.clone(),
+            step: hit.step,
+            time: hit.time,
+            place: hit.place.clone(),
+            speed: hit.speed,
+            impulse: hit.impulse.clone(),
+        };
+        Motion {
+            time_step: plan.time_step,
+            bodies: plan.bodies.iter().map(path).collect(),
+            hits: plan.hits.iter().map(hit).collect(),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+// What there is to try: for each kind of task its sliders, what can be dragged, its examples, and the
+// task that the planner is given. A state is a flat list of numbers, so that a link can hold it.
+
+export const NO_LIMIT = 20;
+const STEPS = [0.005, 0.01, 0.02, 0.025, 0.05, 0.1, 0.2, 0.5];
+
+const knob = (key, label, unit, min, max, step, digits, more) => ({ key, label, unit, min, max, step, digits, ...more });
+const restitution = label => knob("restitution", label, "", 0, 1, 0.005, 3);
+const timeStep = values => ({ key: "timeStep", label: "Time step", unit: "s", values, digits: 3 });
+const limit = value => value >= NO_LIMIT ? null : value;
+const point = (state, name) => [state[`${name}X`], state[`${name}Y`]];
+const around = ([x, y], [w, h]) => [[x - w, x + w], [y - h, y + h]];
+
+const wall = {
+  title: "Hit the wall to be faster",
+  short: "A wall",
+  intro: "A vehicle must stop at its goal, close to a wall. It may brake in time, or let the wall help. Move a slider:",
+  knobs: [
+    knob("start", "Start", "m", -1, 15, 0.1, 1),
+    knob("velocity", "Velocity at the start", "m/s", -16, 16, 0.5, 1),
+    knob("goal", "Goal", "m", -1, 8, 0.05, 2),
+    restitution("Restitution of the wall"),
+    knob("impactLimit", "Largest impact speed", "m/s", 0, NO_LIMIT, 0.05, 2, { none: "no limit" }),
+    knob("maxSpeed", "Largest speed", "m/s", 0.5, 20, 0.5, 1),
+    knob("maxAcceleration", "Largest acceleration", "m/s²", 0, 12, 0.25, 2),
+    timeStep(STEPS),
+  ],
+  handles: [],
+  defaults: { start: 10, velocity: 0, goal: 0.3, restitution: 0, impactLimit: NO_LIMIT, maxSpeed: 15, maxAcceleration: 6, timeStep: 0.005 },
+  presets: {
+    "Plastic wall": {},
+    "The paper’s 2.245 s": { restitution: 0.025 },
+    "Bounce": { restitution: 0.5 },
+    "Gentle hits": { impactLimit: 6.2 },
+    "Saved by the wall": { start: 4, velocity: -10, restitution: 0.3 },
+    "No way out": { start: 4, velocity: -10, restitution: 0.3, impactLimit: 4 },
+  },
+  task: state => ({ ...state, impactLimit: limit(state.impactLimit) }),
+};
+
+const velocities = (most, step) => [
+  knob("velocityX", "Velocity at the start, to the right", "m/s", -most, most, step, 2),
+  knob("velocityY", "Velocity at the start, upward", "m/s", -most, most, step, 2),
+];
+
+const bank = {
+  title: "Two cushions turn a puck around",
+  short: "Two cushions",
+  intro: "A puck must come to rest at its goal. It may avoid the cushions, or bank off them. Drag the puck, its goal and the block, or move a slider:",
+  room: [[0, 2], [0, 1]],
+  knobs: [
+    ...velocities(3, 0.1),
+    restitution("Restitution of the cushions"),
+    knob("maxSpeed", "Largest speed along each axis", "m/s", 0.5, 6, 0.1, 1),
+    knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 6, 0.25, 2),
+    timeStep([0.05, 0.1, 0.2, 0.5]),
+  ],
+  handles: [
+    { name: "start", label: "Puck", kind: "body", body: 0 },
+    { name: "goal", label: "Goal", kind: "goal" },
+    { name: "block", label: "Block", kind: "obstacle", half: [0.1, 0.1] },
+  ],
+  defaults: { velocityX: 2, velocityY: 2, restitution: 0.9, maxSpeed: 3, maxAcceleration: 3, timeStep: 0.05,
+    startX: 1.2, startY: 0.2, goalX: 0.4, goalY: 0.2, blockX: 0.5, blockY: 0.7 },
+  presets: {
+    "Far corner": {},
+    "Dead cushions": { restitution: 0 },
+    "Around the block": { velocityX: 0, velocityY: 0, startX: 1.6, startY: 0.5, blockX: 1, blockY: 0.4 },
+    "Elastic": { restitution: 1 },
+  },
+  task: state => ({
+    timeStep: state.timeStep, longest: 5, room: bank.room, walls: true, restitution: state.restitution, impulseLimit: null,
+    bodies: [{ name: "puck", mass: 1, start: [...point(state, "start"), state.velocityX, state.velocityY],
+      goal: [...point(state, "goal"), 0, 0], maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration }],
+    obstacles: [{ name: "block", sides: around(point(state, "block"), [0.1, 0.1]) }],
+  }),
+};
+
+const pillar = {
+  title: "A free-flyer gets around a pillar",
+  short: "A pillar",
+  intro: "A robot of 10 kg drifts in a room, and must stop at its goal. It may avoid the walls, or push itself off. Drag the robot, its goal and the pillar, or move a slider:",
+  room: [[0, 4], [0, 3]],
+  knobs: [
+    ...velocities(0.5, 0.025),
+    restitution("Restitution of the walls"),
+    knob("impulseLimit", "Largest impulse", "N s", 0, NO_LIMIT, 0.5, 1, { none: "no limit" }),
+    knob("maxSpeed", "Largest speed along each axis", "m/s", 0.1, 1, 0.05, 2),
+    knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 0.5, 0.025, 3),
+    timeStep([0.5, 1, 2]),
+  ],
+  handles: [
+    { name: "start", label: "Robot", kind: "body", body: 0 },
+    { name: "goal", label: "Goal", kind: "goal" },
+    { name: "pillar", label: "Pillar", kind: "obstacle", half: [0.3, 0.65] },
+  ],
+  defaults: { velocityX: -0.4, velocityY: 0.3, restitution: 0.6, impulseLimit: NO_LIMIT, maxSpeed: 0.5, maxAcceleration: 0.15, timeStep: 0.5,
+    startX: 0.8, startY: 1.5, goalX: 3.5, goalY: 1.2, pillarX: 2, pillarY: 1.55 },
+  presets: {
+    "Behind the pillar": {},
+    "Soft bumpers": { impulseLimit: 6 },
+    "At rest": { velocityX: 0, velocityY: 0 },
+    "Too fast to stop": { velocityX: -0.5, velocityY: 0, startX: 0.6, restitution: 0.3 },
+  },
+  task: state => ({
+    timeStep: state.timeStep, longest: 30, room: pillar.room, walls: true, restitution: state.restitution, impulseLimit: limit(state.impulseLimit),
+    bodies: [{ name: "robot", mass: 10, radius: 0.16, start: [...point(state, "start"), state.velocityX, state.velocityY],
+      goal: [...point(state, "goal"), 0, 0], maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration }],
+    obstacles: [{ name: "pillar", sides: around(point(state, "pillar"), [0.3, 0.65]) }],
+  }),
+};
+
+const exchange = {
+  title: "Two vehicles exchange momentum",
+  short: "Two vehicles",
+  intro: "A carrier of 2 kg arrives too fast to stop at its goal, and a cart stands in its way. It may avoid the cart, or brake against it. Drag both and the goal, or move a slider:",
+  room: [[0, 6], [0, 1]],
+  knobs: [
+    knob("velocityX", "Velocity of the carrier", "m/s", -3, 3, 0.1, 1),
+    restitution("Restitution of the bumpers"),
+    knob("impulseLimit", "Largest impulse", "N s", 0, NO_LIMIT, 0.25, 2, { none: "no limit" }),
+    knob("mass", "Mass of the cart", "kg", 0.2, 5, 0.1, 1),
+    knob("maxSpeed", "Largest speed along each axis", "m/s", 0.5, 4, 0.1, 1),
+    knob("maxAcceleration", "Largest acceleration along each axis", "m/s²", 0, 2, 0.1, 1),
+    timeStep([0.25, 0.5]),
+  ],
+  handles: [
+    { name: "start", label: "Carrier", kind: "body", body: 0 },
+    { name: "cart", label: "Cart", kind: "body", body: 1 },
+    { name: "goal", label: "Goal", kind: "goal" },
+  ],
+  defaults: { velocityX: 2, restitution: 0.8, impulseLimit: 4, mass: 1, maxSpeed: 3, maxAcceleration: 1, timeStep: 0.25,
+    startX: 0.5, startY: 0.5, cartX: 2.2, cartY: 0.5, goalX: 2, goalY: 0.5 },
+  presets: {
+    "Brake against the cart": {},
+    "A heavy cart": { mass: 3 },
+    "Fragile": { impulseLimit: 1 },
+    "No way around": { cartX: 1.5, cartY: 0.2 },
+  },
+  task: state => ({
+    timeStep: state.timeStep, longest: 10, room: exchange.room, walls: false, restitution: state.restitution, impulseLimit: limit(state.impulseLimit),
+    bodies: [
+      { name: "carrier", mass: 2, half: [0.3, 0.2], start: [...point(state, "start"), state.velocityX, 0], goal: [...point(state, "goal"), 0, 0],
+        maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration },
+      { name: "cart", mass: state.mass, half: [0.2, 0.2], start: [...point(state, "cart"), 0, 0], goal: null,
+        maxSpeed: state.maxSpeed, maxAcceleration: state.maxAcceleration },
+    ],
+    obstacles: [],
+  }),
+};
+
+export const KINDS = { wall, bank, pillar, exchange };
+
+/** What a state may hold: the sliders, and the two coordinates of what can be dragged. */
+export function numbers(kind) {
+  const places = kind.handles.flatMap(({ name }) => ["X", "Y"].map((axis, k) =>
+    ({ key: name + axis, min: kind.room[k][0], max: kind.room[k][1], step: 0.05 })));
+  return [...kind.knobs, ...places];
+}
+
+/** The nearest value that a number can take. */
+export function allowed(kind, number, value) {
+  if (!Number.isFinite(value)) return kind.defaults[number.key];
+  if (number.values) return number.values.reduce((a, b) => Math.abs(b - value) < Math.abs(a - value) ? b : a);
+  const steps = Math.round((Math.min(number.max, Math.max(number.min, value)) - number.min) / number.step);
+  return Number((number.min + steps * number.step).toFixed(3));
+}
+
+/** The kind and the state that a link holds. */
+export function readLink(hash) {
+  const given = new URLSearchParams(hash.slice(1));
+  const name = Object.hasOwn(KINDS, given.get("task")) ? given.get("task") : "wall";
+  const kind = KINDS[name], state = { ...kind.defaults };
+  for (const number of numbers(kind)) if (given.has(number.key)) state[number.key] = allowed(kind, number, Number(given.get(number.key)));
+  return [name, state];
+}
+
+/** The link of a state: what differs from the defaults. */
+export function link(name, state) {
+  const changed = numbers(KINDS[name]).map(({ key }) => [key, state[key]]).filter(([key, value]) => value !== KINDS[name].defaults[key]);
+  return new URLSearchParams(name === "wall" ? changed : [["task", name], ...changed]).toString();
+}
