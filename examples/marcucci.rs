@@ -3,17 +3,20 @@
 //! hybrid systems" (arXiv:1910.08251), without disturbances.
 //!
 //! `cargo run --release --example marcucci -- [STEPS] [--each]`
+//! `cargo run --release --example marcucci -- [STEPS] --budget MS`
 //!
 //! Solves the programs of STEPS (50) steps twice: from nothing, and prepared, beginning with the
 //! shifted plan. Prints the mean nodes, relaxations and times beside the published ones (another
 //! machine); with `--each`, also a line per step. The exit status tells whether all optima agree
-//! within the gaps.
+//! within the gaps. With `--budget`, a controller under noise takes at most so many milliseconds a
+//! search, and the summary says where its inputs came from.
 
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use carom::hybrid::{
-    Halfspace, HybridSystem, LinearSystem, Lqr, Mat, TerminalOptions, TerminalSet, Transition,
+    Disturbance, Halfspace, HybridSystem, LinearSystem, Lqr, Mat, Move, RecedingHorizon,
+    TerminalOptions, TerminalSet, Transition,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -43,6 +46,9 @@ struct CartPole {
     model: Model,
     start: [Variable; 4],
     state: [Family; 4],
+    /// The force on the cart, and those of the walls on the pole's tip.
+    force: [Family; 3],
+    end: TerminalSet,
 }
 
 fn cart_pole() -> Result<CartPole, Error> {
@@ -113,7 +119,8 @@ fn cart_pole() -> Result<CartPole, Error> {
     let q = Mat::from_fn(4, 4, |i, j| if i == j { h2 } else { 0.0 });
     let lqr = Lqr::new(&force_only, q, [[h2]])?;
     let end = [0, 1, 2, 3].map(|i| state[i][T]);
-    terminal_set(force_only, &lqr)?.region.add(&mut model, "end", &end)?;
+    let terminal = terminal_set(force_only, &lqr)?;
+    terminal.region.add(&mut model, "end", &end)?;
     let cost = |t: usize| {
         let square = |i: usize| state[i][t].square();
         h2 * (square(0) + square(1) + square(2) + square(3) + force[0][t].square())
@@ -126,7 +133,7 @@ fn cart_pole() -> Result<CartPole, Error> {
     }
     model.minimize(objective)?;
     let start = start.try_into().expect("four parameters");
-    Ok(CartPole { model, start, state })
+    Ok(CartPole { model, start, state, force, end: terminal })
 }
 
 /// The states from which the regulator keeps all limits for ever without touching a wall.
@@ -163,11 +170,46 @@ impl Effort {
     }
 }
 
+/// A closed loop with noise, at most so many milliseconds a search. After a plan that was not found in
+/// time, the rest of the last one is applied; without any, the regulator's force.
+fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
+    let CartPole { model, start, state, force, end } = cart_pole()?;
+    let mut solver = BranchAndBound::default();
+    let mut noise =
+        Disturbance::new([0.002, 0.002, 0.02, 0.02].map(|w| Interval::new(-w, w)).into(), 1);
+    let regulator = |x: &[f64]| vec![end.feedback(x).map_or(0.0, |u| u[0].clamp(-1.0, 1.0))];
+    let mut controller = RecedingHorizon::of_model(&model, &start, &state, &force, &mut solver)?
+        .with_fallback(regulator);
+    let plant = |x: &[f64], next: &Move| {
+        let after = after(x, next.input[0])?.into_iter().zip(noise.next_value());
+        Ok(after.zip(MOST).map(|((x, w), most)| (x + w).clamp(-most, most)).collect())
+    };
+    // The first plan has all the time it wants.
+    controller.step(&START)?;
+    let mut controller = controller.with_budget(Duration::from_secs_f64(1e-3 * milliseconds));
+    println!("{}", controller.run(&START, steps, plant)?);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The state after a step under a force on the cart, with the forces that the walls then have.
+fn after(x: &[f64], push: f64) -> Result<Vec<f64>, Error> {
+    let wall = |sign: f64| {
+        let depth = sign * (x[0] - x[1]) - WALL;
+        let spring = STIFFNESS * depth + DAMPING * sign * (x[2] - x[3]);
+        if depth >= 0.0 { spring.max(0.0) } else { 0.0 }
+    };
+    dynamics()?.step(x, &[push, wall(-1.0), wall(1.0)])
+}
+
 fn main() -> Result<ExitCode, Error> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let steps = words.iter().find_map(|word| word.parse().ok()).unwrap_or(50_usize);
+    let steps = words.first().and_then(|word| word.parse().ok()).unwrap_or(50_usize);
     let each = words.iter().any(|word| word == "--each");
-    let CartPole { mut model, start, state } = cart_pole()?;
+    let budget = words.iter().skip_while(|word| *word != "--budget").nth(1);
+    if let Some(milliseconds) = budget.and_then(|word| word.parse().ok()) {
+        return run_with_budget(steps, milliseconds);
+    }
+    let CartPole { mut model, start, state, .. } = cart_pole()?;
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model)?;
     let (mut now, mut means, mut agree) = (START, [Effort::default(); 2], true);

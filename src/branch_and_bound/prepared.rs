@@ -15,7 +15,7 @@ use crate::presolve::root::{Postsolve, Presolve, Rule, presolve_around};
 use crate::program::Program;
 use crate::reformulate::{self, WayBack};
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
-use crate::solution::Solution;
+use crate::solution::{Solution, Termination};
 use crate::solver::{Control, Options, Prepared, StopToken, TreeSeed};
 
 /// A prepared model.
@@ -83,8 +83,20 @@ impl<'a> PreparedProgram<'a> {
             .seed
             .map(|seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() });
         let restore = |values: &[f64]| self.way_back.restore(&postsolve.point(values));
+        let held = match &seed {
+            Some(seed) if pipeline.options.time_limit.is_some() => {
+                hold(&pipeline, program.clone(), seed, &restore)?
+            }
+            _ => None,
+        };
         let inner = Pipeline { seed: seed.as_ref(), ..pipeline };
         let (mut found, _) = inner.run_program(program, &restore, control)?;
+        if let Some(held) = held {
+            found.statistics.add(&held.statistics);
+            if found.points.is_empty() && found.termination != Termination::Infeasible {
+                found.points = held.points;
+            }
+        }
         if let Some(GuessEnd::Contradiction(column)) = &mut found.guess {
             *column = postsolve.columns().get(*column).copied().unwrap_or(*column);
         }
@@ -149,6 +161,25 @@ impl Prepared for PreparedProgram<'_> {
         let report = given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
         answer(model, options, found, derivatives, report)
     }
+}
+
+/// The best point with the integers of a start: what a search returns that is stopped before it has
+/// looked at the start. With the integers held, presolve leaves next to nothing.
+fn hold(
+    pipeline: &Pipeline<'_>,
+    mut program: Program,
+    start: &Seed,
+    restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
+) -> Result<Option<Found>, Error> {
+    for &(column, value) in &start.guess {
+        if value < program.lower[column] || value > program.upper[column] {
+            return Ok(None);
+        }
+        (program.lower[column], program.upper[column]) = (value, value);
+    }
+    let alone = Pipeline { seed: None, ..*pipeline };
+    let (found, _) = alone.run_program(program, restore, &mut Control::default())?;
+    Ok((!found.points.is_empty()).then_some(found))
 }
 
 /// Presolves a program around the columns of its parameters, between the ends of their ranges.
