@@ -50,6 +50,36 @@ fn agree(cold: &Solution, warm: &Solution) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
+    /// A limit may end a solve anywhere; what it returns holds, and its bound is one.
+    #[test]
+    fn solves_that_are_cut_short_are_right(
+        steps in 2..6_usize,
+        weights in [0.0..2.0, 0.1..1.0, -0.5..0.5],
+        start in -3.0..3.0_f64,
+        limits in prop::collection::vec(0..3000_u64, 6),
+    ) {
+        let (mut model, parameters) = horizon(steps, [1.0, 0.9], weights).unwrap();
+        let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
+        let mut prepared = solver.prepare(&model).unwrap();
+        for (k, limit) in limits.into_iter().enumerate() {
+            let value = f64::min(start + 0.1 * k as f64, 3.0);
+            let values = [(parameters[0], value)];
+            model.set_parameter(parameters[0], value).unwrap();
+            let best = cold.solve(&model).unwrap();
+            let time = (k % 2 == 1).then(|| std::time::Duration::from_micros(limit));
+            prepared.options_mut().time_limit = time;
+            let short = prepared.solve(&values, &mut Control::default()).unwrap();
+            if let (Some(best), Some(value)) = (best.objective(), short.objective()) {
+                let slack = 3e-6 * best.abs().max(1.0);
+                assert!(value >= best - slack && short.bound() <= best + slack);
+                assert!(short.verification().is_some_and(|v| v.holds()));
+            } else {
+                assert!(short.point().is_none() && best.objective().is_some() || !best.is_optimal());
+            }
+            assert!(time.is_some() || short.termination() == best.termination());
+        }
+    }
+
     #[test]
     fn prepared_solves_equal_cold_ones(
         steps in 2..6_usize,

@@ -215,7 +215,8 @@ impl<'a> RecedingHorizon<'a> {
     }
 
     /// Stops each search after this time. A step takes a little longer, because a point is polished
-    /// and verified before it counts.
+    /// and verified before it counts. Each search first completes the last plan, moved one step ahead,
+    /// so a plan is at hand early.
     #[must_use]
     pub fn with_budget(mut self, budget: Duration) -> Self {
         self.budget = Some(budget);
