@@ -68,9 +68,8 @@ fn cart_pole() -> Result<CartPole, Error> {
         model.continuous_family("left", T, 0.0, most)?,
         model.continuous_family("right", T, 0.0, most)?,
     ];
-    let names = ["left_near", "left_pressed", "right_near", "right_pressed"];
     let mut contact = Vec::new();
-    for name in names {
+    for name in ["left_near", "left_pressed", "right_near", "right_pressed"] {
         contact.push(model.binary_family(name, T)?);
     }
     let contact: [Family; 4] = contact.try_into().expect("four binaries");
@@ -119,8 +118,8 @@ fn cart_pole() -> Result<CartPole, Error> {
     let q = Mat::from_fn(4, 4, |i, j| if i == j { h2 } else { 0.0 });
     let lqr = Lqr::new(&force_only, q, [[h2]])?;
     let end = [0, 1, 2, 3].map(|i| state[i][T]);
-    let terminal = terminal_set(force_only, &lqr)?;
-    terminal.region.add(&mut model, "end", &end)?;
+    let set = terminal_set(force_only, &lqr)?;
+    set.region.add(&mut model, "end", &end)?;
     let cost = |t: usize| {
         let square = |i: usize| state[i][t].square();
         h2 * (square(0) + square(1) + square(2) + square(3) + force[0][t].square())
@@ -133,7 +132,7 @@ fn cart_pole() -> Result<CartPole, Error> {
     }
     model.minimize(objective)?;
     let start = start.try_into().expect("four parameters");
-    Ok(CartPole { model, start, state, force, end: terminal })
+    Ok(CartPole { model, start, state, force, end: set })
 }
 
 /// The states from which the regulator keeps all limits for ever without touching a wall.
