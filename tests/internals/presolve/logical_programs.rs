@@ -100,3 +100,36 @@ pub(crate) fn conjunctions() -> impl Strategy<Value = Case> {
         case(columns, lines, &costs)
     })
 }
+
+/// One of several binaries is 1, and each holds a column within limits of its own; some cost.
+pub(super) fn selections() -> impl Strategy<Value = Case> {
+    let term = (0.0..6.0_f64, 0.0..6.0_f64, 0..3_u8);
+    (prop::collection::vec(term, 3..=4), -2.0..2.0_f64).prop_map(|(terms, slope)| {
+        let count = terms.len();
+        let binary = Column { kind: VariableKind::Binary, lower: 0.0, upper: 1.0 };
+        let free = Column { kind: VariableKind::Continuous, lower: 0.0, upper: 10.0 };
+        let columns = [vec![binary; count], vec![free]].concat();
+        let entries = |pairs: &[(usize, f64)]| {
+            let mut coefficients = vec![0.0; count + 1];
+            pairs.iter().for_each(|(j, a)| coefficients[*j] = *a);
+            coefficients
+        };
+        let line = |pairs: &[(usize, f64)], lower, upper| Line {
+            coefficients: entries(pairs),
+            lower,
+            upper,
+            scale: 1.0,
+        };
+        let all: Vec<(usize, f64)> = (0..count).map(|j| (j, 1.0)).collect();
+        let mut lines = vec![line(&all, 1.0, 1.0)];
+        let mut linear = entries(&[(count, slope)]);
+        for (j, (low, width, cost)) in terms.into_iter().enumerate() {
+            let (low, high) = (low, (low + width).min(10.0));
+            lines.push(line(&[(count, 1.0), (j, -low)], 0.0, f64::INFINITY));
+            lines.push(line(&[(count, 1.0), (j, 10.0 - high)], f64::NEG_INFINITY, 10.0));
+            linear[j] = f64::from(cost);
+        }
+        let (switches, squares) = (Vec::new(), Vec::new());
+        Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: false }
+    })
+}

@@ -6,7 +6,7 @@ use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
 
-use super::logical_programs::{coded, conjunctions};
+use super::logical_programs::{coded, conjunctions, selections};
 use super::programs::program;
 use super::search_alone;
 use crate::common::case::Case;
@@ -121,6 +121,13 @@ proptest! {
     fn implied_binaries(case in conjunctions(), other in program(false)) {
         compare(&case, &[Rule::ImpliedBinaries])?;
         compare(&other, &[Rule::ImpliedBinaries])?;
+    }
+
+    #[test]
+    fn coverings(case in selections(), other in conjunctions()) {
+        compare(&case, &[Rule::Coverings])?;
+        compare(&case, &Rule::ALL)?;
+        compare(&other, &[Rule::Coverings])?;
     }
 
     #[test]
