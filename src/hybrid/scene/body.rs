@@ -173,20 +173,34 @@ impl Body {
         LinearSystem::zero_order_hold(a, Mat::from_fn(2 * d, d, |i, j| on(i, j + d, 1.0)), c, dt)
     }
 
-    /// The largest rate of change of the acceleration in a direction, in m/s³: 0 without K and D.
-    pub(super) fn largest_jerk(&self, direction: &[f64]) -> f64 {
+    /// The largest rate of change of the acceleration in a direction during a step of free flight
+    /// from a sample, in m/s³: 0 without K and D.
+    pub(super) fn largest_jerk(&self, direction: &[f64], time_step: f64) -> f64 {
         let Some((k, damping)) = &self.dynamics else { return 0.0 };
-        let d = self.axes();
-        let speed = Interval::new(-self.max_speed, self.max_speed);
-        // Within a step, the speed may exceed its limit at the samples; twice covers it.
-        let speed = speed * 2.0;
+        let (d, dt) = (self.axes(), time_step);
+        let largest = |intervals: &[Interval]| {
+            intervals.iter().map(|i| i.magnitude()).fold(0.0_f64, f64::max)
+        };
+        let norm = |m: &Mat<f64>| {
+            let rows = (0..d).map(|i| (0..d).map(|j| m[(i, j)].abs()).sum::<f64>());
+            rows.fold(0.0_f64, f64::max)
+        };
+        // Gronwall's inequality for the largest speed along an axis: the body starts within its
+        // domain and its limit of speed, and may leave both before the step ends.
+        let pull = largest(&self.acceleration)
+            + self.gravity.iter().map(|g| g.abs()).fold(0.0, f64::max)
+            + norm(k) * largest(&self.domain);
+        let growth = (norm(damping) + norm(k) * dt) * dt;
+        let top = (self.max_speed + pull * dt) * growth.exp();
+        let speed = Interval::new(-top, top);
         let sum = |m: &Mat<f64>, i: usize, of: &dyn Fn(usize) -> Interval| {
             (0..d).fold(Interval::point(0.0), |sum, j| sum + of(j) * m[(i, j)])
         };
         let accelerations: Vec<Interval> = (0..d)
             .map(|i| {
                 let own = self.acceleration[i] + Interval::point(self.gravity[i]);
-                own + sum(k, i, &|j| self.domain[j]) + sum(damping, i, &|_| speed)
+                let spring = sum(k, i, &|j| self.domain[j] + speed * dt);
+                own + spring + sum(damping, i, &|_| speed)
             })
             .collect();
         let jerk = (0..d).fold(Interval::point(0.0), |total, i| {

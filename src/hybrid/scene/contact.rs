@@ -111,7 +111,7 @@ fn with_obstacle(
         body: b,
         other: None,
         obstacle: Some(o),
-        faces: faces(&sides, &surfaces, &places, &|n| body.largest_jerk(n)),
+        faces: faces(&sides, &surfaces, &places, &|n| body.largest_jerk(n, scene.time_step)),
         velocity: velocity.collect(),
         share: 1.0,
         mass: body.mass,
@@ -127,7 +127,7 @@ fn between(scene: &Scene, pair: &Pair) -> Contact {
         .map(|n| (n.clone(), first.shape.reach(n) + second.shape.reach(n)))
         .collect();
     let surfaces = vec![pair.surface; sides.len()];
-    let jerk = |n: &[f64]| first.largest_jerk(n) + second.largest_jerk(n);
+    let jerk = |n: &[f64]| [first, second].map(|b| b.largest_jerk(n, scene.time_step)).iter().sum();
     let total = first.mass + second.mass;
     Contact {
         name: format!("{} and {}", first.name, second.name),

@@ -145,20 +145,29 @@ impl Writer<'_> {
     /// The middle control point of the step's parabola is in front of a face, so that the whole step
     /// is if both ends are: `g + Δt/2 s >= J Δt³/12`, where J bounds the third derivative of g.
     fn no_dip(&self, face: &ContactFace) -> Halfspace {
-        let dt = self.scene.time_step;
         let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
-        let mut factors = self.position(&back);
-        let rates = self.velocity(&back);
+        let limits: Vec<f64> = face.limit.iter().map(|b| -b).collect();
+        self.middle("no dip".into(), &back, &limits)
+    }
+
+    /// `direction . c <= limit` at the middle control point `c = x + Δt/2 v` of the step's parabola,
+    /// in the middle between the limits at both ends.
+    fn middle(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
+        let dt = self.scene.time_step;
+        let mut factors = self.position(direction);
+        let rates = self.velocity(direction);
         factors.iter_mut().zip(rates).for_each(|(x, v)| *x += 0.5 * dt * v);
-        let margin = face.jerk * dt * dt * dt / 12.0;
-        let steps = face.limit.len().saturating_sub(1).max(1);
-        let limit = |t: usize| {
-            let (from, to) = (face.limit_at(t), at(&face.limit, t + 1));
-            // b + Δt/2 s, with the speed of the face s = (b' - b)/Δt.
-            -0.5 * (from + to) - margin
-        };
-        let limits: Vec<f64> = (0..steps).map(limit).collect();
-        Halfspace::new("no dip", factors, limits)
+        let margin = self.jerk(direction) * dt * dt * dt / 12.0;
+        let steps = limits.len().saturating_sub(1).max(1);
+        let limit = |t: usize| 0.5 * (at(limits, t) + at(limits, t + 1)) - margin;
+        Halfspace::new(name, factors, (0..steps).map(limit).collect::<Vec<f64>>())
+    }
+
+    /// The largest rate of change of the relative acceleration in a direction, in m/s³.
+    fn jerk(&self, direction: &[f64]) -> f64 {
+        let bodies = [Some(self.contact.body), self.contact.other];
+        let of = |b: usize| self.scene.bodies[b].largest_jerk(direction, self.scene.time_step);
+        bodies.into_iter().flatten().map(of).sum()
     }
 
     /// The step hits a face.
@@ -177,6 +186,10 @@ impl Writer<'_> {
                 Halfspace::new(format!("starts within end {k}"), factors.clone(), at_start(limits));
             let end = Halfspace::new(format!("ends within end {k}"), factors, at_end(limits));
             hit = hit.with_guard(start).with_prediction_guard(end);
+            if self.scene.estimate == ImpactEstimate::Sound {
+                // No other face is entered first.
+                hit = hit.with_guard(self.middle(format!("stays within end {k}"), normal, limits));
+            }
         }
         let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&own.limit));
         hit = hit.with_prediction_guard(ends);
@@ -205,13 +218,14 @@ impl Writer<'_> {
     fn limited(&self, mut hit: Transition, face: usize) -> Transition {
         let own = &self.contact.faces[face];
         let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
+        let dt = self.scene.time_step;
+        let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         for rule in &self.scene.rules {
             if !rule.applies(self.scene, self.contact, face) {
                 continue;
             }
             if let Some(most) = rule.most_speed(self.contact, face) {
-                let is_sound = self.scene.estimate == ImpactEstimate::Sound;
-                let margin = if is_sound { sound_margin(own, self.scene.time_step) } else { 0.0 };
+                let margin = if is_sound { sound_margin(own, dt) } else { 0.0 };
                 let most = most - margin;
                 let limit = |most: f64| self.speed(&back).map(|s| most + s);
                 let name = format!("{} at the end", rule.name);
@@ -228,10 +242,17 @@ impl Writer<'_> {
                     // d . r + slope n . r <= 0.
                     let factors: Vec<f64> =
                         tangent.iter().zip(&own.normal).map(|(d, n)| d + slope * n).collect();
+                    let margin = if is_sound { self.jerk(&factors) * dt * dt / 8.0 } else { 0.0 };
+                    let limit = || self.speed(&factors).map(|s| s - margin);
                     let name = format!("{} incidence {k}", rule.name);
-                    let limit = self.speed(&factors);
-                    let guard = Halfspace::limit(name, self.velocity(&factors), limit);
+                    let guard = Halfspace::limit(name, self.velocity(&factors), limit());
                     hit = hit.with_prediction_guard(guard);
+                    if is_sound {
+                        // Directions within the limit are a cone, so that all in between are.
+                        let name = format!("{} incidence {k} at the start", rule.name);
+                        let start = Halfspace::limit(name, self.velocity(&factors), limit());
+                        hit = hit.with_guard(start);
+                    }
                 }
             }
         }

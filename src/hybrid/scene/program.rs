@@ -2,16 +2,17 @@
 
 use std::borrow::{Borrow, BorrowMut};
 
-use super::contact::{Contact, Mode};
+use super::contact::{Contact, ContactFace, Mode};
 use super::geometry::dot;
 use super::rule::DamageRule;
-use super::statement::Scene;
+use super::statement::{INSIDE, Scene};
 use super::system::{AXES, Stated};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::costs::When;
+use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::rows::HybridProgram;
-use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable};
+use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable, either};
 
 /// The program of a scene over a horizon: its model, and the variables in it.
 #[derive(Debug, Clone)]
@@ -107,6 +108,7 @@ impl Stated {
             measured: Vec::new(),
         };
         program.fix_first()?;
+        program.start_outside()?;
         program.one_hit()?;
         program.next_outside()?;
         program.add_damage()?;
@@ -272,6 +274,33 @@ impl SceneProgram {
         Ok(())
     }
 
+    /// Bodies start outside convex obstacles, where the first step does not say so: if only the ends
+    /// of steps count, and the start is not a point.
+    fn start_outside(&mut self) -> Result<(), Error> {
+        if self.scene.estimate == ImpactEstimate::Sound {
+            return Ok(());
+        }
+        for c in 0..self.contacts.len() {
+            let contact = self.contacts[c].clone();
+            let is_clear = |face: &ContactFace| {
+                self.scene.nearest_start(&contact, face) >= face.limit_at(0) - INSIDE
+            };
+            if contact.faces.len() < 2 || contact.faces.iter().any(is_clear) {
+                continue;
+            }
+            let row = |face: &ContactFace| {
+                self.along(&contact, &face.normal, 0, false).ge(face.limit_at(0))
+            };
+            let mut rows = contact.faces.iter().map(row);
+            let (Some(first), Some(second)) = (rows.next(), rows.next()) else { continue };
+            let outside = rows.fold(either(first).or(second), |all, row| all.or(row));
+            let name = format!("starts_outside_{c}");
+            self.model.add(name.as_str(), outside)?;
+            self.model.set_background(&name)?;
+        }
+        Ok(())
+    }
+
     /// At most one hit of each body in a step, unless corners are allowed.
     fn one_hit(&mut self) -> Result<(), Error> {
         if self.scene.corners {
@@ -320,7 +349,7 @@ impl SceneProgram {
     }
 
     /// A body that hits something else in a step still ends it in front of the same face of each
-    /// convex obstacle.
+    /// convex obstacle. In corners, that is also said of the faces that it hits.
     fn next_outside(&mut self) -> Result<(), Error> {
         for c in 0..self.contacts.len() {
             let contact = self.contacts[c].clone();
@@ -336,12 +365,16 @@ impl SceneProgram {
             }
             let family = format!("outside_{c}");
             for t in 0..self.steps() {
-                for mode in contact.modes.iter().filter(|mode| !mode.is_hit) {
+                let corners = self.scene.corners;
+                for (m, mode) in contact.modes.iter().enumerate() {
+                    if mode.is_hit && !corners {
+                        continue;
+                    }
                     let face = &contact.faces[mode.face];
                     let gap = self.along(&contact, &face.normal, t + 1, false);
                     let Some(taken) = self.taken(c, mode, t)? else { continue };
                     let row = gap.ge(face.limit_at(t + 1));
-                    let name = format!("{family}_{}", mode.face);
+                    let name = format!("{family}_{m}");
                     self.model.add((name.as_str(), t), taken.implies(row))?;
                     self.model.set_background(&name)?;
                 }

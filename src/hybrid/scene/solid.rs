@@ -42,6 +42,8 @@ pub struct Solid {
     pub(super) faces: Vec<Face>,
     /// Its displacement at each sample, in m; empty if it does not move.
     pub(super) course: Vec<Vec<f64>>,
+    /// A face of which a surface was set and that does not exist, for the check.
+    missing: Option<usize>,
 }
 
 impl Solid {
@@ -65,7 +67,7 @@ impl Solid {
     ) -> Self {
         let faces = faces.into_iter();
         let faces = faces.map(|(normal, offset)| Face { normal: normal.into(), offset, surface });
-        Solid { name: name.into(), faces: faces.collect(), course: Vec::new() }
+        Solid { name: name.into(), faces: faces.collect(), course: Vec::new(), missing: None }
     }
 
     /// A box along the axes, in m. Faces 2 i and 2 i + 1 are the lower and the upper one along axis
@@ -81,11 +83,12 @@ impl Solid {
         Solid::polytope(name, faces, surface)
     }
 
-    /// Sets the surface of one face, by its number.
+    /// Sets the surface of one face, by its number. Scenes refuse a number that no face has.
     #[must_use]
     pub fn with_surface_of(mut self, face: usize, surface: Surface) -> Self {
-        if let Some(face) = self.faces.get_mut(face) {
-            face.surface = surface;
+        match self.faces.get_mut(face) {
+            Some(face) => face.surface = surface,
+            None => self.missing = Some(face),
         }
         self
     }
@@ -117,6 +120,11 @@ impl Solid {
         if own.faces.is_empty() {
             let what = format!("the number of faces of `{}`", self.name);
             return Err(Error::out_of_range(what, 0.0, "at least 1"));
+        }
+        if let Some(face) = self.missing {
+            let what = format!("the face of `{}` whose surface is set", self.name);
+            let below = format!("below {}", self.faces.len());
+            return Err(Error::out_of_range(what, face as f64, below));
         }
         let lengths = self.faces.iter().map(|face| face.normal.len());
         let mut lengths = lengths.chain(self.course.iter().map(Vec::len));

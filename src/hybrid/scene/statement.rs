@@ -1,12 +1,13 @@
 //! A scene: bodies, obstacles, pairs of bodies.
 
 use super::body::{Body, Shape};
+use super::contact::{Contact, ContactFace, contacts};
 use super::error::SceneError;
 use super::geometry::{self, Side, dot};
 use super::rule::DamageRule;
 use super::solid::Solid;
 use super::surface::Surface;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Region, check_ends};
@@ -17,11 +18,13 @@ use crate::setters::setters;
 const NORMALS: usize = 8;
 
 /// How far a start or a goal may be inside an obstacle, in m.
-const INSIDE: f64 = 1e-9;
+pub(super) const INSIDE: f64 = 1e-9;
 
 /// Two bodies that avoid each other or hit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pair {
+    names: [String; 2],
+    /// The numbers of the bodies, in a checked scene.
     pub(super) first: usize,
     pub(super) second: usize,
     pub(super) surface: Surface,
@@ -71,8 +74,6 @@ pub struct Scene {
     /// Whether a body may hit several faces in one step, as in a corner; default no.
     pub corners: bool,
     pub(super) pairs: Vec<Pair>,
-    /// Pairs whose bodies or normals are wrong, for the check.
-    pub(super) wrong: Vec<(String, usize)>,
 }
 
 impl Scene {
@@ -90,7 +91,6 @@ impl Scene {
             estimate: ImpactEstimate::Sound,
             corners: false,
             pairs: Vec::new(),
-            wrong: Vec::new(),
         }
     }
 
@@ -159,27 +159,9 @@ impl Scene {
         surface: Surface,
         normals: impl IntoIterator<Item = N>,
     ) -> Self {
-        let find = |name: &str| self.bodies.iter().position(|body| body.name == name);
-        let found = [first, second].map(find);
-        for (name, found) in [first, second].iter().zip(found) {
-            if found.is_none() {
-                self.wrong.push(((*name).to_owned(), 0));
-            }
-        }
-        let [Some(a), Some(b)] = found else { return self };
-        let mut normals: Vec<Vec<f64>> = normals.into_iter().map(Into::into).collect();
-        if normals.is_empty() {
-            normals = default_normals(&self.bodies[a], &self.bodies[b]);
-        }
-        for normal in &mut normals {
-            let length = dot(normal, normal).sqrt();
-            if !(length > 1e-9 && length.is_finite()) || normal.len() != self.bodies[a].axes() {
-                self.wrong.push((format!("{first} and {second}"), normal.len()));
-                return self;
-            }
-            normal.iter_mut().for_each(|n| *n /= length);
-        }
-        self.pairs.push(Pair { first: a, second: b, surface, normals });
+        let names = [first.to_owned(), second.to_owned()];
+        let normals = normals.into_iter().map(Into::into).collect();
+        self.pairs.push(Pair { names, first: 0, second: 0, surface, normals });
         self
     }
 
@@ -208,13 +190,6 @@ impl Scene {
             let what = "the number of axes of the scene's first body";
             return Err(Error::out_of_range(what, axes as f64, "from 1 to 3"));
         }
-        if let Some((name, found)) = self.wrong.first() {
-            if *found > 0 {
-                let name = name.clone();
-                return Err(SceneError::Axes { name, found: *found, expected: axes }.into());
-            }
-            return Err(unknown(name, "body of the scene"));
-        }
         let mut names: Vec<&str> = Vec::new();
         let all = self.bodies.iter().map(|body| &body.name);
         for name in all.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)) {
@@ -238,24 +213,75 @@ impl Scene {
             *obstacle = obstacle.checked(axes)?;
             check_faces(obstacle, axes)?;
         }
-        for pair in &own.pairs {
-            let name =
-                format!("{} and {}", own.bodies[pair.first].name, own.bodies[pair.second].name);
-            pair.surface.check(&name, axes)?;
+        for k in 0..own.pairs.len() {
+            own.pairs[k] = own.checked_pair(k)?;
         }
         own.check_ends()?;
         own.rules.iter().try_for_each(|rule| rule.check(&own))?;
         Ok(own)
     }
 
+    /// A pair with the numbers of its bodies and with normals of length 1.
+    fn checked_pair(&self, k: usize) -> Result<Pair, Error> {
+        let mut pair = self.pairs[k].clone();
+        let [first, second] = pair.names.clone();
+        let name = format!("{first} and {second}");
+        let is_same = |other: &Pair| {
+            other.names == pair.names || other.names == [second.clone(), first.clone()]
+        };
+        if first == second || self.pairs[..k].iter().any(is_same) {
+            return Err(ErrorKind::DuplicateName { name, kind: "pair of bodies" }.into());
+        }
+        (pair.first, pair.second) = (self.body(&first)?, self.body(&second)?);
+        let axes = self.axes();
+        pair.surface.check(&name, axes)?;
+        if pair.normals.is_empty() {
+            pair.normals = default_normals(&self.bodies[pair.first], &self.bodies[pair.second]);
+        }
+        for (face, normal) in pair.normals.iter_mut().enumerate() {
+            let found = normal.len();
+            if found != axes {
+                return Err(SceneError::Axes { name, found, expected: axes }.into());
+            }
+            check_finite(&name, "a normal", normal.iter().copied())?;
+            let length = dot(normal, normal).sqrt();
+            if !(length > 1e-9 && length.is_finite()) {
+                return Err(SceneError::Normal { obstacle: name, face }.into());
+            }
+            normal.iter_mut().for_each(|n| *n /= length);
+        }
+        Ok(pair)
+    }
+
+    /// The largest `direction . x` of a contact, over the boxes of a region of its body and of the
+    /// other body.
+    fn farthest(
+        &self,
+        contact: &Contact,
+        direction: &[f64],
+        own: &Option<Region>,
+        its: Option<&Option<Region>>,
+    ) -> f64 {
+        let of = |body: usize, region: &Option<Region>, direction: &[f64]| match region {
+            Some(region) => farthest(&region.ranges, direction),
+            None => farthest(&self.bodies[body].domain, direction),
+        };
+        let back: Vec<f64> = direction.iter().map(|n| -n).collect();
+        let other = contact.other.zip(its).map_or(0.0, |(body, its)| of(body, its, &back));
+        of(contact.body, own, direction) + other
+    }
+
+    /// The least `normal . x` at which a contact may start.
+    pub(super) fn nearest_start(&self, contact: &Contact, face: &ContactFace) -> f64 {
+        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
+        let own = &self.bodies[contact.body].start;
+        let its = contact.other.map(|b| &self.bodies[b].start);
+        -self.farthest(contact, &back, own, its)
+    }
+
     /// Refuses bodies that start or end inside something.
     fn check_ends(&self) -> Result<(), Error> {
-        let place = |region: &Option<Region>| -> Option<Vec<f64>> {
-            let ranges = &region.as_ref()?.ranges[..self.axes()];
-            let is_point = ranges.iter().all(|range| range.lower == range.upper);
-            is_point.then(|| ranges.iter().map(|range| range.lower).collect())
-        };
-        for contact in super::contact::contacts(self) {
+        for contact in contacts(self) {
             let (body, other) =
                 (&self.bodies[contact.body], contact.other.map(|b| &self.bodies[b]));
             let ends = [
@@ -266,13 +292,12 @@ impl Scene {
                 if end == "ends" && !contact.velocity.is_empty() {
                     continue;
                 }
-                let Some(mut x) = place(own) else { continue };
-                if let Some(its) = its {
-                    let Some(its) = place(its) else { continue };
-                    x.iter_mut().zip(its).for_each(|(x, y)| *x -= y);
+                if own.is_none() || its == Some(&None) {
+                    continue;
                 }
-                let inside = |face: &super::contact::ContactFace| {
-                    dot(&face.normal, &x) < face.limit_at(0) - INSIDE
+                let inside = |face: &ContactFace| {
+                    let most = self.farthest(&contact, &face.normal, own, its);
+                    most < face.limit_at(0) - INSIDE
                 };
                 if contact.faces.iter().all(inside) {
                     let obstacle = match (contact.obstacle, other) {
@@ -286,6 +311,16 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// The largest `direction . x` over a box.
+fn farthest(ranges: &[Interval], direction: &[f64]) -> f64 {
+    let ends = direction.iter().zip(ranges).map(|(n, range)| match *n {
+        0.0 => 0.0,
+        n if n > 0.0 => n * range.upper,
+        n => n * range.lower,
+    });
+    ends.sum()
 }
 
 fn unknown(name: &str, kind: &'static str) -> Error {

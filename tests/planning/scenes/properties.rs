@@ -7,20 +7,10 @@ use carom::model::Affine;
 use carom::prelude::*;
 use proptest::prelude::*;
 
+use super::numbers::Numbers;
 use crate::common::config;
 
 const TIME_STEP: f64 = 0.05;
-
-/// Evenly distributed numbers within [0, 1), the same in every run.
-struct Numbers(u64);
-
-impl Numbers {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        low + (high - low) * (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// When and how fast a step of constant acceleration enters a wall at 0, from a gap above it.
 fn first_impact(gap: f64, speed: f64, push: f64) -> Option<f64> {

@@ -150,6 +150,16 @@ impl Played<'_> {
         let mut worst = self.certificate.clone();
         for touch in world.touches() {
             let name = world.name(touch);
+            if step == 0 {
+                let inside = -world.clearance(touch, &start.x, step, 0.0).0;
+                self.refuse(
+                    step,
+                    &format!("{name}: the first sample is inside (m)"),
+                    inside,
+                    MISS,
+                )?;
+                worst.penetration = worst.penetration.max(inside);
+            }
             let inside = -world.clearance(touch, &self.samples[step + 1].x, step, 1.0).0;
             self.refuse(step, &format!("{name}: the next sample is inside (m)"), inside, MISS)?;
             worst.penetration = worst.penetration.max(inside);
@@ -259,7 +269,7 @@ impl Played<'_> {
             let (at_start, at_end) = (-dot(n, &before), -dot(n, &r));
             let shares = world.shares(touch);
             let jerk: f64 =
-                shares.iter().map(|(b, _)| world.scene.bodies[*b].largest_jerk(n)).sum();
+                shares.iter().map(|(b, _)| world.scene.bodies[*b].largest_jerk(n, dt)).sum();
             let counted = match world.scene.estimate {
                 ImpactEstimate::Sound => at_start.max(at_end) + jerk * dt * dt / 8.0,
                 ImpactEstimate::EndOfStep => at_end,

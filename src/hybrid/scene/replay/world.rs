@@ -1,11 +1,14 @@
 //! The geometry and the motion of a scene in numbers, without its hybrid system.
 
+use faer::Mat;
+
 use crate::hybrid::scene::body::Body;
 use crate::hybrid::scene::geometry::dot;
 use crate::hybrid::scene::statement::Scene;
 use crate::hybrid::scene::surface::{Surface, Tangential};
 
-/// Number of Runge-Kutta steps in a step of a body with springs or drag.
+/// Number of Runge-Kutta steps in a step of a body with springs or drag, while that is short beside
+/// the times of its motion.
 const SUBSTEPS: f64 = 64.0;
 
 /// Positions and velocities of all bodies.
@@ -182,7 +185,14 @@ impl World<'_> {
         let plus = |a: &[f64], h: f64, b: &[f64]| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| a + h * b).collect()
         };
-        let count = (SUBSTEPS * time / self.scene.time_step).ceil().max(1.0);
+        // The local error is of the fifth order in the fastest rate of the motion times a step.
+        let largest = |m: &Mat<f64>| {
+            let rows = (0..axes).map(|i| (0..axes).map(|j| m[(i, j)].abs()).sum::<f64>());
+            rows.fold(0.0, f64::max)
+        };
+        let rate = largest(d) + largest(k).sqrt();
+        let finer = (rate * self.scene.time_step).max(1.0).powf(1.25);
+        let count = (SUBSTEPS * finer * time / self.scene.time_step).ceil().max(1.0);
         let h = time / count;
         let (mut x, mut v) = (x.to_vec(), v.to_vec());
         for _ in 0..count as usize {
