@@ -42,7 +42,8 @@ fn main() -> Result<(), Box<dyn StdError>> {
         let solution = solver.solve(&program.model)?;
         let plan = program.certified(&solution)?;
         let size = |j: &Vec<f64>| j.iter().map(|j| j * j).sum::<f64>().sqrt();
-        let impulse: f64 = plan.hits.iter().map(|hit| size(&hit.impulse)).sum();
+        // An empty sum is -0.
+        let impulse = plan.hits.iter().map(|hit| size(&hit.impulse)).sum::<f64>().abs();
         let effort = solution.objective().unwrap_or(f64::NAN);
         let (time, hits) = (plan.duration(), plan.hits.len());
         println!("{name:8} {time:9.1} {effort:15.4} {impulse:14.2} {hits:5}");

@@ -1,4 +1,34 @@
 #![doc = include_str!("../docs/modelling.md")]
 
+// Its code is compiled as that of all other pages.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub mod readme {}
+
 #[doc = include_str!("../docs/hybrid_system.md")]
 pub mod hybrid_system {}
+
+#[doc = include_str!("../docs/scenes.md")]
+pub mod scenes {}
+
+// The pages are also read as files. Of two definitions of a link, the first one counts, so that these
+// take the place of the links to files at the ends of the pages.
+#[doc = "[`HybridSystem`]: crate::hybrid::HybridSystem"]
+#[doc = include_str!("../docs/reach_sets.md")]
+pub mod reach_sets {}
+
+#[doc = "[reach sets]: crate::guide::reach_sets"]
+#[doc = include_str!("../docs/formulation.md")]
+pub mod formulation {}
+
+#[doc = "[benchmarks]: crate::guide::benchmarks"]
+#[doc = include_str!("../docs/gallery.md")]
+pub mod gallery {}
+
+#[doc = "[decisions]: crate::guide::decisions"]
+#[doc = include_str!("../docs/benchmarks.md")]
+pub mod benchmarks {}
+
+#[doc = "[benchmarks]: crate::guide::benchmarks"]
+#[doc = include_str!("../docs/decisions.md")]
+pub mod decisions {}

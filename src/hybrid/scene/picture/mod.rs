@@ -20,6 +20,12 @@ const ARROW: f64 = 60.0;
 /// How often an animation shows each step.
 const FRAMES: usize = 4;
 
+/// The radius of a point that moves, in pixels.
+const DOT: f64 = 7.0;
+
+/// How long an animation rests at its end before it begins again, in s.
+const REST: f64 = 1.0;
+
 impl ScenePlan {
     /// A picture of the plan: on a line, positions over time; in the plane, paths with marks of time
     /// among the obstacles, on equal axes. Arrows are the impulses of hits on the bodies.
@@ -65,7 +71,7 @@ impl ScenePlan {
     }
 
     /// The plan as a moving picture in the plane: one SVG file that browsers play, over and over, in
-    /// the time that the plan takes.
+    /// the time that the plan takes, with a rest of a second.
     ///
     /// # Errors
     ///
@@ -79,6 +85,7 @@ impl ScenePlan {
         let mut svg = begin(&view, &scene);
         axes(&mut svg, &view);
         solids(&mut svg, &view, &scene, self, true);
+        let shown = self.steps_shown();
         for (b, (body, path)) in scene.bodies.iter().zip(&self.bodies).enumerate() {
             let colour = COLOURS[b % COLOURS.len()];
             let line = self.line(&view, path);
@@ -87,8 +94,9 @@ impl ScenePlan {
                 "<path d=\"{line}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1\" \
                  stroke-opacity=\"0.4\"/>"
             );
-            let frames: Vec<(f64, f64)> = (0..=self.steps() * FRAMES)
+            let frames: Vec<(f64, f64)> = (0..=shown * FRAMES)
                 .map(|k| {
+                    let k = k.min(self.steps() * FRAMES);
                     let (step, part) = (k / FRAMES, (k % FRAMES) as f64 / FRAMES as f64);
                     let place = self.between(path, step, part);
                     view.place(0.0, &place)
@@ -99,7 +107,7 @@ impl ScenePlan {
             let half: Vec<f64> = match &body.shape {
                 Shape::Box(half) => half.clone(),
                 Shape::Ball(radius) => vec![*radius; 2],
-                Shape::Point => vec![3.0 / view.scale[0]; 2],
+                Shape::Point => vec![DOT / view.scale[0]; 2],
             };
             let [w, h] = [half[0] * view.scale[0], half[1] * view.scale[1]];
             let round = if matches!(body.shape, Shape::Box(_)) { 0.0 } else { w };
@@ -112,13 +120,18 @@ impl ScenePlan {
                 -h,
                 2.0 * w,
                 2.0 * h,
-                plain(self.duration()),
+                plain(shown as f64 * self.time_step),
                 values.join(";")
             );
         }
         legend(&mut svg, &view, &scene, false, None);
         svg.push_str("</g>\n</svg>\n");
         Ok(svg)
+    }
+
+    /// The number of steps that an animation takes, with the rest at its end.
+    fn steps_shown(&self) -> usize {
+        self.steps() + (REST / self.time_step).ceil() as usize
     }
 
     /// The scene, checked.

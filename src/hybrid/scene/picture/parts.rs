@@ -112,15 +112,16 @@ pub(super) fn solids(svg: &mut String, view: &View, scene: &Scene, plan: &SceneP
                 list.join(" ")
             );
             if moves && moving {
-                let places = (0..=plan.steps()).map(|t| {
-                    let place = solid.displacement(t, 2);
+                let shown = plan.steps_shown();
+                let places = (0..=shown).map(|t| {
+                    let place = solid.displacement(t.min(plan.steps()), 2);
                     format!("{:.2} {:.2}", place[0] * view.scale[0], -place[1] * view.scale[1])
                 });
                 let _ = write!(
                     svg,
                     "<animateTransform attributeName=\"transform\" type=\"translate\" \
                      dur=\"{}s\" repeatCount=\"indefinite\" values=\"{}\"/>",
-                    plain(plan.duration()),
+                    plain(shown as f64 * plan.time_step),
                     places.collect::<Vec<_>>().join(";")
                 );
             }
