@@ -1,13 +1,15 @@
 //! Cuts and search after presolve.
 
+use std::cell::Cell;
+
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::search::cuts::strengthen;
 use crate::search::{Accept, ColumnGuidance, Found, Root, Seed, Task, search, with_perspective};
-use crate::solution::{Point, Verification};
-use crate::solver::{Control, Options, StopToken};
+use crate::solution::{Point, Statistics, Verification};
+use crate::solver::{BranchingRule, Control, Heuristics, Options, StopToken};
 
 /// A presolved program, and the way back to the model.
 #[derive(Clone, Copy)]
@@ -103,8 +105,30 @@ impl Stage<'_> {
             None
         };
         let program = bent.as_ref().unwrap_or(program);
+        let guidance = self.guidance;
+        let (exact, cutoff) = (Some(exact), f64::INFINITY);
+        let (key, ladders) = (&key, &make);
+        let task = Task {
+            program,
+            exact,
+            root: None,
+            accept,
+            key,
+            describe,
+            guidance,
+            ladder: ladders,
+            options,
+            cutoff,
+            token,
+        };
+        let taken = Cell::new(Statistics::default());
+        let rough = |root: &Root| {
+            let found = self.round(Task { root: Some(root), ..task })?;
+            taken.set(Statistics { nodes: 0, ..found.statistics });
+            found.points.first().map(|values| program.objective(values))
+        };
         let cut = if options.cuts && !self.as_is {
-            strengthen(program, &mut root, options, token, &mut ladder)
+            strengthen(program, &mut root, options, token, &mut ladder, &rough)
         } else {
             None
         };
@@ -112,21 +136,21 @@ impl Stage<'_> {
         if bent.is_some() || cut.is_some() {
             root.carry_over(program, token);
         }
-        let task = Task {
-            program,
-            exact: Some(exact),
-            root: Some(&root),
-            accept,
-            key: &key,
-            describe,
-            guidance: self.guidance,
-            ladder: &make,
-            options,
-            cutoff: f64::INFINITY,
-            token,
-        };
+        let task = Task { program, root: Some(&root), ..task };
         let mut found = search(task, control, seed);
         ladder.take_spent().count(&mut found.statistics);
+        found.statistics.add_nested(&taken.get());
         found
+    }
+
+    /// A look at the root alone, and rounding there, if rounding is on.
+    fn round(&self, task: Task<'_>) -> Option<Found> {
+        let rounding = task.options.heuristics.rounding.then_some(true)?;
+        let heuristics = Heuristics { rounding, ..Heuristics::none() };
+        let branching = BranchingRule::LatestFirst;
+        let node_limit = Some(1);
+        let options = &Options { heuristics, branching, node_limit, ..task.options.nested() };
+        let guidance = &self.guidance.idle();
+        Some(search(Task { options, guidance, ..task }, &mut Control::default(), None))
     }
 }

@@ -90,7 +90,7 @@ impl<'a> ColumnGuidance<'a> {
     }
 
     /// For a search inside the search: the same priorities, no questions.
-    pub(super) fn idle(&self) -> ColumnGuidance<'a> {
+    pub(crate) fn idle(&self) -> ColumnGuidance<'a> {
         let (model, priorities) = (self.model, self.priorities.clone());
         ColumnGuidance {
             model,

@@ -12,19 +12,23 @@ pub use cut::Cut;
 pub use implied_bounds::implied_bound_cuts;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
+use std::cell::OnceCell;
+
 use super::root::Root;
 use super::root_point::RootPoint;
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{Options, StopToken};
 
-const ROUNDS: usize = 15;
+const ROUNDS: usize = 40;
 
 /// Most cuts of a round.
 const CUTS: usize = 300;
 
-/// A round that lifts the bound by less than this, relative, is idle; so many idle ones end it.
+/// A round that lifts the bound by less than this, relative, and by less than this part of what all
+/// rounds have lifted it by, is idle; so many idle ones end it.
 const LIFT: f64 = 1e-3;
+const PART: f64 = 0.01;
 const IDLE: usize = 3;
 
 /// A first round that lifts the bound by less than this, relative, is the last: under a linear
@@ -33,6 +37,11 @@ const HOPELESS: [f64; 2] = [1e-5, 5e-3];
 
 /// All rounds together must lift the bound by this much, relative.
 const WORTH: [f64; 2] = [5e-3, 1e-2];
+
+/// An objective may have a large constant part. Lifts below those, but not below this, relative, do
+/// if they close so much of the gap to a point found by rounding: the first round, and all together.
+const SLIGHT: f64 = 1e-5;
+const CLOSED: [f64; 2] = [0.05, 0.1];
 
 /// Cuts more parallel than this to a better one are left out (cosine).
 const PARALLEL: f64 = 0.7;
@@ -51,12 +60,14 @@ const BINDING: f64 = 1e-6;
 ///
 /// * `token`: ends the rounds.
 /// * `ladder`: keeps count of the relaxations.
+/// * `rough`: the value of a point that rounding finds from a root, if any.
 pub(crate) fn strengthen(
     program: &Program,
     root: &mut Root,
     options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
+    rough: &dyn Fn(&Root) -> Option<f64>,
 ) -> Option<Program> {
     let idle = program.integers.is_empty() || program.is_feasibility_problem();
     if idle || root.conflict.is_some() || token.is_over() {
@@ -65,9 +76,10 @@ pub(crate) fn strengthen(
     let point = root.point.take();
     let point = point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
-    let mut rounds = Rounds { program, root, curved, cuts: Vec::new(), ages: Vec::new() };
+    let gap = Gap { rough, value: OnceCell::new() };
+    let mut rounds = Rounds { program, root, gap, curved, cuts: Vec::new(), ages: Vec::new() };
     let last = rounds.run(&point, options, token, ladder);
-    let last = last.filter(|last| point.is_lifted_by(WORTH[curved], last.value));
+    let last = last.filter(|last| rounds.pays([WORTH[curved], CLOSED[1]], &point, last.value));
     let more = last.as_ref().and_then(|last| {
         rounds.drop_idle(&last.x, 0);
         with_cuts(program, &rounds.cuts)
@@ -76,10 +88,26 @@ pub(crate) fn strengthen(
     more
 }
 
+/// The gap between the root and a point that rounding finds, asked for once.
+struct Gap<'a> {
+    rough: &'a dyn Fn(&Root) -> Option<f64>,
+    value: OnceCell<Option<f64>>,
+}
+
+impl Gap<'_> {
+    fn above(&self, point: &RootPoint, root: &Root) -> Option<f64> {
+        let value = self
+            .value
+            .get_or_init(|| (self.rough)(&Root { point: Some(point.clone()), ..root.clone() }));
+        value.map(|value| value - point.value)
+    }
+}
+
 /// Rounds of cutting the relaxed point off.
 struct Rounds<'a> {
     program: &'a Program,
     root: &'a mut Root,
+    gap: Gap<'a>,
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
     cuts: Vec<Cut>,
@@ -117,14 +145,25 @@ impl Rounds<'_> {
             let program = more.insert(with_cuts(self.program, &self.cuts)?);
             let point = RootPoint::new(program, &self.root.domain, ladder, options, token);
             let Some(point) = point else { break };
-            idle = if before.is_lifted_by(LIFT, point.value) { 0 } else { idle + 1 };
-            let hopeless = round == 0 && !root.is_lifted_by(HOPELESS[self.curved], point.value);
+            let part = PART * (point.value - root.value).max(0.0);
+            let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;
+            idle = if moved { 0 } else { idle + 1 };
+            let first = [HOPELESS[self.curved], CLOSED[0]];
+            let hopeless = round == 0 && !self.pays(first, root, point.value);
             last = Some(point);
             if idle >= IDLE || hopeless {
                 break;
             }
         }
         last
+    }
+
+    /// Whether a lift of the root's value to another one is large enough, or closes enough of the gap.
+    fn pays(&self, [large, closed]: [f64; 2], root: &RootPoint, value: f64) -> bool {
+        let closes = |gap| value - root.value >= closed * gap;
+        root.is_lifted_by(large, value)
+            || (root.is_lifted_by(SLIGHT, value)
+                && self.gap.above(root, self.root).is_some_and(closes))
     }
 
     /// The best cuts that a point violates, from the rows of a program.

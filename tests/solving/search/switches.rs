@@ -129,3 +129,36 @@ fn no_part_is_needed_for_an_answer() {
         assert!((one - other).abs() < 2e-6 * other.abs(), "{bit}: {one} {other}");
     }
 }
+
+/// Lots of sizes to meet demands, with set-ups: `constant` is spent whatever is decided.
+fn lots(constant: f64) -> Model {
+    let demand = [31.0, 17.0, 42.0, 8.0, 25.0, 36.0, 12.0, 29.0];
+    let mut model = Model::new("lots");
+    let made = model.continuous_family("made", demand.len(), 0.0, 200.0).unwrap();
+    let stock = model.continuous_family("stock", demand.len(), 0.0, 200.0).unwrap();
+    let set_up = model.binary_family("set_up", demand.len()).unwrap();
+    let mut cost = Affine::from(constant);
+    for (t, &needed) in demand.iter().enumerate() {
+        let before = if t == 0 { Affine::from(0.0) } else { Affine::from(stock[t - 1]) };
+        model.add(("balance", t), (before + made[t] - stock[t]).equals(needed)).unwrap();
+        model.add(("only_set_up", t), (made[t] - 200.0 * set_up[t]).le(0.0)).unwrap();
+        cost = cost + 50.0 * set_up[t] + 1.0 * stock[t];
+    }
+    model.minimize(cost).unwrap();
+    model
+}
+
+/// Cuts are kept for what they close of the gap, however large a constant the objective has.
+#[test]
+fn a_constant_does_not_turn_cuts_off() {
+    let (cut, uncut) = (Options::default(), Options::default().with_cuts(false));
+    let nodes = |options: Options, constant: f64| {
+        let options = options.with_relative_gap(0.0).with_absolute_gap(1e-4);
+        let solution = solve(options, &lots(constant));
+        assert!(solution.is_optimal());
+        solution.statistics().nodes
+    };
+    let [plain, shifted] = [0.0, 1e5].map(|constant| nodes(cut.clone(), constant));
+    let without = nodes(uncut, 1e5);
+    assert!(plain < without && shifted < without, "{plain} {shifted} {without}");
+}
