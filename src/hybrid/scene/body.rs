@@ -230,6 +230,13 @@ impl Body {
         }
         check_finite(name, "the gravity", self.gravity.iter().copied())?;
         check_finite(name, "the first acceleration", self.first.iter().flatten().copied())?;
+        for (value, range) in self.first.iter().flatten().zip(&self.acceleration) {
+            if !(range.lower <= *value && *value <= range.upper) {
+                let what = format!("the first acceleration of `{name}`");
+                let limits = format!("within {} and {}", range.lower, range.upper);
+                return Err(Error::out_of_range(what, *value, limits));
+            }
+        }
         let sizes = match &self.shape {
             Shape::Point => Vec::new(),
             Shape::Ball(radius) => vec![*radius],
@@ -253,6 +260,8 @@ impl Body {
                 let what = "a matrix of the dynamics of a body";
                 return Err(ErrorKind::Shape { what, rows, columns, expected }.into());
             }
+            let entries = (0..axes).flat_map(|i| (0..axes).map(move |j| matrix[(i, j)]));
+            check_finite(name, "an entry of the dynamics", entries)?;
         }
         Ok(())
     }

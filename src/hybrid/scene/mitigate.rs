@@ -1,10 +1,12 @@
-//! Collisions that cannot be avoided.
+//! Collisions that cannot be avoided; objectives in turn.
 
 use super::plan::ScenePlan;
+use super::program::SceneProgram;
 use super::statement::Scene;
 use super::surface::Surface;
 use crate::error::Error;
 use crate::hybrid::reach::ReachExplanation;
+use crate::model::{Affine, Quadratic};
 use crate::solution::{Solution, Termination};
 use crate::solver::Solver;
 use crate::tolerance::FEASIBILITY;
@@ -113,8 +115,7 @@ impl Scene {
             termination: first.termination(),
         };
         let Some(least) = first.objective() else { return Ok(found) };
-        let keep = least.max(0.0) * (1.0 + FEASIBILITY) + FEASIBILITY;
-        program.model.add("least_damage", largest.le(keep))?;
+        program.model.add("least_damage", largest.le(kept(least)))?;
         program.model.minimize(next)?;
         let second = solver.solve(&program.model)?;
         let solution: &Solution = if second.point().is_some() { &second } else { &first };
@@ -123,4 +124,65 @@ impl Scene {
         found.plan = Some(plan);
         Ok(found)
     }
+}
+
+impl SceneProgram {
+    /// Minimises objectives in turn: each without making those before it worse. The solution is that
+    /// of the last one, or of the first one that is not proved optimal.
+    ///
+    /// To have the least damage first, and the least time with it, ask for the damage of each horizon
+    /// that [`Scene::shortest_plan`] leaves open, from the shortest one on.
+    ///
+    /// ```
+    /// use carom::hybrid::scene::{Body, Scene, Solid, Surface};
+    /// use carom::hybrid::{Region, Restitution};
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// let car = Body::new("car", [Interval::new(0.0, 9.0)], 9.0, 6.0)
+    ///     .with_start(Region::point([1.0, -4.0]));
+    /// let wall = Surface::bounce(Restitution::new(0.2)?);
+    /// let scene = Scene::new(0.05)
+    ///     .with_body(car)
+    ///     .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, wall));
+    /// let mut program = scene.program(12)?;
+    /// let (damage, hits, effort) = (program.largest_impact()?, program.hits(), program.effort()?);
+    /// let mut solver = BranchAndBound::default();
+    /// let solution = program.minimize_in_turn(&[damage.into(), hits], effort, &mut solver)?;
+    /// assert_eq!(program.certified(&solution)?.hits.len(), 1);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `first`: the linear objectives, the most important one first. Each is kept to a relative and
+    ///   absolute [`FEASIBILITY`].
+    /// * `last`: the last objective.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::DuplicateName`](crate::ErrorKind::DuplicateName) at the second call with several
+    /// objectives; those of the solver.
+    pub fn minimize_in_turn(
+        &mut self,
+        first: &[Affine],
+        last: impl Into<Quadratic>,
+        solver: &mut dyn Solver,
+    ) -> Result<Solution, Error> {
+        for (k, objective) in first.iter().enumerate() {
+            self.model.minimize(objective.clone())?;
+            let solution = solver.solve(&self.model)?;
+            let Some(least) = solution.objective().filter(|_| solution.is_optimal()) else {
+                return Ok(solution);
+            };
+            self.model.add(("in_turn", k), objective.clone().le(kept(least)))?;
+        }
+        self.model.minimize(last.into())?;
+        solver.solve(&self.model)
+    }
+}
+
+/// What a later objective may make of the least value of an earlier one.
+fn kept(least: f64) -> f64 {
+    least + FEASIBILITY * (1.0 + least.abs())
 }

@@ -1,8 +1,11 @@
 //! Scenes: bodies among obstacles, in one to three axes.
 
+mod moving;
 mod numbers;
 mod paper;
+mod pictures;
 mod plane;
 mod properties;
 mod refusals;
+mod rules;
 mod steps;

@@ -2,12 +2,13 @@
 
 use std::error::Error as _;
 
+use carom::ErrorKind;
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, Scene, SceneError, Shape, Solid, Surface,
 };
-use carom::hybrid::{Region, Restitution};
+use carom::hybrid::{ImpactEstimate, Region, Restitution};
 use carom::interval::Interval;
-use carom::{Error, ErrorKind};
+use carom::prelude::*;
 
 fn body() -> Body {
     Body::new("puck", [Interval::new(0.0, 2.0); 2], 3.0, 3.0)
@@ -102,4 +103,98 @@ fn names_that_nothing_has() {
     let rule = DamageRule::new("r", DamageMeasure::ImpactSpeed).with_obstacle("ghost");
     let rule = error(&scene.with_rule(rule));
     assert!(matches!(rule.kind(), ErrorKind::UnknownName { name, .. } if name == "ghost"));
+}
+
+#[test]
+fn pairs_that_are_none() {
+    let second = Body::new("q", [Interval::new(0.0, 2.0); 2], 3.0, 3.0);
+    let scene = Scene::new(0.1).with_body(body()).with_body(second);
+    let along = |normal: Vec<f64>| {
+        refused(&scene.clone().with_pair_along("puck", "q", Surface::avoid(), [normal]))
+    };
+    let name = || "puck and q".to_owned();
+    assert_eq!(along(vec![0.0, 0.0]), SceneError::Normal { obstacle: name(), face: 0 });
+    assert_eq!(along(vec![1.0]), SceneError::Axes { name: name(), found: 1, expected: 2 });
+    let twice = scene.clone().with_pair("puck", "q", Surface::avoid());
+    let twice = error(&twice.with_pair("q", "puck", Surface::avoid()));
+    assert!(matches!(twice.kind(), ErrorKind::DuplicateName { .. }), "{twice}");
+    let alone = error(&scene.clone().with_pair("puck", "puck", Surface::avoid()));
+    assert!(matches!(alone.kind(), ErrorKind::DuplicateName { .. }), "{alone}");
+    // A body that is taken away later.
+    let mut without = scene.with_pair("puck", "q", Surface::avoid());
+    without.bodies.pop();
+    let gone = error(&without);
+    assert!(matches!(gone.kind(), ErrorKind::UnknownName { name, .. } if name == "q"), "{gone}");
+}
+
+#[test]
+fn starts_that_are_regions() {
+    let pillar = Solid::cuboid("pillar", &[Interval::new(0.5, 1.0); 2], Surface::avoid());
+    let scene = Scene::new(0.1).with_obstacle(pillar);
+    let within = |low: f64, high: f64| {
+        let speed = Interval::new(-1.0, 1.0);
+        let place = Interval::new(low, high);
+        scene.clone().with_body(body().with_start(Region::from(vec![place, place, speed, speed])))
+    };
+    assert!(matches!(refused(&within(0.6, 0.9)), SceneError::Inside { end: "starts", .. }));
+    // Partly inside: plans start in the part outside, whatever counts of a step.
+    for estimate in [ImpactEstimate::Sound, ImpactEstimate::EndOfStep] {
+        let mut program = within(0.45, 0.9).with_estimate(estimate).program(2).unwrap();
+        let place = |axis: &str| program.hybrid.state(axis).unwrap()[0];
+        let middle = place("puck x") + place("puck y");
+        program.model.maximize(middle).unwrap();
+        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        assert!((solution.objective().unwrap() - 1.4).abs() < 1e-5, "{estimate:?}");
+        assert!(program.certified(&solution).is_ok());
+    }
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let nan = f64::NAN;
+    let scene = |body| Scene::new(0.1).with_body(body);
+    let pull = |k: f64| body().with_dynamics([[k, 0.0], [0.0, 0.0]], [[0.0; 2]; 2]);
+    let wall = |offset| Solid::halfspace("wall", [1.0, 0.0], offset, Surface::avoid());
+    let bounce = Surface::bounce(Restitution::new(0.5).unwrap());
+    let rule = |rule: DamageRule| Scene::new(0.1).with_body(body()).with_rule(rule);
+    let speed = || DamageRule::new("r", DamageMeasure::ImpactSpeed);
+    let scenes = [
+        scene(body().with_mass(nan)),
+        scene(body().with_mass(f64::INFINITY)),
+        scene(body().with_shape(Shape::Ball(nan))),
+        scene(body().with_shape(Shape::Box(vec![0.1, 0.0]))),
+        scene(body().with_shape(Shape::Box(vec![0.1]))),
+        scene(body().with_gravity([nan, 0.0])),
+        scene(body().with_first_acceleration([nan, 0.0])),
+        scene(body().with_first_acceleration([4.0, 0.0])),
+        scene(body().with_start(Region::point([nan, 0.5, 0.0, 0.0]))),
+        scene(body().with_start(Region::point([0.5, 0.5, 0.0]))),
+        scene(body().with_acceleration([Interval::new(1.0, -1.0); 2])),
+        scene(Body::new("puck", [Interval::new(2.0, 0.0); 2], 3.0, 3.0)),
+        scene(Body::new("puck", [Interval::new(0.0, 2.0); 2], nan, 3.0)),
+        scene(pull(nan)),
+        with(wall(nan)),
+        with(wall(-1.0).with_course([[0.0, nan]])),
+        with(wall(-1.0).with_surface_of(1, Surface::avoid())),
+        with(Solid::halfspace("wall", [1.0, 0.0], -1.0, bounce.with_friction(nan))),
+        rule(speed().with_per_hit(nan)),
+        rule(speed().with_total(-1.0)),
+        rule(speed().with_window(0)),
+        rule(speed().with_incidence(0.0)),
+        rule(DamageRule::new("r", DamageMeasure::Convex(Vec::new()))),
+        rule(DamageRule::new("r", DamageMeasure::Convex(vec![(-1.0, 0.0)]))),
+        rule(speed().with_face("wall", 0)),
+        Scene::new(nan).with_body(body()),
+        scene(body()).with_body(body()),
+    ];
+    for (k, scene) in scenes.into_iter().enumerate() {
+        let refused = scene.program(3);
+        let text = refused.err().map(|error| error.to_string());
+        // Names what is wrong.
+        let named = |text: &String| {
+            ["puck", "wall", "`r`", "time step", "Δt"].iter().any(|name| text.contains(name))
+        };
+        assert!(text.as_ref().is_some_and(named), "{k}: {text:?}");
+    }
+    assert!(Restitution::new(1.0 + 1e-9).is_err() && Restitution::new(nan).is_err());
 }
