@@ -1,6 +1,9 @@
 //! Scenes that equal programs written by hand: same optimum, and the time that both take.
 //!
-//! `cargo run --release --example scene_benchmarks`
+//! * `cargo run --release --example scene_benchmarks`: boxes to avoid, and a puck on a table
+//! * `cargo run --release --example scene_benchmarks -- paper`: the 16 rows of `paper --csv`
+//! * `cargo run --release --example scene_benchmarks -- estimates`: shortest plans with both ways of
+//!   counting what happens within a step
 
 #[path = "../tests/instances/mod.rs"]
 mod instances;
@@ -8,9 +11,12 @@ mod instances;
 use std::error::Error as StdError;
 use std::time::Instant;
 
-use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
-use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::collision_tolerant::{
+    Collisions, Endpoint, IntervalOptions, PlanningOptions, Scenario, damage_interval,
+    shortest_plan,
+};
+use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
+use carom::hybrid::{DamageLimits, ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -67,7 +73,7 @@ fn compare(name: &str, by_hand: &Model, scene: &Model) -> Result<(), Error> {
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn StdError>> {
+fn programs() -> Result<(), Error> {
     for steps in [20, 30, 40] {
         let mut program = room().program(steps)?;
         let fuel = program.fuel()?;
@@ -85,33 +91,144 @@ fn main() -> Result<(), Box<dyn StdError>> {
     println!("sets of each axis: {:.3} s", start.elapsed().as_secs_f64());
     compare("puck, 25 steps, tightened", &by_hand, &program.model)?;
 
-    let (mut by_hand, mut as_scene) = (0.0, 0.0);
-    for restitution in [0.0, 0.025, 0.1, 0.25, 0.5, 0.65, 0.8, 1.0] {
-        let scenario = Scenario::paper().with_restitution(restitution)?;
-        let car = Body::new("car", [Interval::new(0.0, 25.0)], 15.0, 6.0)
-            .with_start(Region::point([10.0, 0.0]))
-            .with_goal(Region::point([0.3, 0.0]))
-            .with_first_acceleration([0.0]);
-        let wall = Surface::bounce(scenario.contact.restitution);
-        let scene = Scene::new(scenario.time_step)
-            .with_body(car)
-            .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, wall))
-            .with_estimate(ImpactEstimate::EndOfStep);
+    Ok(())
+}
+
+/// How often each row of the paper is solved, by its planner and as a scene in turn.
+const RUNS: usize = 10;
+
+/// The 16 rows of `paper --csv`.
+fn rows() -> Result<Vec<(String, Scenario)>, Error> {
+    let paper = Scenario::paper();
+    let mut rows = vec![("no collision".to_owned(), paper.clone().collision_free())];
+    for e in [0.0, 0.025, 0.3, 0.5, 0.8, 1.0] {
+        rows.push((format!("e = {e}"), paper.clone().with_restitution(e)?));
+    }
+    for e in [0.0, 0.025] {
+        let open = paper.clone().with_restitution(e)?;
+        let options = IntervalOptions::default();
+        let found = damage_interval(&open, 478, &options, &mut BranchAndBound::default())?;
+        let limit = found.middle().unwrap_or(found.lower.attained);
+        let limited = open.with_damage(DamageLimits::default().with_per_impact(limit));
+        rows.push((format!("e = {e}, at most {limit:.3} m/s"), limited));
+    }
+    for goal in [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+        rows.push((format!("to {goal} m"), paper.clone().with_goal_position(goal)));
+    }
+    Ok(rows)
+}
+
+/// A scenario of the paper as a scene.
+fn on_a_line(scenario: &Scenario) -> Scene {
+    let domain = scenario.domain.unwrap_or(Interval::new(0.0, 25.0));
+    let end = |end: Endpoint| Region::point([end.position, end.velocity]);
+    let car = Body::new("car", [domain], scenario.max_speed, 0.0)
+        .with_acceleration([scenario.acceleration])
+        .with_start(end(scenario.start))
+        .with_goal(end(scenario.goal));
+    let car = match scenario.start.acceleration {
+        Some(first) => car.with_first_acceleration([first]),
+        None => car,
+    };
+    let surface = match scenario.collisions {
+        Collisions::Forbidden => Surface::avoid(),
+        _ => Surface::bounce(scenario.contact.restitution),
+    };
+    let scene = Scene::new(scenario.time_step)
+        .with_body(car)
+        .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, surface))
+        .with_estimate(ImpactEstimate::EndOfStep);
+    match scenario.damage.per_impact {
+        Some(most) => {
+            scene.with_rule(DamageRule::new("limit", DamageMeasure::ImpactSpeed).with_per_hit(most))
+        }
+        None => scene,
+    }
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    0.5 * (times[(times.len() - 1) / 2] + times[times.len() / 2])
+}
+
+fn paper() -> Result<(), Error> {
+    let (mut by_hand, mut as_scene, mut differ) = (0.0, 0.0, 0);
+    for (name, scenario) in rows()? {
+        let scene = on_a_line(&scenario);
         let mut solver = BranchAndBound::default();
-        let start = Instant::now();
-        let plan = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
-        let middle = Instant::now();
-        let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
-        let end = Instant::now();
-        let (a, b) = ((middle - start).as_secs_f64(), (end - middle).as_secs_f64());
+        let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);
+        for _ in 0..RUNS {
+            let start = Instant::now();
+            steps[0] = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?.steps;
+            let middle = Instant::now();
+            let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+            steps[1] = found.search.steps;
+            times[0].push((middle - start).as_secs_f64());
+            times[1].push(middle.elapsed().as_secs_f64());
+        }
+        let [a, b] = times.map(median);
         by_hand += a;
         as_scene += b;
-        println!(
-            "the paper's wall, e = {restitution}: {:?} steps in {a:.3} s; scene {:?} in {b:.3} s",
-            plan.plan.map(|plan| plan.trajectory.steps()),
-            found.search.steps
-        );
+        differ += usize::from(steps[0] != steps[1]);
+        let [n, m] = steps.map(|steps| steps.map_or("none".to_owned(), |n| n.to_string()));
+        println!("{name}: {n} steps in {a:.3} s; scene {m} in {b:.3} s");
     }
-    println!("sum: {by_hand:.2} s; scene {as_scene:.2} s");
+    println!("sum: {by_hand:.3} s; scene {as_scene:.3} s, ratio {:.2}", as_scene / by_hand);
+    println!("rows with other numbers of steps: {differ}");
+    Ok(())
+}
+
+/// A puck that is sooner at its goal by two cushions.
+fn bank_shot(time_step: f64) -> Result<Scene, Error> {
+    let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
+    let puck = Body::new("puck", table, 3.0, 3.0)
+        .with_start(Region::point([1.2, 0.2, 2.0, 2.0]))
+        .with_goal(Region::point([0.4, 0.2, 0.0, 0.0]));
+    let cushion = Surface::bounce(Restitution::new(0.9)?);
+    Ok(Scene::new(time_step).with_body(puck).with_room("cushion", &table, cushion))
+}
+
+fn estimates() -> Result<(), Error> {
+    let wall = |time_step| -> Result<Scene, Error> {
+        let scenario = Scenario::paper().with_restitution(0.5)?.with_time_step(time_step);
+        Ok(on_a_line(&scenario))
+    };
+    let scenes = [
+        ("bank shot, Δt = 0.05 s", bank_shot(0.05)?),
+        ("bank shot, Δt = 0.1 s", bank_shot(0.1)?),
+        ("the paper's wall, e = 0.5, Δt = 0.02 s", wall(0.02)?),
+        ("the paper's wall, e = 0.5, Δt = 0.05 s", wall(0.05)?),
+        ("four boxes, Δt = 0.5 s", room()),
+    ];
+    println!("| scene | counted | steps | worst damage (m/s) | above it (m/s) | dip (m) |");
+    println!("| --- | --- | --- | --- | --- | --- |");
+    for (name, scene) in scenes {
+        for (word, estimate) in
+            [("sound", ImpactEstimate::Sound), ("end of step", ImpactEstimate::EndOfStep)]
+        {
+            let scene = scene.clone().with_estimate(estimate);
+            let mut solver = BranchAndBound::default();
+            let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+            let Some(plan) = found.plan else { continue };
+            let worst = plan.hits.iter().map(|hit| hit.damage).fold(0.0, f64::max);
+            let (above, dip) = (plan.certificate.unreported, plan.certificate.dip);
+            let steps = plan.steps();
+            println!("| {name} | {word} | {steps} | {worst:.3} | {above:.3} | {dip:.3} |");
+        }
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn StdError>> {
+    match std::env::args().nth(1).as_deref() {
+        None => programs()?,
+        Some("paper") => paper()?,
+        Some("estimates") => estimates()?,
+        Some(other) => {
+            return Err(
+                format!("unknown argument `{other}`; say `paper`, `estimates` or nothing").into()
+            );
+        }
+    }
     Ok(())
 }

@@ -19,6 +19,9 @@ use carom::conformance::{Capability, Suite};
 use carom::external::{
     Cbc, Claim, Dialect, ExternalAnswer, ExternalSolver, Files, Glpk, Highs, Scip,
 };
+use carom::hybrid::scene::{Body, Scene, Solid, Surface};
+use carom::hybrid::{Region, Restitution};
+use carom::interval::Interval;
 use carom::prelude::*;
 use common::config;
 use common::enumeration::optimum;
@@ -365,6 +368,58 @@ proptest! {
                     prop_assert_eq!(case.violation(point.as_slice(), 1e-6), None);
                 }
                 _ => prop_assert!(solution.is_infeasible(), "{}: {solution:?}", solver.name()),
+            }
+        }
+    }
+}
+
+/// Coarse relatives of the scenes in `docs/scenes.md`, each with a horizon.
+fn scenes() -> Vec<(&'static str, Scene, usize)> {
+    let bounce = |e: f64| Surface::bounce(Restitution::new(e).unwrap());
+    let point = |state: [f64; 4]| Region::point(state);
+    let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
+    let puck = Body::new("puck", table, 3.0, 3.0)
+        .with_start(point([1.2, 0.2, 2.0, 2.0]))
+        .with_goal(point([0.4, 0.2, 0.0, 0.0]));
+    let bank = Scene::new(0.1).with_body(puck).with_room("cushion", &table, bounce(0.9));
+    let hall = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
+    let drone = Body::new("drone", hall, 1.5, 2.0)
+        .with_start(point([0.5, 1.0, 0.0, 0.0]))
+        .with_goal(point([3.5, 1.0, 0.0, 0.0]));
+    let box_of = |x: [f64; 2], y: [f64; 2]| [Interval::new(x[0], x[1]), Interval::new(y[0], y[1])];
+    let room = |name: &str, surface| Solid::cuboid(name, &box_of([1.5, 2.0], [-0.1, 1.3]), surface);
+    let boxes = Scene::new(0.5)
+        .with_body(drone.clone())
+        .with_obstacle(room("low", Surface::avoid()))
+        .with_obstacle(Solid::cuboid("high", &box_of([2.6, 3.0], [0.7, 2.1]), Surface::avoid()));
+    let pillar = Scene::new(0.5).with_body(drone.clone()).with_obstacle(room("low", bounce(0.5)));
+    let door = Solid::cuboid("door", &box_of([1.9, 2.1], [-0.5, 2.5]), Surface::avoid());
+    let course = (0..=9).map(|t| [0.0, 0.5 * (0.5 * f64::from(t) - 1.0_f64).clamp(0.0, 4.0)]);
+    let gate = Scene::new(0.5).with_body(drone).with_obstacle(door.with_course(course));
+    vec![
+        ("bank shot", bank.clone(), 13),
+        ("bank shot", bank, 15),
+        ("boxes", boxes, 8),
+        ("pillar", pillar, 7),
+        ("gate", gate.clone(), 6),
+        ("gate", gate, 9),
+    ]
+}
+
+/// Programs of scenes, as MPS files: the same status, the same optimum, a point that replays.
+#[test]
+fn programs_agree_about_scenes() {
+    for mut solver in installed().into_iter().filter(|solver| solver.name() != "glpsol") {
+        for (name, scene, steps) in scenes() {
+            let mut program = scene.program(steps).unwrap();
+            let fuel = program.fuel().unwrap();
+            program.model.minimize(fuel).unwrap();
+            let own = BranchAndBound::default().solve(&program.model).unwrap();
+            let other = solver.solve(&program.model).unwrap();
+            assert_eq!(own.termination(), other.termination(), "{name}, {steps} steps");
+            if let (Some(one), Some(two)) = (own.objective(), other.objective()) {
+                assert!((one - two).abs() < 1e-5 * one.abs().max(1.0), "{name}: {one}, {two}");
+                assert!(program.certified(&other).is_ok(), "{name}");
             }
         }
     }

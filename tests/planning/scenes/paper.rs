@@ -1,8 +1,10 @@
 //! A scene on a line is the paper's program.
 
-use carom::collision_tolerant::{Objective, PlanningOptions, Scenario, plan, shortest_plan};
-use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::collision_tolerant::{
+    Collisions, Objective, PlanningOptions, Scenario, plan, shortest_plan,
+};
+use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
+use carom::hybrid::{DamageLimits, ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -41,6 +43,33 @@ fn scene(scenario: &Scenario) -> Scene {
         .with_body(car)
         .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, wall))
         .with_estimate(ImpactEstimate::EndOfStep)
+}
+
+#[test]
+fn limits_of_damage_and_other_goals_give_as_many_steps() {
+    // As in `scene_benchmarks -- paper`, on a coarser grid.
+    let mut solver = BranchAndBound::default();
+    let paper = Scenario::paper().with_time_step(0.05);
+    let limited = DamageLimits::default().with_per_impact(1.5);
+    for (scenario, limit) in [
+        (paper.clone().collision_free(), None),
+        (paper.clone().with_restitution(0.025).unwrap().with_damage(limited), Some(1.5)),
+        (paper.clone().with_goal_position(0.6), None),
+        (paper.with_goal_position(0.9), None),
+    ] {
+        let expected = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
+        let mut own = scene(&scenario);
+        if scenario.collisions == Collisions::Forbidden {
+            own.obstacles = vec![Solid::halfspace("wall", [1.0], 0.0, Surface::avoid())];
+        }
+        if let Some(most) = limit {
+            let rule = DamageRule::new("limit", DamageMeasure::ImpactSpeed);
+            own = own.with_rule(rule.with_per_hit(most));
+        }
+        let found = own.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
+        assert!(expected.steps.is_some());
+        assert_eq!(found.search.steps, expected.steps);
+    }
 }
 
 #[test]
