@@ -25,6 +25,7 @@ import urllib.request
 
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "www"
 LARGEST = 1_500_000  # bytes of the compressed wasm file
+RIGHT, UP, SHIFT = "\ue014", "\ue013", "\ue008"  # keys of WebDriver
 SLOWEST = 350  # ms from slider to picture, median
 
 # Inputs at the edge: what the link says, and a word of the sentence that must come.
@@ -172,10 +173,13 @@ class Browser:
     def devtools(self, command, **parameters):
         return self.call("POST", "goog/cdp/execute", {"cmd": command, "params": parameters})
 
-    def press(self, selector, keys):
-        found = self.call("POST", "element", {"using": "css selector", "value": selector})
-        element = next(iter(found.values()))
-        self.call("POST", f"element/{element}/value", {"text": keys})
+    def type(self, selector, keys, held=""):
+        """Presses keys at what has the focus, which a new picture keeps."""
+        self.run("document.querySelector(arguments[0]).focus()", selector)
+        key = lambda kind, value: {"type": kind, "value": value}
+        strokes = [key(kind, value) for value in keys for kind in ("keyDown", "keyUp")]
+        actions = [key("keyDown", k) for k in held] + strokes + [key("keyUp", k) for k in held]
+        self.call("POST", "actions", {"actions": [{"type": "key", "id": "keys", "actions": actions}]})
 
     def drag(self, start, end):
         move = lambda place: {"type": "pointerMove", "duration": 50, "x": place[0], "y": place[1]}
@@ -227,7 +231,7 @@ class Test:
         proof = self.browser.text("[data-side=tolerant] .proof")
         assert proof.startswith("456 steps are impossible"), proof
         # The slider, by keyboard: e = 0.025.
-        self.browser.press("#restitution", "\ue014" * 5)
+        self.browser.type("#restitution", RIGHT * 5)
         self.settled()
         assert self.steps("tolerant") == "449 steps", self.steps("tolerant")
         assert "13.59 %" in self.browser.text("#verdict"), self.browser.text("#verdict")
@@ -250,8 +254,8 @@ class Test:
     def scenes_can_be_changed(self):
         self.open("task=bank")
         # By keyboard: the goal a step to the right, and the block five up.
-        self.browser.press("#scene-free [data-handle=goal]", "\ue014")
-        self.browser.press("#scene-free [data-handle=block]", "\ue008\ue013\ue008")
+        self.browser.type("#scene-free [data-handle=goal]", RIGHT)
+        self.browser.type("#scene-free [data-handle=block]", UP, held=SHIFT)
         self.settled()
         assert self.browser.run("return location.hash") == "#task=bank&goalX=0.45&blockY=0.95"
         assert self.browser.run("return document.activeElement.dataset.handle") == "block"
