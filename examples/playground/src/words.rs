@@ -74,7 +74,7 @@ impl<'a> Finding<'a> {
     /// By how much another plan that is proved to be shorter is shorter, in s.
     fn longer_than(&self, other: &Finding<'_>) -> Option<f64> {
         let (own, other) = (self.seconds()?, other.seconds()?);
-        (self.is_found() && own > other).then(|| own - other)
+        (self.is_found() && own > other).then_some(own - other)
     }
 }
 
