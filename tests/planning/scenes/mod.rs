@@ -6,6 +6,7 @@ mod paper;
 mod pictures;
 mod plane;
 mod properties;
+mod random;
 mod refusals;
 mod rules;
 mod steps;
