@@ -184,6 +184,11 @@ impl Work {
         self.quadratic[column].is_empty()
     }
 
+    /// Whether the objective has curvature.
+    pub(super) fn is_curved(&self) -> bool {
+        !self.quadratic.iter().all(BTreeMap::is_empty)
+    }
+
     /// The coefficient of a column in a row; 0 where it is not.
     pub(super) fn coefficient(&self, row: usize, column: usize) -> f64 {
         let found = self.rows[row].binary_search_by_key(&column, |&(j, _)| j);
