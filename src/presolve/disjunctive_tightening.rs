@@ -84,6 +84,11 @@ fn gain(
             }
             let mut shared: Option<Vec<Bounds>> = None;
             for &j in columns.iter() {
+                if domain.lower(j) == 1.0 {
+                    // An excluded case has decided for this one; the others say nothing any more.
+                    shared = None;
+                    break;
+                }
                 if domain.is_fixed(j) {
                     continue;
                 }

@@ -402,6 +402,9 @@ impl Reducer {
                 }
             }
             let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
+            // Of large terms that cancel, rounding is left.
+            let rounding = 4.0 * f64::EPSILON * scale;
+            slack += if rounding > NEGLIGIBLE { rounding } else { 0.0 };
             let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.

@@ -25,6 +25,25 @@ const TOP: i64 = 3;
 /// What rows may be missed by through rounding.
 const SLACK: f64 = 1e-7;
 
+/// Excluding the case `a` decides for `c`, so the bound of `t` in the case `b` does not hold.
+#[test]
+fn an_excluded_case_that_decides_for_another_ends_the_hull() {
+    let mut model = Model::new("decided");
+    let [a, b, c] = ["a", "b", "c"].map(|name| model.binary(name).unwrap());
+    let [t, w] = ["t", "w"].map(|name| model.continuous(name, 0.0, 1.0).unwrap());
+    model.add("cover", (a + b + c).ge(1.0)).unwrap();
+    model.add("low", (w - a).ge(0.0)).unwrap();
+    model.add("high", (w + a).le(1.0)).unwrap();
+    model.add("decides", (3.0 * a + 7.0 * b + 8.0 * c).ge(8.0)).unwrap();
+    model.add("narrow", (t + 0.8 * b).le(1.0)).unwrap();
+    model.maximize(t).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let tight = tighten_by_disjunctions(&program, &StopToken::default());
+    let upper = tight.map_or(program.upper[3], |tight| tight.upper[3]);
+    assert_eq!(upper, 1.0);
+    assert_eq!(BranchAndBound::default().solve(&model).unwrap().objective(), Some(1.0));
+}
+
 #[derive(Debug, Clone)]
 struct Case {
     /// Coefficients of all columns, lower limit, upper limit.

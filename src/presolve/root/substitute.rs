@@ -33,13 +33,19 @@ struct Substituted {
     kept: bool,
 }
 
+/// Largest rounding of a constant that replaces part of a column (the column's unit): more would show
+/// in the objective.
+const VISIBLE: f64 = 1e-9;
+
 /// Whether a column can be expressed by a row without numbers growing or losing their digits.
 pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
     let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= GROWTH * pivot);
     let entries = work.column(column);
+    let constant = work.row_lower[row] / pivot;
     !work.given[column]
         && in_row
+        && f64::EPSILON * constant.abs() <= VISIBLE
         && entries.iter().all(|(_, a)| a.abs() <= GROWTH * pivot)
         && entries.iter().all(|&(other, _)| other == row || is_sharp(work, column, row, other))
 }
