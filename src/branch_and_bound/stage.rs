@@ -145,8 +145,10 @@ impl Stage<'_> {
 
     /// A look at the root alone, and rounding there, if rounding is on.
     fn round(&self, task: Task<'_>) -> Option<Found> {
-        let rounding = task.options.heuristics.rounding.then_some(true)?;
-        let heuristics = Heuristics { rounding, ..Heuristics::none() };
+        if !task.options.heuristics.rounding {
+            return None;
+        }
+        let heuristics = Heuristics { rounding: true, ..Heuristics::none() };
         let branching = BranchingRule::LatestFirst;
         let node_limit = Some(1);
         let options = &Options { heuristics, branching, node_limit, ..task.options.nested() };

@@ -2,10 +2,10 @@
 //!
 //! If nothing but `z_1 + ... + z_n = 1` keeps binaries from falling, and falling costs nothing, a point
 //! with several of them at 1 stays one when all but the first of these fall. The equality is then
-//! written as `>= 1`: that is what selectors of disjunctions look like. The dual simplex method takes
-//! half the iterations, because there are fewer degenerate bases. Under a curved objective, which it is
-//! not used for, the equality stays, because it propagates more. Multipliers are not restored: programs
-//! with integers have none.
+//! written as `>= 1`: that is what selectors of disjunctions look like. Fewer bases are degenerate then,
+//! which saves the dual simplex method iterations. Under a curved objective, which it is not used for,
+//! the equality stays, because it propagates more. Multipliers are not restored: programs with integers
+//! have none.
 
 use super::postsolve::{Restored, Undo};
 use super::work::Work;
