@@ -11,8 +11,8 @@ use std::f64::consts::FRAC_PI_3;
 
 use carom::hybrid::{Cost, Horizon, HybridSystem, LinearSystem};
 use carom::interval::Interval;
+use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
-use plotters::prelude::*;
 
 fn rotation() -> Result<HybridSystem, Error> {
     let turn = |angle: f64| {
@@ -66,18 +66,12 @@ fn main() -> Result<(), Box<dyn StdError>> {
 
 /// The states in their plane; the modes meet at x1 = 0.
 fn draw(states: &[Vec<f64>], path: &str) -> Result<(), Box<dyn StdError>> {
-    let root = SVGBackend::new(path, (560, 560)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&root)
-        .margin(12)
-        .x_label_area_size(40)
-        .y_label_area_size(44)
-        .build_cartesian_2d(-6.0..6.0, -6.0..6.0)?;
-    chart.configure_mesh().x_desc("x1").y_desc("x2").draw()?;
-    let points: Vec<(f64, f64)> = states.iter().map(|state| (state[0], state[1])).collect();
-    chart.draw_series(LineSeries::new([(0.0, -6.0), (0.0, 6.0)], RED))?;
-    chart.draw_series(LineSeries::new(points.clone(), BLACK))?;
-    chart.draw_series(points.into_iter().map(|point| Circle::new(point, 3, BLUE.filled())))?;
-    root.present()?;
+    let range = Interval::new(-6.0, 6.0);
+    let mut chart = Chart::new("x1", "x2").with_size(480.0, 480.0).with_ranges(range, range);
+    let points = || states.iter().map(|state| [state[0], state[1]]);
+    chart.line("where the modes meet", COLOURS[1], [[0.0, -6.0], [0.0, 6.0]]);
+    chart.line("the states of 15 steps", "black", points());
+    chart.dots("", COLOURS[0], 3.0, points());
+    std::fs::write(path, Chart::to_svg(&[chart], ""))?;
     Ok(())
 }

@@ -86,11 +86,6 @@ fn programs() -> Result<(), Error> {
     program.model.minimize(5.0 * effort)?;
     let by_hand = instances::generators::puck(25, 0.2);
     compare("puck, 25 steps", &by_hand, &program.model)?;
-    let start = Instant::now();
-    program.tighten()?;
-    println!("sets of each axis: {:.3} s", start.elapsed().as_secs_f64());
-    compare("puck, 25 steps, tightened", &by_hand, &program.model)?;
-
     Ok(())
 }
 

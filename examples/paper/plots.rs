@@ -3,22 +3,11 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use carom::collision_tolerant::Trajectory;
-use plotters::coord::Shift;
-use plotters::prelude::*;
+use carom::collision_tolerant::{Impact, Trajectory};
+use carom::picture::{COLOURS, Chart};
 
 use super::cases::{Case, PAPER_RESTITUTIONS, Solved};
 use super::tube;
-
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(31, 119, 180),
-    RGBColor(214, 39, 40),
-    RGBColor(44, 160, 44),
-    RGBColor(148, 103, 189),
-    RGBColor(255, 127, 14),
-    RGBColor(23, 190, 207),
-    RGBColor(90, 90, 90),
-];
 
 type Curve<'a> = (String, &'a Trajectory);
 
@@ -79,66 +68,40 @@ pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf
 }
 
 fn figure(path: &Path, title: &str, curves: &[Curve<'_>]) -> Result<(), Box<dyn Error>> {
-    let root = SVGBackend::new(path, (860, 900)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let root = root.titled(title, ("sans-serif", 22))?;
-    let panels = root.split_evenly((3, 1));
-    panel(&panels[0], "position (m)", curves, true, |t| &t.position)?;
-    panel(&panels[1], "velocity (m/s)", curves, false, |t| &t.velocity)?;
-    panel(&panels[2], "acceleration (m/s²)", curves, false, |t| &t.acceleration)?;
-    root.present()?;
+    let mut panels = [
+        Chart::new("", "position (m)"),
+        Chart::new("", "velocity (m/s)"),
+        Chart::new("time (s)", "acceleration (m/s²)"),
+    ];
+    for (k, (label, trajectory)) in curves.iter().enumerate() {
+        let colour = COLOURS[k % COLOURS.len()];
+        let [position, velocity, acceleration] = &mut panels;
+        position.line(label, colour, with_impacts(trajectory, &trajectory.position, |_| [0.0; 2]));
+        let speeds = with_impacts(trajectory, &trajectory.velocity, |impact| {
+            [-impact.speed_before, impact.speed_after]
+        });
+        velocity.line(label, colour, speeds);
+        // Held over each step.
+        let pushes = trajectory.time.windows(2).zip(&trajectory.acceleration);
+        acceleration.line(label, colour, pushes.flat_map(|(t, &a)| [[t[0], a], [t[1], a]]));
+        position.dots("", colour, 4.0, trajectory.impacts.iter().map(|impact| [impact.time, 0.0]));
+    }
+    std::fs::write(path, Chart::to_svg(&panels, title))?;
     Ok(())
 }
 
-fn panel<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    name: &str,
-    curves: &[Curve<'_>],
-    legend: bool,
-    values: fn(&Trajectory) -> &Vec<f64>,
-) -> Result<(), Box<dyn Error>>
-where
-    DB::ErrorType: 'static,
-{
-    let all = || curves.iter().flat_map(|(_, trajectory)| values(trajectory)).copied();
-    let (low, high) =
-        (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
-    let margin = 0.06 * (high - low).max(1e-9);
-    let end = curves.iter().map(|(_, trajectory)| trajectory.duration()).fold(0.0, f64::max);
-    let mut chart = ChartBuilder::on(area)
-        .margin(8)
-        .x_label_area_size(34)
-        .y_label_area_size(58)
-        .build_cartesian_2d(0.0..end * 1.02, (low - margin)..(high + margin))?;
-    chart.configure_mesh().x_desc("time (s)").y_desc(name).light_line_style(WHITE).draw()?;
-    for (k, (label, trajectory)) in curves.iter().enumerate() {
-        let colour = COLOURS[k % COLOURS.len()];
-        let series = values(trajectory);
-        let points = trajectory.time.iter().copied().zip(series.iter().copied());
-        let drawn = chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?;
-        if legend {
-            drawn.label(label.as_str()).legend(move |(x, y)| {
-                PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2))
-            });
+/// Samples over time, with values before and after each impact.
+fn with_impacts(
+    trajectory: &Trajectory,
+    samples: &[f64],
+    at: impl Fn(&Impact) -> [f64; 2],
+) -> Vec<[f64; 2]> {
+    let mut points = Vec::new();
+    for (step, (&time, &value)) in trajectory.time.iter().zip(samples).enumerate() {
+        points.push([time, value]);
+        for impact in trajectory.impacts.iter().filter(|impact| impact.step == step) {
+            points.extend(at(impact).map(|value| [impact.time, value]));
         }
-        // Impacts, where the vehicle meets the wall.
-        let marks = trajectory.impacts.iter().filter_map(|impact| {
-            let value = *series.get(impact.step)?;
-            Some(Circle::new(
-                (*trajectory.time.get(impact.step)?, value),
-                5,
-                colour.stroke_width(2),
-            ))
-        });
-        chart.draw_series(marks)?;
     }
-    if legend {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .border_style(BLACK.mix(0.4))
-            .background_style(WHITE.mix(0.85))
-            .draw()?;
-    }
-    Ok(())
+    points
 }

@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::Path;
 
 use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
+use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 use indicatif::{ProgressBar, ProgressStyle};
-use plotters::prelude::*;
 
 const RESTITUTION: f64 = 0.5;
 
@@ -102,65 +102,17 @@ fn growth(points: &[Point]) -> f64 {
 
 /// Time over 1/Δt, both logarithmic, beside a straight line through the first point.
 fn draw(points: &[Point], path: &Path) -> Result<(), Box<dyn Error>> {
-    let root = SVGBackend::new(path, (760, 560)).into_drawing_area();
-    root.fill(&WHITE)?;
     let rate = |point: &Point| 1.0 / point.time_step;
     let linear = |point: &Point| points[0].seconds * rate(point) / rate(&points[0]);
-    let times = || points.iter().flat_map(|point| [point.seconds, linear(point)]);
-    let low = times().fold(f64::INFINITY, f64::min);
-    let high = times().fold(0.0, f64::max);
-    let fastest = points.iter().map(rate).fold(0.0, f64::max);
-    // From a power of ten on, because there the grid lines begin.
-    let rates = decade(0.8 * rate(&points[0]))..1.25 * fastest;
-    let times = decade(0.9 * low)..1.6 * high;
     let title = format!("Time of the whole search for the shortest plan, e = {RESTITUTION}");
-    let mut chart = ChartBuilder::on(&root)
-        .caption(title, ("sans-serif", 20))
-        .margin(10)
-        .x_label_area_size(44)
-        .y_label_area_size(70)
-        .build_cartesian_2d(rates.log_scale(), times.log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc("steps a second, 1/Δt (1/s)")
-        .y_desc("time of the search on one thread (s)")
-        .x_labels(30)
-        .y_labels(30)
-        .x_label_formatter(&label)
-        .y_label_formatter(&label)
-        .label_style(("sans-serif", 15))
-        .light_line_style(WHITE)
-        .draw()?;
-    let (blue, grey) = (RGBColor(31, 119, 180), RGBColor(120, 120, 120));
-    chart
-        .draw_series(LineSeries::new(points.iter().map(|p| (rate(p), linear(p))), grey))?
-        .label("linear in 1/Δt")
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], grey));
-    let measured = || points.iter().map(|point| (rate(point), point.seconds));
-    chart
-        .draw_series(LineSeries::new(measured(), blue.stroke_width(2)))?
-        .label(format!("measured, median of {REPEATS}"))
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], blue.stroke_width(2)));
-    chart.draw_series(measured().map(|point| Circle::new(point, 4, blue.filled())))?;
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .label_font(("sans-serif", 15))
-        .border_style(BLACK.mix(0.4))
-        .background_style(WHITE.mix(0.9))
-        .draw()?;
-    root.present()?;
+    let mut chart =
+        Chart::new("steps a second, 1/Δt (1/s)", "time of the search on one thread (s)")
+            .with_size(640.0, 440.0)
+            .with_logarithms();
+    chart.line("linear in 1/Δt", COLOURS[6], points.iter().map(|p| [rate(p), linear(p)]));
+    let measured = || points.iter().map(|point| [rate(point), point.seconds]);
+    chart.line(format!("measured, median of {REPEATS}"), COLOURS[0], measured());
+    chart.dots("", COLOURS[0], 4.0, measured());
+    std::fs::write(path, Chart::to_svg(&[chart], &title))?;
     Ok(())
-}
-
-/// A label at 1, 2 and 5 of every decade, so that labels do not run into each other.
-fn label(value: &f64) -> String {
-    let leading = value / decade(*value);
-    let shown = [1.0, 2.0, 5.0].iter().any(|wanted| (leading - wanted).abs() < 1e-6);
-    if shown { format!("{}", (value * 1e6).round() / 1e6) } else { String::new() }
-}
-
-/// The power of ten at or below a number.
-fn decade(value: f64) -> f64 {
-    10_f64.powf((value.log10() + 1e-9).floor())
 }

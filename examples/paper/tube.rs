@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use carom::collision_tolerant::{ShortestPlan, Trajectory};
 use carom::hybrid::reach::{ReachSet, Tube};
-use plotters::prelude::*;
+use carom::interval::Interval;
+use carom::picture::Chart;
 
 /// The restitution whose tube is drawn: the plan hits the wall and bounces off it.
 pub(crate) const RESTITUTION: f64 = 0.5;
@@ -14,15 +15,15 @@ pub(crate) const RESTITUTION: f64 = 0.5;
 const EVERY: usize = 40;
 
 /// The visible part of the plane, in m and m/s.
-const VIEW: [std::ops::Range<f64>; 2] = [-0.4..13.0, -12.0..8.0];
+const VIEW: [[f64; 2]; 2] = [[-0.4, 13.0], [-12.0, 8.0]];
 
-/// The size of the picture, in pixels.
-const SIZE: (u32, u32) = (900, 680);
+/// The size of the plane, in pixels.
+const SIZE: [f64; 2] = [800.0, 560.0];
 
-const FORWARD: RGBColor = RGBColor(31, 119, 180);
-const BACKWARD: RGBColor = RGBColor(230, 120, 20);
-const PLAN: RGBColor = BLACK;
-const IMPACT: RGBColor = RGBColor(214, 39, 40);
+const FORWARD: &str = "#0072b2";
+const BACKWARD: &str = "#e69f00";
+const PLAN: &str = "black";
+const IMPACT: &str = "#d55e00";
 
 /// Writes the picture into a folder, if there is a tube and a plan.
 pub(crate) fn write(
@@ -36,86 +37,51 @@ pub(crate) fn write(
 }
 
 fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn Error>> {
-    let root = SVGBackend::new(path, SIZE).into_drawing_area();
-    root.fill(&WHITE)?;
     let title = format!(
         "Reach sets of the shortest plan, e = {RESTITUTION}: {} steps of {} s",
         tube.steps(),
         trajectory.time_step
     );
-    let [x, v] = VIEW;
-    let mut chart = ChartBuilder::on(&root)
-        .caption(title, ("sans-serif", 22))
-        .margin(10)
-        .margin_right(24)
-        .x_label_area_size(44)
-        .y_label_area_size(58)
-        .build_cartesian_2d(x, v)?;
-    chart
-        .configure_mesh()
-        .x_desc("position, distance from the wall (m)")
-        .y_desc("velocity (m/s)")
-        .label_style(("sans-serif", 15))
-        .light_line_style(WHITE)
-        .draw()?;
+    let [x, v] = VIEW.map(|[low, high]| Interval::new(low, high));
+    let mut chart = Chart::new("position, distance from the wall (m)", "velocity (m/s)")
+        .with_size(SIZE[0], SIZE[1])
+        .with_ranges(x, v);
 
-    let states: Vec<(f64, f64)> =
-        trajectory.position.iter().copied().zip(trajectory.velocity.iter().copied()).collect();
+    let states: Vec<[f64; 2]> =
+        trajectory.position.iter().zip(&trajectory.velocity).map(|(x, v)| [*x, *v]).collect();
     let samples: Vec<usize> = (0..=tube.steps()).step_by(EVERY).collect();
     let kinds = [
         (FORWARD, format!("reached from the start, every {EVERY} steps"), true),
         (BACKWARD, "leads to the goal in the steps that are left".into(), false),
     ];
     for (colour, label, forward) in kinds {
-        let mut sets = Vec::new();
-        for (&sample, &(x, v)) in samples.iter().filter_map(|t| Some((t, states.get(*t)?))) {
+        for (&sample, &state) in samples.iter().filter_map(|t| Some((t, states.get(*t)?))) {
             let set = if forward {
-                holding(tube.reached(sample), [x, v])?
+                holding(tube.reached(sample), state)?
             } else {
-                holding(tube.to_go(sample), [x, v])?
+                holding(tube.to_go(sample), state)?
             };
-            sets.extend(set.map(in_view).filter(|outline| outline.len() > 2));
+            for outline in set.map(in_view).filter(|outline| outline.len() > 2) {
+                chart.area(label.as_str(), colour, 0.07, outline);
+            }
         }
-        // All areas are below all lines, so that many sets stay readable.
-        let fill = colour.mix(0.07).filled();
-        chart.draw_series(sets.iter().map(|set| Polygon::new(set.clone(), fill)))?;
-        let closed =
-            |set: &[(f64, f64)]| -> Vec<_> { set.iter().chain(set.first()).copied().collect() };
-        let outline = |set: &Vec<_>| PathElement::new(closed(set), colour.stroke_width(1));
-        chart.draw_series(sets.iter().map(outline))?.label(label).legend(move |(x, y)| {
-            Rectangle::new([(x, y - 5), (x + 18, y + 5)], colour.stroke_width(1))
-        });
     }
 
-    let thick = PLAN.stroke_width(2);
-    chart
-        .draw_series(LineSeries::new(states.iter().copied(), thick))?
-        .label("the plan, with its states at the same steps")
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], thick));
+    chart.line("the plan, with its states at the same steps", PLAN, states.iter().copied());
     let marks = samples.iter().filter_map(|&sample| states.get(sample));
-    chart.draw_series(marks.map(|&state| Circle::new(state, 3, PLAN.filled())))?;
+    chart.dots("", PLAN, 3.0, marks.copied());
 
     // The impact turns the speed before it into the speed after it, at the wall.
     for impact in &trajectory.impacts {
-        let ends = [(0.0, -impact.speed_before), (0.0, impact.speed_after)];
+        let ends = [[0.0, -impact.speed_before], [0.0, impact.speed_after]];
         let label = format!(
             "impact at {:.3} s: {:.2} m/s in, {:.2} m/s out",
             impact.time, impact.speed_before, impact.speed_after
         );
-        chart
-            .draw_series([PathElement::new(ends, IMPACT.stroke_width(3))])?
-            .label(label)
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], IMPACT.stroke_width(3)));
-        chart.draw_series(ends.map(|end| Circle::new(end, 5, IMPACT.filled())))?;
+        chart.line(label, IMPACT, ends);
+        chart.dots("", IMPACT, 5.0, ends);
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font(("sans-serif", 14))
-        .border_style(BLACK.mix(0.4))
-        .background_style(WHITE.mix(0.9))
-        .draw()?;
-    root.present()?;
+    std::fs::write(path, Chart::to_svg(&[chart], &title))?;
     Ok(())
 }
 
@@ -134,20 +100,20 @@ fn holding<'a>(
 }
 
 /// The visible part of an outline, without corners less than half a pixel from the previous one.
-fn in_view(outline: Vec<[f64; 2]>) -> Vec<(f64, f64)> {
+fn in_view(outline: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut seen = outline;
     let mut pixel = [0.0; 2];
-    for (axis, range) in VIEW.iter().enumerate() {
-        pixel[axis] = (range.end - range.start) / f64::from([SIZE.0, SIZE.1][axis]);
-        for (limit, side) in [(range.start, 1.0), (range.end, -1.0)] {
+    for (axis, [low, high]) in VIEW.into_iter().enumerate() {
+        pixel[axis] = (high - low) / SIZE[axis];
+        for (limit, side) in [(low, 1.0), (high, -1.0)] {
             seen = clipped(&seen, |corner| side * (corner[axis] - limit));
         }
     }
-    let mut kept: Vec<(f64, f64)> = Vec::new();
+    let mut kept: Vec<[f64; 2]> = Vec::new();
     for [x, v] in seen {
-        let far = |&(a, b): &(f64, f64)| ((x - a) / pixel[0]).hypot((v - b) / pixel[1]) > 0.5;
+        let far = |&[a, b]: &[f64; 2]| ((x - a) / pixel[0]).hypot((v - b) / pixel[1]) > 0.5;
         if kept.last().is_none_or(far) {
-            kept.push((x, v));
+            kept.push([x, v]);
         }
     }
     kept

@@ -8,7 +8,7 @@ use super::tube::Tube;
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::rows::HybridRun;
-use crate::interval::Interval;
+use crate::picture::{Frame, begin, circle, escaped, path, polygon};
 
 /// Size of the picture and of the margins around the plane, in pixels.
 const SIZE: [f64; 2] = [860.0, 620.0];
@@ -23,36 +23,16 @@ const LABEL: [f64; 2] = [70.0, 16.0];
 const FORWARD: &str = "#1f77b4";
 const BACKWARD: &str = "#e67814";
 
-/// Maps the plane of two states to pixels.
-struct Frame {
-    x: Interval,
-    y: Interval,
-}
-
-impl Frame {
-    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let [left, right, bottom, top] = MARGINS;
-        let share = |range: &Interval, value: f64| {
-            ((value - range.lower) / (range.upper - range.lower)).clamp(-9.0, 10.0)
-        };
-        let (width, height) = (SIZE[0] - left - right, SIZE[1] - bottom - top);
-        [left + share(&self.x, x) * width, SIZE[1] - bottom - share(&self.y, y) * height]
-    }
-
-    fn points(&self, corners: &[[f64; 2]]) -> String {
-        let mut text = String::new();
-        let mut last = [f64::NAN; 2];
-        for &corner in corners {
-            let [x, y] = self.pixel(corner);
-            // Corners on the same half pixel are merged.
-            if (x - last[0]).abs() < 0.5 && (y - last[1]).abs() < 0.5 {
-                continue;
-            }
-            last = [x, y];
-            let _ = write!(text, "{x:.1},{y:.1} ");
+/// The corners of an outline; those on the same half pixel are merged.
+fn corners(frame: &Frame, outline: &[[f64; 2]]) -> String {
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    for &corner in outline {
+        let [x, y] = frame.pixel(corner);
+        if kept.last().is_none_or(|last| (x - last[0]).abs() >= 0.5 || (y - last[1]).abs() >= 0.5) {
+            kept.push([x, y]);
         }
-        text
     }
+    polygon(&kept)
 }
 
 impl Tube {
@@ -85,7 +65,7 @@ impl Tube {
         second: usize,
         run: Option<&HybridRun>,
     ) -> Result<String, Error> {
-        let path = self.path(first, second, run)?;
+        let states = self.path(first, second, run)?;
         let samples: Vec<usize> = (0..=self.steps()).step_by(1 + self.steps() / SAMPLES).collect();
         let mut outlines = Vec::new();
         for &sample in &samples {
@@ -98,15 +78,8 @@ impl Tube {
                 }
             }
         }
-        let frame = self.frame(first, second, &path, &outlines);
-        let mut svg = String::new();
-        let [width, height] = SIZE;
-        let _ = writeln!(
-            svg,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-             font-family=\"sans-serif\" font-size=\"13\">\n\
-             <rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>"
-        );
+        let frame = self.frame(first, second, &states, &outlines);
+        let mut svg = begin(SIZE[0], SIZE[1]);
         self.draw_axes(&mut svg, &frame, [first, second]);
         svg.push_str("<g clip-path=\"url(#plane)\">\n");
         for (colour, outline) in &outlines {
@@ -114,24 +87,21 @@ impl Tube {
                 svg,
                 "<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"0.05\" \
                  stroke=\"{colour}\"/>",
-                frame.points(outline).trim_end()
+                corners(&frame, outline)
             );
         }
-        if !path.is_empty() {
-            let points = frame.points(&path);
-            let _ = writeln!(
-                svg,
-                "<polyline points=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"2\"/>",
-                points.trim_end()
-            );
-        }
-        for state in samples.iter().filter_map(|&sample| path.get(sample)) {
-            let [x, y] = frame.pixel(*state);
-            let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>");
+        let pixels: Vec<[f64; 2]> = states.iter().map(|state| frame.pixel(*state)).collect();
+        let _ = writeln!(
+            svg,
+            "<path d=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"2\"/>",
+            path(&pixels)
+        );
+        for pixel in samples.iter().filter_map(|&sample| pixels.get(sample)) {
+            circle(&mut svg, *pixel, 3.0, "");
         }
         svg.push_str("</g>\n");
-        draw_transitions(&mut svg, &frame, &path, run);
-        svg.push_str("</svg>\n");
+        draw_transitions(&mut svg, &pixels, run);
+        svg.push_str("</g>\n</svg>\n");
         Ok(svg)
     }
 
@@ -178,48 +148,27 @@ impl Tube {
             );
             let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
             let room = (0.06 * (high - low)).max(1e-9 * (1.0 + low.abs()));
-            Interval::new(low - room, high + room)
+            (low - room, high + room)
         };
-        Frame { x: range(0), y: range(1) }
+        let ((x, u), (y, v)) = (range(0), range(1));
+        let [left, right, bottom, top] = MARGINS;
+        Frame {
+            low: [x, y],
+            high: [u, v],
+            corner: [left, top],
+            size: [SIZE[0] - left - right, SIZE[1] - bottom - top],
+            is_logarithmic: false,
+        }
     }
 
     fn draw_axes(&self, svg: &mut String, frame: &Frame, states: [usize; 2]) {
-        let [left, right, bottom, top] = MARGINS;
-        let (width, height) = (SIZE[0] - left - right, SIZE[1] - bottom - top);
+        let ([left, top], [width, height]) = (frame.corner, frame.size);
         let _ = writeln!(
             svg,
             "<clipPath id=\"plane\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" \
-             height=\"{height}\"/></clipPath>\n\
-             <rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"none\" \
-             stroke=\"#888\"/>"
+             height=\"{height}\"/></clipPath>"
         );
-        for tick in ticks(&frame.x) {
-            let [x, y] = frame.pixel([tick, frame.y.lower]);
-            let _ = writeln!(
-                svg,
-                "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{tick}</text>",
-                y + 17.0
-            );
-        }
-        for tick in ticks(&frame.y) {
-            let [x, y] = frame.pixel([frame.x.lower, tick]);
-            let _ = writeln!(
-                svg,
-                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{tick}</text>",
-                x - 6.0,
-                y + 4.0
-            );
-        }
-        let name = |state: usize| escaped(&self.system.states[state].0);
-        let (x, y) = (left + 0.5 * width, SIZE[1] - 8.0);
-        let (across, up) = (name(states[0]), name(states[1]));
-        let _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{across}</text>");
-        let (x, y) = (16.0, top + 0.5 * height);
-        let _ = writeln!(
-            svg,
-            "<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" \
-             transform=\"rotate(-90 {x} {y})\">{up}</text>"
-        );
+        frame.axes(svg, states.map(|state| self.system.states[state].0.as_str()));
         let steps = self.steps();
         let _ = writeln!(
             svg,
@@ -230,15 +179,14 @@ impl Tube {
 }
 
 /// The names of the transitions at the samples from which on they are taken, where there is room.
-fn draw_transitions(svg: &mut String, frame: &Frame, path: &[[f64; 2]], run: Option<&HybridRun>) {
+fn draw_transitions(svg: &mut String, pixels: &[[f64; 2]], run: Option<&HybridRun>) {
     let taken = |t: usize| -> Vec<&str> {
         let choices = run.iter().flat_map(|run| &run.transitions);
         choices.filter_map(|(_, names)| names.get(t)).map(String::as_str).collect()
     };
     let mut last = [f64::NEG_INFINITY; 2];
-    for (t, &state) in path.iter().enumerate() {
+    for (t, &[x, y]) in pixels.iter().enumerate() {
         let names = taken(t);
-        let [x, y] = frame.pixel(state);
         let is_free = (x - last[0]).abs() > LABEL[0] || (y - last[1]).abs() > LABEL[1];
         if names.is_empty() || t > 0 && names == taken(t - 1) || !is_free {
             continue;
@@ -253,23 +201,4 @@ fn draw_transitions(svg: &mut String, frame: &Frame, path: &[[f64; 2]], run: Opt
             escaped(&names.join(" and "))
         );
     }
-}
-
-/// Round numbers within a range, about half a dozen.
-fn ticks(range: &Interval) -> Vec<f64> {
-    let width = range.upper - range.lower;
-    let power = 10.0_f64.powf((width / 6.0).log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
-    let step = step.into_iter().find(|step| width / step <= 8.0).unwrap_or(width);
-    let (first, last) = ((range.lower / step).ceil(), (range.upper / step).floor());
-    let count =
-        if (last - first).is_finite() { (last - first).clamp(0.0, 20.0) as usize } else { 0 };
-    // Decimal ticks, without rounding noise.
-    let digits = (-power.log10().floor()).clamp(0.0, 12.0) as i32;
-    let scale = 10.0_f64.powi(digits);
-    (0..=count).map(|k| ((first + k as f64) * step * scale).round() / scale).collect()
-}
-
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -81,7 +81,7 @@ impl Scene {
         cautious.rules.clear();
         let stated = cautious.stated()?;
         let mut program = stated.program(steps)?;
-        if !program.tighten()? {
+        if !program.tighten(&stated)? {
             return Ok(Avoidable::No(stated.sets()?.explain(steps)?.map(Box::new)));
         }
         let solution = solver.solve(&program.model)?;

@@ -7,7 +7,6 @@ mod error;
 mod geometry;
 mod law;
 mod mitigate;
-
 mod picture;
 mod plan;
 mod program;

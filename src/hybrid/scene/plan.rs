@@ -1,9 +1,11 @@
 //! Plans of a scene, read from solutions and replayed.
 
+use super::error::SceneError;
 use super::program::SceneProgram;
 use super::replay::{self, SceneCertificate};
+use super::statement::Scene;
 use super::system::AXES;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::rows::HybridRun;
 use crate::solution::Solution;
 
@@ -84,6 +86,64 @@ impl ScenePlan {
     /// A body's path by its name.
     pub fn body(&self, name: &str) -> Option<&BodyPath> {
         self.bodies.iter().find(|body| body.name == name)
+    }
+}
+
+impl Scene {
+    /// Replays a plan, such as one that was stored, or one of a scene with other rules. Returns it
+    /// with the hits and the certificate that it has in this scene. What is read of the plan are its
+    /// samples and inputs, and which faces its hits are at.
+    ///
+    /// ```
+    /// use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
+    /// use carom::hybrid::{Region, Restitution};
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// // A crash at about 4 m/s, in a scene without rules.
+    /// let car = Body::new("car", [Interval::new(0.0, 9.0)], 9.0, 1.0)
+    ///     .with_start(Region::point([1.0, -4.0]));
+    /// let wall = Surface::bounce(Restitution::new(0.2)?);
+    /// let scene = Scene::new(0.1)
+    ///     .with_body(car)
+    ///     .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, wall));
+    /// let plan = scene.mitigate(8, &mut BranchAndBound::default())?.plan.expect("there is one");
+    /// assert_eq!(scene.replay(&plan)?.certificate, plan.certificate);
+    /// let gently = DamageRule::new("gently", DamageMeasure::ImpactSpeed).with_per_hit(1.0);
+    /// assert!(scene.with_rule(gently).replay(&plan).is_err());
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] for a scene that contradicts itself, and [`SceneError::Replay`] for a plan
+    /// that is not what the scene does or that breaks one of its rules; [`ErrorKind::UnknownName`]
+    /// and [`ErrorKind::Length`] for a plan of other bodies.
+    pub fn replay(&self, plan: &ScenePlan) -> Result<ScenePlan, Error> {
+        let scene = self.checked()?;
+        let (mut plan, steps) = (plan.clone(), plan.steps());
+        check_length("the bodies of the plan", plan.bodies.len(), scene.bodies.len())?;
+        for (own, path) in scene.bodies.iter().zip(&plan.bodies) {
+            if own.name != path.name {
+                let kind = "body of the scene at this place";
+                return Err(ErrorKind::UnknownName { name: path.name.clone(), kind }.into());
+            }
+            for (what, values, count) in [
+                ("the positions of a body", &path.position, steps + 1),
+                ("the velocities of a body", &path.velocity, steps + 1),
+                ("the accelerations of a body", &path.acceleration, steps),
+            ] {
+                check_length(what, values.len(), count)?;
+                values.iter().try_for_each(|row| check_length(what, row.len(), scene.axes()))?;
+            }
+        }
+        if let Some((obstacle, last)) = scene.longest().filter(|(_, last)| *last < steps) {
+            let obstacle = obstacle.name.clone();
+            return Err(SceneError::Course { obstacle, last, needed: steps }.into());
+        }
+        plan.time_step = scene.time_step;
+        plan.certificate = replay::certify(&scene, &plan.bodies, &mut plan.hits)?;
+        Ok(plan)
     }
 }
 

@@ -47,6 +47,11 @@ impl Scene {
     /// The program of the scene over a horizon, from starts to goals. Bodies without a start or a
     /// goal may begin or end anywhere.
     ///
+    /// Where bodies may bounce and axes are independent, [sets](Scene::reach_sets) of each axis fix
+    /// hits that no plan makes and narrow bounds. No plan is lost. If they prove that there is none,
+    /// the row `no_plan_by_reach_sets` contradicts the bounds, and
+    /// [`ReachSets::explain`](crate::hybrid::reach::ReachSets::explain) says why.
+    ///
     /// ```
     /// use carom::hybrid::Region;
     /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
@@ -82,6 +87,23 @@ impl Scene {
     /// [`SceneError`](super::SceneError) and others for a scene that contradicts itself, or whose
     /// courses are shorter than the horizon; those of [`Horizon::new`].
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
+        let stated = self.stated()?;
+        let mut program = stated.program(steps)?;
+        if stated.contacts.iter().any(Contact::bounces) {
+            if !program.tighten(&stated)? {
+                program.contradict()?;
+            }
+        }
+        Ok(program)
+    }
+
+    /// The [program](Scene::program) as it is stated, without what sets say about it: for other
+    /// solvers that shall confirm both.
+    ///
+    /// # Errors
+    ///
+    /// As for [`program`](Scene::program).
+    pub fn plain_program(&self, steps: usize) -> Result<SceneProgram, Error> {
         self.stated()?.program(steps)
     }
 }
@@ -262,6 +284,14 @@ impl SceneProgram {
         self.sum_of(contact, step, counts)
     }
 
+    /// States that there is no plan.
+    fn contradict(&mut self) -> Result<(), Error> {
+        let first = self.hybrid.states()[0][0];
+        let beyond = self.model.variable_ref(first)?.bounds().upper + 1.0;
+        self.model.add("no_plan_by_reach_sets", first.ge(beyond))?;
+        Ok(())
+    }
+
     /// Fixes the inputs of the first step, where bodies say so.
     fn fix_first(&mut self) -> Result<(), Error> {
         for body in &self.scene.bodies {
@@ -329,13 +359,7 @@ impl SceneProgram {
     fn opposite_faces(&mut self) -> Result<(), Error> {
         let count = self.contacts.len();
         for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))) {
-            let [first, second] = [a, b].map(|c| &self.contacts[c]);
-            let same = (first.body, first.other) == (second.body, second.other);
-            let ([one], [two]) = (&first.faces[..], &second.faces[..]) else { continue };
-            let opposite = dot(&one.normal, &two.normal) < -1.0 + 1e-12;
-            let room = one.limit.len() == 1 && two.limit.len() == 1;
-            let apart = one.limit_at(0) + two.limit_at(0) < 0.0;
-            if !(same && opposite && room && apart && first.bounces() && second.bounces()) {
+            if !self.are_opposite(a, b) {
                 continue;
             }
             let family = format!("one_of_two_{a}_{b}");
@@ -346,6 +370,17 @@ impl SceneProgram {
             self.model.set_background(&family)?;
         }
         Ok(())
+    }
+
+    /// Whether two contacts are still walls on opposite sides of a body.
+    pub(super) fn are_opposite(&self, a: usize, b: usize) -> bool {
+        let [first, second] = [a, b].map(|c| &self.contacts[c]);
+        let same = (first.body, first.other) == (second.body, second.other);
+        let ([one], [two]) = (&first.faces[..], &second.faces[..]) else { return false };
+        let opposite = dot(&one.normal, &two.normal) < -1.0 + 1e-12;
+        let room = one.limit.len() == 1 && two.limit.len() == 1;
+        let apart = one.limit_at(0) + two.limit_at(0) < 0.0;
+        same && opposite && room && apart && first.bounces() && second.bounces()
     }
 
     /// A body that hits something else in a step still ends it in front of the same face of each

@@ -79,16 +79,9 @@ impl Scene {
 }
 
 impl SceneProgram {
-    /// Fixes hits and narrows bounds by the [sets](Scene::reach_sets) of the horizon, where these are
-    /// quick to compute: where axes are independent. No plan is lost. `false` if the sets prove
-    /// that there is none; the model then stays as it is.
-    ///
-    /// # Errors
-    ///
-    /// None for programs of scenes.
-    pub fn tighten(&mut self) -> Result<bool, Error> {
-        let (scene, contacts) = (self.scene.clone(), self.contacts.clone());
-        let stated = Stated { scene, contacts, system: self.hybrid.system().clone() };
+    /// Fixes hits and narrows bounds by sets, where these are quick to compute: where axes are
+    /// independent. `false` if the sets prove that there is no plan.
+    pub(super) fn tighten(&mut self, stated: &Stated) -> Result<bool, Error> {
         if !stated.is_separable() {
             return Ok(true);
         }
@@ -96,7 +89,9 @@ impl SceneProgram {
         if tube.is_empty() {
             return Ok(false);
         }
-        let variables = self.hybrid.horizon_variables();
+        // A row over all hits would link axes that are independent.
+        let is_line = self.scene.axes() == 1 && self.scene.bodies.len() == 1;
+        let variables = self.hybrid.horizon_variables().with_event_row(is_line);
         Ok(!tube.tighten(&mut self.model, &variables)?.infeasible)
     }
 }

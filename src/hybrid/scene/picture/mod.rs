@@ -5,14 +5,15 @@ mod view;
 
 use std::fmt::Write;
 
-use parts::{COLOURS, axes, begin, legend, outline, solids, walls};
-use view::{View, plain, spacing};
+use parts::{begin, legend, outline, solids, walls};
+use view::View;
 
 use super::body::Shape;
 use super::geometry::dot;
 use super::plan::{BodyPath, ScenePlan};
 use super::statement::Scene;
 use crate::error::Error;
+use crate::picture::{COLOURS, circle, plain, polygon, spacing};
 
 /// The length of the arrow of the largest impulse, in pixels.
 const ARROW: f64 = 60.0;
@@ -43,7 +44,6 @@ impl ScenePlan {
         let scene = self.drawable(scene)?;
         let view = View::new(&scene, self);
         let mut svg = begin(&view, &scene);
-        axes(&mut svg, &view);
         if view.is_line {
             walls(&mut svg, &view, &scene, self);
         } else {
@@ -83,7 +83,6 @@ impl ScenePlan {
         }
         let view = View::new(&scene, self);
         let mut svg = begin(&view, &scene);
-        axes(&mut svg, &view);
         solids(&mut svg, &view, &scene, self, true);
         let shown = self.steps_shown();
         for (b, (body, path)) in scene.bodies.iter().zip(&self.bodies).enumerate() {
@@ -94,7 +93,7 @@ impl ScenePlan {
                 "<path d=\"{line}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1\" \
                  stroke-opacity=\"0.4\"/>"
             );
-            let frames: Vec<(f64, f64)> = (0..=shown * FRAMES)
+            let frames: Vec<[f64; 2]> = (0..=shown * FRAMES)
                 .map(|k| {
                     let k = k.min(self.steps() * FRAMES);
                     let (step, part) = (k / FRAMES, (k % FRAMES) as f64 / FRAMES as f64);
@@ -103,13 +102,13 @@ impl ScenePlan {
                 })
                 .collect();
             let values: Vec<String> =
-                frames.iter().map(|(x, y)| format!("{x:.2} {y:.2}")).collect();
+                frames.iter().map(|[x, y]| format!("{x:.2} {y:.2}")).collect();
             let half: Vec<f64> = match &body.shape {
                 Shape::Box(half) => half.clone(),
                 Shape::Ball(radius) => vec![*radius; 2],
-                Shape::Point => vec![DOT / view.scale[0]; 2],
+                Shape::Point => vec![DOT / view.frame.scale(0); 2],
             };
-            let [w, h] = [half[0] * view.scale[0], half[1] * view.scale[1]];
+            let [w, h] = [half[0], half[1]].map(|half| half * view.frame.scale(0));
             let round = if matches!(body.shape, Shape::Box(_)) { 0.0 } else { w };
             let _ = writeln!(
                 svg,
@@ -187,21 +186,21 @@ impl ScenePlan {
     /// The path as parabolas, with corners at hits.
     fn line(&self, view: &View, path: &BodyPath) -> String {
         let dt = self.time_step;
-        let (x, y) = view.place(0.0, &path.position[0]);
+        let [x, y] = view.place(0.0, &path.position[0]);
         let mut line = format!("M{x:.2} {y:.2}");
         for step in 0..self.steps() {
             let time = step as f64 * dt;
-            let (x, y) = view.place(time + dt, &path.position[step + 1]);
+            let [x, y] = view.place(time + dt, &path.position[step + 1]);
             // Writing into a string cannot fail.
             let _ = match self.hit(path, step) {
                 Some((place, at)) => {
-                    let (hx, hy) = view.place(at, place);
+                    let [hx, hy] = view.place(at, place);
                     write!(line, "L{hx:.2} {hy:.2}L{x:.2} {y:.2}")
                 }
                 None => {
                     let from = path.position[step].iter().zip(&path.velocity[step]);
                     let middle: Vec<f64> = from.map(|(x, v)| x + 0.5 * dt * v).collect();
-                    let (mx, my) = view.place(time + 0.5 * dt, &middle);
+                    let [mx, my] = view.place(time + 0.5 * dt, &middle);
                     write!(line, "Q{mx:.2} {my:.2} {x:.2} {y:.2}")
                 }
             };
@@ -216,12 +215,8 @@ impl ScenePlan {
             let time = k as f64 * every / self.time_step;
             let step = (time as usize).min(self.steps());
             let place = self.between(path, step, time - step as f64);
-            let (x, y) = view.place(0.0, &place);
-            let _ = writeln!(
-                svg,
-                "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"3.2\" fill=\"white\" stroke=\"{colour}\" \
-                 stroke-width=\"1.5\"/>"
-            );
+            let style = format!("fill=\"white\" stroke=\"{colour}\" stroke-width=\"1.5\"");
+            circle(svg, view.place(0.0, &place), 3.2, &style);
         }
     }
 
@@ -230,7 +225,7 @@ impl ScenePlan {
         let size = |j: &[f64]| dot(j, j).sqrt();
         let largest = self.hits.iter().map(|hit| size(&hit.impulse)).fold(0.0, f64::max);
         for hit in self.hits.iter().filter(|hit| size(&hit.impulse) > 1e-3 * largest) {
-            let (x, y) = view.place(hit.time, &hit.place);
+            let [x, y] = view.place(hit.time, &hit.place);
             let length = ARROW * (0.35 + 0.65 * size(&hit.impulse) / largest);
             let unit: Vec<f64> = hit.impulse.iter().map(|j| j / size(&hit.impulse)).collect();
             let (dx, dy) = match scene.axes() {
@@ -239,17 +234,15 @@ impl ScenePlan {
             };
             let (tx, ty) = (x + length * dx, y + length * dy);
             let corner = |along: f64, across: f64| {
-                format!("{:.2},{:.2}", tx - along * dx - across * dy, ty - along * dy + across * dx)
+                [tx - along * dx - across * dy, ty - along * dy + across * dx]
             };
+            let head = polygon(&[corner(0.0, 0.0), corner(9.0, 3.5), corner(9.0, -3.5)]);
             let _ = writeln!(
                 svg,
                 "<line x1=\"{x:.2}\" y1=\"{y:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" stroke=\"black\" \
-                 stroke-width=\"1.6\"/><polygon points=\"{} {} {}\" fill=\"black\"/>",
+                 stroke-width=\"1.6\"/><polygon points=\"{head}\" fill=\"black\"/>",
                 tx - 6.0 * dx,
-                ty - 6.0 * dy,
-                corner(0.0, 0.0),
-                corner(9.0, 3.5),
-                corner(9.0, -3.5)
+                ty - 6.0 * dy
             );
         }
     }

@@ -4,6 +4,7 @@ use crate::hybrid::scene::geometry::{Side, corners, dot};
 use crate::hybrid::scene::plan::ScenePlan;
 use crate::hybrid::scene::solid::Solid;
 use crate::hybrid::scene::statement::Scene;
+use crate::picture::Frame;
 
 /// The longer side of the drawing, and the space around it, in pixels.
 const SIZE: f64 = 640.0;
@@ -11,9 +12,7 @@ pub(super) const MARGIN: f64 = 56.0;
 
 /// From metres (and seconds) to pixels.
 pub(super) struct View {
-    pub(super) low: [f64; 2],
-    pub(super) high: [f64; 2],
-    pub(super) scale: [f64; 2],
+    pub(super) frame: Frame,
     /// Whether the first axis is time.
     pub(super) is_line: bool,
 }
@@ -58,41 +57,38 @@ impl View {
             high[axis] += wide;
         }
         let extent = [high[0] - low[0], high[1] - low[1]];
-        let scale = match is_line {
-            true => [SIZE / extent[0], 0.6 * SIZE / extent[1]],
-            false => [SIZE / extent[0].max(extent[1]); 2],
+        let size = match is_line {
+            true => [SIZE, 0.6 * SIZE],
+            false => extent.map(|side| SIZE * side / extent[0].max(extent[1])),
         };
-        View { low, high, scale, is_line }
-    }
-
-    pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        let across = MARGIN + (x - self.low[0]) * self.scale[0];
-        (across, MARGIN + (self.high[1] - y) * self.scale[1])
+        let frame = Frame { low, high, corner: [MARGIN; 2], size, is_logarithmic: false };
+        View { frame, is_line }
     }
 
     /// A place at a time, in pixels.
-    pub(super) fn place(&self, time: f64, place: &[f64]) -> (f64, f64) {
+    pub(super) fn place(&self, time: f64, place: &[f64]) -> [f64; 2] {
         match self.is_line {
-            true => self.at(time, place[0]),
-            false => self.at(place[0], place[1]),
+            true => self.frame.pixel([time, place[0]]),
+            false => self.frame.pixel([place[0], place[1]]),
         }
     }
 
     pub(super) fn width(&self) -> f64 {
-        2.0 * MARGIN + (self.high[0] - self.low[0]) * self.scale[0]
+        2.0 * MARGIN + self.frame.size[0]
     }
 
     pub(super) fn height(&self) -> f64 {
-        2.0 * MARGIN + (self.high[1] - self.low[1]) * self.scale[1]
+        2.0 * MARGIN + self.frame.size[1]
     }
 
     /// The frame as sides, for clipping.
     pub(super) fn sides(&self) -> Vec<Side> {
+        let Frame { low, high, .. } = &self.frame;
         vec![
-            (vec![-1.0, 0.0], -self.low[0]),
-            (vec![1.0, 0.0], self.high[0]),
-            (vec![0.0, -1.0], -self.low[1]),
-            (vec![0.0, 1.0], self.high[1]),
+            (vec![-1.0, 0.0], -low[0]),
+            (vec![1.0, 0.0], high[0]),
+            (vec![0.0, -1.0], -low[1]),
+            (vec![0.0, 1.0], high[1]),
         ]
     }
 }
@@ -102,19 +98,4 @@ pub(super) fn moved(solid: &Solid, sample: usize, axes: usize) -> Vec<Side> {
     let place = solid.displacement(sample, axes);
     let sides = solid.faces.iter();
     sides.map(|face| (face.normal.clone(), face.offset + dot(&face.normal, &place))).collect()
-}
-
-/// A round distance between about `count` marks.
-pub(super) fn spacing(extent: f64, count: f64) -> f64 {
-    let rough = extent / count;
-    let power = 10.0_f64.powf(rough.log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0].map(|f| f * power);
-    steps.into_iter().find(|step| *step >= rough).unwrap_or(rough)
-}
-
-/// A number without trailing zeros.
-pub(super) fn plain(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

@@ -2,6 +2,7 @@
 //! reads no rows, transitions or sets.
 
 mod events;
+mod rules;
 mod world;
 
 use events::Span;
@@ -84,8 +85,10 @@ pub(super) fn certify(
     let Some(first) = played.samples.first().cloned() else {
         return Ok(SceneCertificate::default());
     };
+    played.limits()?;
     let (mut open, mut continuous) = (first.clone(), first);
     for step in 0..steps {
+        played.one_hit(step)?;
         played.flights(step)?;
         let start = played.samples[step].clone();
         let next = played.lead(step, &start)?;
@@ -107,6 +110,7 @@ pub(super) fn certify(
         let drift = apart_in_place(&continuous, &end);
         certificate.continuous_drift = certificate.continuous_drift.max(drift);
     }
+    played.rules()?;
     Ok(played.certificate)
 }
 
@@ -138,6 +142,37 @@ impl Played<'_> {
             names.into_iter().find(|&touch| self.world.name(touch) == hit.contact)
         };
         own.filter_map(|(k, hit)| Some((touch(hit)?, hit.face, k))).collect()
+    }
+
+    /// Each hit is at a surface to bounce off, and each body hits once in a step, unless corners are
+    /// allowed.
+    fn one_hit(&self, step: usize) -> Result<(), SceneError> {
+        let world = &self.world;
+        let claimed = self.claimed(step);
+        let stated = self.hits.iter().filter(|hit| hit.step == step).count();
+        let bounces = |&&(touch, face, _): &&(Touch, usize, usize)| {
+            face < world.faces(touch) && world.surface(touch, face).restitution.is_some()
+        };
+        let known = claimed.iter().filter(bounces).count();
+        let unknown = (stated - known) as f64;
+        self.refuse(step, "hits at no surface to bounce off", unknown, 0.0)?;
+        let faces = claimed.iter().enumerate();
+        let twice = |(k, hit): (usize, &(Touch, usize, usize))| {
+            claimed[..k].iter().any(|other| other.0 == hit.0)
+        };
+        let twice = faces.filter(|hit| twice(*hit)).count() as f64;
+        self.refuse(step, "hits at two faces of one thing", twice, 0.0)?;
+        if world.scene.corners {
+            return Ok(());
+        }
+        for (b, body) in world.scene.bodies.iter().enumerate() {
+            let of_body = |hit: &&(Touch, usize, usize)| {
+                world.shares(hit.0).iter().any(|(body, _)| *body == b)
+            };
+            let more = claimed.iter().filter(of_body).count() as f64 - 1.0;
+            self.refuse(step, &format!("{}: hits more than one thing", body.name), more, 0.0)?;
+        }
+        Ok(())
     }
 
     /// Steps without a hit stay outside, hits enter where there is a face.

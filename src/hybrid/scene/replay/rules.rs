@@ -1,0 +1,163 @@
+//! What plans must keep beside the laws of motion: rules about damage, limits of bodies, starts and
+//! goals.
+
+use super::world::Touch;
+use super::{MISS, Played};
+use crate::hybrid::damage::ImpactEstimate;
+use crate::hybrid::scene::error::SceneError;
+use crate::hybrid::scene::geometry::dot;
+use crate::hybrid::scene::rule::{DamageMeasure, DamageRule};
+use crate::tolerance::margin_scale;
+
+/// A hit that a rule counts.
+struct Counted {
+    step: usize,
+    touch: Touch,
+    face: usize,
+    /// Its damage in the measure's unit, for an impact that is slower by what a plan may miss.
+    damage: f64,
+}
+
+impl Played<'_> {
+    /// Refuses plans that break a rule. Hits must be complete.
+    pub(super) fn rules(&self) -> Result<(), SceneError> {
+        self.world.scene.rules.iter().try_for_each(|rule| self.rule(rule))
+    }
+
+    fn rule(&self, rule: &DamageRule) -> Result<(), SceneError> {
+        let counted = self.counted(rule);
+        for hit in &counted {
+            if let Some(most) = rule.per_hit {
+                let what = format!("a hit exceeds the rule `{}`", rule.name);
+                self.refuse(hit.step, &what, hit.damage - most, MISS)?;
+            }
+            if let Some(angle) = rule.incidence {
+                let what = format!("a hit is more slanted than the rule `{}` allows", rule.name);
+                self.refuse(hit.step, &what, self.slant(hit, angle), MISS)?;
+            }
+        }
+        let steps = self.inputs.len();
+        let window = rule.window.unwrap_or(steps).min(steps);
+        for first in 0..=steps - window {
+            let inside = |hit: &&Counted| (first..first + window).contains(&hit.step);
+            let own = || counted.iter().filter(inside);
+            if let Some(most) = rule.total {
+                let sum: f64 = own().map(|hit| hit.damage).sum();
+                let what = format!("the sum from here on exceeds the rule `{}`", rule.name);
+                self.refuse(first, &what, sum - most, MISS)?;
+            }
+            if let Some(most) = rule.count {
+                let more = own().count() as f64 - most as f64;
+                let what = format!("there are more hits than the rule `{}` allows", rule.name);
+                self.refuse(first, &what, more, 0.0)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn counted(&self, rule: &DamageRule) -> Vec<Counted> {
+        let scene = self.world.scene;
+        let mut all = Vec::new();
+        for step in 0..self.inputs.len() {
+            for (touch, face, number) in self.claimed(step) {
+                let shares = self.world.shares(touch);
+                let mut names: Vec<&String> =
+                    shares.iter().map(|(body, _)| &scene.bodies[*body].name).collect();
+                let is_of_body = rule.body.as_ref().is_none_or(|body| names.contains(&body));
+                if let Touch::Obstacle(_, obstacle) = touch {
+                    names.push(&scene.obstacles[obstacle].name);
+                }
+                let is_there = rule.at.as_ref().is_none_or(|(name, number)| {
+                    names.contains(&name) && number.is_none_or(|number| number == face)
+                });
+                if is_of_body && is_there {
+                    let speed = self.hits[number].damage;
+                    let speed = (speed - MISS * margin_scale(speed, 0.0)).max(0.0);
+                    let damage = self.measured(rule, touch, face, speed);
+                    all.push(Counted { step, touch, face, damage });
+                }
+            }
+        }
+        all
+    }
+
+    /// What an impact speed (m/s) does, in the rule's unit.
+    fn measured(&self, rule: &DamageRule, touch: Touch, face: usize, speed: f64) -> f64 {
+        let e = self.world.surface(touch, face).restitution.map_or(0.0, |e| e.value());
+        let mass = self.world.mass(touch);
+        match &rule.measure {
+            DamageMeasure::ImpactSpeed => speed,
+            DamageMeasure::NormalImpulse => (1.0 + e) * mass * speed,
+            DamageMeasure::DissipatedEnergy => 0.5 * (1.0 - e * e) * mass * speed.powi(2),
+            DamageMeasure::Convex(pieces) => {
+                let values = pieces.iter().map(|(slope, constant)| slope * speed + constant);
+                values.fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// By how much the sliding speed of a hit exceeds what an angle of incidence (rad) allows, in
+    /// m/s: at the end of its step, and at the start if that counts.
+    fn slant(&self, hit: &Counted, angle: f64) -> f64 {
+        let world = &self.world;
+        let n = world.normal(hit.touch, hit.face);
+        let start = &self.samples[hit.step];
+        let end = world.fly(start, &self.inputs[hit.step], world.scene.time_step);
+        let excess = |v: &[Vec<f64>]| {
+            let r = world.relative(hit.touch, v, hit.step);
+            let normal = dot(n, &r);
+            let along: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - normal * n).collect();
+            let scale = margin_scale(dot(&r, &r).sqrt(), 0.0);
+            (dot(&along, &along).sqrt() * angle.cos() + normal * angle.sin()) / scale
+        };
+        match world.scene.estimate {
+            ImpactEstimate::Sound => excess(&start.v).max(excess(&end.v)),
+            ImpactEstimate::EndOfStep => excess(&end.v),
+        }
+    }
+
+    /// Refuses plans that leave the limits of a body, or start or end elsewhere.
+    pub(super) fn limits(&self) -> Result<(), SceneError> {
+        let last = self.samples.len() - 1;
+        for (b, body) in self.world.scene.bodies.iter().enumerate() {
+            let name = &body.name;
+            let beyond = |value: f64, lower: f64, upper: f64| {
+                (lower - value).max(value - upper) / margin_scale(value.abs(), 0.0)
+            };
+            for (t, sample) in self.samples.iter().enumerate() {
+                for (i, range) in body.domain.iter().enumerate() {
+                    let excess = beyond(sample.x[b][i], range.lower, range.upper);
+                    self.refuse(t, &format!("{name}: leaves its domain (m)"), excess, MISS)?;
+                    let excess = beyond(sample.v[b][i], -body.max_speed, body.max_speed);
+                    self.refuse(t, &format!("{name}: is too fast (m/s)"), excess, MISS)?;
+                }
+            }
+            for (t, input) in self.inputs.iter().enumerate() {
+                for (i, range) in body.acceleration.iter().enumerate() {
+                    let (mut lower, mut upper) = (range.lower, range.upper);
+                    if let (0, Some(first)) = (t, &body.first) {
+                        (lower, upper) = (first[i], first[i]);
+                    }
+                    let excess = beyond(input[b][i], lower, upper);
+                    let what = format!("{name}: pushes beyond its range (m/s²)");
+                    self.refuse(t, &what, excess, MISS)?;
+                }
+            }
+            for (end, t, region) in [("start", 0, &body.start), ("goal", last, &body.goal)] {
+                let Some(region) = region else { continue };
+                let state = [&self.samples[t].x[b][..], &self.samples[t].v[b]].concat();
+                let ranges = region.ranges.iter().zip(&state);
+                let misses = ranges.map(|(range, &x)| beyond(x, range.lower, range.upper));
+                let sides = region.halfspaces.iter().map(|side| {
+                    let terms = || side.normal.iter().zip(&state).map(|(n, x)| n * x);
+                    let size = terms().map(f64::abs).fold(0.0, f64::max);
+                    let limit = side.limit_at(0);
+                    (terms().sum::<f64>() - limit) / margin_scale(size, limit)
+                });
+                let excess = misses.chain(sides).fold(f64::NEG_INFINITY, f64::max);
+                self.refuse(t, &format!("{name}: misses its {end} (m, m/s)"), excess, MISS)?;
+            }
+        }
+        Ok(())
+    }
+}
