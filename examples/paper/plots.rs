@@ -1,10 +1,11 @@
 //! One figure per figure of the paper: position, velocity and acceleration over time.
 
-use std::error::Error;
+use std::error::Error as StdError;
 use std::path::{Path, PathBuf};
 
-use carom::collision_tolerant::{Impact, Trajectory};
+use carom::collision_tolerant::{Impact, Plan, Trajectory};
 use carom::picture::{COLOURS, Chart};
+use carom::prelude::*;
 
 use super::cases::{Case, PAPER_RESTITUTIONS, Solved};
 use super::tube;
@@ -12,38 +13,50 @@ use super::tube;
 type Curve<'a> = (String, &'a Trajectory);
 
 /// Writes the figures into a folder and returns their paths.
-pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn StdError>> {
     std::fs::create_dir_all(folder)?;
-    let curve = |solved: &'_ Solved, label: String| -> Option<(String, Trajectory)> {
-        Some((label, solved.shortest.plan.as_ref()?.trajectory.clone()))
+    // Many plans are as short; those drawn push as hard as they can.
+    let mut solver = BranchAndBound::default();
+    let extreme = results.iter().map(|solved| match &solved.shortest.plan {
+        Some(plan) => plan.extreme(&solved.scenario, &mut solver).map(Some),
+        None => Ok(None),
+    });
+    let extreme: Vec<Option<Plan>> = extreme.collect::<Result<_, _>>()?;
+    let curve = |plan: &Option<Plan>, label: String| -> Option<(String, Trajectory)> {
+        Some((label, plan.as_ref()?.trajectory.clone()))
     };
     let (mut comparison, mut restitutions) = (Vec::new(), Vec::new());
     let (mut damage, mut destinations) = (Vec::new(), Vec::new());
-    for solved in results {
+    for (solved, plan) in results.iter().zip(&extreme) {
         match solved.case {
             Case::CollisionFree => {
-                comparison.extend(curve(solved, "no collision".into()));
-                restitutions.extend(curve(solved, "no collision".into()));
-                damage.extend(curve(solved, "no collision".into()));
+                comparison.extend(curve(plan, "no collision".into()));
+                restitutions.extend(curve(plan, "no collision".into()));
+                damage.extend(curve(plan, "no collision".into()));
             }
             Case::CollisionTolerant { restitution } => {
-                let hit = if solved.impacts() == Some(0) { ", no hit" } else { "" };
-                restitutions.extend(curve(solved, format!("e = {restitution}{hit}")));
+                match restitutions.first_mut() {
+                    // The same plan.
+                    Some((label, _)) if solved.impacts() == Some(0) => {
+                        *label = format!("{label}, e = {restitution}");
+                    }
+                    _ => restitutions.extend(curve(plan, format!("e = {restitution}"))),
+                }
                 if PAPER_RESTITUTIONS.contains(&restitution) {
-                    comparison.extend(curve(solved, format!("collision, e = {restitution}")));
+                    comparison.extend(curve(plan, format!("collision, e = {restitution}")));
                 }
                 if restitution == 0.0 {
-                    damage.extend(curve(solved, "no limit, e = 0".into()));
+                    damage.extend(curve(plan, "no limit, e = 0".into()));
                 }
             }
             Case::DamageLimited { restitution } => {
                 let limit = solved.scenario.damage.per_impact.unwrap_or(f64::NAN);
                 let label = format!("up to {limit:.2} m/s, e = {restitution}");
-                damage.extend(curve(solved, label));
+                damage.extend(curve(plan, label));
             }
             Case::Destination { goal } => {
                 let hit = if solved.hits() { "hit" } else { "no hit" };
-                destinations.extend(curve(solved, format!("{goal} m, {hit}")));
+                destinations.extend(curve(plan, format!("{goal} m, {hit}")));
             }
         }
     }
@@ -67,7 +80,7 @@ pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf
     Ok(written)
 }
 
-fn figure(path: &Path, title: &str, curves: &[Curve<'_>]) -> Result<(), Box<dyn Error>> {
+fn figure(path: &Path, title: &str, curves: &[Curve<'_>]) -> Result<(), Box<dyn StdError>> {
     let mut panels = [
         Chart::new("", "position (m)"),
         Chart::new("", "velocity (m/s)"),

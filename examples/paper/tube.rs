@@ -61,7 +61,7 @@ fn draw(tube: &Tube, trajectory: &Trajectory, path: &Path) -> Result<(), Box<dyn
             } else {
                 holding(tube.to_go(sample), state)?
             };
-            for outline in set.map(in_view).filter(|outline| outline.len() > 2) {
+            if let Some(outline) = set.map(in_view).filter(|outline| outline.len() > 2) {
                 chart.area(label.as_str(), colour, 0.07, outline);
             }
         }

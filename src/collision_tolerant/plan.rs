@@ -6,6 +6,7 @@ use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
+use crate::hybrid::rows::push_outward;
 use crate::hybrid::{
     ContinuousReplay, DiscreteReplay, RunCertificate, replay_continuous, replay_discrete,
 };
@@ -221,6 +222,37 @@ impl Plan {
             termination: solution.termination(),
             statistics: *solution.statistics(),
         })
+    }
+
+    /// A plan with the same contacts and steps whose accelerations are extreme: all but a few are at
+    /// the ends of their range, where they are only near in a plan from the middle of many. Bound
+    /// and objective stay those of this plan. The plan itself if there is nothing to choose.
+    ///
+    /// # Arguments
+    ///
+    /// * `scenario`: the scenario of the plan.
+    ///
+    /// # Errors
+    ///
+    /// As for [`plan`](super::plan()).
+    pub fn extreme(&self, scenario: &Scenario, solver: &mut dyn Solver) -> Result<Plan, Error> {
+        let steps = self.trajectory.steps();
+        let program = PlanningProgram::build(scenario, steps, Objective::Feasibility)?;
+        let mut model = program.model.clone();
+        for (zeta, hits) in program.contact.iter().flatten().zip(&self.trajectory.contact) {
+            model.fix(zeta, f64::from(u8::from(*hits)))?;
+        }
+        // a(τ) is not applied.
+        let pushes = program.acceleration.iter().take(steps);
+        let inputs: Vec<_> = pushes.zip(self.trajectory.acceleration.iter().copied()).collect();
+        match push_outward(model, &inputs, solver)? {
+            None => Ok(self.clone()),
+            Some(solution) => {
+                let Plan { objective, bound, termination, statistics, .. } = *self;
+                let found = Plan::certify(scenario, &program, &solution)?;
+                Ok(Plan { objective, bound, termination, statistics, ..found })
+            }
+        }
     }
 }
 

@@ -10,7 +10,7 @@ pub mod linear;
 mod matrix;
 pub mod reach;
 mod receding;
-mod rows;
+pub(crate) mod rows;
 pub mod scene;
 pub mod shortest_horizon;
 pub mod simulate;

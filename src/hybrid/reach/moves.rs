@@ -29,23 +29,38 @@ pub(super) struct Moves {
 }
 
 impl Moves {
-    pub(super) fn new(system: &HybridSystem) -> Self {
+    /// The moves of a system in which at most one choice of each group has an event.
+    pub(super) fn new(system: &HybridSystem, exclusive: &[Vec<usize>]) -> Self {
         let mut list = vec![Move { members: Vec::new(), events: 0 }];
         let mut followed = 0;
         for (c, choice) in system.choices.iter().enumerate() {
-            if c > 0 && list.len().saturating_mul(choice.transitions.len()) > MOST_MOVES {
+            let first = system.first_transition(c);
+            let is_event = |taken: &Move, other: usize| {
+                other < c && {
+                    let number = taken.members[other] - system.first_transition(other);
+                    system.choices[other].transitions[number].is_event
+                }
+            };
+            let groups = || exclusive.iter().filter(|group| group.contains(&c));
+            let is_busy = |taken: &Move| {
+                groups().any(|group| group.iter().any(|&other| is_event(taken, other)))
+            };
+            let mut extended = Vec::new();
+            for taken in &list {
+                let is_busy = is_busy(taken);
+                for (k, transition) in choice.transitions.iter().enumerate() {
+                    if is_busy && transition.is_event {
+                        continue;
+                    }
+                    let members = taken.members.iter().copied().chain([first + k]).collect();
+                    let events = taken.events + usize::from(transition.is_event);
+                    extended.push(Move { members, events });
+                }
+            }
+            if c > 0 && extended.len() > MOST_MOVES {
                 break;
             }
-            let first = system.first_transition(c);
-            let extended = |taken: &Move| {
-                let taken = taken.clone();
-                choice.transitions.iter().enumerate().map(move |(k, transition)| {
-                    let mut members = taken.members.clone();
-                    members.push(first + k);
-                    Move { members, events: taken.events + usize::from(transition.is_event) }
-                })
-            };
-            list = list.iter().flat_map(extended).collect();
+            list = extended;
             followed = c + 1;
         }
         let relaxed = match system.choices.get(followed) {

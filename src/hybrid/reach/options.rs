@@ -35,6 +35,10 @@ pub struct SetOptions {
     /// Template directions of sets with other than two states, in addition to the axes, the
     /// diagonals of small blocks and the normals of the limits; one coefficient per state.
     pub directions: Vec<Vec<f64>>,
+    /// Groups of choices of which at most one has an event in a step, by their numbers. Programs
+    /// must say so as well.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) exclusive: Vec<Vec<usize>>,
 }
 
 impl Default for SetOptions {
@@ -46,6 +50,7 @@ impl Default for SetOptions {
             layers: 256,
             disturbance: false,
             directions: Vec::new(),
+            exclusive: Vec::new(),
         }
     }
 }

@@ -91,7 +91,7 @@ impl ReachSets {
         goal.check(system, "the goal")?;
         let (from, to) = (closed(&system.states, &start), closed(&system.states, &goal));
         let sizes = from.iter().zip(&to).map(|(a, b)| a.magnitude().max(b.magnitude()));
-        let moves = Moves::new(system);
+        let moves = Moves::new(system, &options.exclusive);
         let graph = Graph::new(system, &moves, options.events, options.layers);
         let mut sets = ReachSets {
             compiled: Vec::new(),

@@ -5,6 +5,7 @@
 //! | what is written, and in which order | `rows/write.rs` |
 //! | handles by name and step | `rows/program.rs` |
 //! | runs that are read back | `rows/run.rs` |
+//! | extreme points near a run | `rows/extreme.rs` |
 //! | transitions as affine functions | `rows/map.rs` |
 //! | what transitions change about the next state | `rows/change.rs` |
 //! | which rows hold in every transition, which are left out | `rows/switch.rs` |
@@ -15,6 +16,7 @@
 
 mod bound;
 mod change;
+mod extreme;
 mod map;
 mod modes;
 mod names;
@@ -24,6 +26,7 @@ mod statements;
 mod switch;
 mod write;
 
+pub(crate) use extreme::push_outward;
 pub use program::HybridProgram;
 pub use run::HybridRun;
 

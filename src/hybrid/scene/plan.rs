@@ -8,6 +8,7 @@ use super::system::AXES;
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::rows::HybridRun;
 use crate::solution::Solution;
+use crate::solver::Solver;
 
 /// The path of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +82,21 @@ impl ScenePlan {
     /// Its duration, in s.
     pub fn duration(&self) -> f64 {
         self.steps() as f64 * self.time_step
+    }
+
+    /// A plan with the same hits and steps whose inputs are
+    /// [extreme](crate::hybrid::HybridProgram::extreme), at the least price of the scene's rules. The
+    /// plan itself if there is nothing to choose.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::program`] and of [`SceneProgram::certified`].
+    pub fn extreme(&self, scene: &Scene, solver: &mut dyn Solver) -> Result<ScenePlan, Error> {
+        let program = scene.plain_program(self.steps())?;
+        match program.hybrid.extreme(&program.model, &self.run, solver)? {
+            None => Ok(self.clone()),
+            Some(solution) => program.certified(&solution),
+        }
     }
 
     /// A body's path by its name.

@@ -331,21 +331,10 @@ impl SceneProgram {
         Ok(())
     }
 
-    /// At most one hit of each body in a step, unless corners are allowed.
+    /// At most one hit of contacts that exclude each other.
     fn one_hit(&mut self) -> Result<(), Error> {
-        if self.scene.corners {
-            return self.opposite_faces();
-        }
-        for b in 0..self.scene.bodies.len() {
-            let of_body = |c: &usize| {
-                let contact = &self.contacts[*c];
-                contact.bounces() && (contact.body == b || contact.other == Some(b))
-            };
-            let own: Vec<usize> = (0..self.contacts.len()).filter(of_body).collect();
-            if own.len() < 2 {
-                continue;
-            }
-            let family = format!("one_hit_{b}");
+        for (k, own) in exclusive(&self.scene, &self.contacts).iter().enumerate() {
+            let family = format!("one_hit_{k}");
             for t in 0..self.steps() {
                 let hits: Affine = own.iter().map(|&c| self.hits_of(c, t)).sum();
                 self.model.add((family.as_str(), t), hits.le(1.0))?;
@@ -353,34 +342,6 @@ impl SceneProgram {
             self.model.set_background(&family)?;
         }
         Ok(())
-    }
-
-    /// Even in a corner, a body does not hit two opposite walls at once.
-    fn opposite_faces(&mut self) -> Result<(), Error> {
-        let count = self.contacts.len();
-        for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))) {
-            if !self.are_opposite(a, b) {
-                continue;
-            }
-            let family = format!("one_of_two_{a}_{b}");
-            for t in 0..self.steps() {
-                let hits = self.hits_of(a, t) + self.hits_of(b, t);
-                self.model.add((family.as_str(), t), hits.le(1.0))?;
-            }
-            self.model.set_background(&family)?;
-        }
-        Ok(())
-    }
-
-    /// Whether two contacts are still walls on opposite sides of a body.
-    pub(super) fn are_opposite(&self, a: usize, b: usize) -> bool {
-        let [first, second] = [a, b].map(|c| &self.contacts[c]);
-        let same = (first.body, first.other) == (second.body, second.other);
-        let ([one], [two]) = (&first.faces[..], &second.faces[..]) else { return false };
-        let opposite = dot(&one.normal, &two.normal) < -1.0 + 1e-12;
-        let room = one.limit.len() == 1 && two.limit.len() == 1;
-        let apart = one.limit_at(0) + two.limit_at(0) < 0.0;
-        same && opposite && room && apart && first.bounces() && second.bounces()
     }
 
     /// A body that hits something else in a step still ends it in front of the same face of each
@@ -440,4 +401,37 @@ impl SceneProgram {
         }
         sum
     }
+}
+
+/// Contacts of which at most one is hit in a step, by their numbers: all of a body, unless corners
+/// are allowed, and opposite walls in any case.
+pub(super) fn exclusive(scene: &Scene, contacts: &[Contact]) -> Vec<Vec<usize>> {
+    let count = contacts.len();
+    let mut groups: Vec<Vec<usize>> = match scene.corners {
+        false => (0..scene.bodies.len())
+            .map(|b| {
+                let of_body = |c: &usize| {
+                    let contact = &contacts[*c];
+                    contact.bounces() && (contact.body == b || contact.other == Some(b))
+                };
+                (0..count).filter(of_body).collect()
+            })
+            .collect(),
+        true => (0..count)
+            .flat_map(|a| (a + 1..count).map(move |b| vec![a, b]))
+            .filter(|pair| are_opposite(&contacts[pair[0]], &contacts[pair[1]]))
+            .collect(),
+    };
+    groups.retain(|group| group.len() > 1);
+    groups
+}
+
+/// Whether two contacts are still walls on opposite sides of a body.
+fn are_opposite(first: &Contact, second: &Contact) -> bool {
+    let same = (first.body, first.other) == (second.body, second.other);
+    let ([one], [two]) = (&first.faces[..], &second.faces[..]) else { return false };
+    let opposite = dot(&one.normal, &two.normal) < -1.0 + 1e-12;
+    let room = one.limit.len() == 1 && two.limit.len() == 1;
+    let apart = one.limit_at(0) + two.limit_at(0) < 0.0;
+    same && opposite && room && apart && first.bounces() && second.bounces()
 }

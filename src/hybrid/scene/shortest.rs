@@ -2,7 +2,7 @@
 
 use super::contact::Contact;
 use super::plan::ScenePlan;
-use super::program::SceneProgram;
+use super::program::{SceneProgram, exclusive};
 use super::statement::Scene;
 use super::system::Stated;
 use crate::error::Error;
@@ -99,7 +99,9 @@ impl SceneProgram {
 impl Stated {
     pub(super) fn sets(&self) -> Result<ReachSets, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
-        let sets = ReachSets::new(&self.system, start, goal, SetOptions::default())?;
+        let exclusive = exclusive(&self.scene, &self.contacts);
+        let options = SetOptions { exclusive, ..SetOptions::default() };
+        let sets = ReachSets::new(&self.system, start, goal, options)?;
         let bodies = &self.scene.bodies;
         if bodies.iter().all(|body| body.first.is_none()) {
             return Ok(sets);
