@@ -1,7 +1,7 @@
-//! A free-flyer in a room with a pillar: avoid the walls, or bounce off them. Time, effort and
-//! impulse.
+//! A free-flyer in a room with a pillar: avoid walls and pillar, or bounce off them. Time, effort and
+//! impulse of two flights.
 //!
-//! `cargo run --release --example free_flyer [-- PICTURE.svg]`
+//! `cargo run --release --example free_flyer [-- PICTURE.svg [PICTURE.svg]]`
 
 use std::error::Error as StdError;
 
@@ -12,43 +12,56 @@ use carom::prelude::*;
 
 const TIME_STEP: f64 = 0.5; // s
 
+/// A name, where the robot starts, and where it must come to rest.
+const FLIGHTS: [(&str, [f64; 4], [f64; 2]); 2] = [
+    ("behind the pillar", [0.8, 1.5, -0.4, 0.3], [3.5, 1.2]),
+    ("into the corner", [0.8, 1.5, 0.4, 0.3], [0.8, 2.6]),
+];
+
 /// A robot of 10 kg and 0.16 m of radius in a room of 4 m by 3 m.
-fn scene(surface: Surface) -> Scene {
+fn scene(start: [f64; 4], [x, y]: [f64; 2], surface: Surface) -> Scene {
     let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)];
     let pillar = [Interval::new(1.7, 2.3), Interval::new(0.9, 2.2)];
     let robot = Body::new("robot", room, 0.5, 0.15)
         .with_mass(10.0)
         .with_shape(Shape::Ball(0.16))
-        .with_start(Region::point([0.8, 1.5, -0.4, 0.3]))
-        .with_goal(Region::point([3.5, 1.2, 0.0, 0.0]));
+        .with_start(Region::point(start))
+        .with_goal(Region::point([x, y, 0.0, 0.0]));
     Scene::new(TIME_STEP)
         .with_body(robot)
         .with_room("wall", &room, surface)
-        .with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid()))
+        .with_obstacle(Solid::cuboid("pillar", &pillar, surface))
 }
 
 fn main() -> Result<(), Box<dyn StdError>> {
     let mut solver = BranchAndBound::default();
     let bumper = Surface::bounce(Restitution::new(0.6)?);
-    println!("walls     time (s)  effort (m²/s³)  impulse (N s)  hits");
-    for (name, surface) in [("avoid", Surface::avoid()), ("bounce", bumper)] {
-        let scene = scene(surface);
-        let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
-        let steps = found.search.steps.ok_or("no horizon found")?;
-        // The least effort in the shortest time.
-        let mut program = scene.program(steps)?;
-        let effort = program.effort()?;
-        program.model.minimize(effort)?;
-        let solution = solver.solve(&program.model)?;
-        let plan = program.certified(&solution)?;
-        let size = |j: &Vec<f64>| j.iter().map(|j| j * j).sum::<f64>().sqrt();
-        // An empty sum is -0.
-        let impulse = plan.hits.iter().map(|hit| size(&hit.impulse)).sum::<f64>().abs();
-        let effort = solution.objective().unwrap_or(f64::NAN);
-        let (time, hits) = (plan.duration(), plan.hits.len());
-        println!("{name:8} {time:9.1} {effort:15.4} {impulse:14.2} {hits:5}");
-        if let (true, Some(path)) = (!plan.hits.is_empty(), std::env::args().nth(1)) {
-            std::fs::write(path, plan.to_svg(&scene)?)?;
+    let mut pictures = std::env::args().skip(1);
+    println!("flight             surfaces  time (s)  effort (m²/s³)  impulse (N s)  hits");
+    for (flight, start, goal) in FLIGHTS {
+        for (name, surface) in [("avoid", Surface::avoid()), ("bounce", bumper)] {
+            let scene = scene(start, goal, surface);
+            let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
+            let steps = found.search.steps.ok_or("no horizon found")?;
+            // The least effort in the shortest time.
+            let mut program = scene.program(steps)?;
+            let effort = program.effort()?;
+            program.model.minimize(effort)?;
+            let solution = solver.solve(&program.model)?;
+            let plan = program.certified(&solution)?;
+            let size = |j: &Vec<f64>| j.iter().map(|j| j * j).sum::<f64>().sqrt();
+            // An empty sum is -0.
+            let impulse = plan.hits.iter().map(|hit| size(&hit.impulse)).sum::<f64>().abs();
+            let effort = solution.objective().unwrap_or(f64::NAN);
+            let hits: Vec<&str> =
+                plan.hits.iter().filter_map(|hit| hit.contact.split(" at ").last()).collect();
+            let (time, hits) = (plan.duration(), hits.join(", "));
+            println!("{flight:18} {name:8} {time:9.1} {effort:15.4} {impulse:14.2}  {hits}");
+            if !plan.hits.is_empty()
+                && let Some(path) = pictures.next()
+            {
+                std::fs::write(path, plan.to_svg(&scene)?)?;
+            }
         }
     }
     Ok(())

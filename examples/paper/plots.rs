@@ -13,7 +13,10 @@ use super::tube;
 type Curve<'a> = (String, &'a Trajectory);
 
 /// Writes the figures into a folder and returns their paths.
-pub(crate) fn write_all(results: &[Solved], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn StdError>> {
+pub(crate) fn write_all(
+    results: &[Solved],
+    folder: &Path,
+) -> Result<Vec<PathBuf>, Box<dyn StdError>> {
     std::fs::create_dir_all(folder)?;
     // Many plans are as short; those drawn push as hard as they can.
     let mut solver = BranchAndBound::default();

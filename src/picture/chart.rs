@@ -188,7 +188,10 @@ impl Chart {
             }
             let room = (0.05 * (high - low)).max(1e-9 * (1.0 + low.abs()));
             // Time begins at the frame.
-            (if axis == 0 { low } else { low - room }, high + if axis == 0 { 0.3 } else { 1.0 } * room)
+            (
+                if axis == 0 { low } else { low - room },
+                high + if axis == 0 { 0.3 } else { 1.0 } * room,
+            )
         };
         let ((x, u), (y, v)) = (range(0), range(1));
         Frame {
@@ -215,8 +218,11 @@ impl Chart {
             let colour = &series.colour;
             match series.kind {
                 Kind::Area(opacity) => {
-                    let outline =
-                        if opacity < 1.0 { format!(" stroke=\"{colour}\"") } else { String::new() };
+                    // Neighbours show no seam.
+                    let outline = match opacity < 1.0 {
+                        true => format!(" stroke=\"{colour}\""),
+                        false => " shape-rendering=\"crispEdges\"".to_owned(),
+                    };
                     let _ = writeln!(
                         svg,
                         "<polygon points=\"{}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"\

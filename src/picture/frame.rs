@@ -26,10 +26,7 @@ impl Frame {
             let [low, high, x] = [self.low[axis], self.high[axis], point[axis]].map(value);
             ((x - low) / (high - low)).clamp(-9.0, 10.0)
         };
-        [
-            self.corner[0] + share(0) * self.size[0],
-            self.corner[1] + (1.0 - share(1)) * self.size[1],
-        ]
+        [self.corner[0] + share(0) * self.size[0], self.corner[1] + (1.0 - share(1)) * self.size[1]]
     }
 
     /// Pixels per unit along an axis that is not logarithmic.

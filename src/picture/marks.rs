@@ -8,7 +8,7 @@ const NEAR: f64 = 0.02;
 
 /// The height of a line of text, and about the width of a letter, in pixels.
 const LINE: f64 = 18.0;
-const LETTER: f64 = 7.0;
+const LETTER: f64 = 7.6;
 
 /// The beginning of a picture; it ends with `</g>\n</svg>\n`.
 pub(crate) fn begin(width: f64, height: f64) -> String {

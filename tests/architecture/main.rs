@@ -11,8 +11,18 @@ use std::path::{Path, PathBuf};
 use circles::{File, circles};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 10] =
-    ["setters", "error", "tolerance", "wire", "interval", "picture", "sum", "model", "solution", "solver"];
+const GROUND: [&str; 10] = [
+    "setters",
+    "error",
+    "tolerance",
+    "wire",
+    "interval",
+    "picture",
+    "sum",
+    "model",
+    "solution",
+    "solver",
+];
 
 /// The modelling tower on the ground, from the bottom up.
 const MODELLING: [&str; 2] = ["hybrid", "collision_tolerant"];

@@ -192,11 +192,16 @@ fn draw_transitions(svg: &mut String, pixels: &[[f64; 2]], run: Option<&HybridRu
             continue;
         }
         last = [x, y];
+        // Within the picture.
+        let (side, anchor) = match x + LABEL[0] > SIZE[0] {
+            true => (-7.0, " text-anchor=\"end\""),
+            false => (7.0, ""),
+        };
         let _ = writeln!(
             svg,
             "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"white\" stroke=\"black\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            x + 7.0,
+             <text x=\"{:.1}\" y=\"{:.1}\"{anchor}>{}</text>",
+            x + side,
             y - 7.0,
             escaped(&names.join(" and "))
         );

@@ -333,6 +333,13 @@ fn check_region(body: &str, region: &Region, axes: usize) -> Result<(), Error> {
         let name = format!("the start or goal of {body}");
         return Err(SceneError::Axes { name, found, expected: 2 * axes }.into());
     }
+    for side in &region.halfspaces {
+        let found = side.normal.len();
+        if found != 2 * axes {
+            let name = format!("a half-space of the start or goal of {body}");
+            return Err(SceneError::Axes { name, found, expected: 2 * axes }.into());
+        }
+    }
     let finite = |range: &&Interval| range.lower.is_finite() && range.upper.is_finite();
     region.ranges.iter().filter(finite).try_for_each(|range| check_ends(body, *range))
 }

@@ -1,5 +1,7 @@
 //! Scenes: bodies among obstacles, in one to three axes.
 
+mod broken;
+mod extreme;
 mod moving;
 mod numbers;
 mod paper;
@@ -9,4 +11,5 @@ mod properties;
 mod random;
 mod refusals;
 mod rules;
+mod sets;
 mod steps;

@@ -3,6 +3,7 @@
 use carom::hybrid::scene::{Body, Scene, ScenePlan, Shape, Solid, Surface};
 use carom::hybrid::{Region, Restitution};
 use carom::interval::Interval;
+use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 
 fn plan(axes: usize) -> (Scene, ScenePlan) {
@@ -54,7 +55,8 @@ fn the_plane_has_equal_axes_and_a_legend_below() {
     let bottom = numbers(frame, "y").last().unwrap() + numbers(frame, "height").last().unwrap();
     // The legend is below the frame, inside the picture.
     let entry = svg.lines().find(|line| line.contains("a &lt;puck")).unwrap();
-    let y = *numbers(entry, "y").last().unwrap();
+    let place = entry.split("translate(").nth(1).unwrap().split(')').next().unwrap();
+    let y: f64 = place.split(' ').nth(1).unwrap().parse().unwrap();
     assert!(y > bottom && y < tall, "{y} {bottom} {tall}");
     let moving = plan.to_animation(&scene).unwrap();
     tidy(&moving);
@@ -70,4 +72,42 @@ fn a_line_is_drawn_over_time_and_space_is_refused() {
     assert!(on_line.to_animation(&scene).is_err());
     let (scene, in_space) = plan(3);
     assert!(in_space.to_svg(&scene).is_err() && in_space.to_animation(&scene).is_err());
+}
+
+#[test]
+fn charts_are_exact_to_less_than_a_pixel() {
+    // A slope of a third of a pixel per point, and a bend.
+    let mut chart = Chart::new("t & s (s)", "x (m)")
+        .with_size(300.0, 100.0)
+        .with_ranges(Interval::new(0.0, 300.0), Interval::new(0.0, 100.0));
+    let bend = (0..=300).map(|t| [f64::from(t), (f64::from(t) / 3.0).min(50.0)]);
+    chart.line("a <b>", COLOURS[0], bend);
+    chart.dots("dots", COLOURS[1], 2.0, [[10.0, f64::NAN], [20.0, 30.0]]);
+    chart.area("", COLOURS[2], 0.1, [[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]);
+    let svg = Chart::to_svg(&[chart.clone(), chart], "two");
+    assert!(svg.starts_with("<svg xmlns") && svg.trim_end().ends_with("</svg>"));
+    assert!(!svg.contains("NaN") && svg.contains("t &amp; s (s)"));
+    // In the legend once; where nothing is out of the line, it has no points.
+    assert_eq!(svg.matches("a &lt;b&gt;").count(), 1);
+    let path = svg.split("<path d=\"M").nth(1).unwrap().split('"').next().unwrap();
+    let points: Vec<Vec<f64>> =
+        path.split('L').map(|p| p.split(' ').map(|x| x.parse().unwrap()).collect()).collect();
+    assert_eq!(points.len(), 3, "{path}");
+    let (start, bend) = (&points[0], &points[1]);
+    assert!(
+        (bend[0] - start[0] - 150.0).abs() < 0.011 && (start[1] - bend[1] - 50.0).abs() < 0.011
+    );
+    assert_eq!(svg.matches("<circle").count(), 3);
+}
+
+#[test]
+fn logarithmic_charts_have_ticks_at_round_numbers() {
+    let mut chart = Chart::new("x", "y").with_logarithms();
+    chart.line("", "black", [[1.0, 0.01], [100.0, 1.0]]);
+    let svg = Chart::to_svg(&[chart], "");
+    for tick in ["1", "2", "5", "10", "20", "50", "100", "0.01", "0.02", "0.05", "0.1"] {
+        assert!(svg.contains(&format!(">{tick}</text>")), "{tick}");
+    }
+    // An empty chart is one, too.
+    assert!(!Chart::to_svg(&[Chart::new("x", "y")], "none").contains("NaN"));
 }

@@ -85,6 +85,8 @@ pub(super) fn certify(
     let Some(first) = played.samples.first().cloned() else {
         return Ok(SceneCertificate::default());
     };
+    let late = played.hits.iter().filter(|hit| hit.step >= steps).count() as f64;
+    played.refuse(steps, "hits after the last step", late, 0.0)?;
     played.limits()?;
     let (mut open, mut continuous) = (first.clone(), first);
     for step in 0..steps {

@@ -101,6 +101,10 @@ impl Played<'_> {
     fn slant(&self, hit: &Counted, angle: f64) -> f64 {
         let world = &self.world;
         let n = world.normal(hit.touch, hit.face);
+        if n.len() == 1 {
+            // On a line every approach is along the normal.
+            return 0.0;
+        }
         let start = &self.samples[hit.step];
         let end = world.fly(start, &self.inputs[hit.step], world.scene.time_step);
         let excess = |v: &[Vec<f64>]| {

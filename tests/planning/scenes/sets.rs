@@ -1,0 +1,113 @@
+//! Programs that sets have tightened have the optimum of those that they have not.
+
+use carom::hybrid::scene::{Body, Scene, Solid, Surface};
+use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::interval::Interval;
+use carom::prelude::*;
+
+use super::numbers::Numbers;
+
+fn bounce(e: f64) -> Surface {
+    Surface::bounce(Restitution::new(e).unwrap())
+}
+
+/// A puck in a room, with a pillar or without.
+fn random(numbers: &mut Numbers) -> Scene {
+    let room = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.5)];
+    let mut place = || {
+        let x = numbers.within(0.1, 0.5);
+        vec![x, numbers.within(0.1, 1.4)]
+    };
+    let (from, to) = (place(), place());
+    let speed = [numbers.within(-2.0, 2.0), numbers.within(-2.0, 2.0)];
+    let body = Body::new("p", room, 3.0, 3.0)
+        .with_start(Region::point([from[0], from[1], speed[0], speed[1]]))
+        .with_goal(Region::point([to[0] + 0.8, to[1], 0.0, 0.0]));
+    let scene = Scene::new(0.2)
+        .with_body(body)
+        .with_room("side", &room, bounce(numbers.within(0.2, 1.0)))
+        .with_corners(numbers.within(0.0, 1.0) < 0.5);
+    let scene = match numbers.within(0.0, 1.0) < 0.5 {
+        true => scene.with_estimate(ImpactEstimate::EndOfStep),
+        false => scene,
+    };
+    let pillar = [Interval::new(0.6, 0.75), Interval::new(0.3, 1.1)];
+    match numbers.within(0.0, 3.0) as usize {
+        0 => scene,
+        1 => scene.with_obstacle(Solid::cuboid("pillar", &pillar, Surface::avoid())),
+        _ => scene.with_obstacle(Solid::cuboid("pillar", &pillar, bounce(0.6))),
+    }
+}
+
+#[test]
+fn no_plan_is_lost() {
+    let mut numbers = Numbers(17);
+    let (mut feasible, mut refuted) = (0, 0);
+    for _ in 0..12 {
+        let scene = random(&mut numbers);
+        let steps = 5 + (numbers.within(0.0, 5.0) as usize);
+        let mut found = Vec::new();
+        for mut program in [scene.program(steps).unwrap(), scene.plain_program(steps).unwrap()] {
+            let effort = program.effort().unwrap();
+            program.model.minimize(effort).unwrap();
+            let solution = BranchAndBound::default().solve(&program.model).unwrap();
+            if solution.point().is_some() {
+                program.certified(&solution).unwrap();
+            }
+            found.push((solution.termination(), solution.objective()));
+        }
+        match (found[0], found[1]) {
+            ((_, Some(a)), (_, Some(b))) => {
+                assert!((a - b).abs() <= 1e-4 * (1.0 + b.abs()), "{a} and {b}");
+                feasible += 1;
+            }
+            (a, b) => {
+                assert_eq!(a, (Termination::Infeasible, None), "{a:?} and {b:?}");
+                assert_eq!(a, b);
+                refuted += 1;
+            }
+        }
+    }
+    assert!(feasible > 2 && refuted > 2, "{feasible} feasible, {refuted} refuted");
+}
+
+#[test]
+fn a_refuted_program_says_so_at_once() {
+    let lane = [Interval::new(0.0, 9.0)];
+    let body = Body::new("p", lane, 4.0, 1.0)
+        .with_start(Region::point([1.0, 0.0]))
+        .with_goal(Region::point([8.0, 0.0]));
+    let scene = Scene::new(0.1).with_body(body).with_room("end", &lane, bounce(0.5));
+    let program = scene.program(30).unwrap();
+    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    assert_eq!(solution.termination(), Termination::Infeasible);
+    assert_eq!(solution.statistics().relaxations, 0);
+    assert!(scene.reach_sets().unwrap().explain(30).unwrap().is_some());
+}
+
+#[test]
+fn a_pillar_to_bounce_off_is_followed_by_the_sets_of_a_room() {
+    // Four walls and a pillar exclude each other, so that every horizon is refuted by sets.
+    let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)];
+    let pillar = [Interval::new(1.7, 2.3), Interval::new(0.9, 2.2)];
+    let steps = |surface: Surface| {
+        let robot = Body::new("robot", room, 0.5, 0.15)
+            .with_start(Region::point([0.8, 1.5, 0.4, 0.3]))
+            .with_goal(Region::point([0.8, 2.6, 0.0, 0.0]));
+        let scene = Scene::new(0.5)
+            .with_body(robot)
+            .with_room("wall", &room, surface)
+            .with_obstacle(Solid::cuboid("pillar", &pillar, surface));
+        let found = scene
+            .shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default())
+            .unwrap();
+        let solves = found.search.attempts.iter().filter(|a| a.is_solve()).count();
+        assert!(solves <= 3, "{solves}");
+        let plan = found.plan.unwrap();
+        let hits: Vec<String> = plan.hits.iter().map(|hit| hit.contact.clone()).collect();
+        (plan.steps(), hits)
+    };
+    let (avoid, bouncing) = (steps(Surface::avoid()), steps(bounce(0.6)));
+    assert!(avoid.1.is_empty() && bouncing.0 < avoid.0);
+    assert_eq!(bouncing.1, ["robot at pillar"]);
+}
