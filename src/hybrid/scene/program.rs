@@ -89,10 +89,8 @@ impl Scene {
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let stated = self.stated()?;
         let mut program = stated.program(steps)?;
-        if stated.contacts.iter().any(Contact::bounces) {
-            if !program.tighten(&stated)? {
-                program.contradict()?;
-            }
+        if stated.contacts.iter().any(Contact::bounces) && !program.tighten(&stated)? {
+            program.contradict()?;
         }
         Ok(program)
     }
