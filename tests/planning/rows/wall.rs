@@ -190,7 +190,7 @@ fn a_tube_tightens_the_rows() {
     assert!(system(0.5).certify(&run).unwrap().largest_residual < 1e-6);
     // The picture names the transitions where they change.
     let svg = tube.to_svg(0, 1, Some(&run)).unwrap();
-    assert!(svg.contains(">flight</text>") && svg.contains("<polyline"), "{svg}");
+    assert!(svg.contains(">flight</text>") && svg.contains("<path d=\"M"), "{svg}");
     run.transitions[0].1[3] = "im<pact".into();
     assert!(tube.to_svg(0, 1, Some(&run)).unwrap().contains(">im&lt;pact</text>"));
     run.states.remove(0);

@@ -4,11 +4,14 @@ use std::error::Error as _;
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{
-    Body, DamageMeasure, DamageRule, Scene, SceneError, ScenePlan, Surface,
+    Body, DamageMeasure, DamageRule, Scene, SceneError, ScenePlan, Solid, Surface,
 };
 use carom::hybrid::{Halfspace, ImpactEstimate, Region, Restitution};
 use carom::interval::Interval;
 use carom::prelude::*;
+
+/// A limit, and a rule with it.
+type Case = (f64, Box<dyn Fn(f64) -> DamageRule>);
 
 /// Thrown along a floor and against a wall, with a mass of 2 kg and e = 0.5: two hits.
 fn scene() -> Scene {
@@ -49,12 +52,16 @@ fn a_plan_that_keeps_everything_is_replayed_as_it_was() {
 fn every_kind_of_rule_is_checked_without_its_rows() {
     let plan = plan(&scene());
     let (x, y) = (1.8, 1.5);
-    let rule = |measure| DamageRule::new("rule", measure);
-    let speed = || rule(DamageMeasure::ImpactSpeed);
+    fn rule(measure: DamageMeasure) -> DamageRule {
+        DamageRule::new("rule", measure)
+    }
+    fn speed() -> DamageRule {
+        rule(DamageMeasure::ImpactSpeed)
+    }
     let energy = |v: f64| 0.75 * v * v;
     let convex = || rule(DamageMeasure::Convex(vec![(1.0, 0.0), (3.0, -3.6)]));
     // Each at its limit, and a little below it.
-    let cases: Vec<(f64, Box<dyn Fn(f64) -> DamageRule>)> = vec![
+    let cases: Vec<Case> = vec![
         (x, Box::new(move |most| speed().with_per_hit(most))),
         (y, Box::new(move |most| speed().with_face("side 2", 0).with_per_hit(most))),
         (x, Box::new(move |most| speed().with_obstacle("side 0").with_per_hit(most))),
@@ -88,6 +95,22 @@ fn every_kind_of_rule_is_checked_without_its_rows() {
     // Rules of others, and prices, refuse nothing.
     let other = speed().with_obstacle("side 1").with_per_hit(0.0).with_price(2.0);
     assert!(scene().with_rule(other).replay(&plan).is_ok());
+}
+
+#[test]
+fn on_a_line_every_approach_is_along_the_normal() {
+    // On its way up when the step begins, and pulled into the wall before it ends.
+    let body = Body::new("p", [Interval::new(0.0, 1.0)], 4.0, 0.0)
+        .with_gravity([-9.0])
+        .with_start(Region::point([0.01, 0.1]));
+    let rule = DamageRule::new("rule", DamageMeasure::ImpactSpeed).with_incidence(0.3);
+    let scene = Scene::new(0.1)
+        .with_body(body)
+        .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, bounce()))
+        .with_rule(rule);
+    let program = scene.program(1).unwrap();
+    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    assert_eq!(program.certified(&solution).unwrap().hits.len(), 1);
 }
 
 #[test]
