@@ -86,6 +86,29 @@ fn a_refuted_program_says_so_at_once() {
 }
 
 #[test]
+fn axes_that_are_independent_are_solved_one_after_the_other() {
+    // No row about all hits links the axes of a puck.
+    let table = [Interval::new(0.0, 6.0), Interval::new(0.0, 4.0)];
+    let puck = Body::new("puck", table, 3.0, 0.8)
+        .with_start(Region::point([1.0, 3.0, -1.2, 0.6]))
+        .with_goal(Region::point([5.0, 1.0, 0.0, 0.0]));
+    let scene = Scene::new(0.33)
+        .with_body(puck)
+        .with_room("c", &table, bounce(0.7))
+        .with_estimate(ImpactEstimate::EndOfStep)
+        .with_corners(true);
+    let mut found = Vec::new();
+    for mut program in [scene.program(15).unwrap(), scene.plain_program(15).unwrap()] {
+        let effort = program.effort().unwrap();
+        program.model.minimize(effort).unwrap();
+        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        assert_eq!(solution.statistics().blocks, 2);
+        found.push((solution.objective().unwrap(), solution.statistics().nodes));
+    }
+    assert!((found[0].0 - found[1].0).abs() < 1e-5 && found[0].1 < found[1].1, "{found:?}");
+}
+
+#[test]
 fn a_pillar_to_bounce_off_is_followed_by_the_sets_of_a_room() {
     // Four walls and a pillar exclude each other, so that every horizon is refuted by sets.
     let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 3.0)];
