@@ -11,7 +11,7 @@ use crate::solver::StopToken;
 const ROOT_TRIALS: usize = 4000;
 
 /// Numbers of sides of the disjunctions that are split at once.
-const SIDES: std::ops::RangeInclusive<usize> = 3..=8;
+const SIDES: std::ops::RangeInclusive<usize> = 3..=64;
 
 /// The root after propagation and probing; every worker starts from it.
 #[derive(Debug, Clone)]

@@ -1,4 +1,5 @@
-//! Implied binaries: columns between 0 and 1 that are whole in some optimum.
+//! Implied binaries: columns between 0 and 1 that are whole in some optimum. Their upper bound may be
+//! implied by a row, as that of `x <= z`.
 //!
 //! If nothing but rows over integers keeps a column from rising, and its cost lets it rise, it can
 //! be where the first of these rows holds it, which is a whole number. Multipliers are not
@@ -16,19 +17,33 @@ pub(super) fn apply(work: &mut Work) -> usize {
 }
 
 fn make_whole(work: &mut Work, column: usize) -> usize {
-    let bounds = [work.lower[column], work.upper[column]];
-    let open = bounds == [0.0, 1.0]
+    let open = work.lower[column] == 0.0
+        && work.upper[column] >= 1.0
         && !work.integral[column]
         && !work.given[column]
         && work.is_straight(column);
-    if !open || work.uses[column].is_empty() {
+    let is_binary = || work.upper[column] == 1.0 || is_at_most_one(work, column);
+    if !open || work.uses[column].is_empty() || !is_binary() {
         return 0;
     }
     let cost = work.linear[column];
     let whole = (cost <= 0.0 && ends_whole(work, column, true))
         || (cost >= 0.0 && ends_whole(work, column, false));
-    work.integral[column] |= whole;
+    if whole {
+        (work.integral[column], work.upper[column]) = (true, 1.0);
+    }
     usize::from(whole)
+}
+
+/// Whether a single row keeps a column from exceeding 1.
+fn is_at_most_one(work: &Work, column: usize) -> bool {
+    work.uses[column].iter().any(|&row| {
+        let a = work.coefficient(row, column);
+        let limit = if a > 0.0 { work.row_upper[row] } else { work.row_lower[row] };
+        let rest = work.range(work.rows[row].iter().filter(|e| e.0 != column));
+        let most = if a > 0.0 { limit - rest.least } else { limit - rest.most };
+        most / a <= 1.0
+    })
 }
 
 /// Whether all rows that keep a column from rising, or from falling, hold it at whole numbers.

@@ -165,6 +165,29 @@ fn a_chain_of_equalities_is_solved() {
     assert_eq!(presolved.postsolve.point(&[]), [1.0, 2.0, 4.0]);
 }
 
+/// A conjunction without a bound of its own, `x <= z_1` and `x <= z_2`, is what its two binaries are.
+#[test]
+fn conjunctions_without_a_bound_leave_one_binary() {
+    let mut model = Model::new("conjunction");
+    let y = model.continuous("y", 0.0, 10.0).unwrap();
+    let z = model.binary_family("z", 4).unwrap();
+    let x = model.continuous_family("x", 2, 0.0, f64::INFINITY).unwrap();
+    for k in 0..4 {
+        model.add(format!("holds_{k}"), (y + 20.0 * z[k]).le(22.0 + k as f64)).unwrap();
+        model.add(format!("part_{k}"), x[k / 2].le(z[k])).unwrap();
+    }
+    model.add("either", (x[0] + x[1]).ge(1.0)).unwrap();
+    model.maximize(y).unwrap();
+    let program = Program::assemble(&model).unwrap();
+    let rules = [Rule::ImpliedBinaries, Rule::HeldColumns, Rule::Doubletons];
+    let presolved = match presolve(&program, &rules, &StopToken::default()).unwrap() {
+        Presolve::Presolved(presolved) => presolved,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(presolved.program.integers.len(), 2);
+    assert_eq!(presolved.program.column_count(), 3);
+}
+
 /// One of eight, told by three binaries.
 #[test]
 fn codes_leave_the_columns_that_they_told() {
