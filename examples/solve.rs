@@ -57,13 +57,12 @@ usage: solve FILE [OPTIONS]
   --lowered OUT        write the lowered model, with indicators and logic as rows, and solve it
   --without PART       leave out `presolve` or a part of it (`reductions`, `disjunctive-tightening`,
                        `big-m-tightening`), `probing`, `cuts`, `blocks`, a heuristic (`rounding`,
-                       `roll-out`, `diving`, `neighbourhood`, `local-branching`, `pump`) or all
+                       `roll-out`, `diving`, `neighbourhood`) or all
                        `heuristics`; may be given several times
   --with PART          add a heuristic, or all `heuristics`
   --relaxation METHOD  solve relaxations by `active-set` (the default: small dense ones that way,
                        the others as by the next), `interior-point` (with Clarabel if it gives up)
                        or `clarabel` alone
-  --symmetry           order interchangeable columns
   --conflicts          learn from conflicts
   --help               print this";
 
@@ -155,6 +154,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 
 /// Processor time of this thread (s), where the system tells it: not disturbed by other programs.
 fn processor_seconds() -> Option<f64> {
+    std::thread::yield_now(); // brings the count up to date
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
     Some(1e-9 * nanoseconds)
@@ -303,7 +303,6 @@ fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
             "--with" => switch(&mut arguments.options.heuristics, &value()?, true)?,
             "--relaxation" => arguments.options.relaxation = method(&value()?)?,
             "--conflicts" => arguments.options.conflicts = true,
-            "--symmetry" => arguments.options.symmetry = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),
             "--lowered" => arguments.lowered = Some(value()?),
@@ -319,13 +318,11 @@ fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
 /// Switches a heuristic, or all of them.
 fn switch(heuristics: &mut Heuristics, part: &str, on: bool) -> Result<(), String> {
     match part {
-        "heuristics" => *heuristics = if on { Heuristics::all() } else { Heuristics::none() },
+        "heuristics" => *heuristics = if on { Heuristics::default() } else { Heuristics::none() },
         "rounding" => heuristics.rounding = on,
         "diving" => heuristics.diving = on,
         "neighbourhood" => heuristics.neighbourhood = on,
-        "local-branching" => heuristics.local_branching = on,
         "roll-out" => heuristics.roll_out = on,
-        "pump" => heuristics.pump = on,
         _ => return Err(format!("nothing is called `{part}`\n{USAGE}")),
     }
     Ok(())

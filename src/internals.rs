@@ -90,10 +90,6 @@ pub mod search {
         pub use crate::search::{Part, SeedBox, divide};
     }
 
-    pub mod symmetry {
-        pub use crate::search::classes;
-    }
-
     pub mod time_order {
         pub use crate::search::in_time;
     }

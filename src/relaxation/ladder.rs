@@ -30,8 +30,6 @@ pub enum Purpose {
     Trial,
     /// A leaf, whose point may become the answer: digits cost an iteration or two.
     Leaf,
-    /// A point near the optimum; nothing is concluded from it.
-    Projection,
     /// A point to cut off.
     Separation,
     /// A bound on an expression.
@@ -75,7 +73,6 @@ fn attempts(purpose: Purpose) -> &'static [Attempt] {
             (Last, 200, 1e-9, 10),
             (Last, 200, 1e-11, 10),
         ],
-        Purpose::Projection => &[(First, 60, 1e-6, 1)],
         Purpose::Separation => &[(First, 60, 1e-8, 1), (Last, 60, 1e-8, 1)],
         Purpose::Bound => &[(Last, 100, 1e-9, 2)],
         Purpose::Direction => &[(Last, 200, 1e-9, 10)],

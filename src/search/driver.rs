@@ -10,8 +10,7 @@ use super::seed::Seed;
 use super::task::Task;
 use super::trace::span;
 use super::tree::Tree;
-use super::{symmetry, time_order};
-use crate::program::Program;
+use super::time_order;
 use crate::solver::{BranchingRule, Control};
 
 /// Searches the tree of a program, from a seed if there is one.
@@ -25,9 +24,8 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     );
     // The user's callback may end this search and no other.
     let token = &task.token.child(None);
-    let ordered = ordered(task, seed);
-    let task = Task { program: ordered.as_ref().unwrap_or(task.program), token, ..task };
-    let mut root = match task.root.filter(|_| ordered.is_none()) {
+    let task = Task { token, ..task };
+    let mut root = match task.root {
         Some(root) => root.clone(),
         None => Root::new(task.program, token, task.options.probing),
     };
@@ -54,22 +52,6 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     // What other threads found while the caller's had nothing to do.
     reporter.report(&tree);
     tree.into_found()
-}
-
-/// The program with its interchangeable columns in falling order, if it has any. Not if points are
-/// told apart by their integers, or come from elsewhere: they would have to be sorted.
-fn ordered(task: Task<'_>, seed: Option<&Seed>) -> Option<Program> {
-    let options = task.options;
-    let plain = options.pool <= 1 && !options.keep_leaves && seed.is_none();
-    if !options.symmetry || !plain || task.guidance.steers() {
-        return None;
-    }
-    let orderings = symmetry::orderings(task.program);
-    let row = |(a, b)| (vec![(a, 1.0), (b, -1.0)], [0.0, f64::INFINITY]);
-    let rows: Vec<_> = orderings.into_iter().map(row).collect();
-    let mut program = task.program.clone();
-    (!rows.is_empty()).then(|| program.append(&[], &rows))??;
-    Some(program)
 }
 
 /// The event windows that the options ask for, if the program has any. Kept leaves are about the

@@ -20,7 +20,6 @@
 //!
 //! The program:
 //!
-//! * `symmetry` - interchangeable columns in non-increasing order
 //! * `event_windows` - branching on windows of time, `time_order` - the order of binaries in time
 //! * `indifferent_binaries` - integral values where the relaxed point leaves a choice
 //! * `root_point` - the relaxed point of the root, for the rest of these and the first node
@@ -81,7 +80,6 @@ mod root_point;
 mod round_buffer;
 mod seed;
 mod switch_node;
-mod symmetry;
 mod task;
 mod time_order;
 mod trace;
@@ -110,5 +108,4 @@ pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;
 pub use pseudocosts::{LEAST_GAIN, Pseudocosts};
 pub use seed::{Part, divide};
-pub use symmetry::classes;
 pub use time_order::in_time;

@@ -147,10 +147,6 @@ pub enum Heuristic {
     Diving,
     /// Relaxation-induced neighbourhood search.
     Neighbourhood,
-    /// Local branching.
-    LocalBranching,
-    /// The feasibility pump.
-    Pump,
 }
 
 /// What one source of points tried and found.
@@ -183,13 +179,11 @@ pub struct HeuristicCounts {
     proposal: HeuristicCount,
     diving: HeuristicCount,
     neighbourhood: HeuristicCount,
-    local_branching: HeuristicCount,
-    pump: HeuristicCount,
 }
 
 impl Heuristic {
     /// All sources of points.
-    pub const ALL: [Heuristic; 10] = [
+    pub const ALL: [Heuristic; 8] = [
         Heuristic::Leaf,
         Heuristic::Relaxation,
         Heuristic::Rounding,
@@ -198,8 +192,6 @@ impl Heuristic {
         Heuristic::Proposal,
         Heuristic::Diving,
         Heuristic::Neighbourhood,
-        Heuristic::LocalBranching,
-        Heuristic::Pump,
     ];
 
     /// The letter that marks its points in a [`Log`](crate::solver::Log).
@@ -217,8 +209,6 @@ impl Heuristic {
             Heuristic::Proposal => ('P', "proposal"),
             Heuristic::Diving => ('D', "diving"),
             Heuristic::Neighbourhood => ('N', "neighbourhood"),
-            Heuristic::LocalBranching => ('B', "local branching"),
-            Heuristic::Pump => ('F', "pump"),
         }
     }
 }
@@ -252,8 +242,6 @@ impl HeuristicCounts {
             Heuristic::Proposal => &mut self.proposal,
             Heuristic::Diving => &mut self.diving,
             Heuristic::Neighbourhood => &mut self.neighbourhood,
-            Heuristic::LocalBranching => &mut self.local_branching,
-            Heuristic::Pump => &mut self.pump,
         }
     }
 }

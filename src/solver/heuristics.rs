@@ -32,12 +32,6 @@ pub struct Heuristics {
     /// Relaxation-induced neighbourhood search: fixes integers on which the best point and a
     /// relaxed point agree, and searches the rest for a better point with few nodes; default on.
     pub neighbourhood: bool,
-    /// Local branching: a small search among the points that differ from the best one in few
-    /// binaries; default off.
-    pub local_branching: bool,
-    /// The feasibility pump: alternates rounding and projection, if there is an objective and the
-    /// root led to no point; default on.
-    pub pump: bool,
 }
 
 impl Default for Heuristics {
@@ -47,8 +41,6 @@ impl Default for Heuristics {
             roll_out: true,
             diving: true,
             neighbourhood: true,
-            local_branching: false,
-            pump: true,
         }
     }
 }
@@ -61,20 +53,6 @@ impl Heuristics {
             roll_out: false,
             diving: false,
             neighbourhood: false,
-            local_branching: false,
-            pump: false,
-        }
-    }
-
-    /// Every heuristic.
-    pub const fn all() -> Self {
-        Heuristics {
-            rounding: true,
-            roll_out: true,
-            diving: true,
-            neighbourhood: true,
-            local_branching: true,
-            pump: true,
         }
     }
 

@@ -31,7 +31,6 @@ use crate::tolerance;
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
 /// | `relaxation` | [`RelaxationMethod`] | `ActiveSet` | `ActiveSet` | `ActiveSet` | benchmarks, *Relaxations by either method* |
-/// | `symmetry` | on or off | off | off | off | decisions, *Symmetry* |
 /// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
@@ -39,7 +38,7 @@ use crate::tolerance;
 /// | `probing` | on or off | on | on | on | decisions, *Probing at every node* |
 /// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
 /// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
-/// | `heuristics` | [`Heuristics`] | all but local branching | all | as default | decisions, *Heuristics are paid from allowances* |
+/// | `heuristics` | [`Heuristics`] | all | all | all | decisions, *Heuristics are paid from allowances* |
 ///
 /// "Decisions" is `docs/decisions.md` in the repository, "benchmarks" is `docs/benchmarks.md`.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,9 +91,6 @@ pub struct Options {
     /// Which method solves the relaxations of the search; default
     /// [`RelaxationMethod::ActiveSet`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
-    /// Whether interchangeable columns must have non-increasing values; default off. Not used if a
-    /// pool or leaves are kept, or if points come from a seed or from guidance.
-    pub symmetry: bool,
     /// Whether the search learns no-goods over bounds of integers from nodes and trials that
     /// propagation refutes; default off. Each thread learns separately.
     pub conflicts: bool,
@@ -155,7 +151,6 @@ impl Default for Options {
             keep_leaves: false,
             branching: BranchingRule::Automatic,
             relaxation: RelaxationMethod::ActiveSet,
-            symmetry: false,
             conflicts: false,
             reductions: true,
             disjunctive_tightening: true,
@@ -169,10 +164,10 @@ impl Default for Options {
 }
 
 impl Options {
-    /// A good point soon: a relative gap of 0.1 %, every heuristic, and one thread per processor.
+    /// A good point soon: a relative gap of 0.1 %, and one thread per processor.
     pub fn fast() -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(256);
-        Options { relative_gap: 1e-3, threads, heuristics: Heuristics::all(), ..Options::default() }
+        Options { relative_gap: 1e-3, threads, ..Options::default() }
     }
 
     /// The default.
@@ -234,8 +229,6 @@ impl Options {
         with_branching(rule: BranchingRule) => branching = rule;
         /// Sets the method that solves the relaxations.
         with_relaxation(method: RelaxationMethod) => relaxation = method;
-        /// Sets whether interchangeable columns are ordered.
-        with_symmetry(symmetry: bool) => symmetry = symmetry;
         /// Sets whether the search learns from conflicts.
         with_conflicts(conflicts: bool) => conflicts = conflicts;
         /// Sets whether presolve reduces the program.

@@ -20,7 +20,6 @@ mod oracle;
 mod prepared;
 mod search;
 mod stop_token;
-mod symmetry;
 mod torture_programs;
 #[cfg(feature = "tracing")]
 mod tracing;

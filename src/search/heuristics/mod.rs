@@ -2,7 +2,6 @@
 
 mod allowance;
 mod diving;
-mod feasibility_pump;
 mod guess;
 mod neighbourhood;
 mod proposals;
@@ -11,9 +10,8 @@ mod rounding;
 
 pub use allowance::Allowance;
 use diving::dive_where_it_pays;
-use feasibility_pump::pump_at_root;
 pub(super) use guess::try_guess;
-use neighbourhood::{Neighbourhoods, search_near_incumbent};
+use neighbourhood::search_near_incumbent;
 use proposals::try_proposals;
 pub use roll_out::Frontier;
 use roll_out::roll_out;
@@ -37,7 +35,7 @@ pub(super) struct Heuristics {
     /// Nodes that this worker has processed.
     nodes: u64,
     diving: Allowance,
-    neighbourhoods: Neighbourhoods,
+    neighbourhood: Allowance,
 }
 
 impl Heuristics {
@@ -46,7 +44,7 @@ impl Heuristics {
             since_rounding: u64::MAX,
             nodes: 0,
             diving: Allowance::default(),
-            neighbourhoods: Neighbourhoods::default(),
+            neighbourhood: Allowance::default(),
         }
     }
 
@@ -90,15 +88,11 @@ pub(super) fn look_for_points(
         try_proposals(ctx, point, bound);
     }
     heuristics.since_rounding = heuristics.since_rounding.saturating_add(1);
-    if on.pump && at_root && !whole {
-        pump_at_root(ctx, point, bound);
-    }
     if on.diving && !whole {
         dive_where_it_pays(ctx, &mut heuristics.diving, pseudocosts, point, bound);
     }
-    if on.neighbourhood || on.local_branching {
-        let Heuristics { nodes, neighbourhoods, .. } = heuristics;
-        search_near_incumbent(ctx, neighbourhoods, *nodes, point, bound);
+    if on.neighbourhood {
+        search_near_incumbent(ctx, &mut heuristics.neighbourhood, heuristics.nodes, point, bound);
     }
     ctx.clock.switch(activity);
 }

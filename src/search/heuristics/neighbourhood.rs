@@ -1,9 +1,8 @@
-//! Small searches near the best point: relaxation-induced neighbourhoods, and local branching.
+//! Relaxation-induced neighbourhood search: a small search near the best point.
 //!
 //! Integers on which the best point and a relaxed point agree are fixed (Danna, Rothberg and Le
-//! Pape 2005). Local branching instead adds a row that lets only few binaries differ from the best
-//! point (Fischetti and Lodi 2003). The rest is searched for a better point with few nodes. Nested
-//! searches do not nest further.
+//! Pape 2005). The rest is searched for a better point with few nodes. Nested searches do not nest
+//! further.
 
 use super::allowance::Allowance;
 use crate::program::Program;
@@ -28,17 +27,6 @@ const LEAST_FIXED: f64 = 0.4;
 /// Share of the gap by which a new point must be better.
 const GAIN: f64 = 0.02;
 
-/// Share of the binaries that local branching lets differ, and fewest and most of them.
-const BALL: f64 = 0.2;
-const RADIUS: [f64; 2] = [4.0, 20.0];
-
-/// What both kinds of searches have spent.
-#[derive(Debug, Default)]
-pub(super) struct Neighbourhoods {
-    induced: Allowance,
-    local_branching: Allowance,
-}
-
 /// Searches near the best point if an allowance has room for it.
 ///
 /// # Arguments
@@ -47,44 +35,26 @@ pub(super) struct Neighbourhoods {
 /// * `point`, `bound`: the relaxed point of the current node, and its bound.
 pub(super) fn search_near_incumbent(
     ctx: &mut Context<'_>,
-    spent: &mut Neighbourhoods,
+    spent: &mut Allowance,
     nodes: u64,
     point: &[f64],
     bound: f64,
 ) {
-    let (on, total) = (ctx.options().heuristics, ctx.iterations);
-    let cutoff = ctx.tree.cutoff();
-    let induced = on.neighbourhood && spent.induced.left(total, false) >= LEAST;
-    let local = on.local_branching && spent.local_branching.left(total, false) >= LEAST;
-    if !(induced || local) || bound == f64::NEG_INFINITY || bound >= cutoff {
+    let (left, cutoff, base) = (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.base());
+    if left < LEAST || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
-    let base = ctx.base();
     let Some((value, best)) = ctx.tree.incumbent() else { return };
     if base.is_feasibility_problem() {
         return;
     }
     let wanted = cutoff.min(value - GAIN * (value - bound).max(0.0));
-    if induced && let Some(program) = agreement(base, point, &best) {
-        span!(DEBUG, "heuristic", name = "neighbourhood");
-        let left = spent.induced.left(total, false);
-        let source = ctx.tree.begin(Heuristic::Neighbourhood);
-        let taken = search_within(ctx, &program, wanted, left, nodes);
-        ctx.tree.end(source);
-        spent.induced.book(taken, ctx.tree.cutoff() < cutoff);
-    }
-    let still = ctx.tree.cutoff();
-    if local
-        && still == cutoff
-        && let Some(program) = ball(base, &best)
-    {
-        span!(DEBUG, "heuristic", name = "local branching");
-        let left = spent.local_branching.left(total, false);
-        let source = ctx.tree.begin(Heuristic::LocalBranching);
-        let taken = search_within(ctx, &program, wanted, left, nodes);
-        ctx.tree.end(source);
-        spent.local_branching.book(taken, ctx.tree.cutoff() < still);
-    }
+    let Some(program) = agreement(base, point, &best) else { return };
+    span!(DEBUG, "heuristic", name = "neighbourhood");
+    let source = ctx.tree.begin(Heuristic::Neighbourhood);
+    let taken = search_within(ctx, &program, wanted, left, nodes);
+    ctx.tree.end(source);
+    spent.book(taken, ctx.tree.cutoff() < cutoff);
 }
 
 /// Searches a part of the program for a point below `cutoff`, with about so many iterations, and
@@ -102,7 +72,6 @@ fn search_within(
 ) -> u64 {
     let a_node = (ctx.iterations / nodes.max(1)).max(1);
     let mut options = ctx.options().nested();
-    options.symmetry = false;
     options.node_limit = Some((iterations / a_node).clamp(NODES[0], NODES[1]));
     options.memory_limit = ctx.tree.memory_left();
     let guidance = ctx.shared.task.guidance.idle();
@@ -139,22 +108,5 @@ fn agreement(base: &Program, point: &[f64], best: &[f64]) -> Option<Program> {
     for j in fixed {
         (program.lower[j], program.upper[j]) = (best[j].round(), best[j].round());
     }
-    Some(program)
-}
-
-/// The program among the points that differ from the best one in few binaries; `None` if all points
-/// do.
-fn ball(base: &Program, best: &[f64]) -> Option<Program> {
-    let binary = |&&j: &&usize| base.lower[j] == 0.0 && base.upper[j] == 1.0;
-    let binaries: Vec<usize> = base.integers.iter().filter(binary).copied().collect();
-    let radius = (BALL * binaries.len() as f64).round().clamp(RADIUS[0], RADIUS[1]);
-    if binaries.len() as f64 <= 2.0 * radius {
-        return None;
-    }
-    let ones = binaries.iter().filter(|&&j| best[j] > 0.5).count() as f64;
-    let side = |&j: &usize| (j, if best[j] > 0.5 { -1.0 } else { 1.0 });
-    let terms = binaries.iter().map(side).collect();
-    let mut program = base.clone();
-    program.append(&[], &[(terms, [f64::NEG_INFINITY, radius - ones])])?;
     Some(program)
 }

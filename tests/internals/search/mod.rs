@@ -11,5 +11,4 @@ mod pseudocosts;
 mod roll_out;
 mod seed;
 mod strong_fixing;
-mod symmetry;
 mod time_order;
