@@ -331,7 +331,7 @@ def main():
         with open(arguments.ablation) as file:
             variants += [line.strip() for line in file if line.strip() and not line.startswith("#")]
     ours = [Carom("carom 1", arguments.solve, ["--threads", "1"])]
-    if not arguments.ablation:
+    if not arguments.ablation and not arguments.cpu:
         ours.append(Carom("carom 2", arguments.solve, ["--threads", "2"]))
     for variant in variants:
         name, _, words = variant.partition("=")
@@ -358,7 +358,8 @@ def main():
             print(f"{file}: {shown}", file=sys.stderr, flush=True)
 
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan
-    print(f"Seconds (nodes); median of {arguments.rounds}, in turn; limit {arguments.limit:g} s; gap {GAP:g}; "
+    unit = "Processor seconds" if arguments.cpu else "Seconds"
+    print(f"{unit} (nodes); median of {arguments.rounds}, in turn; limit {arguments.limit:g} s; gap {GAP:g}; "
           f"{os.cpu_count()} processors, load {load:.1f} at the end. Bold: a claim that is not the listed answer.\n")
     table(results, names, truths)
     families(results, names, truths, arguments.limit)

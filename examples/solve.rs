@@ -63,7 +63,6 @@ usage: solve FILE [OPTIONS]
   --relaxation METHOD  solve relaxations by `active-set` (the default: small dense ones that way,
                        the others as by the next), `interior-point` (with Clarabel if it gives up)
                        or `clarabel` alone
-  --conflicts          learn from conflicts
   --help               print this";
 
 #[derive(Default)]
@@ -302,7 +301,6 @@ fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
             },
             "--with" => switch(&mut arguments.options.heuristics, &value()?, true)?,
             "--relaxation" => arguments.options.relaxation = method(&value()?)?,
-            "--conflicts" => arguments.options.conflicts = true,
             "--gap" => arguments.options.relative_gap = number(&word, &value()?)?,
             "--write" => arguments.write = Some(value()?),
             "--lowered" => arguments.lowered = Some(value()?),

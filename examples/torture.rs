@@ -1,13 +1,12 @@
 //! Solves random, numerically difficult programs and compares every answer with the exact one.
 //!
 //! `cargo run --release --example torture -- [--cases N] [--seed S] [--threads K]
-//! [--solver-threads T] [--conflicts] [--large] [--out FOLDER]`
+//! [--solver-threads T] [--large] [--out FOLDER]`
 //!
 //! * `--cases N`: number of programs, 10000 by default
 //! * `--seed S`: seed of the first program, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
-//! * `--conflicts`: learn from conflicts
 //! * `--large`: programs with terms of 1e6 to 1e10
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
 //!
@@ -41,7 +40,6 @@ struct Arguments {
     seed: u64,
     threads: usize,
     solver_threads: usize,
-    conflicts: bool,
     large: bool,
     out: String,
 }
@@ -59,13 +57,12 @@ fn main() -> ExitCode {
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
-    let (threads, solver_threads, conflicts, large) = (1, 1, false, false);
-    let mut arguments = Arguments { cases, seed, threads, solver_threads, conflicts, large, out };
+    let (threads, solver_threads, large) = (1, 1, false);
+    let mut arguments = Arguments { cases, seed, threads, solver_threads, large, out };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--conflicts" || word == "--large" {
-            arguments.conflicts |= word == "--conflicts";
-            arguments.large |= word == "--large";
+        if word == "--large" {
+            arguments.large = true;
             continue;
         }
         let value = words.next().ok_or(format!("{word} needs a value"))?;
@@ -121,9 +118,7 @@ fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
     let case = program(seed);
     let (model, variables) = case.build();
     let truth = truth(&case);
-    let options = Options::default()
-        .with_threads(arguments.solver_threads)
-        .with_conflicts(arguments.conflicts);
+    let options = Options::default().with_threads(arguments.solver_threads);
     let mut solver = BranchAndBound::new(options);
     let (verdict, nodes) = match solver.solve(&model) {
         Ok(solution) => (

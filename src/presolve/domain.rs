@@ -1,23 +1,6 @@
-//! Current bounds of all columns, with a trail to undo changes, and the reason of each.
+//! Current bounds of all columns, with a trail to undo changes.
 
 use crate::program::Program;
-
-/// Why a bound changed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reason {
-    /// Decided, or known from elsewhere: no row explains it.
-    Given,
-    /// It follows from all that was given before, in a way that was not kept.
-    Path,
-    /// Propagation of a row; the number of rows stands for the objective's limit.
-    Row(u32),
-    /// The table of implications, for this binary is fixed.
-    Implied(u32),
-    /// The no-good of this number: all its other literals hold.
-    NoGood(u32),
-    /// Bounds that had crossed by a hair were brought together; this loosens them.
-    Settled,
-}
 
 /// Bounds of all columns at a node. Changes are recorded, so that a node is left by undoing
 /// exactly what was done inside it.
@@ -32,20 +15,18 @@ pub struct Domain {
 
 /// One entry of the trail.
 #[derive(Debug, Clone, Copy)]
-pub struct Change {
-    pub(super) old: f64,
+struct Change {
+    old: f64,
     /// Twice the column, plus one for an upper bound.
     bound: u32,
-    /// Why the bound changed.
-    pub reason: Reason,
 }
 
 impl Change {
-    pub(super) fn column(&self) -> usize {
+    fn column(&self) -> usize {
         self.bound as usize / 2
     }
 
-    pub(super) fn is_upper(&self) -> bool {
+    fn is_upper(&self) -> bool {
         self.bound % 2 == 1
     }
 }
@@ -94,21 +75,11 @@ impl Domain {
         self.apply(column, true, value);
     }
 
-    /// Sets one bound, recording the old one; as given, without a reason.
+    /// Sets one bound, recording the old one.
     pub fn apply(&mut self, column: usize, is_upper: bool, value: f64) {
-        self.apply_because(column, is_upper, value, Reason::Given);
-    }
-
-    /// Sets one bound for a reason, recording both the old bound and the reason.
-    pub fn apply_because(&mut self, column: usize, is_upper: bool, value: f64, reason: Reason) {
         let old = std::mem::replace(&mut self.bounds[column][usize::from(is_upper)], value);
         let bound = 2 * column as u32 + u32::from(is_upper);
-        self.trail.push(Change { old, bound, reason });
-    }
-
-    /// An entry of the trail.
-    pub fn change(&self, position: usize) -> Change {
-        self.trail[position]
+        self.trail.push(Change { old, bound });
     }
 
     pub(super) fn all(&self) -> &[[f64; 2]] {

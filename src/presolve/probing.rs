@@ -12,7 +12,6 @@
 //! a node or from node to node.
 
 use super::change_log::Blocks;
-use super::conflict_analysis::Resolution;
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
@@ -168,9 +167,8 @@ pub(crate) fn probe_again(
                 record.note(j, is_upper, Trial { time, visited }, trial.is_err());
                 if trial.is_err() {
                     idle = 0;
-                    let reason = propagator.reason_against(j, is_upper);
                     let value = if is_upper { upper } else { lower };
-                    domain.apply_because(j, !is_upper, value, reason);
+                    domain.apply(j, !is_upper, value);
                     record.found.push((j, !is_upper, value));
                     propagator.propagate_since(program, domain, mark)?;
                 }
@@ -198,7 +196,7 @@ impl Propagator {
         self.change_log.start();
         self.least_gain = tolerance::PROBING_GAIN;
         domain.apply(column, is_upper, value);
-        let trial = self.propagate_until(program, domain, mark, Resolution::Decision);
+        let trial = self.propagate_since(program, domain, mark);
         domain.undo_to(mark);
         self.least_gain = tolerance::PROPAGATION_GAIN;
         self.change_log.set_on_trial(false);

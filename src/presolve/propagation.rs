@@ -5,10 +5,8 @@
 //! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`.
 
 use super::change_log::{Blocks, ChangeLog};
-use super::conflict_analysis::{Clash, Resolution};
-use super::domain::{Domain, Reason};
+use super::domain::Domain;
 use super::implications::Implications;
-use super::learning::Learner;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
 use super::worklist::Worklist;
 use crate::program::Program;
@@ -44,12 +42,6 @@ pub struct Propagator {
     pub(super) change_log: ChangeLog,
     /// What a bound of a continuous column must gain, of its width, to be followed.
     pub(super) least_gain: f64,
-    /// The cutoff in force; infinite where the objective's line does not use one.
-    pub(super) cutoff: f64,
-    /// How the last propagation failed.
-    pub(super) clash: Option<Clash>,
-    /// What learns from conflicts, where that is wanted.
-    pub(super) learner: Option<Box<Learner>>,
 }
 
 /// What the worklist knows of a row.
@@ -117,9 +109,6 @@ impl Propagator {
             uses: Uses::default(),
             found: Vec::new(),
             implications: Implications::default(),
-            cutoff: f64::INFINITY,
-            clash: None,
-            learner: None,
             token: StopToken::default(),
             change_log: ChangeLog::new(program.row_count()),
             least_gain: tolerance::PROPAGATION_GAIN,
@@ -171,7 +160,6 @@ impl Propagator {
             return f64::INFINITY;
         }
         objective.limits[1] = cutoff - program.offset;
-        self.cutoff = cutoff;
         cutoff
     }
 
@@ -192,8 +180,7 @@ impl Propagator {
         }
         self.wake(domain);
         (0..program.row_count()).for_each(|row| self.enqueue(row));
-        let mark = domain.mark();
-        self.run(program, domain, mark)
+        self.run(program, domain)
     }
 
     /// Propagates the rows of columns that changed since `mark`.
@@ -207,37 +194,10 @@ impl Propagator {
         domain: &mut Domain,
         mark: usize,
     ) -> Result<(), Conflict> {
-        self.propagate_until(program, domain, mark, Resolution::FirstImplicationPoint)
-    }
-
-    /// As [`propagate_since`](Self::propagate_since); a conflict is resolved up to `cut`.
-    pub(super) fn propagate_until(
-        &mut self,
-        program: &Program,
-        domain: &mut Domain,
-        mark: usize,
-        cut: Resolution,
-    ) -> Result<(), Conflict> {
-        let result = self.propagate_changes(program, domain, mark);
-        if self.learner.is_some() {
-            let clash = self.clash.take().filter(|_| result.is_err());
-            self.learn(program, domain, mark, clash, cut);
-        }
-        result
-    }
-
-    fn propagate_changes(
-        &mut self,
-        program: &Program,
-        domain: &mut Domain,
-        mark: usize,
-    ) -> Result<(), Conflict> {
         self.wake(domain);
-        self.deny_single(domain)?;
         for (column, is_upper) in domain.changed_since(mark) {
             if domain.lower(column) > domain.upper(column) {
                 self.clear();
-                self.clash = Some(Clash::Crossed(column));
                 return Err(Conflict::Column(column));
             }
             self.enqueue_uses(column, is_upper, usize::MAX);
@@ -252,7 +212,7 @@ impl Propagator {
         if self.rows[objective].limits[1] < f64::INFINITY {
             self.enqueue(objective);
         }
-        self.run(program, domain, mark)
+        self.run(program, domain)
     }
 
     /// Whether changes from here on are on trial, to be taken back.
@@ -279,7 +239,7 @@ impl Propagator {
 
     /// Puts the rows on the list to which a changed bound can matter, but for the one that changed
     /// it.
-    pub(super) fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
+    fn enqueue_uses(&mut self, column: usize, is_upper: bool, changed_by: usize) {
         self.change_log.touch(self.uses.blocks[column]);
         for &row in self.uses.of(column, is_upper) {
             let row = row as usize;
@@ -308,7 +268,7 @@ impl Propagator {
     }
 
     /// Fixes what a binary that has become fixed implies, and what that implies.
-    pub(super) fn imply(
+    fn imply(
         &mut self,
         program: &Program,
         domain: &mut Domain,
@@ -327,11 +287,10 @@ impl Propagator {
                 let is_upper = value == 0.0;
                 let [lower, upper] = domain.bounds(column);
                 if lower > value || upper < value {
-                    self.clash = Some(Clash::Implied { from: j, to: column });
                     return Err(Conflict::Column(column));
                 }
                 if lower < upper {
-                    domain.apply_because(column, is_upper, value, Reason::Implied(j as u32));
+                    domain.apply(column, is_upper, value);
                     self.enqueue_uses(column, is_upper, usize::MAX);
                     fixed.push(column);
                 }
@@ -340,10 +299,10 @@ impl Propagator {
         Ok(())
     }
 
-    /// Propagates the rows on the list, and no-goods over what changed since `mark`.
-    fn run(&mut self, program: &Program, domain: &mut Domain, mark: usize) -> Result<(), Conflict> {
+    /// Propagates the rows on the list.
+    fn run(&mut self, program: &Program, domain: &mut Domain) -> Result<(), Conflict> {
         let mut found = std::mem::take(&mut self.found);
-        let result = self.run_into(program, domain, mark, &mut found);
+        let result = self.run_into(program, domain, &mut found);
         found.clear();
         self.found = found;
         if result.is_err() {
@@ -356,17 +315,12 @@ impl Propagator {
         &mut self,
         program: &Program,
         domain: &mut Domain,
-        mut mark: usize,
         found: &mut Vec<Tightening>,
     ) -> Result<(), Conflict> {
         // A cap on the work: long chains of shrinking gains add nothing that a relaxation lacks.
         let objective = self.objective();
         let mut budget = 50 * (program.row_count() + 100);
-        loop {
-            if self.learner.is_some() {
-                self.follow_no_goods(program, domain, &mut mark)?;
-            }
-            let Some(row) = self.queue.pop() else { break };
+        while let Some(row) = self.queue.pop() {
             self.status[row] = Status::Idle;
             let Line { range: [start, end], limits } = self.rows[row];
             if budget == 0 || self.token.spend(1 + end - start) {
@@ -378,10 +332,7 @@ impl Propagator {
             let entries = &self.entries[start..end];
             match tighten(&program.integral, domain.all(), entries, limits, self.least_gain, found)
             {
-                RowState::Violated => {
-                    self.clash = Some(Clash::Row(row));
-                    return Err(Conflict::Row(row));
-                }
+                RowState::Violated => return Err(Conflict::Row(row)),
                 RowState::Implied if row != objective => {
                     self.status[row] = Status::Asleep;
                     self.asleep.push((row, domain.mark()));
@@ -389,14 +340,8 @@ impl Propagator {
                 RowState::Implied | RowState::Open => {}
             }
             for Tightening { column, is_upper, value } in found.drain(..) {
-                domain.apply_because(column, is_upper, value, Reason::Row(row as u32));
-                let settled = match settle(program, domain, column) {
-                    Ok(settled) => settled,
-                    Err(conflict) => {
-                        self.clash = Some(Clash::Crossed(column));
-                        return Err(conflict);
-                    }
-                };
+                domain.apply(column, is_upper, value);
+                let settled = settle(program, domain, column)?;
                 self.enqueue_uses(column, is_upper, row);
                 if settled {
                     self.enqueue_uses(column, !is_upper, row);
@@ -422,7 +367,7 @@ fn settle(program: &Program, domain: &mut Domain, column: usize) -> Result<bool,
         return Err(Conflict::Column(column));
     }
     let middle = 0.5 * (lower + upper);
-    domain.apply_because(column, false, middle, Reason::Settled);
-    domain.apply_because(column, true, middle, Reason::Settled);
+    domain.apply(column, false, middle);
+    domain.apply(column, true, middle);
     Ok(true)
 }

@@ -51,15 +51,11 @@ pub(super) struct Context<'a> {
 impl<'a> Context<'a> {
     pub(super) fn new(shared: Shared<'a>, tree: TreeView<'a>) -> Self {
         let root = shared.root;
-        let mut propagator = root.propagator.clone();
-        if shared.task.options.conflicts {
-            propagator.learn_conflicts(&root.domain);
-        }
         Context {
             shared,
             tree,
             node: FocusNode::root(&root.domain),
-            propagator,
+            propagator: root.propagator.clone(),
             reducer: Reducer::default(),
             ladder: (shared.task.ladder)(),
             clock: Clock::new(),

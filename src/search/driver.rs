@@ -8,9 +8,9 @@ use super::reporter::Reporter;
 use super::root::Root;
 use super::seed::Seed;
 use super::task::Task;
+use super::time_order;
 use super::trace::span;
 use super::tree::Tree;
-use super::time_order;
 use crate::solver::{BranchingRule, Control};
 
 /// Searches the tree of a program, from a seed if there is one.

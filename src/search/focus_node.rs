@@ -66,16 +66,11 @@ impl FocusNode {
             }
             return;
         }
-        // No-goods are tidied at the root, because no bound comes from them there.
-        let tidies = propagator.has_untidy_no_goods();
-        while self.checkpoints.pop_if(|c| tidies || c.depth > shared).is_some() {}
+        while self.checkpoints.pop_if(|c| c.depth > shared).is_some() {}
         let root = Checkpoint { depth: 0, mark: self.root_mark };
         let Checkpoint { depth, mark } = self.checkpoints.last().copied().unwrap_or(root);
         propagator.touch(self.domain.changed_since(mark));
         self.domain.undo_to(mark);
         self.path.truncate(depth);
-        if tidies {
-            propagator.tidy_no_goods();
-        }
     }
 }

@@ -71,11 +71,7 @@ impl<'a> Worker<'a> {
         self.heuristics.count_node();
         let next = self.conclude(node);
         let times = self.context.clock.take();
-        let conflicts = self.context.propagator.take_conflict_counts();
         self.context.tree.count(|s| {
-            s.conflicts += conflicts.learned;
-            s.fixed_by_no_goods += conflicts.fixed;
-            s.refuted_by_no_goods += conflicts.refuted;
             s.nodes += 1;
             s.depth = s.depth.max(depth);
             s.times.add(&times);

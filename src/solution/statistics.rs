@@ -37,13 +37,6 @@ pub struct Statistics {
     pub unfinished: u64,
     /// Children closed by trial branching, which never became nodes.
     pub closed_by_trials: u64,
-    /// Propagation conflicts that were analysed and kept as no-goods, including those of trials and
-    /// heuristics; 0 unless [`Options::conflicts`](crate::solver::Options::conflicts) is on.
-    pub conflicts: u64,
-    /// Bounds that no-goods tightened.
-    pub fixed_by_no_goods: u64,
-    /// Contradictions found by no-goods, at nodes and in trials.
-    pub refuted_by_no_goods: u64,
     /// Splits made by the user's [`Branching`](crate::solver::Branching) rule.
     pub user_splits: u64,
     /// Answers of that rule that were rejected because they did not divide the node.
@@ -326,7 +319,7 @@ impl Statistics {
         }
         sum!(nodes, nested_nodes, relaxations, iterations, leaves, split, unfinished, incumbents);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
-        sum!(conflicts, fixed_by_no_goods, refuted_by_no_goods, user_splits, refused_splits);
+        sum!(user_splits, refused_splits);
         self.relaxation_counts.add(&part.relaxation_counts);
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);

@@ -36,24 +36,14 @@ pub struct Heuristics {
 
 impl Default for Heuristics {
     fn default() -> Self {
-        Heuristics {
-            rounding: true,
-            roll_out: true,
-            diving: true,
-            neighbourhood: true,
-        }
+        Heuristics { rounding: true, roll_out: true, diving: true, neighbourhood: true }
     }
 }
 
 impl Heuristics {
     /// No heuristic.
     pub const fn none() -> Self {
-        Heuristics {
-            rounding: false,
-            roll_out: false,
-            diving: false,
-            neighbourhood: false,
-        }
+        Heuristics { rounding: false, roll_out: false, diving: false, neighbourhood: false }
     }
 
     /// The heuristics of a nested search.

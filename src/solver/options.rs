@@ -31,7 +31,6 @@ use crate::tolerance;
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
 /// | `relaxation` | [`RelaxationMethod`] | `ActiveSet` | `ActiveSet` | `ActiveSet` | benchmarks, *Relaxations by either method* |
-/// | `conflicts` | on or off | off | off | off | decisions, *Conflicts* |
 /// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `big_m_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
@@ -91,9 +90,6 @@ pub struct Options {
     /// Which method solves the relaxations of the search; default
     /// [`RelaxationMethod::ActiveSet`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
-    /// Whether the search learns no-goods over bounds of integers from nodes and trials that
-    /// propagation refutes; default off. Each thread learns separately.
-    pub conflicts: bool,
     /// Whether presolve reduces the program before the search: its rules remove rows and columns,
     /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves
     /// are kept, if a seed has leaves, or if guidance has a branching rule, because these refer to
@@ -151,7 +147,6 @@ impl Default for Options {
             keep_leaves: false,
             branching: BranchingRule::Automatic,
             relaxation: RelaxationMethod::ActiveSet,
-            conflicts: false,
             reductions: true,
             disjunctive_tightening: true,
             big_m_tightening: true,
@@ -229,8 +224,6 @@ impl Options {
         with_branching(rule: BranchingRule) => branching = rule;
         /// Sets the method that solves the relaxations.
         with_relaxation(method: RelaxationMethod) => relaxation = method;
-        /// Sets whether the search learns from conflicts.
-        with_conflicts(conflicts: bool) => conflicts = conflicts;
         /// Sets whether presolve reduces the program.
         with_reductions(reductions: bool) => reductions = reductions;
         /// Sets whether presolve tightens bounds by the cases of covering rows.

@@ -9,7 +9,6 @@ mod exponential;
 mod extended;
 mod lp_names;
 mod name_table;
-mod no_goods;
 mod presolve;
 mod propagation;
 mod relaxation;

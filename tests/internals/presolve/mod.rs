@@ -1,7 +1,6 @@
 //! Presolve before the search: the same optimum, points that are restored, multipliers that are.
 
 mod blocks;
-mod conflicts;
 mod cuts;
 mod grid;
 mod kkt;

@@ -23,12 +23,8 @@ fn chosen(bits: u8) -> Heuristics {
     heuristics
 }
 
-const SWITCHED: [Heuristic; 4] = [
-    Heuristic::Rounding,
-    Heuristic::Diving,
-    Heuristic::Neighbourhood,
-    Heuristic::RollOut,
-];
+const SWITCHED: [Heuristic; 4] =
+    [Heuristic::Rounding, Heuristic::Diving, Heuristic::Neighbourhood, Heuristic::RollOut];
 
 fn options(heuristics: Heuristics) -> Options {
     Options::default().with_heuristics(heuristics)
@@ -90,11 +86,9 @@ proptest! {
 
 #[test]
 fn each_heuristic_finds_points_on_its_own() {
-    for (bits, heuristic, nodes) in [
-        (1, Heuristic::Rounding, 1),
-        (2, Heuristic::Diving, 1),
-        (4, Heuristic::Neighbourhood, 600),
-    ] {
+    for (bits, heuristic, nodes) in
+        [(1, Heuristic::Rounding, 1), (2, Heuristic::Diving, 1), (4, Heuristic::Neighbourhood, 600)]
+    {
         let (mut points, mut incumbents) = (0, 0);
         for seed in 0..8 {
             let options = options(chosen(bits)).with_node_limit(nodes);

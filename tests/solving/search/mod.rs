@@ -2,7 +2,6 @@
 //! events, statistics, blocks, switches.
 
 mod blocks;
-mod conflicts;
 mod deterministic;
 mod events;
 mod heuristics;

@@ -17,9 +17,8 @@ fn options(bits: u8) -> Options {
         .with_probing(on(1))
         .with_cuts(on(2))
         .with_blocks(on(3))
-        .with_conflicts(on(4))
-        .with_disjunctive_tightening(on(5))
-        .with_big_m_tightening(on(6))
+        .with_disjunctive_tightening(on(4))
+        .with_big_m_tightening(on(5))
 }
 
 fn solve(options: Options, model: &Model) -> Solution {
@@ -32,7 +31,7 @@ proptest! {
     #[test]
     fn any_combination_finds_the_optimum(
         case in case(Shape::QUADRATIC),
-        bits in 0..128_u8,
+        bits in 0..64_u8,
         threads in 1..=2_usize,
         deterministic in any::<bool>(),
     ) {
@@ -49,7 +48,7 @@ proptest! {
     #[test]
     fn every_method_of_relaxations_finds_the_optimum(
         case in case(Shape::QUADRATIC),
-        bits in 0..32_u8,
+        bits in 0..16_u8,
         deterministic in any::<bool>(),
     ) {
         let (model, _) = case.build();
@@ -121,8 +120,8 @@ fn parts_of_presolve_are_switched() {
 fn no_part_is_needed_for_an_answer() {
     let model = pendulum(12, [0.0, 0.8], false);
     let all = solve(Options::default(), &model);
-    for bit in [0, 1, 2, 3, 5, 6] {
-        let solution = solve(options(0b110_1111 & !(1 << bit)), &model);
+    for bit in 0..6 {
+        let solution = solve(options(0b11_1111 & !(1 << bit)), &model);
         assert!(solution.is_optimal());
         let (one, other) = (solution.objective().unwrap(), all.objective().unwrap());
         assert!((one - other).abs() < 2e-6 * other.abs(), "{bit}: {one} {other}");
