@@ -110,11 +110,6 @@ impl Grid {
         });
         points
     }
-
-    /// The objective at a point.
-    pub(crate) fn cost_of(&self, point: &[f64]) -> f64 {
-        sum(&self.cost, point)
-    }
 }
 
 fn sum(row: &[i8], point: &[f64]) -> f64 {
