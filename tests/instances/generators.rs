@@ -35,6 +35,20 @@ impl Rows {
         self.model.fix(variable, value).unwrap();
     }
 
+    /// The state at the first sample: given, or measured, a parameter for each entry.
+    fn begin<const N: usize>(&mut self, first: [Variable; N], start: Option<[f64; N]>) {
+        for (k, variable) in first.into_iter().enumerate() {
+            if let Some(start) = start {
+                self.fix(variable, start[k]);
+                continue;
+            }
+            let range = self.model.variable_ref(variable).unwrap().bounds();
+            let measured =
+                self.model.parameter(("measured", k), 0.0, range.lower, range.upper).unwrap();
+            self.row(&[(variable, 1.0), (measured, -1.0)], 0.0, 0.0);
+        }
+    }
+
     fn row(&mut self, terms: &[(Variable, f64)], lower: f64, upper: f64) {
         let sum = affine(terms);
         self.model.add(("row", self.rows), sum.within(lower, upper)).unwrap();
@@ -133,8 +147,8 @@ pub(crate) fn wall(steps: usize, dt: f64, e: f64, fuel: bool) -> Model {
 }
 
 /// An inverted pendulum beside an elastic wall: two affine modes a step, by big-M or by the convex
-/// hull of the modes.
-pub(crate) fn pendulum(steps: usize, start: [f64; 2], hull: bool) -> Model {
+/// hull of the modes. Without a start, the first state is measured.
+pub(crate) fn pendulum(steps: usize, start: impl Into<Option<[f64; 2]>>, hull: bool) -> Model {
     let (h, gravity, stiffness, gap) = (0.01, 10.0, 100.0, 0.1);
     let free = [[1.0, h], [h * gravity, 1.0]];
     let touching = [[1.0, h], [h * (gravity - stiffness), 1.0]];
@@ -145,8 +159,7 @@ pub(crate) fn pendulum(steps: usize, start: [f64; 2], hull: bool) -> Model {
     let rate = rows.family("rate", steps + 1, ranges[1].0, ranges[1].1);
     let u = rows.family("u", steps, ranges[2].0, ranges[2].1);
     let (z0, z1) = (rows.binaries("free", steps), rows.binaries("touching", steps));
-    rows.fix(angle[0], start[0]);
-    rows.fix(rate[0], start[1]);
+    rows.begin([angle[0], rate[0]], start.into());
     for t in 0..steps {
         rows.row(&[(z0[t], 1.0), (z1[t], 1.0)], 1.0, 1.0);
         let (now, next) = ([angle[t], rate[t], u[t]], [angle[t + 1], rate[t + 1]]);
@@ -208,8 +221,8 @@ pub(crate) fn pendulum(steps: usize, start: [f64; 2], hull: bool) -> Model {
 }
 
 /// A cart with a pole between two soft walls that push back in proportion to how far they are
-/// pressed in; the pole's tip touches them.
-pub(crate) fn cartpole(steps: usize, start: [f64; 4]) -> Model {
+/// pressed in; the pole's tip touches them. Without a start, the first state is measured.
+pub(crate) fn cartpole(steps: usize, start: impl Into<Option<[f64; 4]>>) -> Model {
     let (cart, pole, length, gravity, dt) = (1.0, 0.4, 0.6, 9.81, 0.02);
     let (left, right, stiffness): (f64, f64, f64) = (0.4, 0.35, 50.0);
     let a = vec![
@@ -239,9 +252,7 @@ pub(crate) fn cartpole(steps: usize, start: [f64; 4]) -> Model {
     let push = rows.family("u", steps, -20.0, 20.0);
     let walls = [rows.family("right", steps, 0.0, force), rows.family("left", steps, 0.0, force)];
     let touch = [rows.binaries("at_right", steps), rows.binaries("at_left", steps)];
-    for i in 0..4 {
-        rows.fix(x[i][0], start[i]);
-    }
+    rows.begin([0, 1, 2, 3].map(|i| x[i][0]), start.into());
     for t in 0..steps {
         for i in 0..4 {
             let mut terms = vec![(x[i][t + 1], 1.0)];
