@@ -42,7 +42,7 @@ const LOOPS: &[Loop] = &[
         model: || pendulum(60, None, false),
         states: &["angle", "rate"],
         start: &[-0.05, 1.0],
-        push: &[0.005, 0.15],
+        push: &[0.002, 0.05],
     },
     Loop {
         name: "cartpole_30",

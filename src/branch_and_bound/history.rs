@@ -1,67 +1,88 @@
-//! What a prepared model keeps of its last solve: the integers of the best point.
+//! What a prepared model keeps from solve to solve: the integers of the best point, and what closed
+//! the nodes of the tree.
 //!
-//! They are a start for the next solve, fixed, completed and verified like any other, so they may be
-//! moved in time by nothing more than the names of variables.
+//! The integers are a start for the next solve: fixed, completed and verified like any other point.
+//! The multipliers that closed nodes are tried before relaxations, and their bounds are proved anew.
+//! Nothing is trusted, so all may be moved in time by no more than the names of variables and rows.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use crate::model::{Model, Name};
-use crate::search::{Found, Seed};
+use crate::model::Name;
+use crate::search::{Found, Proof, Proofs, Seed, Shift};
 
-/// What is kept of the last solve of a prepared model.
+/// Solves for which cuts rest after they did not pay.
+const REST: u32 = 15;
+
+/// What is kept of the last solve of a prepared model; columns and rows are those of the program.
 #[derive(Debug, Default)]
 pub(super) struct History {
-    /// Values of integral variables, by number, the earliest steps first.
+    /// Values of integral columns, the earliest steps first.
     guess: Vec<(usize, f64)>,
-    /// By variable: the same of the next step.
-    next: BTreeMap<usize, usize>,
+    proofs: Vec<Proof>,
+    /// One step.
+    step: Shift,
+    /// By how much the next solve begins later than the last one.
+    shift: Option<Shift>,
+    /// Solves until cuts are tried again.
+    rest: u32,
 }
 
 impl History {
-    /// For a model.
-    pub(super) fn new(model: &Model) -> Self {
-        let integers = model.variables().enumerate().filter(|(_, v)| v.kind().is_integral());
-        let named: Vec<(usize, &Name)> = integers.map(|(j, v)| (j, v.name())).collect();
-        let place =
-            |(j, name): &(usize, &'_ Name)| Some(((name.family().to_owned(), name.step()?), *j));
-        let places: BTreeMap<(String, usize), usize> = named.iter().filter_map(place).collect();
-        let next = |(j, name): &(usize, &Name)| {
-            let next = places.get(&(name.family().to_owned(), name.step()? + 1))?;
-            Some((*j, *next))
+    /// For a program whose columns and rows have these names.
+    pub(super) fn new(columns: &[&Name], rows: &[&Name]) -> Self {
+        let step = Shift { columns: next_of(columns), rows: next_of(rows) };
+        History { step, ..History::default() }
+    }
+
+    /// What the last solve proposes for the next one.
+    pub(super) fn seed(&mut self) -> Seed {
+        let proofs = Proofs::new(std::mem::take(&mut self.proofs), self.shift.take());
+        Seed { guess: self.guess.clone(), proofs: Some(Arc::new(proofs)), ..Seed::default() }
+    }
+
+    /// Whether cuts are to be tried.
+    pub(super) fn tries_cuts(&self) -> bool {
+        self.rest == 0
+    }
+
+    /// Takes in the result of a solve.
+    ///
+    /// # Arguments
+    ///
+    /// * `integers`: the integral columns, the earliest steps first.
+    pub(super) fn take_in(&mut self, found: &mut Found, integers: &[usize]) {
+        self.shift = None;
+        self.proofs = std::mem::take(&mut found.proofs);
+        self.rest = match found.strengthened {
+            Some(true) => 0,
+            Some(false) => REST,
+            None => self.rest.saturating_sub(1),
         };
-        History { next: named.iter().filter_map(next).collect(), ..History::default() }
-    }
-
-    /// The start that the last point proposes, if there is one.
-    pub(super) fn seed(&self) -> Option<Seed> {
-        let guess = self.guess.clone();
-        (!guess.is_empty()).then(|| Seed { guess, ..Seed::default() })
-    }
-
-    /// Takes in the result of a solve; its first point has one value a variable.
-    pub(super) fn take_in(&mut self, model: &Model, found: &Found) {
         self.guess.clear();
-        // A program in blocks is searched block by block, which a start would prevent.
-        let Some(point) = found.points.first().filter(|_| found.statistics.blocks == 0) else {
-            return;
-        };
-        let mut integers: Vec<(Option<usize>, usize, f64)> = model
-            .variables()
-            .enumerate()
-            .zip(point)
-            .filter(|((_, variable), _)| variable.kind().is_integral())
-            .map(|((j, variable), value)| (variable.name().step(), j, value.round()))
-            .collect();
-        integers.sort_by_key(|&(step, j, _)| (step, j));
-        self.guess = integers.into_iter().map(|(_, j, value)| (j, value)).collect();
+        if let Some(point) = found.points.first() {
+            self.guess.extend(integers.iter().map(|&j| (j, point[j].round())));
+        }
     }
 
     /// Moves everything one step ahead; the last step is kept for what comes behind it.
     pub(super) fn shift(&mut self) {
         let values: BTreeMap<usize, f64> = self.guess.iter().copied().collect();
         for (j, value) in &mut self.guess {
-            let next = self.next.get(j).and_then(|next| values.get(next));
-            *value = next.copied().unwrap_or(*value);
+            *value = values.get(&self.step.columns[*j]).copied().unwrap_or(*value);
         }
+        self.shift = Some(match &self.shift {
+            Some(before) => before.then(&self.step),
+            None => self.step.clone(),
+        });
     }
+}
+
+/// By name, where the same name of the next step is, or the name itself if there is none.
+fn next_of(names: &[&Name]) -> Vec<usize> {
+    let place = |(k, name): (usize, &&Name)| Some(((name.family().to_owned(), name.step()?), k));
+    let places: BTreeMap<(String, usize), usize> =
+        names.iter().enumerate().filter_map(place).collect();
+    let next = |name: &Name| places.get(&(name.family().to_owned(), name.step()? + 1)).copied();
+    names.iter().enumerate().map(|(k, name)| next(name).unwrap_or(k)).collect()
 }

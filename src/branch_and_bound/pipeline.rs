@@ -16,6 +16,7 @@ use crate::solver::{Control, Options, StopToken};
 const VISIBLE: f64 = 1e-10;
 
 /// What the steps of a solve share.
+#[derive(Clone, Copy)]
 pub(super) struct Pipeline<'a> {
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
@@ -78,6 +79,7 @@ impl Pipeline<'_> {
             program: &presolved.program,
             restore: &restore,
             as_is,
+            strengthens: true,
         };
         let mut found = stage.run(control, seed.as_ref());
         let optimal = found.points.first().filter(|_| found.termination == Termination::Optimal);

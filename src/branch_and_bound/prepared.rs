@@ -9,9 +9,10 @@ use super::answer;
 use super::history::History;
 use super::pipeline::Pipeline;
 use super::seeding::{report, seed_of};
+use super::stage::Stage;
 use crate::error::Error;
-use crate::model::{Model, Variable};
-use crate::presolve::root::{Postsolve, Presolve, Rule, presolve_around};
+use crate::model::{Model, Name, Variable};
+use crate::presolve::root::{Postsolve, Presolve, Rule, blocks, presolve, presolve_around};
 use crate::program::Program;
 use crate::reformulate::{self, WayBack};
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
@@ -23,12 +24,17 @@ use crate::solver::{Control, Options, Prepared, StopToken, TreeSeed};
 pub(super) struct PreparedProgram<'a> {
     options: &'a mut Options,
     model: Model,
-    /// The lowered model; the columns of parameters have their last values.
+    lowered: LoweredProgram,
+    reduced: Reduced,
+}
+
+/// The assembled program of a lowered model.
+#[derive(Debug)]
+struct LoweredProgram {
     program: Program,
     way_back: WayBack,
+    /// The parameters, whose columns are those of the model.
     parameters: Vec<Variable>,
-    reduced: Reduced,
-    history: History,
 }
 
 /// What presolve has left, for all values of the parameters.
@@ -43,11 +49,17 @@ enum Reduced {
 
 #[derive(Debug)]
 struct ReducedProgram {
+    /// The columns of parameters have their last values.
     program: Program,
     postsolve: Postsolve,
     rounding: f64,
     /// The column of each parameter.
     columns: Vec<usize>,
+    /// The integral columns, the earliest steps first.
+    integers: Vec<usize>,
+    /// Whether it falls into blocks, which are searched one after the other.
+    in_blocks: bool,
+    history: History,
 }
 
 impl<'a> PreparedProgram<'a> {
@@ -58,54 +70,11 @@ impl<'a> PreparedProgram<'a> {
         let program = Program::assemble(lowered.model())?;
         let parameters: Vec<Variable> = model.parameters().collect();
         let reduced = match options.reductions && !program.integers.is_empty() {
-            true => reduce(model, &program, &parameters)?,
+            true => ReducedProgram::of(model, lowered.model(), &program, &parameters)?,
             false => Reduced::Not,
         };
-        let history = History::new(model);
-        let (model, way_back) = (model.clone(), lowered.into_way_back());
-        Ok(PreparedProgram { options, model, program, way_back, parameters, reduced, history })
-    }
-
-    /// Searches what presolve has left.
-    fn run_reduced(
-        &self,
-        pipeline: Pipeline<'_>,
-        reduced: &ReducedProgram,
-        control: &mut Control<'_>,
-    ) -> Result<Found, Error> {
-        let ReducedProgram { program, postsolve, rounding, columns } = reduced;
-        let mut program = program.clone();
-        for (&column, &parameter) in columns.iter().zip(&self.parameters) {
-            let value = self.model.variable_ref(parameter)?.bounds().lower;
-            (program.lower[column], program.upper[column]) = (value, value);
-        }
-        let seed = pipeline
-            .seed
-            .map(|seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() });
-        let restore = |values: &[f64]| self.way_back.restore(&postsolve.point(values));
-        let held = match &seed {
-            Some(seed) if pipeline.options.time_limit.is_some() => {
-                hold(&pipeline, program.clone(), seed, &restore)?
-            }
-            _ => None,
-        };
-        let inner = Pipeline { seed: seed.as_ref(), ..pipeline };
-        let (mut found, _) = inner.run_program(program, &restore, control)?;
-        if let Some(held) = held {
-            found.statistics.add(&held.statistics);
-            if found.points.is_empty() && found.termination != Termination::Infeasible {
-                found.points = held.points;
-            }
-        }
-        if let Some(GuessEnd::Contradiction(column)) = &mut found.guess {
-            *column = postsolve.columns().get(*column).copied().unwrap_or(*column);
-        }
-        if found.guess.is_none() && pipeline.seed.is_some_and(|seed| !seed.guess.is_empty()) {
-            // Presolve has decided all that was guessed.
-            found.guess = found.points.first().cloned().map(GuessEnd::Point);
-        }
-        pipeline.charge(*rounding, &mut found)?;
-        Ok(found)
+        let lowered = LoweredProgram { program, way_back: lowered.into_way_back(), parameters };
+        Ok(PreparedProgram { options, model: model.clone(), lowered, reduced })
     }
 }
 
@@ -119,7 +88,9 @@ impl Prepared for PreparedProgram<'_> {
     }
 
     fn shift(&mut self) {
-        self.history.shift();
+        if let Reduced::To(reduced) = &mut self.reduced {
+            reduced.history.shift();
+        }
     }
 
     fn solve(
@@ -136,77 +107,156 @@ impl Prepared for PreparedProgram<'_> {
         let guidance = ColumnGuidance::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
-        let own = self.history.seed().filter(|_| seed.is_none());
         let pipeline = Pipeline { model, options, token: &token, guidance: &guidance, seed };
         let about_columns = pipeline.is_about_columns() || !guidance.is_idle();
-        let (mut found, derivatives) = match &self.reduced {
+        let (mut found, derivatives) = match &mut self.reduced {
             Reduced::Infeasible if options.reductions => (Found::infeasible(), None),
             Reduced::To(reduced) if options.reductions && !about_columns => {
-                let pipeline = Pipeline { seed: seed.or(own.as_ref()), ..pipeline };
-                (self.run_reduced(pipeline, reduced, control)?, None)
+                (reduced.solve(&self.lowered, &pipeline, control)?, None)
             }
             _ => {
-                let mut program = self.program.clone();
-                for parameter in &self.parameters {
+                let LoweredProgram { program, way_back, parameters } = &self.lowered;
+                let mut program = program.clone();
+                for parameter in parameters {
                     let value = model.variable_ref(*parameter)?.bounds().lower;
                     let j = parameter.index();
                     (program.lower[j], program.upper[j]) = (value, value);
                 }
-                let restore = |values: &[f64]| self.way_back.restore(values);
-                pipeline.run_program(program, &restore, control)?
+                pipeline.run_program(program, &|values| way_back.restore(values), control)?
             }
         };
-        self.history.take_in(&self.model, &found);
         found.statistics.time = token.elapsed();
         let report = given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
         answer(model, options, found, derivatives, report)
     }
 }
 
-/// The best point with the integers of a start: what a search returns that is stopped before it has
-/// looked at the start. With the integers held, presolve leaves next to nothing.
-fn hold(
-    pipeline: &Pipeline<'_>,
-    mut program: Program,
-    start: &Seed,
-    restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
-) -> Result<Option<Found>, Error> {
-    for &(column, value) in &start.guess {
-        if value < program.lower[column] || value > program.upper[column] {
-            return Ok(None);
+impl ReducedProgram {
+    /// Presolves a program around the columns of its parameters, between the ends of their ranges.
+    fn of(
+        model: &Model,
+        lowered: &Model,
+        program: &Program,
+        parameters: &[Variable],
+    ) -> Result<Reduced, Error> {
+        let mut open = program.clone();
+        let given: Vec<usize> = parameters.iter().map(|parameter| parameter.index()).collect();
+        for &parameter in parameters {
+            if let Some(range) = model.variable_ref(parameter)?.parameter_range() {
+                let j = parameter.index();
+                (open.lower[j], open.upper[j]) = (range.lower, range.upper);
+            }
         }
-        (program.lower[column], program.upper[column]) = (value, value);
+        let presolved = match presolve_around(&open, &given, &Rule::FAITHFUL, &StopToken::default())? {
+            Presolve::Infeasible => return Ok(Reduced::Infeasible),
+            Presolve::Stopped => return Ok(Reduced::Not),
+            Presolve::Presolved(presolved) => *presolved,
+        };
+        let (program, postsolve) = (presolved.program, presolved.postsolve);
+        let place = |j: &usize| postsolve.columns().binary_search(j).ok();
+        // A column that stays has a place.
+        let Some(columns) = given.iter().map(place).collect::<Option<Vec<usize>>>() else {
+            return Ok(Reduced::Not);
+        };
+        let names: Vec<&Name> = lowered.variables().map(|variable| variable.name()).collect();
+        let columns_of: Vec<&Name> = postsolve.columns().iter().map(|&j| names[j]).collect();
+        let names: Vec<&Name> = lowered.constraints().map(|row| row.name()).collect();
+        let rows_of: Vec<&Name> = postsolve.rows().iter().map(|&row| names[row]).collect();
+        let history = History::new(&columns_of, &rows_of);
+        let mut integers = program.integers.clone();
+        integers.sort_by_key(|&j| (program.step[j], j));
+        let in_blocks = is_in_blocks(&program, &columns)?;
+        let rounding = presolved.rounding;
+        Ok(Reduced::To(Box::new(ReducedProgram {
+            program,
+            postsolve,
+            rounding,
+            columns,
+            integers,
+            in_blocks,
+            history,
+        })))
     }
-    let alone = Pipeline { seed: None, ..*pipeline };
-    let (found, _) = alone.run_program(program, restore, &mut Control::default())?;
-    Ok((!found.points.is_empty()).then_some(found))
+
+    /// Searches for the present values of the parameters.
+    fn solve(
+        &mut self,
+        lowered: &LoweredProgram,
+        pipeline: &Pipeline<'_>,
+        control: &mut Control<'_>,
+    ) -> Result<Found, Error> {
+        let (program, postsolve) = (&mut self.program, &self.postsolve);
+        for (&column, &parameter) in self.columns.iter().zip(&lowered.parameters) {
+            let value = pipeline.model.variable_ref(parameter)?.bounds().lower;
+            (program.lower[column], program.upper[column]) = (value, value);
+        }
+        let restore = |values: &[f64]| lowered.way_back.restore(&postsolve.point(values));
+        let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() };
+        let given = pipeline.seed.map(carried);
+        let guidance = pipeline.guidance.presolved(postsolve, &lowered.program);
+        let mut found = if self.in_blocks {
+            let inner = Pipeline { seed: given.as_ref(), guidance: &guidance, ..*pipeline };
+            inner.run_program(program.clone(), &restore, control)?.0
+        } else {
+            let stage = Stage {
+                model: pipeline.model,
+                options: pipeline.options,
+                token: pipeline.token,
+                guidance: &guidance,
+                program,
+                restore: &restore,
+                as_is: false,
+                strengthens: self.history.tries_cuts(),
+            };
+            let own = self.history.seed();
+            let guess = given.map_or(own.guess, |given| given.guess);
+            let mut found = search_from(&stage, Seed { guess, ..own }, control);
+            self.history.take_in(&mut found, &self.integers);
+            found.points = found.points.iter().map(|values| restore(values)).collect();
+            if let Some(GuessEnd::Point(values)) = &mut found.guess {
+                *values = restore(values);
+            }
+            found
+        };
+        if let Some(GuessEnd::Contradiction(column)) = &mut found.guess {
+            *column = postsolve.columns().get(*column).copied().unwrap_or(*column);
+        }
+        if found.guess.is_none() && pipeline.seed.is_some_and(|seed| !seed.guess.is_empty()) {
+            // Presolve has decided all that was guessed.
+            found.guess = found.points.first().cloned().map(GuessEnd::Point);
+        }
+        pipeline.charge(self.rounding, &mut found)?;
+        Ok(found)
+    }
 }
 
-/// Presolves a program around the columns of its parameters, between the ends of their ranges.
-fn reduce(model: &Model, program: &Program, parameters: &[Variable]) -> Result<Reduced, Error> {
-    let mut open = program.clone();
-    let given: Vec<usize> = parameters.iter().map(|parameter| parameter.index()).collect();
-    for &parameter in parameters {
-        if let Some(range) = model.variable_ref(parameter)?.parameter_range() {
-            let j = parameter.index();
-            (open.lower[j], open.upper[j]) = (range.lower, range.upper);
+/// Completes the guess of a seed, and searches from there. A search that is stopped before it has
+/// looked at a point returns the completed one.
+fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> Found {
+    let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
+    if let Some(begun) = &begun {
+        seed.guess.clear();
+        seed.point = begun.points.first().cloned();
+    }
+    let mut found = stage.run(control, Some(&seed));
+    if let Some(begun) = begun {
+        found.statistics.add(&begun.statistics);
+        found.guess = begun.guess;
+        if found.points.is_empty() && found.termination != Termination::Infeasible {
+            found.points = begun.points;
         }
     }
-    let rules = &Rule::FAITHFUL;
-    match presolve_around(&open, &given, rules, &StopToken::default())? {
-        Presolve::Infeasible => Ok(Reduced::Infeasible),
-        Presolve::Stopped => Ok(Reduced::Not),
-        Presolve::Presolved(presolved) => {
-            let place = |j: &usize| presolved.postsolve.columns().binary_search(j).ok();
-            // A column that stays has a place.
-            let Some(columns) = given.iter().map(place).collect() else { return Ok(Reduced::Not) };
-            let presolved = *presolved;
-            Ok(Reduced::To(Box::new(ReducedProgram {
-                program: presolved.program,
-                postsolve: presolved.postsolve,
-                rounding: presolved.rounding,
-                columns,
-            })))
-        }
+    found
+}
+
+/// Whether a program falls into blocks once the columns of its parameters have values.
+fn is_in_blocks(program: &Program, parameters: &[usize]) -> Result<bool, Error> {
+    let mut program = program.clone();
+    for &j in parameters {
+        program.upper[j] = program.lower[j];
     }
+    Ok(match presolve(&program, &[Rule::FixedColumns], &StopToken::default())? {
+        Presolve::Presolved(presolved) => blocks(&presolved.program).len() > 1,
+        _ => false,
+    })
 }

@@ -27,7 +27,7 @@ pub(super) fn seed_of(model: &Model, given: &TreeSeed) -> (Seed, usize) {
         SeedBox { bounds: bounds.collect(), order: sign * leaf.bound }
     };
     let leaves = given.leaves.iter().map(&mut leaf).collect();
-    (Seed { guess, leaves }, ignored)
+    (Seed { guess, leaves, ..Seed::default() }, ignored)
 }
 
 /// What became of a seed, in words and variables of the model; columns and points are the model's.

@@ -7,7 +7,9 @@ use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::search::cuts::strengthen;
-use crate::search::{Accept, ColumnGuidance, Found, Root, Seed, Task, search, with_perspective};
+use crate::search::{
+    Accept, ColumnGuidance, Found, Root, Seed, Task, complete, search, with_perspective,
+};
 use crate::solution::{Point, Statistics, Verification};
 use crate::solver::{BranchingRule, Control, Heuristics, Options, StopToken};
 
@@ -23,6 +25,8 @@ pub(super) struct Stage<'a> {
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
     /// Whether the columns must stay as they are.
     pub(super) as_is: bool,
+    /// Whether cuts and tighter costs are tried.
+    pub(super) strengthens: bool,
 }
 
 /// A program to search, and who judges its points.
@@ -55,6 +59,25 @@ impl Stage<'_> {
             token: self.token,
         };
         self.search(search, control, seed)
+    }
+
+    /// Completes the guess of a seed, without a search.
+    pub(super) fn complete(&self, seed: &Seed) -> Found {
+        let ladder = || Ladder::new(self.options.relaxation);
+        let task = Task {
+            program: self.program,
+            exact: None,
+            root: None,
+            accept: &|values: &[f64]| self.verified(values).is_some(),
+            key: &|_: &[f64]| Vec::new(),
+            describe: &|values: &[f64]| self.point(values),
+            guidance: self.guidance,
+            ladder: &ladder,
+            options: self.options,
+            cutoff: f64::INFINITY,
+            token: self.token,
+        };
+        complete(task, seed)
     }
 
     /// The model's point behind values of all columns.
@@ -99,7 +122,8 @@ impl Stage<'_> {
         };
         let program = tight.as_ref().unwrap_or(program);
         let mut root = Root::new(program, token, options.probing);
-        let bent = if options.cuts && !self.as_is {
+        let strengthens = options.cuts && !self.as_is && self.strengthens;
+        let bent = if strengthens {
             with_perspective(program, &mut root, options, token, &mut ladder)
         } else {
             None
@@ -127,7 +151,7 @@ impl Stage<'_> {
             taken.set(Statistics { nodes: 0, ..found.statistics });
             found.points.first().map(|values| program.objective(values))
         };
-        let cut = if options.cuts && !self.as_is {
+        let cut = if strengthens {
             strengthen(program, &mut root, options, token, &mut ladder, &rough)
         } else {
             None
@@ -140,6 +164,7 @@ impl Stage<'_> {
         let mut found = search(task, control, seed);
         ladder.take_spent().count(&mut found.statistics);
         found.statistics.add_nested(&taken.get());
+        found.strengthened = strengthens.then_some(bent.is_some() || cut.is_some());
         found
     }
 

@@ -141,8 +141,8 @@ pub struct Question<'a> {
 /// What a relaxation, verified, says about a node.
 #[derive(Debug)]
 pub enum Verdict {
-    /// No feasible point: proved.
-    Refuted,
+    /// No feasible point: proved by multipliers, one a row.
+    Refuted(Vec<f64>),
     /// A limit or an interrupt came first.
     Stopped,
     /// The objective falls without limit along a verified direction.
@@ -365,7 +365,7 @@ impl<'a> Known<'a> {
         let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
         let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
         if may_be_empty && proves_infeasible(self.program, &y) {
-            return Step::Ended(Verdict::Refuted);
+            return Step::Ended(Verdict::Refuted(y));
         }
         let falls = claim == Claim::Unbounded && self.question.look_for_descent;
         if falls && is_descent_ray(self.program, &x) {

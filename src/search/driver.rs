@@ -1,8 +1,10 @@
 //! One search from start to end.
 
-use super::context::Shared;
+use super::context::{Context, Shared};
 use super::event_windows::EventWindows;
 use super::found::Found;
+use super::heuristics::try_guess;
+use super::local_queue::LocalQueue;
 use super::parallel::{deterministic, opportunistic};
 use super::reporter::Reporter;
 use super::root::Root;
@@ -11,6 +13,7 @@ use super::task::Task;
 use super::time_order;
 use super::trace::span;
 use super::tree::Tree;
+use super::tree_view::TreeView;
 use crate::solver::{BranchingRule, Control};
 
 /// Searches the tree of a program, from a seed if there is one.
@@ -51,6 +54,22 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     }
     // What other threads found while the caller's had nothing to do.
     reporter.report(&tree);
+    tree.into_found()
+}
+
+/// Completes the guess of a seed and searches no further: the point that a search would begin with.
+pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
+    let root = Root::new(task.program, task.token, false);
+    if root.conflict.is_some() {
+        return Found::infeasible();
+    }
+    let tree = Tree::new(task, Some(seed), None, 1);
+    let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
+    let shared = Shared { task, windows: None, root: &root, nested };
+    let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));
+    try_guess(&mut ctx);
+    tree.take_in(&mut tree.lock(), ctx.tree.take_share());
+    drop(ctx);
     tree.into_found()
 }
 

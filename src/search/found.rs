@@ -1,6 +1,7 @@
 //! The result of a search.
 
 use super::node::Path;
+use super::proofs::Proof;
 use super::seed::{GuessEnd, Seeded};
 use crate::solution::{Statistics, Termination};
 
@@ -19,6 +20,10 @@ pub struct Found {
     pub statistics: Statistics,
     /// The ends of the tree, if they were asked for.
     pub leaves: Vec<ClosedNode>,
+    /// What closed nodes, if it is to be kept.
+    pub(crate) proofs: Vec<Proof>,
+    /// Whether cuts or tighter costs have paid, if they were tried.
+    pub(crate) strengthened: Option<bool>,
     /// What became of a guess.
     pub guess: Option<GuessEnd>,
     /// What became of the boxes of a seed.
@@ -61,6 +66,8 @@ impl Found {
             bound: f64::INFINITY,
             statistics: Statistics::default(),
             leaves: Vec::new(),
+            proofs: Vec::new(),
+            strengthened: None,
             guess: None,
             seeded: None,
         }

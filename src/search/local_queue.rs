@@ -13,6 +13,12 @@ pub(super) struct LocalQueue {
     base: Cell<f64>,
 }
 
+impl Default for LocalQueue {
+    fn default() -> Self {
+        LocalQueue::new(Deque::new_lifo())
+    }
+}
+
 impl LocalQueue {
     pub(super) fn new(nodes: Deque<Node>) -> Self {
         LocalQueue { nodes, base: Cell::new(f64::INFINITY) }

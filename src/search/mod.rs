@@ -6,6 +6,7 @@
 //!
 //! * `task`, `found` - the task and its result
 //! * `seed` - a warm start: boxes, and a point
+//! * `proofs` - multipliers that closed nodes of an earlier solve
 //! * `column_guidance` - the user's priorities, splits and points
 //!
 //! The tree:
@@ -72,6 +73,7 @@ mod node_probing;
 mod node_relaxation;
 mod parallel;
 mod perspective;
+mod proofs;
 mod pseudocosts;
 mod reduced_cost;
 mod reporter;
@@ -89,11 +91,13 @@ mod unbounded;
 mod worker;
 
 pub use column_guidance::ColumnGuidance;
+pub(crate) use driver::complete;
 pub use driver::search;
 pub(crate) use found::ClosedNode;
 pub use found::Found;
 pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
+pub(crate) use proofs::{Proof, Proofs, Shift};
 pub(crate) use root::Root;
 pub use seed::SeedBox;
 pub(crate) use seed::{GuessEnd, Seed};

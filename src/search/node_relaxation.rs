@@ -2,6 +2,8 @@
 
 use super::clock::Activity;
 use super::context::Context;
+use super::node::Decision;
+use super::proofs::Proof;
 use crate::presolve::{Projection, Reduced, Reduction, project, tighten_coefficients};
 use crate::relaxation::{Purpose, Question, Verdict};
 
@@ -44,5 +46,35 @@ pub(super) fn relax(ctx: &mut Context<'_>, reduced: &Reduced, purpose: Purpose) 
     let verdict = ctx.ladder.solve(reduced, &question);
     ctx.book_relaxations();
     ctx.clock.switch(activity);
+    verdict
+}
+
+/// As [`relax`], for a program after a decision: what closed the same decision in an earlier solve is
+/// tried first, and what closes it now is kept for a later one.
+pub(super) fn relax_after(
+    ctx: &mut Context<'_>,
+    reduced: &Reduced,
+    purpose: Purpose,
+    decision: &Decision,
+) -> Verdict {
+    let Some(proofs) = ctx.tree.proofs() else { return relax(ctx, reduced, purpose) };
+    let cutoff = ctx.tree.cutoff();
+    let activity = ctx.clock.switch(Activity::Proof);
+    let closed = proofs.close(reduced, decision, cutoff);
+    ctx.clock.switch(activity);
+    if let Some((verdict, proof)) = closed {
+        ctx.tree.count(|s| s.closed_by_proofs += 1);
+        ctx.tree.keep_proof(proof);
+        return verdict;
+    }
+    let verdict = relax(ctx, reduced, purpose);
+    let rows = ctx.base().row_count();
+    match &verdict {
+        Verdict::Refuted(y) => ctx.tree.keep_proof(Proof::new(decision, reduced, rows, &[], y)),
+        Verdict::Relaxed { bound, x, y, .. } if *bound >= ctx.tree.cutoff() => {
+            ctx.tree.keep_proof(Proof::new(decision, reduced, rows, x, y));
+        }
+        _ => {}
+    }
     verdict
 }

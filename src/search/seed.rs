@@ -6,8 +6,10 @@
 //! root, and the parts are its leaves.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::node::Decision;
+use super::proofs::Proofs;
 use crate::presolve::Domain;
 use crate::program::Program;
 
@@ -18,6 +20,11 @@ pub struct Seed {
     pub guess: Vec<(usize, f64)>,
     /// Boxes over integral columns.
     pub leaves: Vec<SeedBox>,
+    /// A point to beat that was verified before, a value a column.
+    pub(crate) point: Option<Vec<f64>>,
+    /// Proofs to try before relaxations. If there are any, or none but the wish, those of this search
+    /// are kept.
+    pub(crate) proofs: Option<Arc<Proofs>>,
 }
 
 /// A box over some integral columns, and how promising it is: the smaller, the more.

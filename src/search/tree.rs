@@ -6,6 +6,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use super::best_points::{Accepted, BestPoints};
 use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
+use super::proofs::Proof;
 use super::pseudocosts::Pseudocosts;
 use super::root_point::RootPoint;
 use super::seed::{GuessEnd, Seed, Seeded};
@@ -58,6 +59,7 @@ pub(super) struct State {
     statistics: Statistics,
     /// Ends of the tree, if they are asked for.
     leaves: Vec<(Path, f64)>,
+    proofs: Vec<Proof>,
     pub(super) guess: Option<GuessEnd>,
     pub(super) seeded: Option<Seeded>,
 }
@@ -69,6 +71,7 @@ pub(super) struct Share {
     pub(super) closed: Option<f64>,
     pub(super) stalled: Option<f64>,
     pub(super) leaves: Vec<(Path, f64)>,
+    pub(super) proofs: Vec<Proof>,
 }
 
 impl<'a> Tree<'a> {
@@ -92,6 +95,7 @@ impl<'a> Tree<'a> {
             started: 0,
             statistics: Statistics::default(),
             leaves: Vec::new(),
+            proofs: Vec::new(),
             guess: None,
             seeded: None,
         };
@@ -112,6 +116,11 @@ impl<'a> Tree<'a> {
         let mut root = Node::relaxed_root(known);
         root.bound = tree.strengthen(root.bound);
         tree.lock().queue.push(root);
+        if let Some(point) = seed.and_then(|seed| seed.point.clone()) {
+            let value = task.exact.unwrap_or(task.program).objective(&point);
+            let accepted = tree.accepted(value, point, Heuristic::Guess);
+            tree.accept(&mut tree.lock(), accepted);
+        }
         tree
     }
 
@@ -231,6 +240,7 @@ impl<'a> Tree<'a> {
         state.closed = state.closed.min(share.closed.unwrap_or(f64::INFINITY));
         state.stalled = state.stalled.min(share.stalled.unwrap_or(f64::INFINITY));
         state.leaves.extend(share.leaves);
+        state.proofs.extend(share.proofs);
     }
 
     /// Closes a node that is beyond the cutoff before anybody has looked at it.
@@ -299,6 +309,8 @@ impl<'a> Tree<'a> {
             points: state.points.into_points().into_iter().map(|best| best.point).collect(),
             statistics: state.statistics,
             leaves: leaves.iter().map(|(path, bound)| ClosedNode::new(path, *bound)).collect(),
+            proofs: state.proofs,
+            strengthened: None,
             guess: state.guess,
             seeded: state.seeded,
         }

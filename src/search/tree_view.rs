@@ -5,12 +5,14 @@
 //! round, and keeps what it finds until the round ends.
 
 use std::cell::{Cell, RefCell};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use web_time::Instant;
 
 use super::local_queue::LocalQueue;
 use super::node::{Decision, Node, Path};
+use super::proofs::{Proof, Proofs};
 use super::round_buffer::RoundBuffer;
 use super::seed::{GuessEnd, Seed, Seeded};
 use super::tree::{Share, Tree};
@@ -226,6 +228,16 @@ impl<'a> TreeView<'a> {
         if self.tree.task.options.keep_leaves {
             self.share.borrow_mut().leaves.push((path.clone(), bound));
         }
+    }
+
+    /// Proofs of an earlier solve; `None` if nobody asks for those of this one either.
+    pub(super) fn proofs(&self) -> Option<Arc<Proofs>> {
+        self.tree.seed.and_then(|seed| seed.proofs.clone())
+    }
+
+    /// Keeps what closed a node.
+    pub(super) fn keep_proof(&self, proof: Proof) {
+        self.share.borrow_mut().proofs.push(proof);
     }
 
     pub(super) fn count(&self, update: impl FnOnce(&mut Statistics)) {

@@ -9,7 +9,7 @@ use super::indifferent_binaries::{settle_groups, settle_lone};
 use super::leaf::offer_leaf;
 use super::node::{Decision, Known, Node};
 use super::node_probing::NodeProbing;
-use super::node_relaxation::{project_node, relax};
+use super::node_relaxation::{project_node, relax, relax_after};
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
 use super::switch_node::switch_to;
@@ -160,8 +160,12 @@ fn relax_node(
     };
     let reduced = &projection.reduced;
     let purpose = if node.path.is_empty() { Purpose::Root } else { Purpose::Node };
-    let (bound, x, y) = match relax(ctx, reduced, purpose) {
-        Verdict::Refuted => {
+    let verdict = match node.path.last() {
+        Some(last) => relax_after(ctx, reduced, purpose, &last),
+        None => relax(ctx, reduced, purpose),
+    };
+    let (bound, x, y) = match verdict {
+        Verdict::Refuted(_) => {
             ctx.tree.count(|s| s.refuted_by_relaxation += 1);
             close_refuted(ctx, &node.path);
             return None;

@@ -37,6 +37,9 @@ pub struct Statistics {
     pub unfinished: u64,
     /// Children closed by trial branching, which never became nodes.
     pub closed_by_trials: u64,
+    /// Nodes and children closed by multipliers of an earlier solve, proved again, without a relaxation;
+    /// each of them is also counted as cut off, refuted or closed by trials. Only in prepared solves.
+    pub closed_by_proofs: u64,
     /// Splits made by the user's [`Branching`](crate::solver::Branching) rule.
     pub user_splits: u64,
     /// Answers of that rule that were rejected because they did not divide the node.
@@ -319,6 +322,7 @@ impl Statistics {
         }
         sum!(nodes, nested_nodes, relaxations, iterations, leaves, split, unfinished, incumbents);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
+        sum!(closed_by_proofs);
         sum!(user_splits, refused_splits);
         self.relaxation_counts.add(&part.relaxation_counts);
         self.depth = self.depth.max(part.depth);

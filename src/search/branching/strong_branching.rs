@@ -9,7 +9,7 @@ use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
 use crate::search::local_bounds::propagate_since;
 use crate::search::node::{Decision, Known};
-use crate::search::node_relaxation::{project_node, relax};
+use crate::search::node_relaxation::{project_node, relax_after};
 use crate::search::pseudocosts::Pseudocosts;
 
 /// Trials of new columns at a node.
@@ -62,18 +62,18 @@ pub(super) fn try_child(
     let mut point = Vec::new();
     let verdict = match propagated.ok().and_then(|()| project_node(ctx)) {
         Some(projection) => {
-            let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
+            let verdict = relax_after(ctx, &projection.reduced, Purpose::Trial, &decision);
             if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
                 point = ctx.complete_point(projection.lift(x));
             }
             verdict
         }
-        None => Verdict::Refuted,
+        None => Verdict::Refuted(Vec::new()),
     };
     let moved = moved_since(ctx, mark, decision.column);
     ctx.node.domain.undo_to(mark);
     match verdict {
-        Verdict::Refuted => {
+        Verdict::Refuted(_) => {
             ctx.tree.count(|s| s.closed_by_trials += 1);
             None
         }
