@@ -51,6 +51,13 @@ const LOOPS: &[Loop] = &[
         start: &[0.2, 0.3, 0.0, -2.0],
         push: &[0.01, 0.01, 0.1, 0.3],
     },
+    Loop {
+        name: "cartpole_45",
+        model: || cartpole(45, None),
+        states: &["x0", "x1", "x2", "x3"],
+        start: &[0.2, 0.3, 0.0, -2.0],
+        push: &[0.01, 0.01, 0.1, 0.3],
+    },
 ];
 
 /// Milliseconds and counts of a solve.
@@ -59,6 +66,8 @@ struct Effort {
     time: f64,
     nodes: u64,
     relaxations: u64,
+    /// Nodes and children closed by proofs of the solve before.
+    proved: u64,
 }
 
 fn timed(
@@ -69,16 +78,17 @@ fn timed(
     let time = 1e3 * began.elapsed().as_secs_f64();
     let counts = solution.statistics();
     let (nodes, relaxations) = (counts.nodes, counts.relaxations);
-    Ok((solution, Effort { time, nodes, relaxations }))
+    let proved = counts.closed_by_proofs;
+    Ok((solution, Effort { time, nodes, relaxations, proved }))
 }
 
 /// Both solves of every step, and whether their optima agree.
-fn run(of: &Loop, steps: usize, seed: u64, each: bool) -> Result<(Vec<[Effort; 2]>, bool), Error> {
+fn run(of: &Loop, steps: usize, seed: u64, each: bool, noise: f64) -> Result<(Vec<[Effort; 2]>, bool), Error> {
     let mut model = (of.model)();
     let measured: Vec<Variable> = model.parameters().collect();
     let next = of.states.iter().map(|name| model.variable_by_name((*name, 1)));
     let next: Vec<Variable> = next.collect::<Result<_, _>>()?;
-    let pushes = of.push.iter().map(|&most| Interval::new(-most, most)).collect();
+    let pushes = of.push.iter().map(|&most| Interval::new(-noise * most, noise * most)).collect();
     let mut push = Disturbance::new(pushes, seed);
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model)?;
@@ -116,23 +126,25 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 fn main() -> Result<ExitCode, Error> {
     let (mut names, mut steps, mut seed, mut each) = (Vec::new(), 100, 1, false);
+    let mut noise = 1.0;
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--each" => each = true,
             "--steps" => steps = words.next().and_then(|word| word.parse().ok()).unwrap_or(steps),
+            "--noise" => noise = words.next().and_then(|word| word.parse().ok()).unwrap_or(noise),
             "--seed" => seed = words.next().and_then(|word| word.parse().ok()).unwrap_or(seed),
             _ => names.push(word),
         }
     }
     println!(
-        "| loop | steps | cold / ms | warm / ms | warm / cold | slower | nodes | relaxations | agree |"
+        "| loop | steps | cold / ms | warm / ms | warm / cold | slower | nodes | relaxations | proved | agree |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut right = true;
     let is_wanted = |of: &&Loop| names.is_empty() || names.iter().any(|part| of.name.contains(part));
     for of in LOOPS.iter().filter(is_wanted) {
-        let (efforts, agree) = run(of, steps, seed, each)?;
+        let (efforts, agree) = run(of, steps, seed, each, noise)?;
         right &= agree;
         let middle = |of: fn(&[Effort; 2]) -> f64| median(efforts.iter().map(of).collect());
         let sum = |k: usize, of: fn(&Effort) -> u64| -> u64 {
@@ -140,7 +152,7 @@ fn main() -> Result<ExitCode, Error> {
         };
         let slower = efforts.iter().filter(|[cold, warm]| warm.time > 1.1 * cold.time + 1.0);
         println!(
-            "| {} | {} | {:.2} | {:.2} | {:.2} | {} | {} -> {} | {} -> {} | {agree} |",
+            "| {} | {} | {:.2} | {:.2} | {:.2} | {} | {} -> {} | {} -> {} | {} | {agree} |",
             of.name,
             efforts.len(),
             middle(|both| both[0].time),
@@ -151,6 +163,7 @@ fn main() -> Result<ExitCode, Error> {
             sum(1, |e| e.nodes),
             sum(0, |e| e.relaxations),
             sum(1, |e| e.relaxations),
+            sum(1, |e| e.proved),
         );
     }
     Ok(if right { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -79,6 +79,7 @@ impl Pipeline<'_> {
             program: &presolved.program,
             restore: &restore,
             as_is,
+            tightened: None,
             strengthens: true,
         };
         let mut found = stage.run(control, seed.as_ref());

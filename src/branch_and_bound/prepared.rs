@@ -9,7 +9,7 @@ use super::answer;
 use super::history::History;
 use super::pipeline::Pipeline;
 use super::seeding::{report, seed_of};
-use super::stage::Stage;
+use super::stage::{Stage, Tightened};
 use crate::error::Error;
 use crate::model::{Model, Name, Variable};
 use crate::presolve::root::{Postsolve, Presolve, Rule, blocks, presolve, presolve_around};
@@ -59,6 +59,7 @@ struct ReducedProgram {
     integers: Vec<usize>,
     /// Whether it falls into blocks, which are searched one after the other.
     in_blocks: bool,
+    tightened: Tightened,
     history: History,
 }
 
@@ -70,7 +71,7 @@ impl<'a> PreparedProgram<'a> {
         let program = Program::assemble(lowered.model())?;
         let parameters: Vec<Variable> = model.parameters().collect();
         let reduced = match options.reductions && !program.integers.is_empty() {
-            true => ReducedProgram::of(model, lowered.model(), &program, &parameters)?,
+            true => ReducedProgram::of(options, model, lowered.model(), &program, &parameters)?,
             false => Reduced::Not,
         };
         let lowered = LoweredProgram { program, way_back: lowered.into_way_back(), parameters };
@@ -134,6 +135,7 @@ impl Prepared for PreparedProgram<'_> {
 impl ReducedProgram {
     /// Presolves a program around the columns of its parameters, between the ends of their ranges.
     fn of(
+        options: &Options,
         model: &Model,
         lowered: &Model,
         program: &Program,
@@ -167,6 +169,7 @@ impl ReducedProgram {
         integers.sort_by_key(|&j| (program.step[j], j));
         let in_blocks = is_in_blocks(&program, &columns)?;
         let rounding = presolved.rounding;
+        let tightened = Tightened::new(&program, options, &StopToken::default());
         Ok(Reduced::To(Box::new(ReducedProgram {
             program,
             postsolve,
@@ -174,6 +177,7 @@ impl ReducedProgram {
             columns,
             integers,
             in_blocks,
+            tightened,
             history,
         })))
     }
@@ -188,7 +192,9 @@ impl ReducedProgram {
         let (program, postsolve) = (&mut self.program, &self.postsolve);
         for (&column, &parameter) in self.columns.iter().zip(&lowered.parameters) {
             let value = pipeline.model.variable_ref(parameter)?.bounds().lower;
-            (program.lower[column], program.upper[column]) = (value, value);
+            for program in [&mut *program, &mut self.tightened.program] {
+                (program.lower[column], program.upper[column]) = (value, value);
+            }
         }
         let restore = |values: &[f64]| lowered.way_back.restore(&postsolve.point(values));
         let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() };
@@ -206,6 +212,7 @@ impl ReducedProgram {
                 program,
                 restore: &restore,
                 as_is: false,
+                tightened: Some(&self.tightened),
                 strengthens: self.history.tries_cuts(),
             };
             let own = self.history.seed();

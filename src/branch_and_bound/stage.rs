@@ -25,8 +25,33 @@ pub(super) struct Stage<'a> {
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
     /// Whether the columns must stay as they are.
     pub(super) as_is: bool,
+    /// What was done before for all values of parameters.
+    pub(super) tightened: Option<&'a Tightened>,
     /// Whether cuts and tighter costs are tried.
     pub(super) strengthens: bool,
+}
+
+/// A program with tighter big-Ms, and its root.
+#[derive(Debug)]
+pub(super) struct Tightened {
+    pub(super) program: Program,
+    root: Root,
+}
+
+impl Tightened {
+    /// Tightens a program. What is concluded holds for all bounds within its own.
+    pub(super) fn new(program: &Program, options: &Options, token: &StopToken) -> Self {
+        let mut tight = None;
+        if options.disjunctive_tightening {
+            tight = tighten_by_disjunctions(program, token);
+        }
+        if options.big_m_tightening {
+            tight = tighten_big_ms(tight.as_ref().unwrap_or(program), token).or(tight);
+        }
+        let program = tight.unwrap_or_else(|| program.clone());
+        let root = Root::new(&program, token, options.probing);
+        Tightened { program, root }
+    }
 }
 
 /// A program to search, and who judges its points.
@@ -109,19 +134,18 @@ impl Stage<'_> {
         let make = || Ladder::new(options.relaxation);
         let mut ladder = make();
         let exact = program;
-        let boxed = if options.disjunctive_tightening && !self.as_is {
-            tighten_by_disjunctions(program, token)
-        } else {
-            None
+        let own = match self.tightened {
+            None if !self.as_is => Some(Tightened::new(program, options, token)),
+            _ => None,
         };
-        let program = boxed.as_ref().unwrap_or(program);
-        let tight = if options.big_m_tightening && !self.as_is {
-            tighten_big_ms(program, token)
-        } else {
-            None
+        let (program, mut root) = match (&own, self.tightened) {
+            (Some(own), _) => (&own.program, own.root.clone()),
+            (None, Some(tightened)) => {
+                let program = &tightened.program;
+                (program, tightened.root.within(program, token, options.probing))
+            }
+            (None, None) => (program, Root::new(program, token, options.probing)),
         };
-        let program = tight.as_ref().unwrap_or(program);
-        let mut root = Root::new(program, token, options.probing);
         let strengthens = options.cuts && !self.as_is && self.strengthens;
         let bent = if strengthens {
             with_perspective(program, &mut root, options, token, &mut ladder)

@@ -136,6 +136,12 @@ impl Proofs {
         Proofs { proofs, places, shift }
     }
 
+    /// Whether a decision was ever closed.
+    pub(super) fn knows(&self, &Decision { column, is_upper, .. }: &Decision) -> bool {
+        let next = self.shift.as_ref().and_then(|shift| shift.columns.get(column).copied());
+        [Some(column), next].into_iter().flatten().any(|j| self.places.contains_key(&(j, is_upper)))
+    }
+
     /// Closes a node after a decision if an earlier proof still does. With the proof, as it is now.
     pub(super) fn close(
         &self,

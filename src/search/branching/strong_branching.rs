@@ -97,6 +97,37 @@ pub(super) fn try_child(
     }
 }
 
+/// Whether a child needs no visit, by propagation or by a proof of an earlier solve; no relaxation.
+pub(super) fn is_closed_by_proof(ctx: &mut Context<'_>, decision: Decision) -> bool {
+    let Some(proofs) = ctx.tree.proofs().filter(|proofs| proofs.knows(&decision)) else {
+        return false;
+    };
+    let mark = ctx.node.domain.mark();
+    ctx.node.domain.apply(decision.column, decision.is_upper, decision.value);
+    ctx.propagator.set_on_trial(true);
+    let propagated = propagate_since(ctx, mark);
+    ctx.propagator.set_on_trial(false);
+    let closed = match propagated.ok().and_then(|()| project_node(ctx)) {
+        Some(projection) => {
+            let closed = proofs.close(&projection.reduced, &decision, ctx.tree.cutoff());
+            closed.map(|(verdict, proof)| {
+                ctx.tree.count(|s| s.closed_by_proofs += 1);
+                ctx.tree.keep_proof(proof);
+                verdict
+            })
+        }
+        None => Some(Verdict::Refuted(Vec::new())),
+    };
+    ctx.node.domain.undo_to(mark);
+    if let Some(verdict) = &closed {
+        ctx.tree.count(|s| s.closed_by_trials += 1);
+        if let Verdict::Relaxed { bound, .. } = verdict {
+            ctx.tree.close(ctx.tree.strengthen(*bound));
+        }
+    }
+    closed.is_some()
+}
+
 /// The bounds of integral columns other than `except` that moved since a mark, as they are now.
 fn moved_since(ctx: &Context<'_>, mark: usize, except: usize) -> Vec<Decision> {
     let domain = &ctx.node.domain;
