@@ -64,16 +64,17 @@ pub(super) fn relax_after(
     ctx.clock.switch(activity);
     if let Some((verdict, proof)) = closed {
         ctx.tree.count(|s| s.closed_by_proofs += 1);
-        ctx.tree.keep_proof(proof);
+        ctx.tree.keep_proof(|| proof);
         return verdict;
     }
     let verdict = relax(ctx, reduced, purpose);
-    let rows = ctx.base().row_count();
+    let keep = |x: &[f64], y: &[f64]| {
+        let rows = ctx.base().row_count();
+        ctx.tree.keep_proof(|| Proof::new(decision, reduced, rows, x, y));
+    };
     match &verdict {
-        Verdict::Refuted(y) => ctx.tree.keep_proof(Proof::new(decision, reduced, rows, &[], y)),
-        Verdict::Relaxed { bound, x, y, .. } if *bound >= ctx.tree.cutoff() => {
-            ctx.tree.keep_proof(Proof::new(decision, reduced, rows, x, y));
-        }
+        Verdict::Refuted(y) => keep(&[], y),
+        Verdict::Relaxed { bound, x, y, .. } if *bound >= ctx.tree.cutoff() => keep(x, y),
         _ => {}
     }
     verdict

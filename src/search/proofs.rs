@@ -14,8 +14,10 @@ use super::node::Decision;
 use crate::presolve::Reduced;
 use crate::relaxation::{Verdict, lower_bound, proves_infeasible};
 
-/// Most proofs that are kept of a solve, and most that are tried at a node.
+/// Most proofs that are kept of a solve, most numbers in all of them (32 MB), and most proofs that are
+/// tried at a node.
 const MOST: usize = 2000;
+const NUMBERS: usize = 4_000_000;
 const TRIED: usize = 3;
 
 /// Multipliers that closed a node.
@@ -127,13 +129,17 @@ pub(crate) struct Proofs {
 
 impl Proofs {
     /// From what was kept of a solve.
-    pub(crate) fn new(mut proofs: Vec<Proof>, shift: Option<Shift>) -> Self {
-        proofs.truncate(MOST);
+    pub(crate) fn new(proofs: Vec<Proof>, shift: Option<Shift>) -> Self {
         let mut places: BTreeMap<_, Vec<usize>> = BTreeMap::new();
         for (k, proof) in proofs.iter().enumerate() {
             places.entry((proof.column, proof.is_upper)).or_default().push(k);
         }
         Proofs { proofs, places, shift }
+    }
+
+    /// How many are kept of a search over so many columns and rows.
+    pub(super) fn most(columns: usize, rows: usize) -> usize {
+        MOST.min(NUMBERS / (columns + rows).max(1))
     }
 
     /// Whether a decision was ever closed.

@@ -33,6 +33,8 @@ pub(super) struct Tree<'a> {
     /// Nodes that wait: in the queue and at the workers' own.
     pub(super) open: AtomicUsize,
     pub(super) steps: StepCount,
+    /// Proofs that were offered to be kept.
+    pub(super) proofs: AtomicUsize,
     /// What the root's relaxation left: a start for nodes that have kept none.
     pub(super) root_state: OnceLock<WarmState>,
     /// What all workers learned about columns.
@@ -110,6 +112,7 @@ impl<'a> Tree<'a> {
             serial: AtomicU64::new(1),
             open: AtomicUsize::new(1),
             steps: StepCount::default(),
+            proofs: AtomicUsize::new(0),
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
         };

@@ -235,9 +235,16 @@ impl<'a> TreeView<'a> {
         self.tree.seed.and_then(|seed| seed.proofs.clone())
     }
 
-    /// Keeps what closed a node.
-    pub(super) fn keep_proof(&self, proof: Proof) {
-        self.share.borrow_mut().proofs.push(proof);
+    /// Keeps what closed a node, if there is room.
+    pub(super) fn keep_proof(&self, proof: impl FnOnce() -> Proof) {
+        let program = self.tree.task.exact.unwrap_or(self.tree.task.program);
+        let most = match self.tree.task.options.memory_limit {
+            None => Proofs::most(program.column_count(), program.row_count()),
+            Some(_) => 0,
+        };
+        if self.tree.proofs.fetch_add(1, Ordering::Relaxed) < most {
+            self.share.borrow_mut().proofs.push(proof());
+        }
     }
 
     pub(super) fn count(&self, update: impl FnOnce(&mut Statistics)) {

@@ -197,3 +197,42 @@ fn a_model_of_ones_own_is_controlled() {
     let error = RecedingHorizon::of_model(&model, &wrong, &[states], &[], &mut solver);
     assert!(matches!(error.unwrap_err().kind(), ErrorKind::NotParameter { .. }));
 }
+
+/// Without a system a check of one's own judges what comes instead of a plan.
+#[test]
+fn a_check_of_ones_own_judges_fallbacks() {
+    let mut model = Model::new("tank");
+    let level = model.continuous_family("level", 4, 0.0, 10.0).unwrap();
+    let open = model.continuous_family("open", 3, 0.0, 2.0).unwrap();
+    let measured = model.parameter("measured", 5.0, 0.0, 10.0).unwrap();
+    model.add("now", (level[0] - measured).equals(0.0)).unwrap();
+    for t in 0..3 {
+        model.add(("flow", t), (level[t + 1] - level[t] - open[t]).equals(-1.0)).unwrap();
+    }
+    model.minimize(level.iter().map(|x| (x - 4.0).square()).sum::<Quadratic>()).unwrap();
+    let mut solver = BranchAndBound::default();
+    let holds = |state: &[f64], inputs: &[Vec<f64>]| {
+        let mut x = state[0];
+        inputs.iter().all(|u| {
+            x += u[0] - 1.0;
+            (0.0..=10.0).contains(&x)
+        })
+    };
+    let controller =
+        RecedingHorizon::of_model(&model, &[measured], &[level], &[open], &mut solver).unwrap();
+    let mut controller = controller.with_check(holds).with_fallback(|_| vec![2.0]);
+    assert_eq!(controller.step(&[9.0]).unwrap().source, MoveSource::Optimal);
+    controller = controller.with_budget(Duration::ZERO);
+    // The last plan empties a tank that is nearly empty now; the given input does not.
+    let next = controller.step(&[0.5]).unwrap();
+    assert_eq!((next.source, next.is_admissible), (MoveSource::Given, Some(true)));
+    // What is left of the plan stops the inflow.
+    assert_eq!(controller.step(&[9.9]).unwrap().source, MoveSource::LastPlan);
+    // Nothing is left, and nothing is admissible: the given input, and a word about it.
+    let next = controller.step(&[9.9]).unwrap();
+    assert_eq!((next.source, next.is_admissible), (MoveSource::Given, Some(false)));
+    // A fallback that gives no number is refused.
+    let mut controller = controller.with_fallback(|_| vec![f64::NAN]);
+    let error = controller.step(&[9.9]).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::NotFinite { .. }));
+}

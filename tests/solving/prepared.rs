@@ -219,3 +219,121 @@ fn what_is_infeasible_for_all_values_is_infeasible_in_each_solve() {
         assert_eq!(solution.termination(), carom::solution::Termination::Infeasible);
     }
 }
+
+/// The least cost over all assignments of the binaries, each a convex program.
+fn enumerated(model: &Model) -> Option<f64> {
+    let binaries: Vec<Variable> = model
+        .variables()
+        .filter(|v| v.kind().is_integral() && v.bounds().upper == 1.0)
+        .map(|v| v.id())
+        .collect();
+    let values = (0..1_u32 << binaries.len()).filter_map(|bits| {
+        let mut fixed = model.clone();
+        for (k, &z) in binaries.iter().enumerate() {
+            fixed.fix(z, f64::from(bits >> k & 1)).unwrap();
+        }
+        BranchAndBound::default().solve(&fixed).unwrap().objective()
+    });
+    values.reduce(f64::min)
+}
+
+/// Nodes closed by multipliers of the solve before: the bound stays one, whatever the parameters are
+/// now and whether the horizon has moved.
+#[test]
+fn bounds_with_proofs_of_earlier_solves_are_bounds() {
+    let (mut model, parameters) = horizon(6, [1.0, 0.7], [1.0, 0.2, 0.05]).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut prepared = solver.prepare(&model).unwrap();
+    let (mut proved, mut seed) = (0, 7_u64);
+    let mut draw = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    let mut at = [2.0, 0.5, 2.5];
+    for step in 0..40 {
+        for (value, [least, most]) in at.iter_mut().zip([[-3.0, 3.0], [-5.0, 5.0], [-1.0, 4.0]]) {
+            let far = if step % 10 == 9 { 2.0 } else { 0.2 };
+            *value = f64::clamp(*value + far * (draw() - 0.5), least, most);
+        }
+        let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(at).collect();
+        values.iter().for_each(|&(p, value)| model.set_parameter(p, value).unwrap());
+        let found = prepared.solve(&values, &mut Control::default()).unwrap();
+        proved += found.statistics().closed_by_proofs;
+        match enumerated(&model) {
+            Some(best) => {
+                let slack = 2e-6 * best.abs().max(1.0);
+                assert!(found.is_optimal(), "step {step}: {}", found.termination());
+                assert!(found.bound() <= best + slack, "step {step}: {} {best}", found.bound());
+                assert!((found.objective().unwrap() - best).abs() <= slack, "step {step}");
+            }
+            None => assert_eq!(found.termination(), carom::solution::Termination::Infeasible),
+        }
+        if step % 2 == 0 {
+            prepared.shift();
+        }
+    }
+    assert!(proved > 0);
+}
+
+/// A program of two halves that share no row is searched in blocks, prepared or not.
+#[test]
+fn a_prepared_program_in_blocks_is_solved_in_blocks() {
+    let mut model = Model::new("halves");
+    let mut cost = Quadratic::zero();
+    let mut parameters = Vec::new();
+    for half in ["left", "right"] {
+        let x = model.continuous_family(&format!("x_{half}"), 4, -4.0, 4.0).unwrap();
+        let z = model.binary_family(&format!("z_{half}"), 3).unwrap();
+        let p = model.parameter(format!("p_{half}").as_str(), 1.0, -2.0, 2.0).unwrap();
+        model.add(format!("start_{half}").as_str(), (x[0] - p).equals(0.0)).unwrap();
+        for t in 0..3 {
+            let row = x[t + 1] - 0.9 * x[t] + 1.3 * z[t];
+            model.add((format!("move_{half}"), t), row.equals(0.2)).unwrap();
+        }
+        cost += x.iter().map(|x| x.square()).sum::<Quadratic>();
+        parameters.push(p);
+    }
+    model.minimize(cost).unwrap();
+    let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
+    let mut prepared = solver.prepare(&model).unwrap();
+    for values in [[1.0, -1.0], [1.9, 0.3], [-0.4, 2.0]] {
+        let at: Vec<(Variable, f64)> = parameters.iter().copied().zip(values).collect();
+        at.iter().for_each(|&(p, value)| model.set_parameter(p, value).unwrap());
+        let one = cold.solve(&model).unwrap();
+        let two = prepared.solve(&at, &mut Control::default()).unwrap();
+        agree(&one, &two);
+        assert_eq!(one.statistics().blocks, two.statistics().blocks);
+        prepared.shift();
+    }
+}
+
+/// An interrupt and a limit leave the next solve what it needs.
+#[test]
+fn a_solve_that_was_stopped_does_not_spoil_the_next() {
+    let (mut model, parameters) = horizon(7, [1.0, 0.8], [1.0, 0.2, 0.05]).unwrap();
+    let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
+    let mut prepared = solver.prepare(&model).unwrap();
+    let interrupt = Interrupt::new();
+    for (k, start) in [2.0, 1.8, 1.5, 1.7, -1.0, 2.9].into_iter().enumerate() {
+        model.set_parameter(parameters[0], start).unwrap();
+        let at = [(parameters[0], start)];
+        match k % 3 {
+            1 => {
+                prepared.options_mut().time_limit = Some(std::time::Duration::ZERO);
+                let stopped = prepared.solve(&at, &mut Control::default()).unwrap();
+                assert!(stopped.termination().is_limit() || stopped.is_optimal());
+                prepared.options_mut().time_limit = None;
+            }
+            2 => {
+                interrupt.trigger();
+                let mut control = Control::default().with_interrupt(&interrupt);
+                let stopped = prepared.solve(&at, &mut control).unwrap();
+                assert!(stopped.termination().is_limit() || stopped.is_optimal());
+            }
+            _ => {}
+        }
+        let warm = prepared.solve(&at, &mut Control::default()).unwrap();
+        agree(&cold.solve(&model).unwrap(), &warm);
+        prepared.shift();
+    }
+}

@@ -150,8 +150,9 @@ impl<'a> RecedingHorizon<'a> {
         Ok(RecedingHorizon::of(planner, Some(program.system().clone())))
     }
 
-    /// A controller for any model in which parameters are the measured state. Without a system,
-    /// nothing is simulated, and the rest of an old plan is trusted while there is no new one.
+    /// A controller for any model in which parameters are the measured state. Without a system
+    /// or a [check](Self::with_check) nothing is simulated, and the rest of an old plan is trusted while
+    /// there is no new one.
     ///
     /// # Arguments
     ///
@@ -227,6 +228,14 @@ impl<'a> RecedingHorizon<'a> {
     #[must_use]
     pub fn with_fallback(mut self, input: impl FnMut(&[f64]) -> Vec<f64> + 'a) -> Self {
         self.fallback.given = Some(Box::new(input));
+        self
+    }
+
+    /// Judges inputs without a plan by a simulation of one's own instead of the system's: whether from a
+    /// state on the inputs of some steps, an entry per input, are admissible.
+    #[must_use]
+    pub fn with_check(mut self, check: impl FnMut(&[f64], &[Vec<f64>]) -> bool + 'a) -> Self {
+        self.fallback.check = Some(Box::new(check));
         self
     }
 

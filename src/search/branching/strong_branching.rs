@@ -112,7 +112,7 @@ pub(super) fn is_closed_by_proof(ctx: &mut Context<'_>, decision: Decision) -> b
             let closed = proofs.close(&projection.reduced, &decision, ctx.tree.cutoff());
             closed.map(|(verdict, proof)| {
                 ctx.tree.count(|s| s.closed_by_proofs += 1);
-                ctx.tree.keep_proof(proof);
+                ctx.tree.keep_proof(|| proof);
                 verdict
             })
         }
