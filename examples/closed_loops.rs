@@ -1,10 +1,11 @@
 //! Closed loops of hybrid systems: every program solved from nothing, and prepared and warm.
 //!
-//! `cargo run --release --example closed_loops -- [NAME...] [--steps N] [--seed S] [--each]`
+//! `cargo run --release --example closed_loops -- [NAME...] [--steps N] [--seed S] [--noise F] [--each]`
 //!
 //! * `NAME...`: parts of names; all loops by default
 //! * `--steps N`: steps of a loop, 100 by default
 //! * `--seed S`: of the disturbances, 1 by default
+//! * `--noise F`: a factor of all disturbances, 1 by default
 //! * `--each`: a line per step as well
 //!
 //! The programs are those of `table`, with the measured state as parameters. After each step the
@@ -70,9 +71,7 @@ struct Effort {
     proved: u64,
 }
 
-fn timed(
-    solve: impl FnOnce() -> Result<Solution, Error>,
-) -> Result<(Solution, Effort), Error> {
+fn timed(solve: impl FnOnce() -> Result<Solution, Error>) -> Result<(Solution, Effort), Error> {
     let began = Instant::now();
     let solution = solve()?;
     let time = 1e3 * began.elapsed().as_secs_f64();
@@ -83,7 +82,13 @@ fn timed(
 }
 
 /// Both solves of every step, and whether their optima agree.
-fn run(of: &Loop, steps: usize, seed: u64, each: bool, noise: f64) -> Result<(Vec<[Effort; 2]>, bool), Error> {
+fn run(
+    of: &Loop,
+    steps: usize,
+    seed: u64,
+    each: bool,
+    noise: f64,
+) -> Result<(Vec<[Effort; 2]>, bool), Error> {
     let mut model = (of.model)();
     let measured: Vec<Variable> = model.parameters().collect();
     let next = of.states.iter().map(|name| model.variable_by_name((*name, 1)));
@@ -142,7 +147,8 @@ fn main() -> Result<ExitCode, Error> {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut right = true;
-    let is_wanted = |of: &&Loop| names.is_empty() || names.iter().any(|part| of.name.contains(part));
+    let is_wanted =
+        |of: &&Loop| names.is_empty() || names.iter().any(|part| of.name.contains(part));
     for of in LOOPS.iter().filter(is_wanted) {
         let (efforts, agree) = run(of, steps, seed, each, noise)?;
         right &= agree;

@@ -204,7 +204,10 @@ fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
     println!("{run}");
     let proved = run.moves.iter().filter(|next| next.source == MoveSource::Optimal).count();
     let bad = run.moves.iter().filter(|next| next.is_admissible != Some(true)).count();
-    println!("proved: {:.1} %, inputs that no simulation admits: {bad}", 100.0 * proved as f64 / steps as f64);
+    println!(
+        "proved: {:.1} %, inputs that no simulation admits: {bad}",
+        100.0 * proved as f64 / steps as f64
+    );
     let mut reasons = BTreeMap::new();
     for reason in run.moves.iter().filter_map(|next| next.reason.as_deref()) {
         *reasons.entry(reason).or_insert(0) += 1;

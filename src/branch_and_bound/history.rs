@@ -37,10 +37,7 @@ impl History {
 
     /// What the last solve proposes for the next one.
     pub(super) fn seed(&mut self) -> Seed {
-        let proofs = Proofs::new(
-            std::mem::take(&mut self.proofs),
-            self.shift.take(),
-        );
+        let proofs = Proofs::new(std::mem::take(&mut self.proofs), self.shift.take());
         Seed { guess: self.guess.clone(), proofs: Some(Arc::new(proofs)), ..Seed::default() }
     }
 

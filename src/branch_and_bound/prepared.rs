@@ -149,11 +149,12 @@ impl ReducedProgram {
                 (open.lower[j], open.upper[j]) = (range.lower, range.upper);
             }
         }
-        let presolved = match presolve_around(&open, &given, &Rule::FAITHFUL, &StopToken::default())? {
-            Presolve::Infeasible => return Ok(Reduced::Infeasible),
-            Presolve::Stopped => return Ok(Reduced::Not),
-            Presolve::Presolved(presolved) => *presolved,
-        };
+        let presolved =
+            match presolve_around(&open, &given, &Rule::FAITHFUL, &StopToken::default())? {
+                Presolve::Infeasible => return Ok(Reduced::Infeasible),
+                Presolve::Stopped => return Ok(Reduced::Not),
+                Presolve::Presolved(presolved) => *presolved,
+            };
         let (program, postsolve) = (presolved.program, presolved.postsolve);
         let place = |j: &usize| postsolve.columns().binary_search(j).ok();
         // A column that stays has a place.
