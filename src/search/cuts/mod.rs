@@ -4,12 +4,10 @@
 //! the end all that are not active, and all of them if the bound has hardly improved.
 
 mod cut;
-mod implied_bounds;
 mod mixed_integer_rounding;
 mod rounding;
 
 pub use cut::Cut;
-pub use implied_bounds::implied_bound_cuts;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
 use std::cell::OnceCell;
@@ -106,7 +104,7 @@ impl Gap<'_> {
 /// Rounds of cutting the relaxed point off.
 struct Rounds<'a> {
     program: &'a Program,
-    root: &'a mut Root,
+    root: &'a Root,
     gap: Gap<'a>,
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
@@ -167,21 +165,10 @@ impl Rounds<'_> {
     }
 
     /// The best cuts that a point violates, from the rows of a program.
-    fn separate(
-        &mut self,
-        program: &Program,
-        x: &[f64],
-        round: usize,
-        token: &StopToken,
-    ) -> Vec<Cut> {
-        let Root { domain, propagator, .. } = &mut *self.root;
+    fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
         // Most curved programs gain nothing, and a look at single rows tells.
         let rows = if self.curved == 1 && round == 0 { 1 } else { ROWS };
-        let mut found = mixed_integer_rounding_cuts(program, domain, x, rows, token);
-        if self.curved == 0 {
-            found.extend(implied_bound_cuts(self.program, domain, propagator, x));
-        }
-        select(found, x)
+        select(mixed_integer_rounding_cuts(program, &self.root.domain, x, rows, token), x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.

@@ -6,7 +6,7 @@
 
 use carom::internals::presolve::{Domain, Propagator, probe_implications};
 use carom::internals::program::Program;
-use carom::internals::search::cuts::{Cut, ROWS, implied_bound_cuts, mixed_integer_rounding_cuts};
+use carom::internals::search::cuts::{Cut, ROWS, mixed_integer_rounding_cuts};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -74,9 +74,7 @@ proptest! {
         prop_assert!(!conflict || points.is_empty());
         prop_assume!(!conflict);
         let x = case.relaxed(&program);
-        let mut cuts =
-            mixed_integer_rounding_cuts(&program, &domain, &x, ROWS, &StopToken::default());
-        cuts.extend(implied_bound_cuts(&program, &mut domain, &mut propagator, &x));
+        let cuts = mixed_integer_rounding_cuts(&program, &domain, &x, ROWS, &StopToken::default());
         prop_assert_eq!(cut_off(&cuts, &points), None);
         for cut in &cuts {
             prop_assert!(cut.room(&x) < 0.0, "the relaxed point is not cut off");
@@ -182,24 +180,4 @@ fn what_both_values_of_a_binary_say_holds() {
     probe_implications(&program, &mut domain, &mut propagator, &[0], 10, &StopToken::default())
         .unwrap();
     assert_eq!(domain.lower(1), 2.0);
-}
-
-/// `x <= 10 z` by a chain: the file's rows say `x <= y` and `y <= 20 z`, and `x <= 10`.
-#[test]
-fn a_chain_of_rows_becomes_one() {
-    let mut model = Model::new("chain");
-    let z = model.binary("z").unwrap();
-    let x = model.continuous("x", 0.0, 10.0).unwrap();
-    let y = model.continuous("y", 0.0, 20.0).unwrap();
-    model.add("first", x.le(y)).unwrap();
-    model.add("second", y.le(20.0 * z)).unwrap();
-    let program = Program::assemble(&model).unwrap();
-    let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
-    propagator.propagate_all(&program, &mut domain).unwrap();
-    let relaxed = [0.5, 10.0, 10.0];
-    let cuts = implied_bound_cuts(&program, &mut domain, &mut propagator, &relaxed);
-    assert_eq!(cuts.len(), 1);
-    assert!((cuts[0].room(&[0.5, 5.0, 20.0])).abs() < 1e-6);
-    assert!(cuts[0].room(&[1.0, 10.0, 10.0]) >= 0.0);
-    assert_eq!(domain.bounds(0), [0.0, 1.0]);
 }
