@@ -41,6 +41,9 @@ const WORTH: [f64; 2] = [5e-3, 1e-2];
 const SLIGHT: f64 = 1e-5;
 const CLOSED: [f64; 2] = [0.05, 0.1];
 
+/// The round, from 0 on, after which half of that must be reached: the first rounds lift the most.
+const HALFWAY: usize = 1;
+
 /// Cuts more parallel than this to a better one are left out (cosine).
 const PARALLEL: f64 = 0.7;
 
@@ -146,8 +149,12 @@ impl Rounds<'_> {
             let part = PART * (point.value - root.value).max(0.0);
             let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;
             idle = if moved { 0 } else { idle + 1 };
-            let first = [HOPELESS[self.curved], CLOSED[0]];
-            let hopeless = round == 0 && !self.pays(first, root, point.value);
+            let least = match round {
+                0 => Some([HOPELESS[self.curved], CLOSED[0]]),
+                HALFWAY => Some([0.5 * WORTH[self.curved], 0.5 * CLOSED[1]]),
+                _ => None,
+            };
+            let hopeless = least.is_some_and(|least| !self.pays(least, root, point.value));
             last = Some(point);
             if idle >= IDLE || hopeless {
                 break;
