@@ -338,16 +338,20 @@ fn installed() -> Vec<ExternalSolver> {
 /// The public suite, as far as these programs go.
 #[test]
 fn programs_pass_the_suite() {
-    for mut solver in installed() {
-        let mut lacking = vec![Capability::Events];
-        if solver.name() != "scip" {
-            lacking.extend([Capability::Quadratic, Capability::MixedIntegerQuadratic]);
+    // Most of the time is waiting.
+    std::thread::scope(|scope| {
+        for mut solver in installed() {
+            let mut lacking = vec![Capability::Events];
+            if solver.name() != "scip" {
+                lacking.extend([Capability::Quadratic, Capability::MixedIntegerQuadratic]);
+            }
+            if solver.name() == "glpsol" {
+                lacking.push(Capability::NodeLimit);
+            }
+            let suite = Suite::default().without(lacking);
+            scope.spawn(move || suite.run(&mut solver).assert_passed());
         }
-        if solver.name() == "glpsol" {
-            lacking.push(Capability::NodeLimit);
-        }
-        Suite::default().without(lacking).run(&mut solver).assert_passed();
-    }
+    });
 }
 
 proptest! {
