@@ -139,7 +139,7 @@ impl Node {
     /// The root of a tree whose relaxed point may be known.
     pub(super) fn relaxed_root(root: Option<&RootPoint>) -> Self {
         let Some(root) = root.filter(|root| root.is_final()) else { return Node::root() };
-        let known = Some(Box::new(Known { point: root.x.clone(), warm: None }));
+        let known = Some(Box::new(Known { point: root.x.clone(), warm: root.warm.clone() }));
         Node { bound: root.bound, known, ..Node::root() }
     }
 }

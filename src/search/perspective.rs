@@ -155,7 +155,7 @@ pub(crate) fn with_perspective(
     if all.is_empty() || root.conflict.is_some() {
         return None;
     }
-    let point = RootPoint::new(program, &root.domain, ladder, options, token)?;
+    let point = RootPoint::new(program, &root.domain, ladder, options, token, None)?;
     let squares = one_each(all, &point.x);
     // No function lifts the bound beyond its own value at this point.
     let most: f64 = squares.iter().map(|square| excess(square, &point.x)).sum();
@@ -186,7 +186,9 @@ fn best_slopes(
     let mut idle = 0;
     for _ in 0..ROUNDS {
         let tighter = with_slopes(program, squares, &slopes)?;
-        let Some(point) = RootPoint::new(&tighter, domain, ladder, options, token) else { break };
+        let warm = best.as_ref().map_or(root, |(_, point)| point).warm.as_ref();
+        let point = RootPoint::new(&tighter, domain, ladder, options, token, warm);
+        let Some(point) = point else { break };
         for (r, square) in slopes.iter_mut().zip(squares) {
             let wanted = slope(square, &point.x).unwrap_or(*r);
             *r += STEP * (wanted - *r);

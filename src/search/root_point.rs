@@ -3,7 +3,7 @@
 
 use crate::presolve::{Domain, Reduction, project, reduce, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, Question, Verdict};
+use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
 use crate::solver::{Options, StopToken};
 
 /// Largest distance of a bound from the value of its point with which a root needs no other
@@ -17,19 +17,22 @@ pub(super) struct RootPoint {
     pub(super) bound: f64,
     pub(super) value: f64,
     pub(super) x: Vec<f64>,
-    /// Whether the nodes below can do without a state of this relaxation, which has left none.
-    needs_no_state: bool,
+    /// What the relaxation has left.
+    pub(super) warm: Option<WarmState>,
+    /// Whether the nodes below would start from the state of another method.
+    lacks_state: bool,
 }
 
 impl RootPoint {
-    /// Relaxes a program within a domain as the search does; `None` if nothing is left to relax, or
-    /// without an optimum.
+    /// Relaxes a program within a domain as the search does, from what a relaxation of nearly the same
+    /// program has left; `None` if nothing is left to relax, or without an optimum.
     pub(super) fn new(
         program: &Program,
         domain: &Domain,
         ladder: &mut Ladder,
         options: &Options,
         token: &StopToken,
+        warm: Option<&WarmState>,
     ) -> Option<RootPoint> {
         let Reduction::Reduced(mut reduced) = reduce(program, domain) else { return None };
         tighten_coefficients(&mut reduced, &program.integral);
@@ -44,13 +47,13 @@ impl RootPoint {
             options,
             look_for_descent: false,
             token,
-            warm: None,
+            warm,
         };
         match ladder.solve(reduced, &question) {
-            Verdict::Relaxed { bound, x, converged: true, .. } => {
+            Verdict::Relaxed { bound, x, converged: true, warm, .. } => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));
-                let needs_no_state = !ladder.starts_warm(reduced);
-                Some(RootPoint { bound, value, x, needs_no_state })
+                let lacks_state = ladder.starts_warm(reduced);
+                Some(RootPoint { bound, value, x, warm, lacks_state })
             }
             _ => None,
         }
@@ -58,7 +61,7 @@ impl RootPoint {
 
     /// Whether the search need not relax the root: the bound is as good as that of any relaxation.
     pub(super) fn is_final(&self) -> bool {
-        self.needs_no_state && self.value - self.bound <= SHARP * self.value.abs().max(1.0)
+        !self.lacks_state && self.value - self.bound <= SHARP * self.value.abs().max(1.0)
     }
 
     /// Whether another value is higher by at least a part of this one.

@@ -187,6 +187,44 @@ proptest! {
         }
     }
 
+    /// From what a program leaves, another one with other bounds has the same optimum as from nothing.
+    #[test]
+    fn a_start_from_the_parent_changes_no_optimum(
+        case in case(),
+        moved in prop::collection::vec((0usize..14, -2..=2), 1..4),
+        given in 0.0..2.0_f64,
+    ) {
+        let named = |program: Reduced| {
+            Reduced { origin: (0..program.rows.len()).collect(), ..program }
+        };
+        let parent = named(case.program());
+        let token = StopToken::default();
+        let above = InteriorPoint::new().solve(&parent, &effort(&token, INF));
+        let mut child = parent.clone();
+        for (j, by) in moved {
+            let j = j % child.columns.len();
+            let width = child.upper[j] - child.lower[j];
+            if width.is_finite() {
+                child.lower[j] += 0.3 * f64::from(by) * width;
+                child.upper[j] += 0.2 * f64::from(by) * width;
+                child.upper[j] = child.upper[j].max(child.lower[j]);
+            }
+        }
+        for limit in &mut child.row_upper {
+            *limit += given;
+        }
+        let cold = InteriorPoint::new().solve(&child, &effort(&token, INF));
+        let from = Effort { warm: above.warm.as_ref(), ..effort(&token, INF) };
+        let warm = InteriorPoint::new().solve(&child, &from);
+        check(&child, &warm, INF)?;
+        if (cold.claim, warm.claim) == (Claim::Solved, Claim::Solved) {
+            let (a, b) = (child.objective(&cold.x), child.objective(&warm.x));
+            prop_assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{} and {}", a, b);
+        } else if cold.claim == Claim::Solved {
+            prop_assert!(!proves_infeasible(&child, &warm.y), "{:?}", cold);
+        }
+    }
+
     #[test]
     fn cutoffs_are_kept(case in case(), below in 0.0..3.0_f64) {
         let program = case.program();
@@ -201,6 +239,31 @@ proptest! {
             prop_assert!(program.objective(&answer.x) >= cutoff - 1e-5 * value.abs().max(1.0));
         }
     }
+}
+
+/// A start from the parent's iterate saves iterations at most children.
+#[test]
+fn a_start_from_the_parent_saves_iterations() {
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let token = StopToken::default();
+    let [mut cold, mut warm] = [0, 0];
+    for _ in 0..300 {
+        let case = case().new_tree(&mut runner).map(|tree| tree.current());
+        let parent = case.as_ref().map(Case::program).unwrap_or_default();
+        let parent = Reduced { origin: (0..parent.rows.len()).collect(), ..parent };
+        let above = InteriorPoint::new().solve(&parent, &effort(&token, INF));
+        let mut child = parent.clone();
+        let Some(j) = (0..above.x.len()).find(|&j| child.upper[j].is_finite()) else { continue };
+        if above.warm.is_none() {
+            continue;
+        }
+        child.lower[j] = 0.5 * (child.lower[j] + child.upper[j]);
+        cold += InteriorPoint::new().solve(&child, &effort(&token, INF)).iterations;
+        let from = Effort { warm: above.warm.as_ref(), ..effort(&token, INF) };
+        warm += InteriorPoint::new().solve(&child, &from).iterations;
+    }
+    assert!(cold > 1000 && 10 * warm < 9 * cold, "{cold} from nothing, {warm} from the parent");
 }
 
 /// It gives up on few programs: a switch to Clarabel costs twice.

@@ -14,12 +14,14 @@ mod iterate;
 mod kkt;
 mod scaled;
 mod start;
+mod warm_start;
 
-use super::{Claim, Effort, Relaxation, RelaxationResult};
+use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
 use scaled::Scaled;
+use warm_start::{Kept, ParentIterate};
 
 /// The crate's own interior-point method.
 #[derive(Debug, Clone, Default)]
@@ -31,6 +33,11 @@ impl InteriorPoint {
         Self::default()
     }
 }
+
+/// A start from the parent's iterate is given up if so many iterations leave more than this part of its
+/// residuals. Then the child is far from its parent, and a start from nothing is better.
+const WARM_ITERATIONS: u32 = 3;
+const WARM_PART: f64 = 0.7;
 
 /// Number of consecutive iterations with negligible steps after which the method gives up.
 const STUCK: u32 = 3;
@@ -46,82 +53,140 @@ const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let scaled = Scaled::of(program);
-        let (n, m) = (program.columns.len(), program.rows.len());
-        let nothing = |iterations| RelaxationResult {
-            claim: Claim::Unknown,
-            x: vec![f64::NAN; n],
-            y: vec![0.0; m],
-            iterations,
-            warm: None,
-        };
-        let Some(mut kkt) = Kkt::new(&scaled, effort.token) else { return nothing(0) };
-        let mut at = Iterate::start(&scaled);
-        // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
+        let run = Run { program, effort, scaled: Scaled::of(program) };
+        let scaled = &run.scaled;
+        let Some(mut kkt) = Kkt::new(scaled, effort.token) else { return run.nothing(0) };
+        let mut at = Iterate::start(scaled);
         let linear = scaled.quadratic.index.is_empty();
-        if linear && !at.improve_start(&scaled, &mut kkt, effort.token) {
-            return nothing(0);
+        let mut spent = 0;
+        let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
+        if let Some(parent) = parent {
+            at.resume(program, scaled, parent);
+            let result = run.iterate(&mut at, &mut kkt, true);
+            if result.claim != Claim::Unknown || effort.token.is_over() {
+                return result;
+            }
+            spent = result.iterations;
+            at = Iterate::start(scaled);
         }
-        let feasibility_problem = program.is_feasibility_problem();
-        let objective = |value: f64| value / scaled.objective + program.offset;
-        let answer = |claim, at: &Iterate, iterations| {
-            let x: Vec<f64> = at.x.iter().zip(&scaled.column).map(|(x, d)| x * d).collect();
-            let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
-            let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
-            RelaxationResult { claim, x, y, iterations, warm: None }
-        };
+        // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
+        if linear && !at.improve_start(scaled, &mut kkt, effort.token) {
+            return run.nothing(0);
+        }
+        let result = run.iterate(&mut at, &mut kkt, false);
+        RelaxationResult { iterations: spent + result.iterations, ..result }
+    }
+}
+
+/// One solve.
+struct Run<'a> {
+    program: &'a Reduced,
+    effort: &'a Effort<'a>,
+    scaled: Scaled,
+}
+
+impl Run<'_> {
+    fn nothing(&self, iterations: u32) -> RelaxationResult {
+        RelaxationResult {
+            claim: Claim::Unknown,
+            x: vec![f64::NAN; self.program.columns.len()],
+            y: vec![0.0; self.program.rows.len()],
+            iterations: u64::from(iterations),
+            warm: None,
+        }
+    }
+
+    /// An iterate as an answer.
+    fn answer(&self, claim: Claim, at: &Iterate, iterations: u32) -> RelaxationResult {
+        let scaled = &self.scaled;
+        let x: Vec<f64> = at.x.iter().zip(&scaled.column).map(|(x, d)| x * d).collect();
+        let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
+        let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
+        RelaxationResult { claim, x, y, iterations: u64::from(iterations), warm: None }
+    }
+
+    /// Iterates from a start, one from the parent's iterate if `is_warm`, to a claim.
+    fn iterate(&self, at: &mut Iterate, kkt: &mut Kkt, is_warm: bool) -> RelaxationResult {
+        let (scaled, effort) = (&self.scaled, self.effort);
         let (mut stuck, mut iterations) = (0, 0);
-        let mut nearly = None;
+        // A step removes its length's part of the residuals.
+        let mut left = 1.0;
+        let (mut nearly, mut kept) = (None, Kept::default());
         while iterations < effort.iterations {
-            at.measure(&scaled);
+            at.measure(scaled);
             if !at.is_finite() {
-                return nothing(u64::from(iterations));
+                return self.nothing(iterations);
             }
-            let done = |claim| answer(claim, &at, u64::from(iterations));
-            let violation = at.violation(&scaled);
-            let feasible = violation <= effort.tolerance;
-            if feasibility_problem && feasible {
-                return RelaxationResult { y: vec![0.0; m], ..done(Claim::Solved) };
+            if !scaled.quadratic.index.is_empty() {
+                kept.update(at);
             }
-            if iterations > 0 {
-                let bound = objective(at.dual_value(&scaled));
-                let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
-                if !feasibility_problem && bound > enough {
-                    return done(Claim::Beyond);
+            match self.judge(at, iterations) {
+                Some((Claim::Solved, exactly)) => {
+                    let mut solved = self.answer(Claim::Solved, at, iterations);
+                    if self.program.is_feasibility_problem() {
+                        solved.y.fill(0.0);
+                    }
+                    if !scaled.quadratic.index.is_empty() {
+                        solved.warm = Some(WarmState::new(kept.state(self.program, scaled)));
+                    }
+                    if exactly {
+                        return solved;
+                    }
+                    nearly = Some(solved);
                 }
-                let value = objective(at.value(&scaled));
-                let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
-                // Columns without bounds leave the bound infinite until their gradient is exactly zero.
-                let distance = if bound > f64::NEG_INFINITY {
-                    value - bound
-                } else {
-                    at.estimated_gap() / scaled.objective
-                };
-                if feasible && distance <= gap {
-                    return done(Claim::Solved);
-                }
-                let rough = effort.tolerance.max(ROUGH);
-                if violation <= rough && distance <= 10.0 * rough * value.abs().max(1.0) {
-                    nearly = Some(done(Claim::Solved));
-                }
-                if at.refutes(&scaled) {
-                    return done(Claim::Infeasible);
-                }
+                Some((claim, _)) => return self.answer(claim, at, iterations),
+                None => {}
             }
             // Centred, but the dual residual grows: the dual set has no interior.
-            if at.diverges() {
+            if at.diverges() || effort.token.is_over() {
                 break;
             }
-            if effort.token.is_over() {
-                break;
-            }
-            let Some(step) = at.advance(&scaled, &mut kkt, effort.token) else { break };
+            let Some(step) = at.advance(scaled, kkt, effort.token) else { break };
             iterations += 1;
             stuck = if step < SHORT_STEP { stuck + 1 } else { 0 };
-            if stuck >= STUCK {
+            left *= 1.0 - step;
+            let is_slow = is_warm && iterations == WARM_ITERATIONS && left > WARM_PART;
+            if stuck >= STUCK || is_slow {
                 break;
             }
         }
-        nearly.unwrap_or_else(|| answer(Claim::Unknown, &at, u64::from(iterations)))
+        nearly.unwrap_or_else(|| self.answer(Claim::Unknown, at, iterations))
+    }
+
+    /// What a measured iterate shows, and whether that is all that was asked for.
+    fn judge(&self, at: &Iterate, iterations: u32) -> Option<(Claim, bool)> {
+        let (scaled, effort) = (&self.scaled, self.effort);
+        let objective = |value: f64| value / scaled.objective + self.program.offset;
+        let violation = at.violation(scaled);
+        let feasible = violation <= effort.tolerance;
+        let feasibility_problem = self.program.is_feasibility_problem();
+        if feasibility_problem && feasible {
+            return Some((Claim::Solved, true));
+        }
+        if iterations == 0 {
+            return None;
+        }
+        let bound = objective(at.dual_value(scaled));
+        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        if !feasibility_problem && bound > enough {
+            return Some((Claim::Beyond, true));
+        }
+        let value = objective(at.value(scaled));
+        let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
+        // Columns without bounds leave the bound infinite until their gradient is exactly zero.
+        let distance = if bound > f64::NEG_INFINITY {
+            value - bound
+        } else {
+            at.estimated_gap() / scaled.objective
+        };
+        if feasible && distance <= gap {
+            return Some((Claim::Solved, true));
+        }
+        if at.refutes(scaled) {
+            return Some((Claim::Infeasible, true));
+        }
+        let rough = effort.tolerance.max(ROUGH);
+        let nearly = violation <= rough && distance <= 10.0 * rough * value.abs().max(1.0);
+        nearly.then_some((Claim::Solved, false))
     }
 }

@@ -75,7 +75,8 @@ pub(crate) fn strengthen(
         return None;
     }
     let point = root.point.take();
-    let point = point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token))?;
+    let point =
+        point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token, None))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
     let gap = Gap { rough, value: OnceCell::new() };
     let mut rounds = Rounds { program, root, gap, curved, cuts: Vec::new(), ages: Vec::new() };
@@ -144,7 +145,8 @@ impl Rounds<'_> {
             self.ages.extend(found.iter().map(|_| 0));
             self.cuts.extend(found);
             let program = more.insert(with_cuts(self.program, &self.cuts)?);
-            let point = RootPoint::new(program, &self.root.domain, ladder, options, token);
+            // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
+            let point = RootPoint::new(program, &self.root.domain, ladder, options, token, None);
             let Some(point) = point else { break };
             let part = PART * (point.value - root.value).max(0.0);
             let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;

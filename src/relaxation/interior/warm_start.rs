@@ -1,0 +1,128 @@
+//! Starts of the interior-point method from an iterate of the parent.
+//!
+//! An iterate at the optimum is a bad start, because it is close to limits that no longer hold at the
+//! child. What a relaxation leaves is an iterate on the way there, and the child moves it well inside.
+
+use super::iterate::Iterate;
+use super::scaled::{Scaled, Side};
+use crate::presolve::Reduced;
+
+/// Complementarity, in scaled units, down to which iterates are kept. The first one has 1.
+const KEPT: f64 = 1e-3;
+
+/// Least complementarity of a side at the start, in scaled units.
+const LEAST: f64 = 1e-2;
+
+/// Least distance of a point from its bounds and of an inequality from its limits, in scaled units.
+const INSIDE: f64 = 0.1;
+
+/// The last iterate whose complementarity was not yet small.
+#[derive(Debug, Default)]
+pub(super) struct Kept {
+    x: Vec<f64>,
+    multipliers: Vec<f64>,
+    dual: Vec<f64>,
+}
+
+impl Kept {
+    /// Keeps an iterate as long as it is not too far.
+    pub(super) fn update(&mut self, at: &Iterate) {
+        if self.x.is_empty() || at.barrier >= KEPT * at.dual.len() as f64 {
+            self.x.clone_from(&at.x);
+            self.multipliers.clone_from(&at.multipliers);
+            self.dual.clone_from(&at.dual);
+        }
+    }
+
+    /// The iterate as the children can read it.
+    pub(super) fn state(&self, program: &Reduced, scaled: &Scaled) -> ParentIterate {
+        let mut columns = Named::new(&program.columns, scaled.column.len());
+        let mut rows = Named::new(&program.origin, scaled.row.len());
+        for (j, (x, unit)) in self.x.iter().zip(&scaled.column).enumerate() {
+            columns.set(j, 0, x * unit);
+        }
+        for (side, z) in scaled.sides.iter().zip(&self.dual).skip(scaled.row_sides) {
+            columns.set(side.of, place(side), z / (scaled.column[side.of] * scaled.objective));
+        }
+        for (side, z) in scaled.split_sides().0.iter().zip(&self.dual) {
+            rows.set(side.of, place(side), z * scaled.row[side.of] / scaled.objective);
+        }
+        for &(i, _) in &scaled.equalities {
+            rows.set(i, 0, self.multipliers[i] * scaled.row[i] / scaled.objective);
+        }
+        ParentIterate { columns, rows }
+    }
+}
+
+/// An iterate in the units of the program, by its columns and rows before it was reduced.
+#[derive(Debug)]
+pub(super) struct ParentIterate {
+    /// The value, and the multipliers of the lower and the upper bound.
+    columns: Named,
+    /// The multiplier of an equality, or those of the lower and the upper limit.
+    rows: Named,
+}
+
+/// Where a side's multiplier is.
+fn place(side: &Side) -> usize {
+    if side.sign > 0.0 { 1 } else { 2 }
+}
+
+/// Three numbers for each of some columns or rows.
+#[derive(Debug)]
+struct Named {
+    /// The name of each; `usize::MAX` for those that have none.
+    names: Vec<usize>,
+    values: Vec<[f64; 3]>,
+}
+
+impl Named {
+    /// So many; those beyond the names have none.
+    fn new(names: &[usize], count: usize) -> Self {
+        Named { names: names.to_vec(), values: vec![[0.0; 3]; count] }
+    }
+
+    fn set(&mut self, k: usize, place: usize, value: f64) {
+        self.values[k][place] = value;
+    }
+
+    /// The numbers under so many other names, where they are known.
+    fn under(&self, names: &[usize], count: usize) -> Vec<Option<[f64; 3]>> {
+        let named = || self.names.iter().zip(&self.values).filter(|(name, _)| **name != usize::MAX);
+        let most = named().map(|(name, _)| name + 1).max().unwrap_or(0);
+        let mut all = vec![None; most];
+        named().for_each(|(&name, values)| all[name] = Some(*values));
+        let known = |k| names.get(k).and_then(|&name| all.get(name).copied().flatten());
+        (0..count).map(known).collect()
+    }
+}
+
+impl Iterate {
+    /// Goes to an iterate of the parent, moved inside.
+    pub(super) fn resume(&mut self, program: &Reduced, scaled: &Scaled, parent: &ParentIterate) {
+        let columns = parent.columns.under(&program.columns, scaled.column.len());
+        let rows = parent.rows.under(&program.origin, scaled.row.len());
+        for (j, known) in columns.iter().enumerate() {
+            if let Some([x, ..]) = known {
+                let (lower, upper) = (scaled.lower[j], scaled.upper[j]);
+                let room = (0.5 * (upper - lower)).min(INSIDE);
+                self.x[j] = (x / scaled.column[j]).max(lower + room).min(upper - room);
+            }
+        }
+        scaled.activities(&self.x, &mut self.activity);
+        for (k, side) in scaled.sides.iter().enumerate() {
+            let of_row = k < scaled.row_sides;
+            let (values, known) =
+                if of_row { (&self.activity, &rows) } else { (&self.x, &columns) };
+            let unit = if of_row { 1.0 / scaled.row[side.of] } else { scaled.column[side.of] };
+            let least = if of_row { INSIDE } else { 1e-10 };
+            let z = known[side.of].map_or(0.0, |known| known[place(side)]);
+            self.slack[k] = (side.sign * (values[side.of] - side.limit)).max(least);
+            self.dual[k] = (z * unit * scaled.objective).max(LEAST / self.slack[k]);
+        }
+        for &(i, _) in &scaled.equalities {
+            let y = rows[i].map_or(0.0, |known| known[0]);
+            self.multipliers[i] = y / scaled.row[i] * scaled.objective;
+        }
+    }
+}
