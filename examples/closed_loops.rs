@@ -10,8 +10,8 @@
 //!
 //! The programs are those of `table`, with the measured state as parameters. After each step the
 //! state is the next one of the plan, disturbed. The table has the median times, the median of warm
-//! over cold, the steps that took longer than 1.1 times cold plus 1 ms, and the nodes. The exit status
-//! tells whether all optima agree within the gaps.
+//! over cold, the steps that took longer than 1.1 times cold plus 1 ms, the nodes, and the allocations
+//! per relaxation. The exit status tells whether all optima agree within the gaps.
 
 #[macro_use]
 #[path = "common/output.rs"]
@@ -20,6 +20,7 @@ mod output;
 #[path = "../tests/instances/mod.rs"]
 mod instances;
 
+use std::alloc::System;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -27,6 +28,10 @@ use carom::hybrid::Disturbance;
 use carom::interval::Interval;
 use carom::prelude::*;
 use instances::generators::{cartpole, pendulum};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// A system, where its loop begins, and how much each entry of its state is disturbed in a step.
 struct Loop {
@@ -69,16 +74,19 @@ struct Effort {
     relaxations: u64,
     /// Nodes and children closed by proofs of the solve before.
     proved: u64,
+    allocations: u64,
 }
 
 fn timed(solve: impl FnOnce() -> Result<Solution, Error>) -> Result<(Solution, Effort), Error> {
-    let began = Instant::now();
+    let (region, began) = (Region::new(ALLOCATOR), Instant::now());
     let solution = solve()?;
     let time = 1e3 * began.elapsed().as_secs_f64();
+    let change = region.change();
+    let allocations = (change.allocations + change.reallocations) as u64;
     let counts = solution.statistics();
     let (nodes, relaxations) = (counts.nodes, counts.relaxations);
     let proved = counts.closed_by_proofs;
-    Ok((solution, Effort { time, nodes, relaxations, proved }))
+    Ok((solution, Effort { time, nodes, relaxations, proved, allocations }))
 }
 
 /// Both solves of every step, and whether their optima agree.
@@ -143,9 +151,9 @@ fn main() -> Result<ExitCode, Error> {
         }
     }
     println!(
-        "| loop | steps | cold / ms | warm / ms | warm / cold | slower | nodes | relaxations | proved | agree |"
+        "| loop | steps | cold / ms | warm / ms | warm / cold | slower | nodes | relaxations | proved | allocations | agree |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut right = true;
     let is_wanted =
         |of: &&Loop| names.is_empty() || names.iter().any(|part| of.name.contains(part));
@@ -158,7 +166,7 @@ fn main() -> Result<ExitCode, Error> {
         };
         let slower = efforts.iter().filter(|[cold, warm]| warm.time > 1.1 * cold.time + 1.0);
         println!(
-            "| {} | {} | {:.2} | {:.2} | {:.2} | {} | {} -> {} | {} -> {} | {} | {agree} |",
+            "| {} | {} | {:.2} | {:.2} | {:.2} | {} | {} -> {} | {} -> {} | {} | {} -> {} | {agree} |",
             of.name,
             efforts.len(),
             middle(|both| both[0].time),
@@ -170,6 +178,8 @@ fn main() -> Result<ExitCode, Error> {
             sum(0, |e| e.relaxations),
             sum(1, |e| e.relaxations),
             sum(1, |e| e.proved),
+            sum(0, |e| e.allocations) / sum(0, |e| e.relaxations).max(1),
+            sum(1, |e| e.allocations) / sum(1, |e| e.relaxations).max(1),
         );
     }
     Ok(if right { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -1,9 +1,9 @@
 //! A pendulum next to an elastic wall, planned again after every step.
 //!
-//! `cargo run --release --example receding_horizon -- [STEPS] [MOVES]`
+//! `cargo run --release --example receding_horizon -- [STEPS] [MOVES] [FILE]`
 //!
 //! Each plan looks STEPS (20) steps ahead, and its first input is applied. The state is then
-//! disturbed a little, MOVES (40) times.
+//! disturbed a little, MOVES (40) times. FILE gets a picture (SVG).
 
 use carom::hybrid::{
     Cost, Disturbance, Halfspace, Horizon, HybridSystem, LinearSystem, Move, RecedingHorizon,
@@ -16,7 +16,7 @@ const H: f64 = 0.01;
 const GAP: f64 = 0.1;
 const STIFFNESS: f64 = 100.0;
 
-fn main() -> Result<(), Error> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut numbers = std::env::args().skip(1).map_while(|word| word.parse().ok());
     let (steps, moves) = (numbers.next().unwrap_or(20), numbers.next().unwrap_or(40));
     let flow = |spring: f64| {
@@ -49,5 +49,8 @@ fn main() -> Result<(), Error> {
     let run = controller.run(&[0.0, 0.8], moves, plant)?;
     print!("{}", run.to_csv());
     println!("{run}");
+    if let Some(file) = std::env::args().nth(3) {
+        std::fs::write(file, run.to_svg("A pendulum next to a wall, disturbed"))?;
+    }
     Ok(())
 }

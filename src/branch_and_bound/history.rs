@@ -1,15 +1,16 @@
-//! What a prepared model keeps from solve to solve: the integers of the best point, and what closed
-//! the nodes of the tree.
+//! What a prepared model keeps from solve to solve: the integers of the best point, and the tree with
+//! what closed its ends.
 //!
 //! The integers are a start for the next solve: fixed, completed and verified like any other point.
-//! The multipliers that closed nodes are tried before relaxations, and their bounds are proved anew.
-//! Nothing is trusted, so all may be moved in time by no more than the names of variables and rows.
+//! The tree is gone through again, and the bounds of the multipliers are proved anew. Nothing is
+//! trusted, so the integers may be moved in time by no more than the names of variables.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::model::Name;
-use crate::search::{Found, Proof, Proofs, Seed, Shift};
+use crate::search::{Fork, Found, Proof, Proofs, Seed};
+use crate::solution::Termination;
 
 /// Solves for which cuts rest after they did not pay.
 const REST: u32 = 15;
@@ -20,25 +21,23 @@ pub(super) struct History {
     /// Values of integral columns, the earliest steps first.
     guess: Vec<(usize, f64)>,
     proofs: Vec<Proof>,
-    /// One step.
-    step: Shift,
-    /// By how much the next solve begins later than the last one.
-    shift: Option<Shift>,
+    forks: Vec<Fork>,
+    /// By column, where the same variable of the next step is, or the column itself.
+    next: Vec<usize>,
     /// Solves until cuts are tried again.
     rest: u32,
 }
 
 impl History {
-    /// For a program whose columns and rows have these names.
-    pub(super) fn new(columns: &[&Name], rows: &[&Name]) -> Self {
-        let step = Shift { columns: next_of(columns), rows: next_of(rows) };
-        History { step, ..History::default() }
+    /// For a program whose columns have these names.
+    pub(super) fn new(columns: &[&Name]) -> Self {
+        History { next: next_of(columns), ..History::default() }
     }
 
     /// What the last solve proposes for the next one.
-    pub(super) fn seed(&mut self) -> Seed {
-        let proofs = Proofs::new(std::mem::take(&mut self.proofs), self.shift.take());
-        Seed { guess: self.guess.clone(), proofs: Some(Arc::new(proofs)), ..Seed::default() }
+    pub(super) fn seed(&self) -> Seed {
+        let proofs = Some(Arc::new(Proofs::new(&self.proofs, &self.forks)));
+        Seed { guess: self.guess.clone(), proofs, ..Seed::default() }
     }
 
     /// Whether cuts are to be tried.
@@ -52,8 +51,12 @@ impl History {
     ///
     /// * `integers`: the integral columns, the earliest steps first.
     pub(super) fn take_in(&mut self, found: &mut Found, integers: &[usize]) {
-        self.shift = None;
-        self.proofs = std::mem::take(&mut found.proofs);
+        // A search that was stopped before its first split has nothing new to say.
+        let ended = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
+        if ended || !found.forks.is_empty() {
+            self.proofs = std::mem::take(&mut found.proofs);
+            self.forks = std::mem::take(&mut found.forks);
+        }
         self.rest = match found.strengthened {
             Some(true) => 0,
             Some(false) => REST,
@@ -65,16 +68,13 @@ impl History {
         }
     }
 
-    /// Moves everything one step ahead; the last step is kept for what comes behind it.
+    /// Moves the integers one step ahead; the last step is kept for what comes behind it. The tree stays:
+    /// a step later most programs differ by little more than their parameters.
     pub(super) fn shift(&mut self) {
         let values: BTreeMap<usize, f64> = self.guess.iter().copied().collect();
         for (j, value) in &mut self.guess {
-            *value = values.get(&self.step.columns[*j]).copied().unwrap_or(*value);
+            *value = values.get(&self.next[*j]).copied().unwrap_or(*value);
         }
-        self.shift = Some(match &self.shift {
-            Some(before) => before.then(&self.step),
-            None => self.step.clone(),
-        });
     }
 }
 

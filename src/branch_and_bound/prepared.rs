@@ -163,9 +163,7 @@ impl ReducedProgram {
         };
         let names: Vec<&Name> = lowered.variables().map(|variable| variable.name()).collect();
         let columns_of: Vec<&Name> = postsolve.columns().iter().map(|&j| names[j]).collect();
-        let names: Vec<&Name> = lowered.constraints().map(|row| row.name()).collect();
-        let rows_of: Vec<&Name> = postsolve.rows().iter().map(|&row| names[row]).collect();
-        let history = History::new(&columns_of, &rows_of);
+        let history = History::new(&columns_of);
         let mut integers = program.integers.clone();
         integers.sort_by_key(|&j| (program.step[j], j));
         let in_blocks = is_in_blocks(&program, &columns)?;
@@ -239,7 +237,7 @@ impl ReducedProgram {
 }
 
 /// Completes the guess of a seed, and searches from there. A search that is stopped before it has
-/// looked at a point returns the completed one.
+/// looked at a point returns the completed one, and the bound that the last root proves.
 fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> Found {
     let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
     if let Some(begun) = &begun {
@@ -250,6 +248,9 @@ fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> 
     if let Some(begun) = begun {
         found.statistics.add(&begun.statistics);
         found.guess = begun.guess;
+        if begun.bound.is_finite() {
+            found.bound = found.bound.max(begun.bound);
+        }
         if found.points.is_empty() && found.termination != Termination::Infeasible {
             found.points = begun.points;
         }

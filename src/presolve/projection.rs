@@ -29,6 +29,8 @@ pub struct Projection {
     members: Vec<Member>,
     /// The covering rows before the projection, over the columns that stay.
     covers: Vec<Inequality>,
+    /// The program's rows of these, and their signs.
+    cover_rows: Vec<(usize, f64)>,
     terms: Terms,
 }
 
@@ -63,6 +65,8 @@ struct Member {
     /// Its coefficient in the covering row, of the other sign.
     help: f64,
     cover: usize,
+    /// The program's row that it makes bind, and by what the multiplier of the sum is multiplied there.
+    hurt_row: (usize, f64),
 }
 
 impl Member {
@@ -98,6 +102,38 @@ impl Projection {
         }
         point
     }
+
+    /// Multipliers in the rows of the program, from those of what is left.
+    ///
+    /// # Arguments
+    ///
+    /// * `rows`: the number of rows of the program.
+    pub(crate) fn multipliers(&self, y: &[f64], rows: usize) -> Vec<f64> {
+        let mut all = vec![0.0; rows];
+        for (&row, &y) in self.reduced.origin.iter().zip(y) {
+            if let Some(place) = all.get_mut(row) {
+                *place = y;
+            }
+        }
+        // Sums of rows were written as upper limits.
+        let sums: Vec<f64> = self
+            .cover_rows
+            .iter()
+            .map(|&(row, sign)| {
+                let Some(place) = all.get_mut(row) else { return 0.0 };
+                let y = place.max(0.0);
+                *place = sign * y;
+                y
+            })
+            .collect();
+        for member in &self.members {
+            let (row, factor) = member.hurt_row;
+            if let Some(place) = all.get_mut(row) {
+                *place = factor * sums[member.cover];
+            }
+        }
+        all
+    }
 }
 
 /// Takes binaries out of a reduced program; `integral` is by program column.
@@ -107,10 +143,11 @@ pub fn project(reduced: Reduced, integral: &[bool]) -> Projection {
     candidates.into_iter().for_each(|k| work.take_out(k));
     if work.members.is_empty() {
         let terms = Terms::default();
-        return Projection { reduced, members: Vec::new(), covers: Vec::new(), terms };
+        let (covers, cover_rows) = (Vec::new(), Vec::new());
+        return Projection { reduced, members: Vec::new(), covers, cover_rows, terms };
     }
-    let Work { members, covers, terms, replaced, dropped, .. } = work;
-    finish(reduced, members, (covers, terms), (replaced, dropped))
+    let Work { members, covers, cover_rows, terms, replaced, dropped, .. } = work;
+    finish(reduced, members, (covers, cover_rows, terms), (replaced, dropped))
 }
 
 struct Work<'a> {
@@ -121,6 +158,7 @@ struct Work<'a> {
     uses: Vec<([(usize, f64); 2], u32)>,
     members: Vec<Member>,
     covers: Vec<Inequality>,
+    cover_rows: Vec<(usize, f64)>,
     terms: Terms,
     /// By row: the cover it is, after members were taken out of it.
     cover_of: Vec<usize>,
@@ -158,6 +196,7 @@ impl<'a> Work<'a> {
             uses,
             members: Vec::new(),
             covers: Vec::new(),
+            cover_rows: Vec::new(),
             terms: Terms::default(),
             cover_of: vec![NONE; m],
             replaced: vec![None; m],
@@ -250,6 +289,7 @@ impl<'a> Work<'a> {
         if self.cover_of[cover] == NONE {
             self.cover_of[cover] = self.covers.len();
             self.covers.push(c);
+            self.cover_rows.push((self.origin(cover), self.sign(cover)));
         }
         self.replaced[cover] = Some(Inequality { limit, ..sum });
         self.members.push(Member {
@@ -259,8 +299,19 @@ impl<'a> Work<'a> {
             coefficient: m,
             help,
             cover: self.cover_of[cover],
+            hurt_row: (self.origin(hurt), factor * self.sign(hurt)),
         });
         Some(())
+    }
+
+    /// The program's row behind a row.
+    fn origin(&self, row: usize) -> usize {
+        self.reduced.origin.get(row).copied().unwrap_or(NONE)
+    }
+
+    /// The sign of a one-sided row in the form `terms <= limit`.
+    fn sign(&self, row: usize) -> f64 {
+        if self.reduced.row_upper[row].is_finite() { 1.0 } else { -1.0 }
     }
 
     /// Takes the term of a column out of a row: its coefficient.
@@ -303,7 +354,7 @@ fn merge(terms: &mut [(usize, f64)]) -> usize {
 fn finish(
     reduced: Reduced,
     members: Vec<Member>,
-    (covers, mut terms): (Vec<Inequality>, Terms),
+    (covers, cover_rows, mut terms): (Vec<Inequality>, Vec<(usize, f64)>, Terms),
     (replaced, dropped): (Vec<Option<Inequality>>, Vec<bool>),
 ) -> Projection {
     let n = reduced.columns.len();
@@ -365,5 +416,5 @@ fn finish(
         row_upper,
         quadratic,
     };
-    Projection { reduced, members, covers, terms }
+    Projection { reduced, members, covers, cover_rows, terms }
 }

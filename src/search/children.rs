@@ -1,9 +1,11 @@
 //! The children of a node: those of a split, and the parts that a seed divides the root into.
 
 use super::branching::{Branching, Child, RelaxedPoint, Split, choose_split};
-use super::close_node::{closed_bound, keep_closed};
+use super::close_node::{closed_bound, keep_closed, opposite};
 use super::context::Context;
 use super::node::{Decision, Node};
+use super::proofs::Fork;
+use super::replay::replay;
 use super::seed::{Seeded, divide};
 
 /// Splits a node. Returns the child to visit first, and leaves the others to the tree.
@@ -19,6 +21,15 @@ pub(super) fn branch(
         if !parts.is_empty() {
             return divide_root(ctx, node, bound, parts);
         }
+    }
+    if node.path.is_empty()
+        && bound > f64::NEG_INFINITY
+        && let Some(parts) = replay(ctx, node, bound, x)
+    {
+        let mut nodes = parts.into_iter();
+        let first = nodes.next();
+        nodes.for_each(|node| ctx.tree.push(node));
+        return first;
     }
     let Split { children, closed } = choose_split(ctx, branching, relaxed);
     if closed && closed_bound(ctx) < f64::INFINITY {
@@ -43,18 +54,47 @@ pub(super) fn branch(
         let fraction = child.decisions.last().map_or(0.0, moved);
         let path = ctx.tree.path_with(&path, &child.decisions);
         let warm = ctx.node.warm.clone();
-        let bound = child.bound.max(bound);
-        Node { path, bound, fraction, known: child.known, warm, serial: 0 }
+        let own = child.multipliers.filter(|_| child.bound >= bound);
+        let multipliers = own.or_else(|| ctx.node.multipliers.clone());
+        let (bound, known, id) = (child.bound.max(bound), child.known, ctx.tree.new_id());
+        Node { path, bound, fraction, known, warm, serial: 0, id, multipliers }
     };
-    let mut nodes = children.into_iter().map(node_of);
+    let shape: Option<Vec<Decision>> = chain_of(&children);
+    let nodes: Vec<Node> = children.into_iter().map(node_of).collect();
+    ctx.tree.keep_fork(|| {
+        let mut fork = Fork { id: node.id, closed: ctx.node.closed.clone(), ..Fork::default() };
+        let Some(chain) = &shape else { return fork };
+        let ids = nodes.iter().map(|node| node.id);
+        fork.chain = chain.iter().copied().zip(ids).collect();
+        fork.rest = nodes.get(chain.len()).map(|node| node.id);
+        fork
+    });
+    let mut nodes = nodes.into_iter();
     let first = nodes.next();
     for mut node in nodes {
         if !ctx.tree.has_room() {
-            (node.known, node.warm) = (None, None);
+            (node.known, node.warm, node.multipliers) = (None, None, None);
         }
         ctx.tree.push(node);
     }
     first
+}
+
+/// The decisions of children each of which is beyond those before it; the last may be the rest.
+fn chain_of(children: &[Child]) -> Option<Vec<Decision>> {
+    let mut chain: Vec<Decision> = Vec::new();
+    for (k, child) in children.iter().enumerate() {
+        let before = chain.iter().map(|&decision| opposite(decision));
+        if child.decisions.iter().copied().eq(before.clone()) && k + 1 == children.len() {
+            break;
+        }
+        let (last, own) = child.decisions.split_last()?;
+        if !own.iter().copied().eq(before) {
+            return None;
+        }
+        chain.push(*last);
+    }
+    Some(chain)
 }
 
 /// Divides the root into parts. Returns the first one, and leaves the others to the tree.

@@ -3,12 +3,21 @@
 use super::branching::Child;
 use super::context::Context;
 use super::node::{Decision, Path};
+use super::proofs::{End, Proof};
 
 /// Closes a node whose bound is at the cutoff.
 pub(super) fn cut_off(ctx: &Context<'_>, path: &Path, bound: f64) {
     ctx.tree.count(|s| s.cut_off += 1);
     ctx.tree.close(bound);
     ctx.tree.keep_leaf(path, bound);
+    keep_proof(ctx);
+}
+
+/// Keeps what the bound of the current node was proved by.
+pub(super) fn keep_proof(ctx: &Context<'_>) {
+    if let Some(multipliers) = ctx.node.multipliers.clone() {
+        ctx.tree.keep_proof(|| Proof::new(End::Node(ctx.node.id), multipliers));
+    }
 }
 
 /// Closes a node without a feasible point below the cutoff in force.
@@ -19,6 +28,7 @@ pub(super) fn close_refuted(ctx: &Context<'_>, path: &Path) {
         ctx.tree.close(bound);
     }
     ctx.tree.keep_leaf(path, bound);
+    keep_proof(ctx);
 }
 
 /// The bound of what was closed at the current node by its trials or multipliers.
@@ -50,7 +60,7 @@ pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], ch
 }
 
 /// What a decision excludes.
-fn opposite(decision: Decision) -> Decision {
+pub(super) fn opposite(decision: Decision) -> Decision {
     let value = decision.value + if decision.is_upper { 1.0 } else { -1.0 };
     Decision { is_upper: !decision.is_upper, value, ..decision }
 }

@@ -5,7 +5,9 @@ use super::event_windows::EventWindows;
 use super::found::Found;
 use super::heuristics::try_guess;
 use super::local_queue::LocalQueue;
+use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
+use super::proofs::{End, Tried};
 use super::reporter::Reporter;
 use super::root::Root;
 use super::seed::Seed;
@@ -57,7 +59,8 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     tree.into_found()
 }
 
-/// Completes the guess of a seed and searches no further: the point that a search would begin with.
+/// Completes the guess of a seed and searches no further: the point that a search would begin with,
+/// and the bound that the multipliers of an earlier root prove.
 pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
     let root = Root::new(task.program, task.token, false);
     if root.conflict.is_some() {
@@ -67,10 +70,22 @@ pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
     let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
     let shared = Shared { task, windows: None, root: &root, nested };
     let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));
+    let bound = earlier_bound(&mut ctx);
     try_guess(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_share());
     drop(ctx);
-    tree.into_found()
+    let found = tree.into_found();
+    Found { bound: found.bound.max(bound), ..found }
+}
+
+/// What the multipliers of an earlier root prove of this one.
+fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
+    let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
+    let proved = proof.zip(reduce_node(ctx)).map(|(proof, root)| proof.prove(&root, f64::INFINITY));
+    match proved {
+        Some(Tried::Bound(bound)) => bound,
+        _ => f64::NEG_INFINITY,
+    }
 }
 
 /// The event windows that the options ask for, if the program has any. Kept leaves are about the

@@ -1,6 +1,9 @@
 //! The focus node, which is being processed: its domain, and the path that led to it.
 
+use std::sync::Arc;
+
 use super::node::Decision;
+use super::proofs::Multipliers;
 use crate::presolve::{Domain, Propagator};
 use crate::relaxation::WarmState;
 
@@ -25,6 +28,12 @@ pub(super) struct FocusNode {
     pub(super) cutoff: f64,
     /// What its relaxation has left, or its parent's before it is relaxed.
     pub(super) warm: Option<WarmState>,
+    /// Its name in a tree that is kept.
+    pub(super) id: u32,
+    /// Sides that trials have closed here, if the tree is kept.
+    pub(super) closed: Vec<Decision>,
+    /// What its bound is proved by, if that is kept.
+    pub(super) multipliers: Option<Arc<Multipliers>>,
 }
 
 impl FocusNode {
@@ -36,6 +45,9 @@ impl FocusNode {
             root_mark: domain.mark(),
             cutoff: f64::INFINITY,
             warm: None,
+            id: 0,
+            closed: Vec::new(),
+            multipliers: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! The result of a search.
 
 use super::node::Path;
-use super::proofs::Proof;
+use super::proofs::{Fork, Proof};
 use super::seed::{GuessEnd, Seeded};
 use crate::solution::{Statistics, Termination};
 
@@ -22,6 +22,8 @@ pub struct Found {
     pub leaves: Vec<ClosedNode>,
     /// What closed nodes, if it is to be kept.
     pub(crate) proofs: Vec<Proof>,
+    /// How nodes were split, if it is to be kept.
+    pub(crate) forks: Vec<Fork>,
     /// Whether cuts or tighter costs have paid, if they were tried.
     pub(crate) strengthened: Option<bool>,
     /// What became of a guess.
@@ -67,6 +69,7 @@ impl Found {
             statistics: Statistics::default(),
             leaves: Vec::new(),
             proofs: Vec::new(),
+            forks: Vec::new(),
             strengthened: None,
             guess: None,
             seeded: None,

@@ -6,7 +6,7 @@
 //!
 //! * `task`, `found` - the task and its result
 //! * `seed` - a warm start: boxes, and a point
-//! * `proofs` - multipliers that closed nodes of an earlier solve
+//! * `proofs` - the tree of an earlier solve and the multipliers that closed its ends
 //! * `column_guidance` - the user's priorities, splits and points
 //!
 //! The tree:
@@ -43,7 +43,9 @@
 //!
 //! * `heuristics` - points from relaxed points
 //! * `branching` - which column to split, and which child to visit first
-//! * `children`, `close_node` - the children of a split, and nodes that have none
+//! * `close_node` - nodes that have no children
+//! * `replay` - the root divided as the tree of an earlier solve was
+//! * `children` - the children of a split
 //! * `worker` - processing one node: propagate, reduce, relax, bound, branch
 //! * `parallel` - several workers
 //! * `driver` - one search from start to end
@@ -76,6 +78,7 @@ mod perspective;
 mod proofs;
 mod pseudocosts;
 mod reduced_cost;
+mod replay;
 mod reporter;
 mod root;
 mod root_point;
@@ -97,7 +100,7 @@ pub(crate) use found::ClosedNode;
 pub use found::Found;
 pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
-pub(crate) use proofs::{Proof, Proofs, Shift};
+pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
 pub use seed::SeedBox;
 pub(crate) use seed::{GuessEnd, Seed};

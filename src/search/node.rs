@@ -9,6 +9,7 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 
+use super::proofs::Multipliers;
 use super::root_point::RootPoint;
 use crate::relaxation::WarmState;
 
@@ -127,13 +128,26 @@ pub struct Node {
     pub(super) warm: Option<WarmState>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
     pub serial: u64,
+    /// Its name in a tree that is kept for a later solve; 0 for the root.
+    pub(super) id: u32,
+    /// What its bound was proved by, if that is kept.
+    pub(super) multipliers: Option<Arc<Multipliers>>,
 }
 
 impl Node {
     /// The root of a tree.
     pub fn root() -> Self {
         let (path, bound) = (Path::default(), f64::NEG_INFINITY);
-        Node { path, bound, fraction: 0.0, known: None, warm: None, serial: 0 }
+        Node {
+            path,
+            bound,
+            fraction: 0.0,
+            known: None,
+            warm: None,
+            serial: 0,
+            id: 0,
+            multipliers: None,
+        }
     }
 
     /// The root of a tree whose relaxed point may be known.

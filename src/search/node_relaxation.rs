@@ -1,30 +1,45 @@
 //! The relaxation of a node.
 
+use std::sync::Arc;
+
 use super::clock::Activity;
 use super::context::Context;
-use super::node::Decision;
-use super::proofs::Proof;
+use super::proofs::Multipliers;
 use crate::presolve::{Projection, Reduced, Reduction, project, tighten_coefficients};
 use crate::relaxation::{Purpose, Question, Verdict};
 
 /// What is to be relaxed at the node of the domain; `None` if it is refuted.
 pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
+    let reduced = reduce_node(ctx)?;
+    Some(project_reduced(ctx, reduced))
+}
+
+/// The same without the binaries that a relaxation does not need.
+pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projection {
+    let activity = ctx.clock.switch(Activity::Reduction);
+    let projection = project(reduced, &ctx.program().integral);
+    ctx.clock.switch(activity);
+    projection
+}
+
+/// The program of the node of the domain; `None` if it is refuted.
+pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
     let program = ctx.base();
     let program = ctx.shared.task.exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
-    let projection = match ctx.reducer.reduce(program, &ctx.node.domain) {
+    let reduced = match ctx.reducer.reduce(program, &ctx.node.domain) {
         Reduction::Reduced(mut reduced) => {
             let integral = &ctx.program().integral;
             if let Some(windows) = ctx.shared.windows {
                 windows.add_rows(&ctx.node.domain, &mut reduced);
             }
             tighten_coefficients(&mut reduced, integral);
-            Some(project(*reduced, integral))
+            Some(*reduced)
         }
         Reduction::Infeasible => None,
     };
     ctx.clock.switch(activity);
-    projection
+    reduced
 }
 
 /// Solves a reduced program and verifies the answer.
@@ -49,33 +64,22 @@ pub(super) fn relax(ctx: &mut Context<'_>, reduced: &Reduced, purpose: Purpose) 
     verdict
 }
 
-/// As [`relax`], for a program after a decision: what closed the same decision in an earlier solve is
-/// tried first, and what closes it now is kept for a later one.
-pub(super) fn relax_after(
+/// As [`relax`], with multipliers for a later solve, if they are kept.
+pub(super) fn relax_and_keep(
     ctx: &mut Context<'_>,
-    reduced: &Reduced,
+    projection: &Projection,
     purpose: Purpose,
-    decision: &Decision,
-) -> Verdict {
-    let Some(proofs) = ctx.tree.proofs() else { return relax(ctx, reduced, purpose) };
-    let cutoff = ctx.tree.cutoff();
-    let activity = ctx.clock.switch(Activity::Proof);
-    let closed = proofs.close(reduced, decision, cutoff);
-    ctx.clock.switch(activity);
-    if let Some((verdict, proof)) = closed {
-        ctx.tree.count(|s| s.closed_by_proofs += 1);
-        ctx.tree.keep_proof(|| proof);
-        return verdict;
-    }
-    let verdict = relax(ctx, reduced, purpose);
-    let keep = |x: &[f64], y: &[f64]| {
-        let rows = ctx.base().row_count();
-        ctx.tree.keep_proof(|| Proof::new(decision, reduced, rows, x, y));
+) -> (Verdict, Option<Arc<Multipliers>>) {
+    let verdict = relax(ctx, &projection.reduced, purpose);
+    let (x, y) = match &verdict {
+        Verdict::Refuted(y) => (None, y),
+        Verdict::Relaxed { x, y, .. } => (Some(x), y),
+        _ => return (verdict, None),
     };
-    match &verdict {
-        Verdict::Refuted(y) => keep(&[], y),
-        Verdict::Relaxed { bound, x, y, .. } if *bound >= ctx.tree.cutoff() => keep(x, y),
-        _ => {}
-    }
-    verdict
+    let multipliers = ctx.tree.keeps_proofs().then(|| {
+        let x = x.map_or(Vec::new(), |x| projection.reduced.lift(x));
+        let y = projection.multipliers(y, ctx.base().row_count());
+        Arc::new(Multipliers { x, y })
+    });
+    (verdict, multipliers)
 }

@@ -1,12 +1,12 @@
 //! The state that all workers share: open nodes, best points, bounds, limits.
 
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::best_points::{Accepted, BestPoints};
 use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
-use super::proofs::Proof;
+use super::proofs::{End, Fork, Proof, Proofs};
 use super::pseudocosts::Pseudocosts;
 use super::root_point::RootPoint;
 use super::seed::{GuessEnd, Seed, Seeded};
@@ -35,6 +35,8 @@ pub(super) struct Tree<'a> {
     pub(super) steps: StepCount,
     /// Proofs that were offered to be kept.
     pub(super) proofs: AtomicUsize,
+    /// The next name of a node.
+    pub(super) ids: AtomicU32,
     /// What the root's relaxation left: a start for nodes that have kept none.
     pub(super) root_state: OnceLock<WarmState>,
     /// What all workers learned about columns.
@@ -62,6 +64,7 @@ pub(super) struct State {
     /// Ends of the tree, if they are asked for.
     leaves: Vec<(Path, f64)>,
     proofs: Vec<Proof>,
+    forks: Vec<Fork>,
     pub(super) guess: Option<GuessEnd>,
     pub(super) seeded: Option<Seeded>,
 }
@@ -74,6 +77,7 @@ pub(super) struct Share {
     pub(super) stalled: Option<f64>,
     pub(super) leaves: Vec<(Path, f64)>,
     pub(super) proofs: Vec<Proof>,
+    pub(super) forks: Vec<Fork>,
 }
 
 impl<'a> Tree<'a> {
@@ -98,6 +102,7 @@ impl<'a> Tree<'a> {
             statistics: Statistics::default(),
             leaves: Vec::new(),
             proofs: Vec::new(),
+            forks: Vec::new(),
             guess: None,
             seeded: None,
         };
@@ -113,6 +118,7 @@ impl<'a> Tree<'a> {
             open: AtomicUsize::new(1),
             steps: StepCount::default(),
             proofs: AtomicUsize::new(0),
+            ids: AtomicU32::new(1),
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
         };
@@ -244,15 +250,29 @@ impl<'a> Tree<'a> {
         state.stalled = state.stalled.min(share.stalled.unwrap_or(f64::INFINITY));
         state.leaves.extend(share.leaves);
         state.proofs.extend(share.proofs);
+        state.forks.extend(share.forks);
     }
 
     /// Closes a node that is beyond the cutoff before anybody has looked at it.
     pub(super) fn close_unseen(&self, state: &mut State, node: Node) {
         self.open.fetch_sub(1, Ordering::Relaxed);
         state.closed = state.closed.min(node.bound);
+        if let Some(multipliers) = node.multipliers.filter(|_| self.has_room_for_proof()) {
+            state.proofs.push(Proof::new(End::Node(node.id), multipliers));
+        }
         if self.task.options.keep_leaves {
             state.leaves.push((node.path, node.bound));
         }
+    }
+
+    /// Whether one more proof may be kept.
+    pub(super) fn has_room_for_proof(&self) -> bool {
+        let program = self.task.exact.unwrap_or(self.task.program);
+        let most = match self.task.options.memory_limit {
+            None => Proofs::most(program.column_count(), program.row_count()),
+            Some(_) => 0,
+        };
+        self.proofs.fetch_add(1, Ordering::Relaxed) < most
     }
 
     pub(super) fn count_thread(&self) {
@@ -313,6 +333,7 @@ impl<'a> Tree<'a> {
             statistics: state.statistics,
             leaves: leaves.iter().map(|(path, bound)| ClosedNode::new(path, *bound)).collect(),
             proofs: state.proofs,
+            forks: state.forks,
             strengthened: None,
             guess: state.guess,
             seeded: state.seeded,

@@ -12,7 +12,7 @@ use web_time::Instant;
 
 use super::local_queue::LocalQueue;
 use super::node::{Decision, Node, Path};
-use super::proofs::{Proof, Proofs};
+use super::proofs::{Fork, Proof, Proofs};
 use super::round_buffer::RoundBuffer;
 use super::seed::{GuessEnd, Seed, Seeded};
 use super::tree::{Share, Tree};
@@ -235,16 +235,31 @@ impl<'a> TreeView<'a> {
         self.tree.seed.and_then(|seed| seed.proofs.clone())
     }
 
+    /// Whether what closes nodes is kept.
+    pub(super) fn keeps_proofs(&self) -> bool {
+        self.tree.seed.is_some_and(|seed| seed.proofs.is_some())
+    }
+
     /// Keeps what closed a node, if there is room.
     pub(super) fn keep_proof(&self, proof: impl FnOnce() -> Proof) {
-        let program = self.tree.task.exact.unwrap_or(self.tree.task.program);
-        let most = match self.tree.task.options.memory_limit {
-            None => Proofs::most(program.column_count(), program.row_count()),
-            Some(_) => 0,
-        };
-        if self.tree.proofs.fetch_add(1, Ordering::Relaxed) < most {
+        if self.tree.has_room_for_proof() {
             self.share.borrow_mut().proofs.push(proof());
         }
+    }
+
+    /// Keeps how a node was split, if there is room.
+    pub(super) fn keep_fork(&self, fork: impl FnOnce() -> Fork) {
+        if self.keeps_proofs() && self.tree.task.options.memory_limit.is_none() {
+            let mut share = self.share.borrow_mut();
+            if self.tree.ids.load(Ordering::Relaxed) < Fork::MOST {
+                share.forks.push(fork());
+            }
+        }
+    }
+
+    /// A name for a node.
+    pub(super) fn new_id(&self) -> u32 {
+        self.tree.ids.fetch_add(1, Ordering::Relaxed)
     }
 
     pub(super) fn count(&self, update: impl FnOnce(&mut Statistics)) {

@@ -2,14 +2,14 @@
 
 use super::branching::{Branching, RelaxedPoint};
 use super::children::branch;
-use super::close_node::{close_refuted, cut_off};
+use super::close_node::{close_refuted, cut_off, keep_proof};
 use super::context::{Context, Shared};
 use super::heuristics::{Heuristics, look_for_points, look_for_settled_point, try_guess};
 use super::indifferent_binaries::{settle_groups, settle_lone};
 use super::leaf::offer_leaf;
 use super::node::{Decision, Known, Node};
 use super::node_probing::NodeProbing;
-use super::node_relaxation::{project_node, relax, relax_after};
+use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
 use super::switch_node::switch_to;
@@ -84,6 +84,9 @@ impl<'a> Worker<'a> {
         let own = node.known.as_mut().and_then(|known| known.warm.take());
         let parent = || node.warm.clone().or_else(|| self.context.tree.root_state());
         self.context.node.warm = own.or_else(parent);
+        self.context.node.id = node.id;
+        self.context.node.closed.clear();
+        self.context.node.multipliers = node.multipliers.clone();
         if !self.enter(&node) {
             let ctx = &mut self.context;
             ctx.tree.count(|s| s.refuted_by_propagation += 1);
@@ -153,17 +156,19 @@ fn relax_node(
     pseudocosts: &mut Pseudocosts,
     node: &Node,
 ) -> Option<(f64, Vec<f64>)> {
-    let Some(projection) = project_node(ctx) else {
+    let Some(reduced) = reduce_node(ctx) else {
         ctx.tree.count(|s| s.refuted_by_propagation += 1);
         close_refuted(ctx, &node.path);
         return None;
     };
+    let projection = project_reduced(ctx, reduced);
     let reduced = &projection.reduced;
     let purpose = if node.path.is_empty() { Purpose::Root } else { Purpose::Node };
-    let verdict = match node.path.last() {
-        Some(last) => relax_after(ctx, reduced, purpose, &last),
-        None => relax(ctx, reduced, purpose),
-    };
+    let (verdict, multipliers) = relax_and_keep(ctx, &projection, purpose);
+    ctx.node.multipliers = multipliers.or(ctx.node.multipliers.take());
+    if node.id == 0 {
+        keep_proof(ctx);
+    }
     let (bound, x, y) = match verdict {
         Verdict::Refuted(_) => {
             ctx.tree.count(|s| s.refuted_by_relaxation += 1);

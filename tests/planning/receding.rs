@@ -64,6 +64,9 @@ fn every_plan_costs_what_a_cold_one_does() {
         assert_eq!((next.inputs.len(), next.is_admissible), (10, Some(true)));
     }
     assert_eq!(run.to_csv().lines().count(), 13);
+    let picture = run.to_svg("a cart");
+    assert!(["a cart", "x0", "x1", "u0"].iter().all(|word| picture.contains(word)));
+    assert!(!picture.contains("u1") && !picture.contains("NaN"));
     assert!(run.to_string().starts_with("12 steps: 12 optimal"));
 }
 

@@ -1,5 +1,7 @@
 //! Prepared programs: the same answers as solves from nothing, for any values of the parameters.
 
+use std::time::Duration;
+
 use carom::ErrorKind;
 use carom::prelude::*;
 use carom::solver::TreeSeed;
@@ -273,6 +275,30 @@ fn bounds_with_proofs_of_earlier_solves_are_bounds() {
         }
     }
     assert!(proved > 0);
+}
+
+/// Without time for a relaxation, the multipliers of the last root prove a bound.
+#[test]
+fn a_solve_without_time_has_the_bound_of_the_last_root() {
+    let (mut model, parameters) = horizon(6, [1.0, 0.7], [1.0, 0.2, 0.05]).unwrap();
+    let mut solver = BranchAndBound::default();
+    let mut prepared = solver.prepare(&model).unwrap();
+    let ats = [[2.0, 0.5, 2.5], [1.9, 0.45, 2.45], [1.8, 0.4, 2.4], [1.7, 0.4, 2.3]];
+    for (k, at) in ats.into_iter().enumerate() {
+        let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(at).collect();
+        values.iter().for_each(|&(p, value)| model.set_parameter(p, value).unwrap());
+        let best = enumerated(&model).unwrap();
+        // The first root is relaxed for its cuts.
+        if k > 1 {
+            prepared.options_mut().time_limit = Some(Duration::ZERO);
+            let stopped = prepared.solve(&values, &mut Control::default()).unwrap();
+            let bound = stopped.bound();
+            assert!(bound.is_finite() && bound <= best + 1e-6 * best.abs().max(1.0), "{bound}");
+            prepared.options_mut().time_limit = None;
+        }
+        let found = prepared.solve(&values, &mut Control::default()).unwrap();
+        assert!(found.is_optimal());
+    }
 }
 
 /// A program of two halves that share no row is searched in blocks, prepared or not.

@@ -7,6 +7,7 @@ use web_time::Duration;
 use super::RecedingHorizon;
 use super::step::{Move, MoveSource};
 use crate::error::{Error, check_finite, check_length};
+use crate::picture::{COLOURS, Chart};
 
 /// The record of a controller in a loop with a plant.
 ///
@@ -91,6 +92,37 @@ impl ClosedLoop {
             _ = writeln!(text, ",{},{objective},{nodes},{relaxations},{seconds}", next.source);
         }
         text
+    }
+}
+
+impl ClosedLoop {
+    /// A picture: a chart for each state and each input over the steps, in their units. Inputs that
+    /// come from no plan have a dot.
+    pub fn to_svg(&self, title: &str) -> String {
+        let width = |of: fn(&Move) -> &Vec<f64>| self.moves.first().map_or(0, |m| of(m).len());
+        let chart = |name: String, size: f64| Chart::new("step", name).with_size(720.0, size);
+        let mut charts = Vec::new();
+        for i in 0..self.states.first().map_or(0, Vec::len) {
+            let mut states = chart(format!("x{i}"), 180.0);
+            let values = self.states.iter().map(|state| state[i]).enumerate();
+            states.line("states", COLOURS[0], values.map(|(t, x)| [t as f64, x]));
+            charts.push(states);
+        }
+        for i in 0..width(|m| &m.input) {
+            let mut inputs = chart(format!("u{i}"), 140.0);
+            let at = |t: usize| self.moves[t].input.get(i).copied().unwrap_or(f64::NAN);
+            // An input holds for a whole step.
+            let ends = |t: usize| [[t as f64, at(t)], [t as f64 + 1.0, at(t)]];
+            inputs.line("inputs", COLOURS[1], (0..self.moves.len()).flat_map(ends));
+            let without = |t: &usize| self.moves[*t].states.is_empty();
+            let unplanned: Vec<usize> = (0..self.moves.len()).filter(without).collect();
+            if !unplanned.is_empty() {
+                let dots = unplanned.into_iter().map(|t| [t as f64, at(t)]);
+                inputs.dots("without a plan", "black", 3.0, dots);
+            }
+            charts.push(inputs);
+        }
+        Chart::to_svg(&charts, title)
     }
 }
 

@@ -1,10 +1,9 @@
 //! The column to split, by pseudocosts and strong branching.
 
 use super::split::{Child, RelaxedPoint, Split, both_sides, keep_only};
-use super::strong_branching::{TRIALS, Trial, common, is_closed_by_proof, try_child};
+use super::strong_branching::{TRIALS, Trial, common, try_child};
 use crate::search::context::Context;
 use crate::search::local_bounds::add_facts;
-use crate::search::node::Decision;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
 
 /// Trials of new columns at a node where a disjunction could be split instead, whose sides have had
@@ -69,25 +68,12 @@ pub(super) fn choose_column(
                 }
             }
             idle = if score > most { 0 } else { idle + 1 };
-        } else if let Some(side) = side_left_by_proofs(ctx, j, x[j]) {
-            keep_only(ctx, side, relaxed.bound)?;
-            best.fixed = true;
-            continue;
         }
         if score > most && !ctx.node.domain.is_fixed(j) {
             (most, best.column) = (score, Some((j, tried)));
         }
     }
     Ok(best)
-}
-
-/// The side of a column that is left when proofs of an earlier solve close the other one.
-fn side_left_by_proofs(ctx: &mut Context<'_>, j: usize, value: f64) -> Option<Decision> {
-    let [near, far] = both_sides(&ctx.node.domain, j, value);
-    if is_closed_by_proof(ctx, far) {
-        return Some(near);
-    }
-    is_closed_by_proof(ctx, near).then_some(far)
 }
 
 /// Tries the children of a column.

@@ -120,13 +120,14 @@ fn sides(sides: &[usize], bound: f64, mut tried: BTreeMap<usize, Trial>, closed:
         let mut decisions: Vec<Decision> = sides[..k].iter().map(off).collect();
         decisions.push(on(sides[k]));
         let Some(mut trial) = tried.remove(&sides[k]) else {
-            return Child { decisions, bound, known: None };
+            return Child { decisions, bound, known: None, multipliers: None };
         };
         if let Some(known) = &mut trial.known {
             // The trial did not exclude the sides before it; this one holds without them.
             sides[..k].iter().for_each(|&j| known.point[j] = 0.0);
         }
-        Child { decisions, bound: trial.bound.max(bound), known: trial.known }
+        let Trial { bound: own, known, multipliers, .. } = trial;
+        Child { decisions, bound: own.max(bound), known, multipliers }
     };
     Split { children: (0..sides.len()).map(child).collect(), closed }
 }

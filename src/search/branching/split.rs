@@ -1,10 +1,13 @@
 //! Splits of a node, and what its children inherit.
 
+use std::sync::Arc;
+
 use super::strong_branching::Trial;
 use crate::presolve::Domain;
 use crate::search::context::Context;
 use crate::search::local_bounds::add_facts;
 use crate::search::node::{Decision, Known};
+use crate::search::proofs::Multipliers;
 
 /// The relaxed point of the current node.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +25,8 @@ pub(crate) struct Child {
     pub(crate) decisions: Vec<Decision>,
     pub(crate) bound: f64,
     pub(crate) known: Option<Box<Known>>,
+    /// What its bound was proved by, if that is kept.
+    pub(crate) multipliers: Option<Arc<Multipliers>>,
 }
 
 /// How a node is split.
@@ -40,7 +45,7 @@ impl Split {
 
     /// Two children.
     pub(super) fn both(decisions: [Decision; 2], bound: f64) -> Self {
-        let child = |d| Child { decisions: vec![d], bound, known: None };
+        let child = |d| Child { decisions: vec![d], bound, known: None, multipliers: None };
         Split { children: decisions.map(child).into(), closed: false }
     }
 
@@ -54,21 +59,30 @@ impl Split {
     /// One child; the other side is closed.
     fn only(decision: Decision, bound: f64) -> Self {
         Split {
-            children: vec![Child { decisions: vec![decision], bound, known: None }],
+            children: vec![Child {
+                decisions: vec![decision],
+                bound,
+                known: None,
+                multipliers: None,
+            }],
             closed: true,
         }
     }
 
     /// The same node, with what is now known of its bounds.
     pub(super) fn again(bound: f64) -> Self {
-        Split { children: vec![Child { decisions: Vec::new(), bound, known: None }], closed: true }
+        Split {
+            children: vec![Child { decisions: Vec::new(), bound, known: None, multipliers: None }],
+            closed: true,
+        }
     }
 }
 
 impl Child {
     /// A child that was tried.
     pub(super) fn tried(decision: Decision, trial: Trial, bound: f64) -> Self {
-        Child { decisions: vec![decision], bound: trial.bound.max(bound), known: trial.known }
+        let Trial { bound: own, known, multipliers, .. } = trial;
+        Child { decisions: vec![decision], bound: own.max(bound), known, multipliers }
     }
 }
 

@@ -5,11 +5,14 @@
 //! need not be solved again. Bounds that propagation finds in both children of a column hold in the
 //! parent.
 
+use std::sync::Arc;
+
 use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
 use crate::search::local_bounds::propagate_since;
 use crate::search::node::{Decision, Known};
-use crate::search::node_relaxation::{project_node, relax_after};
+use crate::search::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
+use crate::search::proofs::{End, Multipliers, Proof};
 use crate::search::pseudocosts::Pseudocosts;
 
 /// Trials of new columns at a node.
@@ -26,6 +29,8 @@ pub(super) struct Trial {
     pub(super) known: Option<Box<Known>>,
     /// Bounds of integral columns that propagation moved in the child.
     moved: Vec<Decision>,
+    /// What its bound was proved by, if that is kept.
+    pub(super) multipliers: Option<Arc<Multipliers>>,
 }
 
 /// What holds in both of two children: bounds that both moved, at the weaker of both values.
@@ -59,22 +64,24 @@ pub(super) fn try_child(
     ctx.propagator.set_on_trial(true);
     let propagated = propagate_since(ctx, mark);
     ctx.propagator.set_on_trial(false);
-    let mut point = Vec::new();
-    let verdict = match propagated.ok().and_then(|()| project_node(ctx)) {
-        Some(projection) => {
-            let verdict = relax_after(ctx, &projection.reduced, Purpose::Trial, &decision);
-            if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
-                point = ctx.complete_point(projection.lift(x));
-            }
-            verdict
-        }
-        None => Verdict::Refuted(Vec::new()),
+    let reduced = propagated.ok().and_then(|()| reduce_node(ctx));
+    let Some(reduced) = reduced else {
+        ctx.node.domain.undo_to(mark);
+        close_side(ctx, decision, f64::INFINITY);
+        return None;
     };
+    let projection = project_reduced(ctx, reduced);
+    let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
+    let mut point = Vec::new();
+    if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
+        point = ctx.complete_point(projection.lift(x));
+    }
     let moved = moved_since(ctx, mark, decision.column);
     ctx.node.domain.undo_to(mark);
     match verdict {
         Verdict::Refuted(_) => {
-            ctx.tree.count(|s| s.closed_by_trials += 1);
+            keep_proof(ctx, &decision, multipliers);
+            close_side(ctx, decision, f64::INFINITY);
             None
         }
         Verdict::Relaxed { bound: child, warm, .. } => {
@@ -83,49 +90,38 @@ pub(super) fn try_child(
             pseudocosts.learn(decision.column, !decision.is_upper, gain, fraction);
             let child = ctx.tree.strengthen(child.min(ctx.node.cutoff));
             if child >= ctx.tree.cutoff() {
-                ctx.tree.count(|s| s.closed_by_trials += 1);
-                ctx.tree.close(child);
+                keep_proof(ctx, &decision, multipliers);
+                close_side(ctx, decision, child);
                 return None;
             }
             let known = (!point.is_empty()).then(|| Box::new(Known { point, warm }));
             let gain = if gain.is_finite() { gain } else { 0.0 };
-            Some(Trial { gain, bound: child, known, moved })
+            Some(Trial { gain, bound: child, known, moved, multipliers })
         }
-        Verdict::Stopped | Verdict::Descent => {
-            Some(Trial { gain: 0.0, bound: f64::NEG_INFINITY, known: None, moved })
-        }
+        Verdict::Stopped | Verdict::Descent => Some(Trial {
+            gain: 0.0,
+            bound: f64::NEG_INFINITY,
+            known: None,
+            moved,
+            multipliers: None,
+        }),
     }
 }
 
-/// Whether a child needs no visit, by propagation or by a proof of an earlier solve; no relaxation.
-pub(super) fn is_closed_by_proof(ctx: &mut Context<'_>, decision: Decision) -> bool {
-    let Some(proofs) = ctx.tree.proofs().filter(|proofs| proofs.knows(&decision)) else {
-        return false;
-    };
-    let mark = ctx.node.domain.mark();
-    ctx.node.domain.apply(decision.column, decision.is_upper, decision.value);
-    ctx.propagator.set_on_trial(true);
-    let propagated = propagate_since(ctx, mark);
-    ctx.propagator.set_on_trial(false);
-    let closed = match propagated.ok().and_then(|()| project_node(ctx)) {
-        Some(projection) => {
-            let closed = proofs.close(&projection.reduced, &decision, ctx.tree.cutoff());
-            closed.map(|(verdict, proof)| {
-                ctx.tree.count(|s| s.closed_by_proofs += 1);
-                ctx.tree.keep_proof(|| proof);
-                verdict
-            })
-        }
-        None => Some(Verdict::Refuted(Vec::new())),
-    };
-    ctx.node.domain.undo_to(mark);
-    if let Some(verdict) = &closed {
-        ctx.tree.count(|s| s.closed_by_trials += 1);
-        if let Verdict::Relaxed { bound, .. } = verdict {
-            ctx.tree.close(ctx.tree.strengthen(*bound));
-        }
+/// Keeps what closed a side of the current node.
+fn keep_proof(ctx: &Context<'_>, side: &Decision, multipliers: Option<Arc<Multipliers>>) {
+    if let Some(multipliers) = multipliers {
+        ctx.tree.keep_proof(|| Proof::new(End::Side(ctx.node.id, *side), multipliers));
     }
-    closed.is_some()
+}
+
+/// Books a side of the current node that is closed by a bound, infinite if nothing in it is feasible.
+fn close_side(ctx: &mut Context<'_>, side: Decision, bound: f64) {
+    ctx.tree.count(|s| s.closed_by_trials += 1);
+    ctx.node.closed.push(side);
+    if bound < f64::INFINITY {
+        ctx.tree.close(ctx.tree.strengthen(bound));
+    }
 }
 
 /// The bounds of integral columns other than `except` that moved since a mark, as they are now.

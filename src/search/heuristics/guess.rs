@@ -10,8 +10,8 @@ use crate::search::seed::GuessEnd;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
-/// Most relaxations of a completion.
-const DIVE: usize = 20;
+/// Most relaxations of all completions.
+const DIVE: usize = 12;
 
 /// The shares of a guess, from its beginning, that are tried.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
@@ -23,6 +23,7 @@ pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
     let before = ctx.tree.begin(Heuristic::Guess);
     let mut contradiction = None;
     let mut found = None;
+    let mut left = DIVE;
     for share in SHARES {
         let kept = (share * seed.guess.len() as f64).ceil() as usize;
         let mark = ctx.node.domain.mark();
@@ -32,10 +33,10 @@ pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
             }
         }
         ctx.tree.take_last_found();
-        complete(ctx);
+        complete(ctx, &mut left);
         ctx.node.domain.undo_to(mark);
         found = ctx.tree.take_last_found();
-        if found.is_some() || ctx.token.is_over() {
+        if found.is_some() || left == 0 || ctx.token.is_over() {
             break;
         }
     }
@@ -49,9 +50,10 @@ pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
 }
 
 /// Looks for a point of the present domain: rounds its relaxed point, and dives where that
-/// leads nowhere.
-fn complete(ctx: &mut Context<'_>) {
-    for _ in 0..DIVE {
+/// leads nowhere, with the relaxations that are `left`.
+fn complete(ctx: &mut Context<'_>, left: &mut usize) {
+    while *left > 0 {
+        *left -= 1;
         if ctx.is_leaf() {
             let mark = ctx.node.domain.mark();
             solve_assignment(ctx, mark);

@@ -1,0 +1,309 @@
+//! The root divided as the tree of an earlier solve was.
+//!
+//! The splits of the earlier tree are gone through again, and its inner nodes are not relaxed: a
+//! decision is propagated, and where the earlier tree had closed a node or a side, the multipliers that
+//! closed it are tried on what is there now. Sides that they do not close any more are relaxed, after
+//! all others have been tried, if they cut off the relaxed point of the root: most are closed again, and
+//! what they leave is smaller. Of a subtree with
+//! more than one open end only the top is kept, to be split afresh.
+//!
+//! The parts cover the root whatever the earlier tree was, since a split always leaves a part for what
+//! none of its children has.
+
+use std::sync::Arc;
+
+use super::clock::Activity;
+use super::close_node::{closed_bound, opposite};
+use super::context::Context;
+use super::local_bounds::propagate_since;
+use super::node::{Decision, Node};
+use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
+use super::proofs::{End, Fork, Multipliers, Proof, Proofs, Tried};
+use crate::relaxation::{Purpose, Verdict};
+
+/// Most decisions on a way down.
+const DEPTH: usize = 400;
+
+/// Divides the root along the earlier tree, if there is one and a point to beat. Returns the open
+/// parts, the most promising one first; `None` if the root is as it was.
+///
+/// # Arguments
+///
+/// * `x`: the relaxed point of the root.
+pub(super) fn replay(
+    ctx: &mut Context<'_>,
+    root: &Node,
+    bound: f64,
+    x: &[f64],
+) -> Option<Vec<Node>> {
+    let proofs = ctx.tree.proofs().filter(|proofs| proofs.has_forks())?;
+    let cutoff = ctx.tree.cutoff();
+    if root.id != 0 || cutoff == f64::INFINITY {
+        return None;
+    }
+    ctx.node.cutoff = ctx.propagator.set_cutoff(ctx.program(), cutoff);
+    let whole = |v: &f64| (v - v.round()).abs() <= ctx.options().integrality;
+    let fractional = x.iter().map(|v| !whole(v)).collect();
+    let mut replay = Replay { fractional, ..Replay::default() };
+    let mark = ctx.node.domain.mark();
+    replay.visit(ctx, &proofs, Some(0), (0, bound));
+    ctx.propagator.touch(ctx.node.domain.changed_since(mark));
+    ctx.node.domain.undo_to(mark);
+    let Replay { mut parts, forks, proofs, closed, .. } = replay;
+    if parts.iter().any(|part| part.path.is_empty()) {
+        return None;
+    }
+    ctx.tree.count(|s| s.split += 1);
+    forks.into_iter().for_each(|fork| ctx.tree.keep_fork(|| fork));
+    proofs.into_iter().for_each(|proof| ctx.tree.keep_proof(|| proof));
+    if closed && closed_bound(ctx) < f64::INFINITY {
+        ctx.tree.close(closed_bound(ctx));
+    }
+    parts.sort_by(|a, b| a.bound.total_cmp(&b.bound));
+    let facts = ctx.node.path.get(root.path.len()..).unwrap_or_default();
+    let base = ctx.tree.path_with(&root.path, facts);
+    let node_of = |Part { path, bound, id, multipliers }: Part| {
+        let path = ctx.tree.path_with(&base, &path);
+        Node { path, bound, id, multipliers, warm: ctx.node.warm.clone(), ..Node::root() }
+    };
+    Some(parts.into_iter().map(node_of).collect())
+}
+
+/// What has become of the root so far.
+#[derive(Default)]
+struct Replay {
+    /// The decisions that lead to the part in hand, from the root on.
+    path: Vec<Decision>,
+    /// Open parts.
+    parts: Vec<Part>,
+    /// The tree as it is now, and what closed its ends.
+    forks: Vec<Fork>,
+    proofs: Vec<Proof>,
+    /// Whether anything was closed.
+    closed: bool,
+    /// By column: whether it is fractional at the root.
+    fractional: Vec<bool>,
+}
+
+/// An open part.
+struct Part {
+    path: Vec<Decision>,
+    bound: f64,
+    id: u32,
+    multipliers: Option<Arc<Multipliers>>,
+}
+
+impl Replay {
+    /// Goes through what was below a node of the earlier tree, at the domain.
+    ///
+    /// # Arguments
+    ///
+    /// * `earlier`: the node's name in the earlier tree, if it was there; `id`: its name now.
+    fn visit(
+        &mut self,
+        ctx: &mut Context<'_>,
+        proofs: &Proofs,
+        earlier: Option<u32>,
+        (id, bound): (u32, f64),
+    ) {
+        let (length, open) = (self.path.len(), self.parts.len());
+        let mut fork = Fork { id, ..Fork::default() };
+        let Some(top) = self.go_down(ctx, proofs, earlier, bound, &mut fork) else {
+            self.closed = true;
+            self.path.truncate(length);
+            self.forks.push(fork);
+            return;
+        };
+        if self.parts.len() > open + 1 {
+            self.parts.truncate(open);
+            (fork.chain, fork.rest) = (Vec::new(), None);
+            let (path, multipliers) = (self.path[..top].to_vec(), ctx.node.multipliers.clone());
+            self.parts.push(Part { path, bound, id, multipliers });
+        }
+        self.path.truncate(length);
+        self.forks.push(fork);
+    }
+
+    /// The same. Returns the length of the path to the node with all that sides have decided; `None` if
+    /// nothing is left of the node.
+    fn go_down(
+        &mut self,
+        ctx: &mut Context<'_>,
+        proofs: &Proofs,
+        mut earlier: Option<u32>,
+        bound: f64,
+        fork: &mut Fork,
+    ) -> Option<usize> {
+        loop {
+            let split = earlier.and_then(|node| Some((node, proofs.fork(node)?)));
+            let Some((node, split)) =
+                split.filter(|_| self.path.len() < DEPTH && !ctx.token.is_over())
+            else {
+                return self.end(ctx, proofs, earlier, (fork.id, bound));
+            };
+            self.close_sides(ctx, proofs, (node, &split.closed), fork)?;
+            let (top, mut next) = (self.path.len(), split.rest);
+            for &(decision, child) in &split.chain {
+                match Stand::of(ctx, &decision) {
+                    Stand::Holds => {
+                        next = Some(child);
+                        break;
+                    }
+                    Stand::Fails => {}
+                    Stand::Open => {
+                        let id = ctx.tree.new_id();
+                        fork.chain.push((decision, id));
+                        let (mark, length) = (ctx.node.domain.mark(), self.path.len());
+                        if self.add(ctx, decision) {
+                            self.visit(ctx, proofs, Some(child), (id, bound));
+                        } else {
+                            self.closed = true;
+                        }
+                        self.path.truncate(length);
+                        ctx.node.domain.undo_to(mark);
+                        if !self.add(ctx, opposite(decision)) {
+                            self.closed = true;
+                            return Some(top);
+                        }
+                    }
+                }
+            }
+            if !fork.chain.is_empty() {
+                let id = ctx.tree.new_id();
+                fork.rest = Some(id);
+                self.visit(ctx, proofs, next, (id, bound));
+                return Some(top);
+            }
+            if next.is_none() {
+                return self.end(ctx, proofs, None, (fork.id, bound));
+            }
+            earlier = next;
+        }
+    }
+
+    /// An end of the earlier tree; `None` if it is still one.
+    fn end(
+        &mut self,
+        ctx: &mut Context<'_>,
+        proofs: &Proofs,
+        earlier: Option<u32>,
+        (id, mut bound): (u32, f64),
+    ) -> Option<usize> {
+        let mut multipliers = ctx.node.multipliers.clone();
+        let proof = earlier.and_then(|node| proofs.of(End::Node(node)));
+        match self.retry(ctx, proof, End::Node(id)) {
+            Tried::Closed => return None,
+            Tried::Bound(proved) if proved > bound => {
+                (bound, multipliers) = (proved, proof.cloned());
+            }
+            _ => {}
+        }
+        self.parts.push(Part { path: self.path.clone(), bound, id, multipliers });
+        Some(self.path.len())
+    }
+
+    /// Closes the sides that were closed, by what closed them or by relaxations; `None` if that leaves
+    /// nothing of the node.
+    fn close_sides(
+        &mut self,
+        ctx: &mut Context<'_>,
+        proofs: &Proofs,
+        (node, sides): (u32, &[Decision]),
+        fork: &mut Fork,
+    ) -> Option<()> {
+        let mut left: Vec<Decision> = sides.to_vec();
+        for relaxes in [false, true] {
+            for side in std::mem::take(&mut left) {
+                if !matches!(Stand::of(ctx, &side), Stand::Open) || ctx.token.is_over() {
+                    continue;
+                }
+                let mark = ctx.node.domain.mark();
+                ctx.node.domain.apply(side.column, side.is_upper, side.value);
+                let closes = propagate_since(ctx, mark).is_err() || {
+                    let (proof, now) = (proofs.of(End::Side(node, side)), End::Side(fork.id, side));
+                    let tried = self.retry(ctx, proof, now);
+                    matches!(tried, Tried::Closed)
+                        || (relaxes && self.fractional[side.column] && self.relax(ctx, now))
+                };
+                ctx.node.domain.undo_to(mark);
+                if !closes {
+                    left.push(side);
+                    continue;
+                }
+                self.closed = true;
+                fork.closed.push(side);
+                if !self.add(ctx, opposite(side)) {
+                    return None;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// Tries a proof on the domain, and keeps it if it holds.
+    fn retry(
+        &mut self,
+        ctx: &mut Context<'_>,
+        proof: Option<&Arc<Multipliers>>,
+        end: End,
+    ) -> Tried {
+        let Some(multipliers) = proof else { return Tried::Nothing };
+        let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
+        let activity = ctx.clock.switch(Activity::Proof);
+        let tried = multipliers.prove(&reduced, ctx.tree.cutoff());
+        ctx.clock.switch(activity);
+        if let Tried::Closed = tried {
+            ctx.tree.count(|s| s.closed_by_proofs += 1);
+            self.proofs.push(Proof::new(end, multipliers.clone()));
+        }
+        tried
+    }
+
+    /// Whether the relaxation of the domain closes it; then its multipliers are kept.
+    fn relax(&mut self, ctx: &mut Context<'_>, end: End) -> bool {
+        let Some(reduced) = reduce_node(ctx) else { return true };
+        let projection = project_reduced(ctx, reduced);
+        let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
+        let closes = match verdict {
+            Verdict::Refuted(_) => true,
+            Verdict::Relaxed { bound, .. } => ctx.tree.strengthen(bound) >= ctx.tree.cutoff(),
+            Verdict::Stopped | Verdict::Descent => false,
+        };
+        if closes {
+            ctx.tree.count(|s| s.closed_by_trials += 1);
+            self.proofs.extend(multipliers.map(|multipliers| Proof::new(end, multipliers)));
+        }
+        closes
+    }
+
+    /// Adds a decision to the path and the domain; `false` if that is a contradiction.
+    fn add(&mut self, ctx: &mut Context<'_>, decision: Decision) -> bool {
+        let mark = ctx.node.domain.mark();
+        if ctx.node.apply_if_news(&decision) {
+            self.path.push(decision);
+        }
+        propagate_since(ctx, mark).is_ok()
+    }
+}
+
+/// How a decision stands to the domain.
+enum Stand {
+    Holds,
+    Fails,
+    Open,
+}
+
+impl Stand {
+    fn of(ctx: &Context<'_>, decision: &Decision) -> Self {
+        let [lower, upper] = ctx.node.domain.bounds(decision.column);
+        let (holds, fails) = match decision.is_upper {
+            true => (upper <= decision.value, lower > decision.value),
+            false => (lower >= decision.value, upper < decision.value),
+        };
+        match (holds, fails) {
+            (true, _) => Stand::Holds,
+            (_, true) => Stand::Fails,
+            _ => Stand::Open,
+        }
+    }
+}
