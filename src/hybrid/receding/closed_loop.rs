@@ -104,7 +104,11 @@ impl ClosedLoop {
         let mut charts = Vec::new();
         for i in 0..self.states.first().map_or(0, Vec::len) {
             let mut states = chart(format!("x{i}"), 180.0);
-            let values = self.states.iter().map(|state| state[i]).enumerate();
+            let values = self
+                .states
+                .iter()
+                .map(|state| state.get(i).copied().unwrap_or(f64::NAN))
+                .enumerate();
             states.line("states", COLOURS[0], values.map(|(t, x)| [t as f64, x]));
             charts.push(states);
         }
