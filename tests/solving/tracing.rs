@@ -66,6 +66,9 @@ fn a_solve_is_a_tree_of_spans() {
             v.iter().enumerate().map(|(k, v)| (weight(k) + 0.1 * k as f64) * v).sum::<Affine>(),
         )
         .unwrap();
+    // All places must be known before the collector is: one that another test's thread reaches first
+    // while it exists is switched off for good.
+    BranchAndBound::default().solve(&model).unwrap();
     let collector = Collector::default();
     let solution = tracing::subscriber::with_default(collector.clone(), || {
         BranchAndBound::default().solve(&model).unwrap()
