@@ -68,7 +68,7 @@ fn a_solve_is_a_tree_of_spans() {
         .unwrap();
     // All places must be known before the collector is: one that another test's thread reaches first
     // while it exists is switched off for good.
-    BranchAndBound::default().solve(&model).unwrap();
+    assert!(BranchAndBound::default().solve(&model).unwrap().is_optimal());
     let collector = Collector::default();
     let solution = tracing::subscriber::with_default(collector.clone(), || {
         BranchAndBound::default().solve(&model).unwrap()
