@@ -80,9 +80,10 @@ fn attempts(purpose: Purpose) -> &'static [Attempt] {
     }
 }
 
-/// A method and where it is counted.
+/// A method, where it is counted, and for what it is given the parent's state.
 struct Entry {
     method: Box<dyn Relaxation>,
+    starts_warm: fn(Purpose) -> bool,
     count: fn(&mut RelaxationCounts) -> &mut u64,
 }
 
@@ -91,10 +92,14 @@ impl Entry {
         match method {
             RelaxationMethod::ActiveSet | RelaxationMethod::InteriorPoint => Entry {
                 method: Box::new(InteriorPoint::new()),
+                // Its point is deeper inside the face of optima if it starts from nothing, which matters
+                // where the search goes on from it.
+                starts_warm: |purpose| matches!(purpose, Purpose::Trial | Purpose::Separation),
                 count: |counts| &mut counts.interior_point,
             },
             RelaxationMethod::Clarabel => Entry {
                 method: Box::new(ClarabelRelaxation::new()),
+                starts_warm: |_| true,
                 count: |counts| &mut counts.clarabel,
             },
         }
@@ -183,14 +188,19 @@ impl Ladder {
             }
             _ => Vec::new(),
         };
-        let entry = |method| Entry { method, count: |counts| &mut counts.active_set };
+        let entry = |method| Entry {
+            method,
+            starts_warm: |_| true,
+            count: |counts| &mut counts.active_set,
+        };
         let warm = methods.into_iter().map(entry).collect();
         Ladder { warm, first: Entry::of(choice), last, spent: Spent::default() }
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
-        let first = Entry { method, count: |counts| &mut counts.interior_point };
+        let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
+        let first = Entry { method, starts_warm: |_| true, count };
         Ladder { warm: Vec::new(), first, last: None, spent: Spent::default() }
     }
 
@@ -232,7 +242,7 @@ impl Ladder {
         (who, iterations, tolerance, refinements): Attempt,
         program: &Reduced,
         (cutoff, token): (f64, &StopToken),
-        (warm_method, warm): (Option<usize>, Option<&WarmState>),
+        (warm_method, (purpose, warm)): (Option<usize>, (Purpose, Option<&WarmState>)),
     ) -> RelaxationResult {
         let entry = match who {
             Warm => warm_method.map(|k| &mut self.warm[k]),
@@ -240,6 +250,7 @@ impl Ladder {
             Last => self.last.as_mut(),
         };
         let entry = entry.unwrap_or(&mut self.first);
+        let warm = warm.filter(|_| (entry.starts_warm)(purpose));
         let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm };
         let began = Instant::now();
         let result = entry.method.solve(program, &effort);
@@ -257,7 +268,7 @@ impl Ladder {
         token: &StopToken,
     ) -> RelaxationResult {
         let first = self.attempts(purpose, None)[0];
-        self.ask(first, program, (f64::INFINITY, token), (None, None))
+        self.ask(first, program, (f64::INFINITY, token), (None, (purpose, None)))
     }
 
     /// Solves a program with one attempt of a purpose after the other until a result is accepted.
@@ -269,7 +280,8 @@ impl Ladder {
         mut accept: impl FnMut(RelaxationResult) -> Option<T>,
     ) -> Option<T> {
         let mut attempts = self.attempts(purpose, None).iter().copied();
-        let mut ask = |attempt| self.ask(attempt, program, (f64::INFINITY, token), (None, None));
+        let none = (None, (purpose, None));
+        let mut ask = |attempt| self.ask(attempt, program, (f64::INFINITY, token), none);
         attempts.find_map(|attempt| accept(ask(attempt)))
     }
 
@@ -286,7 +298,8 @@ impl Ladder {
         let all = self.attempts(question.purpose, warm);
         let mut at = 0;
         while let Some(&attempt) = all.get(at) {
-            let result = self.ask(attempt, program, (known.cutoff, token), (warm, question.warm));
+            let state = (question.purpose, question.warm);
+            let result = self.ask(attempt, program, (known.cutoff, token), (warm, state));
             if result.claim == Claim::Unknown && token.is_over() {
                 return Verdict::Stopped;
             }
