@@ -12,8 +12,8 @@ use carom::solver::TreeSeed;
 
 fn shared<T: Send + Sync>() {}
 
-#[test]
-fn what_users_hold_is_send_and_sync() {
+/// Does not compile where one of them is not.
+const _: fn() = || {
     shared::<Model>();
     shared::<Solution>();
     shared::<Pool>();
@@ -32,4 +32,23 @@ fn what_users_hold_is_send_and_sync() {
     shared::<Scenario>();
     shared::<Plan>();
     shared::<ShortestPlan>();
+};
+
+/// A model that two threads solve at once, and a solution that they both read.
+#[test]
+fn models_and_solutions_are_shared_between_threads() {
+    let mut model = Model::new("shared");
+    let x = model.integer("x", 0.0, 10.0).unwrap();
+    model.add("odd", (2.0 * x).within(3.0, 9.0)).unwrap();
+    model.maximize(x).unwrap();
+    let first = BranchAndBound::default().solve(&model).unwrap();
+    std::thread::scope(|scope| {
+        let same = || {
+            let own = BranchAndBound::default().solve(&model).unwrap();
+            (own.value(x).unwrap(), first.value(x).unwrap())
+        };
+        for thread in [scope.spawn(same), scope.spawn(same)] {
+            assert_eq!(thread.join().unwrap(), (4.0, 4.0));
+        }
+    });
 }

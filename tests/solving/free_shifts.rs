@@ -123,6 +123,12 @@ fn matrix(n: usize) -> impl Strategy<Value = Vec<Vec<f64>>> {
     prop::collection::vec(prop::collection::vec(entry, n), n)
 }
 
+/// Times of so many jobs, and of the changes between them.
+fn jobs(n: usize) -> impl Strategy<Value = (Vec<f64>, Vec<Vec<f64>>)> {
+    let time = (1..=40_i32).prop_map(|v| f64::from(v) * 0.25);
+    (prop::collection::vec(time, n), matrix(n))
+}
+
 /// Ranges that hold a shift of everything that `0..=width` holds.
 fn ranges(width: f64) -> impl Strategy<Value = (f64, f64)> {
     let at = (-1_000_000..=1_000_000_i32).prop_map(f64::from);
@@ -147,10 +153,8 @@ proptest! {
 
     #[test]
     fn schedules(
-        (times, changes, (lower, upper)) in (2..=4_usize).prop_flat_map(|n| {
-            let times = prop::collection::vec((1..=40_i32).prop_map(|v| f64::from(v) * 0.25), n);
-            (times, matrix(n), ranges(1000.0))
-        })
+        (times, changes) in (2..=4_usize).prop_flat_map(jobs),
+        (lower, upper) in ranges(1000.0),
     ) {
         let model = schedule(&times, &changes, lower, upper);
         let solution = BranchAndBound::default().solve(&model).unwrap();

@@ -104,7 +104,12 @@ proptest! {
                 control = control.with_seed(&guess);
             }
             let warm = prepared.solve(&values, &mut control).unwrap();
-            agree(&cold.solve(&model).unwrap(), &warm);
+            let one = cold.solve(&model).unwrap();
+            agree(&one, &warm);
+            if let Some(least) = one.objective() {
+                let most = least + 3e-6 * least.abs().max(1.0);
+                prop_assert!(warm.bound() <= most, "{} is no bound of {least}", warm.bound());
+            }
             let integers = model.variables().filter(|v| v.kind().is_integral()).map(|v| v.id());
             guess = TreeSeed::of(&warm, integers);
             if shifted {

@@ -93,9 +93,7 @@ impl ClosedLoop {
         }
         text
     }
-}
 
-impl ClosedLoop {
     /// A picture: a chart for each state and each input over the steps, in their units. Inputs that
     /// come from no plan have a dot.
     pub fn to_svg(&self, title: &str) -> String {

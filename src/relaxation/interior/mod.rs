@@ -57,7 +57,7 @@ impl Relaxation for InteriorPoint {
         let scaled = &run.scaled;
         let Some(mut kkt) = Kkt::new(scaled, effort.token) else { return run.nothing(0) };
         let mut at = Iterate::start(scaled);
-        let linear = scaled.quadratic.index.is_empty();
+        let linear = run.is_linear();
         let mut spent = 0;
         let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
         if let Some(parent) = parent {
@@ -86,6 +86,10 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
+    fn is_linear(&self) -> bool {
+        self.scaled.quadratic.index.is_empty()
+    }
+
     fn nothing(&self, iterations: u32) -> RelaxationResult {
         RelaxationResult {
             claim: Claim::Unknown,
@@ -111,28 +115,21 @@ impl Run<'_> {
         let (mut stuck, mut iterations) = (0, 0);
         // A step removes its length's part of the residuals.
         let mut left = 1.0;
-        let (mut nearly, mut kept) = (None, Kept::default());
+        let (mut solved, mut kept) = (None, Kept::default());
         while iterations < effort.iterations {
             at.measure(scaled);
             if !at.is_finite() {
                 return self.nothing(iterations);
             }
-            if !scaled.quadratic.index.is_empty() {
+            if !self.is_linear() {
                 kept.update(at);
             }
             match self.judge(at, iterations) {
                 Some((Claim::Solved, exactly)) => {
-                    let mut solved = self.answer(Claim::Solved, at, iterations);
-                    if self.program.is_feasibility_problem() {
-                        solved.y.fill(0.0);
-                    }
-                    if !scaled.quadratic.index.is_empty() {
-                        solved.warm = Some(WarmState::new(kept.state(self.program, scaled)));
-                    }
+                    solved = Some(self.answer(Claim::Solved, at, iterations));
                     if exactly {
-                        return solved;
+                        break;
                     }
-                    nearly = Some(solved);
                 }
                 Some((claim, _)) => return self.answer(claim, at, iterations),
                 None => {}
@@ -150,7 +147,16 @@ impl Run<'_> {
                 break;
             }
         }
-        nearly.unwrap_or_else(|| self.answer(Claim::Unknown, at, iterations))
+        let Some(mut solved) = solved else {
+            return self.answer(Claim::Unknown, at, iterations);
+        };
+        if self.program.is_feasibility_problem() {
+            solved.y.fill(0.0);
+        }
+        if !self.is_linear() {
+            solved.warm = Some(WarmState::new(kept.state(self.program, scaled)));
+        }
+        solved
     }
 
     /// What a measured iterate shows, and whether that is all that was asked for.
