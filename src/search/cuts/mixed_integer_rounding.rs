@@ -3,10 +3,9 @@
 //! A row is an equality with a slack. Continuous columns far from their bounds are eliminated with
 //! further rows, up to a few; each aggregate is rounded in both directions (`rounding`).
 
-use std::collections::BTreeMap;
-
-use super::cut::{Cut, reach};
-use super::rounding::{Substitutes, round};
+use super::cut::Cut;
+use super::rounding::{Aggregate, round};
+use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -26,17 +25,6 @@ const NEAR: f64 = 1e-6;
 /// Accuracy to which the coefficients of a row are taken to be known, relative to its largest.
 const ACCURACY: f64 = 1e-10;
 
-/// An aggregate `sum of terms = right side`; terms past the columns are slacks of rows.
-#[derive(Debug, Clone)]
-pub(super) struct Aggregate {
-    pub(super) terms: BTreeMap<usize, f64>,
-    pub(super) right: f64,
-    /// How accurately the coefficients are known: rows that nearly cancel leave little else.
-    pub(super) noise: f64,
-    /// The sum over its rows of the largest magnitude of a term or side, with what has cancelled.
-    pub(super) size: f64,
-}
-
 /// Cuts by rounding that a point violates, from aggregates of at most `rows` rows.
 pub fn mixed_integer_rounding_cuts(
     program: &Program,
@@ -45,24 +33,22 @@ pub fn mixed_integer_rounding_cuts(
     rows: usize,
     token: &StopToken,
 ) -> Vec<Cut> {
-    let substitutes = Substitutes::new(program, domain, x);
+    let point = &SeparatedPoint::new(program, domain, x);
     let mut cuts = Vec::new();
     for start in (0..program.row_count()).take(STARTS) {
-        let Some(mut aggregate) = equality(program, domain, start, x) else { continue };
+        let Some(mut aggregate) = equality(point, start) else { continue };
         let mut used = vec![start];
         loop {
             if token.spend(100 * aggregate.terms.len()) {
                 return cuts;
             }
-            cuts.extend(best_rounding(program, domain, x, &substitutes, &aggregate));
+            cuts.extend(best_rounding(point, &aggregate));
             if used.len() >= rows || aggregate.terms.len() > LONGEST {
                 break;
             }
-            let Some((column, row)) = next(program, &substitutes, &aggregate, x, &used) else {
-                break;
-            };
-            let Some(other) = equality(program, domain, row, x) else { break };
-            eliminate(&mut aggregate, column, other);
+            let Some((column, row)) = next(point, &aggregate, &used) else { break };
+            let Some(other) = equality(point, row) else { break };
+            eliminate(&mut aggregate, column, &other);
             used.push(row);
         }
     }
@@ -70,63 +56,45 @@ pub fn mixed_integer_rounding_cuts(
 }
 
 /// A row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer.
-fn equality(program: &Program, domain: &Domain, row: usize, x: &[f64]) -> Option<Aggregate> {
+fn equality(point: &SeparatedPoint<'_>, row: usize) -> Option<Aggregate> {
+    let program = point.program;
     let (columns, values) = program.row(row);
     let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
     if columns.is_empty() || (lower.is_infinite() && upper.is_infinite()) {
         return None;
     }
-    let sign = slack_sign(program, row, x);
-    let terms = columns.iter().zip(values).map(|(&j, &a)| (j, sign * a));
-    let mut terms: BTreeMap<usize, f64> = terms.collect();
+    let sign = point.slack_sign(row);
+    let mut terms = Vec::with_capacity(columns.len() + 1);
+    terms.extend(columns.iter().zip(values).map(|(&j, &a)| (j, sign * a)));
     if lower != upper {
-        terms.insert(program.column_count() + row, 1.0);
+        terms.push((program.column_count() + row, 1.0));
     }
     let noise = ACCURACY * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
     let right = if sign > 0.0 { upper } else { -lower };
-    let reaches =
-        columns.iter().zip(values).map(|(&j, a)| a.abs() * reach(domain, j).max(x[j].abs()));
+    let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
     let size = reaches.fold(right.abs(), f64::max);
     Some(Aggregate { terms, right, noise, size })
 }
 
-/// Which side of a row its slack is measured from: `1` for the upper one.
-pub(super) fn slack_sign(program: &Program, row: usize, x: &[f64]) -> f64 {
-    let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
-    let activity = program.activity(row, x);
-    if upper - activity <= activity - lower { 1.0 } else { -1.0 }
-}
-
 /// The better of the roundings of an aggregate and of its negative.
-fn best_rounding(
-    program: &Program,
-    domain: &Domain,
-    x: &[f64],
-    substitutes: &Substitutes,
-    aggregate: &Aggregate,
-) -> Option<Cut> {
-    let rounded = [1.0, -1.0].into_iter().filter_map(|sign| {
-        let terms = aggregate.terms.iter().map(|(&k, a)| (k, sign * a)).collect();
-        let one = Aggregate { terms, right: sign * aggregate.right, ..*aggregate };
-        round(program, domain, x, substitutes, &one)
-    });
-    rounded.max_by(|a, b| a.depth(x).total_cmp(&b.depth(x)))
+fn best_rounding(point: &SeparatedPoint<'_>, aggregate: &Aggregate) -> Option<Cut> {
+    let rounded = [1.0, -1.0].into_iter().filter_map(|sign| round(point, aggregate, sign));
+    rounded.max_by(|a, b| a.depth(point.x).total_cmp(&b.depth(point.x)))
 }
 
 /// The continuous column to eliminate, and the row to do it with.
 fn next(
-    program: &Program,
-    substitutes: &Substitutes,
+    point: &SeparatedPoint<'_>,
     aggregate: &Aggregate,
-    x: &[f64],
     used: &[usize],
 ) -> Option<(usize, usize)> {
+    let program = point.program;
     let n = program.column_count();
     let mut open: Vec<(usize, f64)> = aggregate
         .terms
-        .keys()
-        .filter(|&&j| j < n && !program.integral[j])
-        .map(|&j| (j, substitutes.distance(j)))
+        .iter()
+        .filter(|&&(j, _)| j < n && !program.integral[j])
+        .map(|&(j, _)| (j, point.distance(j)))
         .filter(|(_, distance)| *distance > NEAR)
         .collect();
     open.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -134,8 +102,8 @@ fn next(
         let rows = program.column(column).0.iter().copied();
         let fit = rows.filter(|row| !used.contains(row) && is_fit(program, *row));
         let best = fit.min_by(|&a, &b| {
-            let slack = |row| slack(program, row, x);
             let length = |row: usize| program.row(row).0.len();
+            let slack = |row| slack(point, row);
             slack(a).total_cmp(&slack(b)).then(length(a).cmp(&length(b))).then(a.cmp(&b))
         });
         best.map(|row| (column, row))
@@ -151,28 +119,39 @@ fn is_fit(program: &Program, row: usize) -> bool {
     limited && !variable_bound
 }
 
-/// The slack of a row at a point; slight ones count as none.
-fn slack(program: &Program, row: usize, x: &[f64]) -> f64 {
-    let activity = program.activity(row, x);
-    let slack = (program.row_upper[row] - activity).min(activity - program.row_lower[row]);
+/// The slack of a row at the point; slight ones count as none.
+fn slack(point: &SeparatedPoint<'_>, row: usize) -> f64 {
+    let slack = point.slack(row);
     if slack <= NEAR { 0.0 } else { slack }
 }
 
-fn eliminate(aggregate: &mut Aggregate, column: usize, other: Aggregate) {
-    let (Some(&a), Some(&b)) = (aggregate.terms.get(&column), other.terms.get(&column)) else {
-        return;
+/// Eliminates a column of an aggregate with another one.
+fn eliminate(aggregate: &mut Aggregate, column: usize, other: &Aggregate) {
+    let coefficient = |of: &Aggregate| {
+        let place = of.terms.binary_search_by_key(&column, |&(key, _)| key);
+        place.ok().map(|place| of.terms[place].1)
     };
+    let (Some(a), Some(b)) = (coefficient(aggregate), coefficient(other)) else { return };
     let factor = -a / b;
-    for (k, value) in other.terms {
-        let entry = aggregate.terms.entry(k).or_insert(0.0);
-        let size = entry.abs().max((factor * value).abs());
-        *entry += factor * value;
-        if entry.abs() <= 1e-12 * size {
-            aggregate.terms.remove(&k);
+    let mut sum = Vec::with_capacity(aggregate.terms.len() + other.terms.len());
+    let (mut own, mut more) = (aggregate.terms.iter().peekable(), other.terms.iter().peekable());
+    while let Some(key) = smaller(own.peek(), more.peek()) {
+        let old = own.next_if(|term| term.0 == key).map_or(0.0, |term| term.1);
+        let new = more.next_if(|term| term.0 == key).map_or(0.0, |term| factor * term.1);
+        let total = old + new;
+        // What is left of two terms that cancel is rounding.
+        let cancelled = new != 0.0 && total.abs() <= 1e-12 * old.abs().max(new.abs());
+        if key != column && !cancelled {
+            sum.push((key, total));
         }
     }
-    aggregate.terms.remove(&column);
+    aggregate.terms = sum;
     aggregate.right += factor * other.right;
     aggregate.noise += factor.abs() * other.noise;
     aggregate.size += factor.abs() * other.size;
+}
+
+/// The smaller key of two terms.
+fn smaller(a: Option<&&(usize, f64)>, b: Option<&&(usize, f64)>) -> Option<usize> {
+    a.into_iter().chain(b).map(|term| term.0).min()
 }

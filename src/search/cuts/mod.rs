@@ -6,6 +6,7 @@
 mod cut;
 mod mixed_integer_rounding;
 mod rounding;
+mod separated_point;
 
 pub use cut::Cut;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};

@@ -8,9 +8,8 @@
 use std::collections::BTreeMap;
 
 use super::cut::{Cut, reach};
-use super::mixed_integer_rounding::{Aggregate, slack_sign};
+use super::separated_point::{From, SeparatedPoint};
 use crate::presolve::Domain;
-use crate::program::Program;
 
 /// Fractions of the right side that are rounded.
 const FRACTIONS: std::ops::RangeInclusive<f64> = 0.02..=0.98;
@@ -26,90 +25,6 @@ const FLIPS: usize = 12;
 
 /// The part of an aggregate's size that counts for the margin of its cut: rounding, and no more.
 const SUMMED: f64 = 1e-3;
-
-/// A column measured from somewhere: `t = sign * (x - constant - slope * x_binary)`.
-#[derive(Debug, Clone, Copy)]
-struct From {
-    sign: f64,
-    constant: f64,
-    slope: f64,
-    binary: usize,
-    /// `t` at the point.
-    value: f64,
-}
-
-/// Where each continuous column can be measured from.
-pub(super) struct Substitutes {
-    /// By column, the nearest simple bound and the nearest variable one.
-    simple: Vec<Option<From>>,
-    variable: Vec<Option<From>>,
-}
-
-impl Substitutes {
-    /// For a point.
-    pub(super) fn new(program: &Program, domain: &Domain, x: &[f64]) -> Self {
-        let n = program.column_count();
-        let (mut simple, mut variable) = (vec![None; n], vec![None; n]);
-        let offer = |from: &mut Option<From>, new: From| {
-            if new.constant.is_finite()
-                && new.slope.is_finite()
-                && from.is_none_or(|old| new.value < old.value)
-            {
-                *from = Some(new);
-            }
-        };
-        for row in 0..program.row_count() {
-            let (&[p, q], &[a, b]) = program.row(row) else { continue };
-            for (j, a, z, b) in [(p, a, q, b), (q, b, p, a)] {
-                if program.integral[j] || !program.integral[z] || domain.is_fixed(z) {
-                    continue;
-                }
-                // a x + b z within limits: x = limit / a - (b / a) z is a bound.
-                let limits = [program.row_lower[row], program.row_upper[row]];
-                for (limit, upper) in [(limits[0], a < 0.0), (limits[1], a > 0.0)] {
-                    let sign = if upper { -1.0 } else { 1.0 };
-                    let (constant, slope) = (limit / a, -b / a);
-                    let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
-                    offer(&mut variable[j], From { sign, constant, slope, binary: z, value });
-                }
-            }
-        }
-        for j in (0..n).filter(|&j| !program.integral[j]) {
-            for (constant, sign) in [(domain.lower(j), 1.0), (domain.upper(j), -1.0)] {
-                let value = (sign * (x[j] - constant)).max(0.0);
-                offer(&mut simple[j], From { sign, constant, slope: 0.0, binary: 0, value });
-            }
-        }
-        Substitutes { simple, variable }
-    }
-
-    /// The nearest bound of a continuous column; a variable one wins a tie.
-    fn nearest(&self, column: usize) -> Option<From> {
-        match (self.simple[column], self.variable[column]) {
-            (Some(simple), Some(variable)) if simple.value < variable.value => Some(simple),
-            (simple, variable) => variable.or(simple),
-        }
-    }
-
-    /// How far a continuous column is from what it is measured from; infinite for a free one.
-    pub(super) fn distance(&self, column: usize) -> f64 {
-        self.nearest(column).map_or(f64::INFINITY, |from| from.value)
-    }
-
-    /// The one of a column's bounds that makes the rounding of a term `a x` deeper.
-    fn deeper(&self, column: usize, a: f64, divisor: f64, f: f64, x: &[f64]) -> Option<From> {
-        let (Some(simple), Some(variable)) = (self.simple[column], self.variable[column]) else {
-            return self.nearest(column);
-        };
-        // Without their constants, which are mostly the same.
-        let term = |from: From| {
-            let rest = (a * from.sign).min(0.0) / (divisor * (1.0 - f)) * from.value;
-            let whole = if from.slope == 0.0 { 0.0 } else { rounded(a * from.slope / divisor, f) };
-            rest + whole * x[from.binary]
-        };
-        Some(if term(variable) >= term(simple) { variable } else { simple })
-    }
-}
 
 /// A whole column measured from a bound.
 #[derive(Debug, Clone, Copy)]
@@ -142,30 +57,36 @@ struct Trial {
     depth: f64,
 }
 
-/// The best rounding of `aggregate <= right side` that the point violates.
-pub(super) fn round(
-    program: &Program,
-    domain: &Domain,
-    x: &[f64],
-    substitutes: &Substitutes,
-    aggregate: &Aggregate,
-) -> Option<Cut> {
-    let n = program.column_count();
+/// An aggregate `sum of terms = right side`; terms past the columns are slacks of rows.
+#[derive(Debug, Clone)]
+pub(super) struct Aggregate {
+    /// By key.
+    pub(super) terms: Vec<(usize, f64)>,
+    pub(super) right: f64,
+    /// How accurately the coefficients are known: rows that nearly cancel leave little else.
+    pub(super) noise: f64,
+    /// The sum over its rows of the largest magnitude of a term or side, with what has cancelled.
+    pub(super) size: f64,
+}
+
+/// The best rounding of `sign * aggregate <= sign * right side` that the point violates.
+pub(super) fn round(point: &SeparatedPoint<'_>, aggregate: &Aggregate, sign: f64) -> Option<Cut> {
+    let n = point.program.column_count();
     let measure = |pick: &dyn Fn(usize, f64) -> Option<From>| {
-        divide(base(program, domain, x, pick, aggregate)?, aggregate.noise)
+        divide(base(point, pick, aggregate, sign)?, aggregate.noise)
     };
-    let mut best = measure(&|j, _| substitutes.nearest(j));
+    let mut best = measure(&|j, _| point.nearest(j));
     // A column may be far below its variable bound because this is wide, and the rounding makes it
     // narrow: all variable bounds, and then those of them that pay.
-    let hidden = |&j: &usize| {
-        let Some(from) = (j < n).then(|| substitutes.variable[j]).flatten() else { return false };
-        substitutes.nearest(j).is_some_and(|near| near.value < from.value)
+    let hidden = |&(j, _): &(usize, f64)| {
+        let Some(from) = (j < n).then(|| point.variable(j)).flatten() else { return false };
+        point.nearest(j).is_some_and(|near| near.value < from.value)
     };
-    if aggregate.terms.keys().any(hidden) {
-        let all = measure(&|j, _| substitutes.variable[j].or(substitutes.simple[j]));
+    if aggregate.terms.iter().any(hidden) {
+        let all = measure(&|j, _| point.variable(j).or(point.simple(j)));
         if let Some(all) = all {
             let chosen = fraction(&all.base, all.divisor)
-                .and_then(|f| measure(&|j, a| substitutes.deeper(j, a, all.divisor, f, x)));
+                .and_then(|f| measure(&|j, a| deeper(point, j, a, all.divisor, f)));
             for trial in chosen.into_iter().chain([all]) {
                 if best.as_ref().is_none_or(|best| trial.depth > best.depth) {
                     best = Some(trial);
@@ -178,7 +99,21 @@ pub(super) fn round(
     if depth <= 0.0 {
         return None;
     }
-    write(program, domain, x, &base, divisor, aggregate.size)
+    write(point, &base, divisor, aggregate.size)
+}
+
+/// The one of a column's bounds that makes the rounding of a term `a x` deeper.
+fn deeper(point: &SeparatedPoint<'_>, column: usize, a: f64, divisor: f64, f: f64) -> Option<From> {
+    let (Some(simple), Some(variable)) = (point.simple(column), point.variable(column)) else {
+        return point.nearest(column);
+    };
+    // Without their constants, which are mostly the same.
+    let term = |from: From| {
+        let rest = (a * from.sign).min(0.0) / (divisor * (1.0 - f)) * from.value;
+        let whole = if from.slope == 0.0 { 0.0 } else { rounded(a * from.slope / divisor, f) };
+        rest + whole * point.x[from.binary]
+    };
+    Some(if term(variable) >= term(simple) { variable } else { simple })
 }
 
 /// Tries the coefficients of integers as divisors, and parts of the best one.
@@ -232,34 +167,43 @@ fn turn_around(base: &mut Base, divisor: f64, most: &mut f64) {
     }
 }
 
+/// An aggregate times a sign in measured columns.
 fn base(
-    program: &Program,
-    domain: &Domain,
-    x: &[f64],
+    point: &SeparatedPoint<'_>,
     pick: &dyn Fn(usize, f64) -> Option<From>,
     aggregate: &Aggregate,
+    sign: f64,
 ) -> Option<Base> {
+    let SeparatedPoint { program, domain, x, .. } = *point;
     let n = program.column_count();
-    let (mut right, mut integers, mut rest) = (aggregate.right, BTreeMap::new(), Vec::new());
-    for (&key, &a) in &aggregate.terms {
+    let mut right = sign * aggregate.right;
+    let mut integers = Vec::with_capacity(aggregate.terms.len());
+    let mut rest = Vec::new();
+    for &(key, a) in &aggregate.terms {
+        let a = sign * a;
         if key < n && program.integral[key] {
-            *integers.entry(key).or_insert(0.0) += a;
+            integers.push((key, a));
             continue;
         }
-        let from = if key < n { pick(key, a)? } else { slack_from(program, key - n, x) };
+        let from = if key < n { pick(key, a)? } else { point.slack_from(key - n) };
         if !from.constant.is_finite() {
             return None;
         }
         right -= a * from.constant;
         if from.slope != 0.0 {
-            *integers.entry(from.binary).or_insert(0.0) += a * from.slope;
+            integers.push((from.binary, a * from.slope));
         }
         if a * from.sign < 0.0 {
             rest.push(Rest { key, coefficient: a * from.sign, from });
         }
     }
+    integers.sort_by_key(|&(column, _)| column);
     let mut whole = Vec::with_capacity(integers.len());
-    for (column, a) in integers.into_iter().filter(|(_, a)| *a != 0.0) {
+    for same in integers.chunk_by(|p, q| p.0 == q.0) {
+        let (column, a) = (same[0].0, same.iter().map(|&(_, a)| a).sum::<f64>());
+        if a == 0.0 {
+            continue;
+        }
         let bounds = domain.bounds(column);
         let at_upper = bounds[1] - x[column] < x[column] - bounds[0];
         let bound = bounds[usize::from(at_upper)];
@@ -272,18 +216,6 @@ fn base(
         whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
     }
     Some(Base { whole, rest, right })
-}
-
-/// A slack is measured from 0.
-fn slack_from(program: &Program, row: usize, x: &[f64]) -> From {
-    let activity = program.activity(row, x);
-    let sign = slack_sign(program, row, x);
-    let slack = if sign > 0.0 {
-        program.row_upper[row] - activity
-    } else {
-        activity - program.row_lower[row]
-    };
-    From { sign: 1.0, constant: 0.0, slope: 0.0, binary: 0, value: slack.max(0.0) }
 }
 
 impl Base {
@@ -351,14 +283,8 @@ impl Total<'_> {
 }
 
 /// The rounding in the program's columns. `size` is that of the aggregate.
-fn write(
-    program: &Program,
-    domain: &Domain,
-    x: &[f64],
-    base: &Base,
-    divisor: f64,
-    size: f64,
-) -> Option<Cut> {
+fn write(point: &SeparatedPoint<'_>, base: &Base, divisor: f64, size: f64) -> Option<Cut> {
+    let SeparatedPoint { program, domain, x, .. } = *point;
     let f = fraction(base, divisor)?;
     let n = program.column_count();
     let size = SUMMED * size / (divisor * (1.0 - f));
@@ -385,7 +311,7 @@ fn write(
         } else {
             // s = upper - a'x, or a'x - lower.
             let row = rest.key - n;
-            let sign = slack_sign(program, row, x);
+            let sign = point.slack_sign(row);
             let (columns, values) = program.row(row);
             columns.iter().zip(values).for_each(|(&j, v)| total.add(j, -a * sign * v));
             let end = if sign > 0.0 { program.row_upper[row] } else { -program.row_lower[row] };

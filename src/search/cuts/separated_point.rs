@@ -1,0 +1,129 @@
+//! The point that cuts are to cut off, with what every aggregate asks of it.
+
+use super::cut::reach;
+use crate::presolve::Domain;
+use crate::program::Program;
+
+/// A column measured from somewhere: `t = sign * (x - constant - slope * x_binary)`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct From {
+    pub(super) sign: f64,
+    pub(super) constant: f64,
+    pub(super) slope: f64,
+    pub(super) binary: usize,
+    /// `t` at the point.
+    pub(super) value: f64,
+}
+
+/// A point of a program, the activities of its rows, and where its continuous columns can be
+/// measured from.
+pub(super) struct SeparatedPoint<'a> {
+    pub(super) program: &'a Program,
+    pub(super) domain: &'a Domain,
+    pub(super) x: &'a [f64],
+    activities: Vec<f64>,
+    /// By column, the nearest simple bound and the nearest variable one.
+    simple: Vec<Option<From>>,
+    variable: Vec<Option<From>>,
+}
+
+impl<'a> SeparatedPoint<'a> {
+    pub(super) fn new(program: &'a Program, domain: &'a Domain, x: &'a [f64]) -> Self {
+        let n = program.column_count();
+        let activities = (0..program.row_count()).map(|row| program.activity(row, x)).collect();
+        let (simple, variable) = (vec![None; n], vec![None; n]);
+        let mut point = SeparatedPoint { program, domain, x, activities, simple, variable };
+        point.find_variable_bounds();
+        point.find_simple_bounds();
+        point
+    }
+
+    fn find_variable_bounds(&mut self) {
+        let SeparatedPoint { program, domain, x, .. } = *self;
+        for row in 0..program.row_count() {
+            let (&[p, q], &[a, b]) = program.row(row) else { continue };
+            for (j, a, z, b) in [(p, a, q, b), (q, b, p, a)] {
+                if program.integral[j] || !program.integral[z] || domain.is_fixed(z) {
+                    continue;
+                }
+                // a x + b z within limits: x = limit / a - (b / a) z is a bound.
+                let limits = [program.row_lower[row], program.row_upper[row]];
+                for (limit, upper) in [(limits[0], a < 0.0), (limits[1], a > 0.0)] {
+                    let sign = if upper { -1.0 } else { 1.0 };
+                    let (constant, slope) = (limit / a, -b / a);
+                    let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
+                    offer(&mut self.variable[j], From { sign, constant, slope, binary: z, value });
+                }
+            }
+        }
+    }
+
+    fn find_simple_bounds(&mut self) {
+        let SeparatedPoint { program, domain, x, .. } = *self;
+        for j in (0..program.column_count()).filter(|&j| !program.integral[j]) {
+            for (constant, sign) in [(domain.lower(j), 1.0), (domain.upper(j), -1.0)] {
+                let value = (sign * (x[j] - constant)).max(0.0);
+                offer(&mut self.simple[j], From { sign, constant, slope: 0.0, binary: 0, value });
+            }
+        }
+    }
+
+    /// The nearest simple bound of a continuous column.
+    pub(super) fn simple(&self, column: usize) -> Option<From> {
+        self.simple[column]
+    }
+
+    /// The nearest variable bound of a continuous column.
+    pub(super) fn variable(&self, column: usize) -> Option<From> {
+        self.variable[column]
+    }
+
+    /// The nearest bound of a continuous column; a variable one wins a tie.
+    pub(super) fn nearest(&self, column: usize) -> Option<From> {
+        match (self.simple[column], self.variable[column]) {
+            (Some(simple), Some(variable)) if simple.value < variable.value => Some(simple),
+            (simple, variable) => variable.or(simple),
+        }
+    }
+
+    /// How far a continuous column is from what it is measured from; infinite for a free one.
+    pub(super) fn distance(&self, column: usize) -> f64 {
+        self.nearest(column).map_or(f64::INFINITY, |from| from.value)
+    }
+
+    /// Which side of a row its slack is measured from: `1` for the upper one.
+    pub(super) fn slack_sign(&self, row: usize) -> f64 {
+        let [below, above] = self.rooms(row);
+        if above <= below { 1.0 } else { -1.0 }
+    }
+
+    /// The distance of a row to the nearer of its limits, negative if it is violated.
+    pub(super) fn slack(&self, row: usize) -> f64 {
+        let [below, above] = self.rooms(row);
+        above.min(below)
+    }
+
+    /// The slack of a row as a column: it is measured from 0.
+    pub(super) fn slack_from(&self, row: usize) -> From {
+        let value = self.slack(row).max(0.0);
+        From { sign: 1.0, constant: 0.0, slope: 0.0, binary: 0, value }
+    }
+
+    /// The largest magnitude of a column within its bounds and at the point.
+    pub(super) fn reach(&self, column: usize) -> f64 {
+        reach(self.domain, column).max(self.x[column].abs())
+    }
+
+    fn rooms(&self, row: usize) -> [f64; 2] {
+        let activity = self.activities[row];
+        [activity - self.program.row_lower[row], self.program.row_upper[row] - activity]
+    }
+}
+
+/// Takes a bound if it is nearer than the one before.
+fn offer(from: &mut Option<From>, new: From) {
+    let known = new.constant.is_finite() && new.slope.is_finite();
+    if known && from.is_none_or(|old| new.value < old.value) {
+        *from = Some(new);
+    }
+}
