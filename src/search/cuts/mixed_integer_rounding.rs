@@ -100,7 +100,7 @@ fn next(
     open.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     open.into_iter().find_map(|(column, _)| {
         let rows = program.column(column).0.iter().copied();
-        let fit = rows.filter(|row| !used.contains(row) && is_fit(program, *row));
+        let fit = rows.filter(|row| !used.contains(row) && point.is_fit(*row));
         let best = fit.min_by(|&a, &b| {
             let length = |row: usize| program.row(row).0.len();
             let slack = |row| slack(point, row);
@@ -108,15 +108,6 @@ fn next(
         });
         best.map(|row| (column, row))
     })
-}
-
-/// Whether a row can be aggregated: it has a limit, and is no variable bound, which is put in anyway.
-fn is_fit(program: &Program, row: usize) -> bool {
-    let whole = |&j: &usize| program.integral[j];
-    let columns = program.row(row).0;
-    let variable_bound = columns.len() == 2 && columns.iter().any(whole);
-    let limited = program.row_lower[row].is_finite() || program.row_upper[row].is_finite();
-    limited && !variable_bound
 }
 
 /// The slack of a row at the point; slight ones count as none.

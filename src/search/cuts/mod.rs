@@ -42,8 +42,9 @@ const WORTH: [f64; 2] = [5e-3, 1e-2];
 const SLIGHT: f64 = 1e-5;
 const CLOSED: [f64; 2] = [0.05, 0.1];
 
-/// The round, from 0 on, after which half of that must be reached: the first rounds lift the most.
-const HALFWAY: usize = 1;
+/// From the second round on, that must be within reach of so many more rounds that lift the bound as
+/// much as the last one did: the first rounds lift the most.
+const AHEAD: f64 = 2.0;
 
 /// Cuts more parallel than this to a better one are left out (cosine).
 const PARALLEL: f64 = 0.7;
@@ -152,12 +153,12 @@ impl Rounds<'_> {
             let part = PART * (point.value - root.value).max(0.0);
             let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;
             idle = if moved { 0 } else { idle + 1 };
-            let least = match round {
-                0 => Some([HOPELESS[self.curved], CLOSED[0]]),
-                HALFWAY => Some([0.5 * WORTH[self.curved], 0.5 * CLOSED[1]]),
-                _ => None,
+            let hopeless = if round == 0 {
+                !self.pays([HOPELESS[self.curved], CLOSED[0]], root, point.value)
+            } else {
+                let ahead = point.value + AHEAD * (point.value - before.value).max(0.0);
+                !self.pays([WORTH[self.curved], CLOSED[1]], root, ahead)
             };
-            let hopeless = least.is_some_and(|least| !self.pays(least, root, point.value));
             last = Some(point);
             if idle >= IDLE || hopeless {
                 break;

@@ -47,6 +47,9 @@ struct Rest {
 struct Base {
     whole: Vec<Whole>,
     rest: Vec<Rest>,
+    /// The sum of coefficient times value over the rest, and of the squares of the coefficients.
+    rest_sum: f64,
+    rest_norm: f64,
     right: f64,
 }
 
@@ -78,10 +81,7 @@ pub(super) fn round(point: &SeparatedPoint<'_>, aggregate: &Aggregate, sign: f64
     let mut best = measure(&|j, _| point.nearest(j));
     // A column may be far below its variable bound because this is wide, and the rounding makes it
     // narrow: all variable bounds, and then those of them that pay.
-    let hidden = |&(j, _): &(usize, f64)| {
-        let Some(from) = (j < n).then(|| point.variable(j)).flatten() else { return false };
-        point.nearest(j).is_some_and(|near| near.value < from.value)
-    };
+    let hidden = |&(j, _): &(usize, f64)| j < n && point.hides_variable_bound(j);
     if aggregate.terms.iter().any(hidden) {
         let all = measure(&|j, _| point.variable(j).or(point.simple(j)));
         if let Some(all) = all {
@@ -215,7 +215,9 @@ fn base(
             if at_upper { (-a, bound - x[column]) } else { (a, x[column] - bound) };
         whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
     }
-    Some(Base { whole, rest, right })
+    let rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
+    let rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
+    Some(Base { whole, rest, rest_sum, rest_norm, right })
 }
 
 impl Base {
@@ -233,9 +235,19 @@ impl Base {
 /// `F(a)` for the fraction `f` of the right side.
 fn rounded(a: f64, f: f64) -> f64 {
     // Quotients that are whole up to rounding count as whole; the margin of the limit covers that.
-    let down = (a + 1e-11 * a.abs().max(1.0)).floor();
+    let down = floor(a + 1e-11 * a.abs().max(1.0));
     let fraction = a - down;
     if fraction < f { down } else { down + (fraction - f) / (1.0 - f) }
+}
+
+/// As [`f64::floor`], which is a call where the processor's instruction is not taken for granted.
+fn floor(a: f64) -> f64 {
+    let whole = a as i32;
+    if whole == i32::MIN || whole == i32::MAX {
+        return a.floor();
+    }
+    let whole = f64::from(whole);
+    if whole > a { whole - 1.0 } else { whole }
 }
 
 fn fraction(base: &Base, divisor: f64) -> Option<f64> {
@@ -254,11 +266,9 @@ fn depth(base: &Base, divisor: f64) -> f64 {
         sum += a * whole.value;
         norm += a * a;
     }
-    for rest in &base.rest {
-        let a = rest.coefficient / (divisor * (1.0 - f));
-        sum += a * rest.from.value;
-        norm += a * a;
-    }
+    let scale = 1.0 / (divisor * (1.0 - f));
+    sum += scale * base.rest_sum;
+    norm += scale * scale * base.rest_norm;
     (sum - (base.right / divisor).floor()) / f64::max(norm, 1e-12).sqrt()
 }
 

@@ -22,19 +22,31 @@ pub(super) struct SeparatedPoint<'a> {
     pub(super) domain: &'a Domain,
     pub(super) x: &'a [f64],
     activities: Vec<f64>,
-    /// By column, the nearest simple bound and the nearest variable one.
+    /// By row, whether it can be aggregated with others.
+    fit: Vec<bool>,
+    /// By column, the nearest simple bound, the nearest variable one, and the nearer of the two.
     simple: Vec<Option<From>>,
     variable: Vec<Option<From>>,
+    nearest: Vec<Option<From>>,
 }
 
 impl<'a> SeparatedPoint<'a> {
     pub(super) fn new(program: &'a Program, domain: &'a Domain, x: &'a [f64]) -> Self {
         let n = program.column_count();
         let activities = (0..program.row_count()).map(|row| program.activity(row, x)).collect();
-        let (simple, variable) = (vec![None; n], vec![None; n]);
-        let mut point = SeparatedPoint { program, domain, x, activities, simple, variable };
+        let mut point = SeparatedPoint {
+            program,
+            domain,
+            x,
+            activities,
+            fit: (0..program.row_count()).map(|row| is_fit(program, row)).collect(),
+            simple: vec![None; n],
+            variable: vec![None; n],
+            nearest: Vec::new(),
+        };
         point.find_variable_bounds();
         point.find_simple_bounds();
+        point.nearest = point.simple.iter().zip(&point.variable).map(nearer).collect();
         point
     }
 
@@ -80,10 +92,19 @@ impl<'a> SeparatedPoint<'a> {
 
     /// The nearest bound of a continuous column; a variable one wins a tie.
     pub(super) fn nearest(&self, column: usize) -> Option<From> {
-        match (self.simple[column], self.variable[column]) {
-            (Some(simple), Some(variable)) if simple.value < variable.value => Some(simple),
-            (simple, variable) => variable.or(simple),
-        }
+        self.nearest[column]
+    }
+
+    /// Whether the nearest variable bound of a continuous column is farther than the simple one.
+    pub(super) fn hides_variable_bound(&self, column: usize) -> bool {
+        let [nearest, variable] = [self.nearest[column], self.variable[column]];
+        variable.zip(nearest).is_some_and(|(variable, nearest)| nearest.value < variable.value)
+    }
+
+    /// Whether a row can be aggregated with others: it has a limit, and is no variable bound, which is
+    /// put in anyway.
+    pub(super) fn is_fit(&self, row: usize) -> bool {
+        self.fit[row]
     }
 
     /// How far a continuous column is from what it is measured from; infinite for a free one.
@@ -117,6 +138,21 @@ impl<'a> SeparatedPoint<'a> {
     fn rooms(&self, row: usize) -> [f64; 2] {
         let activity = self.activities[row];
         [activity - self.program.row_lower[row], self.program.row_upper[row] - activity]
+    }
+}
+
+fn is_fit(program: &Program, row: usize) -> bool {
+    let whole = |&j: &usize| program.integral[j];
+    let columns = program.row(row).0;
+    let variable_bound = columns.len() == 2 && columns.iter().any(whole);
+    let limited = program.row_lower[row].is_finite() || program.row_upper[row].is_finite();
+    limited && !variable_bound
+}
+
+fn nearer((simple, variable): (&Option<From>, &Option<From>)) -> Option<From> {
+    match (*simple, *variable) {
+        (Some(simple), Some(variable)) if simple.value < variable.value => Some(simple),
+        (simple, variable) => variable.or(simple),
     }
 }
 
