@@ -27,7 +27,7 @@ const CUTS: usize = 300;
 /// A round that lifts the bound by less than this, relative, and by less than this part of what all
 /// rounds have lifted it by, is idle; so many idle ones end it.
 const LIFT: f64 = 1e-3;
-const PART: f64 = 0.01;
+const PART: f64 = 0.03;
 const IDLE: usize = 3;
 
 /// A first round that lifts the bound by less than this, relative, is the last: under a linear
