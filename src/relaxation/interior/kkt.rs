@@ -9,16 +9,18 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::linalg::{SupernodalThreshold, amd};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
 use super::condensed::{Condensed, Term};
+use super::elimination_order::{KeptOrder, Unknowns, minimum_degree};
 use super::scaled::Scaled;
+use crate::presolve::Reduced;
 use crate::solver::StopToken;
 
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
@@ -45,36 +47,40 @@ pub(super) struct Kkt {
 }
 
 impl Kkt {
-    /// The pattern of the system; `None` if it cannot be ordered or the token is over.
-    pub(super) fn new(program: &Scaled, token: &StopToken) -> Option<Self> {
+    /// The pattern of the system of a program in even units; `None` if it cannot be ordered or the
+    /// token is over. `kept` is the order of an earlier system.
+    pub(super) fn new(
+        reduced: &Reduced,
+        program: &Scaled,
+        kept: &mut KeptOrder,
+        token: &StopToken,
+    ) -> Option<Self> {
         let Condensed { start, index, constant, mut diagonal, mut terms, long } =
             Condensed::new(program);
         let (n, size) = (program.column.len(), diagonal.len());
         if token.is_over() {
             return None;
         }
-        let Ordered { start, index, moved, order } = Ordered::new(size, &start, &index)?;
-        if token.is_over() {
-            return None;
-        }
+        let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
+        let unknowns = Unknowns::new(reduced, rows);
+        let part = kept.part(&unknowns).and_then(|order| Ordered::new(&start, &index, order));
+        let ordered = match part.filter(|part| kept.suits(part.fill())) {
+            Some(part) => part,
+            None => {
+                let order = minimum_degree(size, &start, &index)?;
+                let ordered = Ordered::new(&start, &index, order)?;
+                kept.keep(&unknowns, &ordered.order, ordered.fill());
+                ordered
+            }
+        };
+        let Ordered { pattern, moved, order, symbolic } = ordered;
         let mut signs = vec![1; size];
         order[n..].iter().for_each(|&k| signs[k] = -1);
-        let mut ordered = vec![0.0; index.len()];
-        moved.iter().zip(&constant).for_each(|(&k, v)| ordered[k] = *v);
-        let constant = ordered;
+        let mut by_column = vec![0.0; constant.len()];
+        moved.iter().zip(&constant).for_each(|(&k, v)| by_column[k] = *v);
+        let constant = by_column;
         terms.iter_mut().for_each(|term| term.position = moved[term.position]);
         diagonal.iter_mut().for_each(|k| *k = moved[*k]);
-        let pattern = SymbolicSparseColMat::new_unsorted_checked(size, size, start, None, index);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.as_ref(),
-            faer::Side::Upper,
-            SymmetricOrdering::Identity,
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
-                ..CholeskySymbolicParams::default()
-            },
-        )
-        .ok()?;
         if token.is_over() {
             return None;
         }
@@ -143,27 +149,22 @@ impl Kkt {
     }
 }
 
-/// The upper triangle of a symmetric pattern in an order of elimination with little fill. Ordered
-/// once, it need not be permuted with every factorisation.
+/// The upper triangle of a symmetric pattern in an order of elimination. Ordered once, it need not be
+/// permuted with every factorisation.
 struct Ordered {
-    start: Vec<usize>,
-    /// By entry, its row; columns are not sorted.
-    index: Vec<usize>,
+    /// Its columns are not sorted.
+    pattern: SymbolicSparseColMat<usize>,
     /// By entry as it was given, where it is.
     moved: Vec<usize>,
     /// By unknown, when it is eliminated.
     order: Vec<usize>,
+    symbolic: SymbolicCholesky<usize>,
 }
 
 impl Ordered {
-    /// `None` if it cannot be ordered.
-    fn new(size: usize, start: &[usize], index: &[usize]) -> Option<Self> {
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, index);
-        let need = amd::order_maybe_unsorted_scratch::<usize>(size, index.len());
-        let mut memory = MemBuffer::try_new(need).ok()?;
-        let (mut eliminated, mut order) = (vec![0; size], vec![0; size]);
-        let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-        amd::order_maybe_unsorted(&mut eliminated, &mut order, pattern, control, stack).ok()?;
+    /// `None` if there is no memory for the factor.
+    fn new(start: &[usize], index: &[usize], order: Vec<usize>) -> Option<Self> {
+        let size = order.len();
         let entries = || {
             let columns =
                 (0..size).flat_map(|c| index[start[c]..start[c + 1]].iter().map(move |i| (*i, c)));
@@ -182,6 +183,22 @@ impl Ordered {
             moved.push(next[c]);
             next[c] += 1;
         }
-        Some(Ordered { start: first, index: rows, moved, order })
+        let pattern = SymbolicSparseColMat::new_unsorted_checked(size, size, first, None, rows);
+        let symbolic = factorize_symbolic_cholesky(
+            pattern.as_ref(),
+            faer::Side::Upper,
+            SymmetricOrdering::Identity,
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+                ..CholeskySymbolicParams::default()
+            },
+        )
+        .ok()?;
+        Some(Ordered { pattern, moved, order, symbolic })
+    }
+
+    /// Entries of the factor for each of the pattern's.
+    fn fill(&self) -> f64 {
+        self.symbolic.len_val() as f64 / self.moved.len().max(1) as f64
     }
 }

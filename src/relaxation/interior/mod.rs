@@ -10,6 +10,7 @@
 //! The method gives up early, because the ladder asks another one for the rest.
 
 mod condensed;
+mod elimination_order;
 mod iterate;
 mod kkt;
 mod scaled;
@@ -18,6 +19,7 @@ mod warm_start;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
+use elimination_order::KeptOrder;
 use iterate::Iterate;
 use kkt::Kkt;
 use scaled::Scaled;
@@ -25,7 +27,9 @@ use warm_start::{Kept, ParentIterate};
 
 /// The crate's own interior-point method.
 #[derive(Debug, Clone, Default)]
-pub struct InteriorPoint {}
+pub struct InteriorPoint {
+    order: KeptOrder,
+}
 
 impl InteriorPoint {
     /// A fresh instance.
@@ -55,7 +59,8 @@ impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let run = Run { program, effort, scaled: Scaled::of(program) };
         let scaled = &run.scaled;
-        let Some(mut kkt) = Kkt::new(scaled, effort.token) else { return run.nothing(0) };
+        let kkt = Kkt::new(program, scaled, &mut self.order, effort.token);
+        let Some(mut kkt) = kkt else { return run.nothing(0) };
         let mut at = Iterate::start(scaled);
         let linear = run.is_linear();
         let mut spent = 0;
