@@ -51,6 +51,8 @@ struct Base {
     rest_sum: f64,
     rest_norm: f64,
     right: f64,
+    /// The sum of coefficient times value over continuous columns and slacks with positive ones.
+    slack: f64,
 }
 
 /// An aggregate in measured columns, with the divisor that cuts deepest.
@@ -75,18 +77,18 @@ pub(super) struct Aggregate {
 /// The best rounding of `sign * aggregate <= sign * right side` that the point violates.
 pub(super) fn round(point: &SeparatedPoint<'_>, aggregate: &Aggregate, sign: f64) -> Option<Cut> {
     let n = point.program.column_count();
-    let measure = |pick: &dyn Fn(usize, f64) -> Option<From>| {
-        divide(base(point, pick, aggregate, sign)?, aggregate.noise)
+    let measure = |pick: &dyn Fn(usize, f64) -> Option<From>, any| {
+        divide(base(point, pick, aggregate, sign)?, aggregate.noise, any)
     };
-    let mut best = measure(&|j, _| point.nearest(j));
+    let mut best = measure(&|j, _| point.nearest(j), false);
     // A column may be far below its variable bound because this is wide, and the rounding makes it
     // narrow: all variable bounds, and then those of them that pay.
     let hidden = |&(j, _): &(usize, f64)| j < n && point.hides_variable_bound(j);
     if aggregate.terms.iter().any(hidden) {
-        let all = measure(&|j, _| point.variable(j).or(point.simple(j)));
+        let all = measure(&|j, _| point.variable(j).or(point.simple(j)), true);
         if let Some(all) = all {
             let chosen = fraction(&all.base, all.divisor)
-                .and_then(|f| measure(&|j, a| deeper(point, j, a, all.divisor, f)));
+                .and_then(|f| measure(&|j, a| deeper(point, j, a, all.divisor, f), false));
             for trial in chosen.into_iter().chain([all]) {
                 if best.as_ref().is_none_or(|best| trial.depth > best.depth) {
                     best = Some(trial);
@@ -117,13 +119,16 @@ fn deeper(point: &SeparatedPoint<'_>, column: usize, a: f64, divisor: f64, f: f6
 }
 
 /// Tries the coefficients of integers as divisors, and parts of the best one.
-fn divide(base: Base, noise: f64) -> Option<Trial> {
+///
+/// Those that cannot cut the point off are left out, unless `any` are wanted.
+fn divide(base: Base, noise: f64, any: bool) -> Option<Trial> {
+    let can_cut = |divisor| any || base.can_cut(divisor);
     let mut divisors: Vec<f64> = Vec::new();
     let mut candidates: Vec<&Whole> = base.whole.iter().filter(|w| w.value > 1e-6).collect();
     candidates.sort_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
     for whole in candidates {
         let size = whole.coefficient.abs();
-        let clear = size >= CLEAR * noise;
+        let clear = size >= CLEAR * noise && can_cut(size);
         if clear
             && divisors.len() < DIVISORS
             && divisors.iter().all(|d| (d - size).abs() > 1e-6 * size)
@@ -138,6 +143,9 @@ fn divide(base: Base, noise: f64) -> Option<Trial> {
     }
     let first = divisor;
     for part in [2.0, 4.0, 8.0] {
+        if !can_cut(first / part) {
+            break;
+        }
         let depth = depth(&base, first / part);
         if depth > most {
             (most, divisor) = (depth, first / part);
@@ -178,7 +186,7 @@ fn base(
     let n = program.column_count();
     let mut right = sign * aggregate.right;
     let mut integers = Vec::with_capacity(aggregate.terms.len());
-    let mut rest = Vec::new();
+    let (mut rest, mut slack) = (Vec::new(), 0.0);
     for &(key, a) in &aggregate.terms {
         let a = sign * a;
         if key < n && program.integral[key] {
@@ -195,6 +203,8 @@ fn base(
         }
         if a * from.sign < 0.0 {
             rest.push(Rest { key, coefficient: a * from.sign, from });
+        } else {
+            slack += a * from.sign * from.value;
         }
     }
     integers.sort_by_key(|&(column, _)| column);
@@ -217,10 +227,16 @@ fn base(
     }
     let rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
     let rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
-    Some(Base { whole, rest, rest_sum, rest_norm, right })
+    Some(Base { whole, rest, rest_sum, rest_norm, right, slack })
 }
 
 impl Base {
+    /// Whether a divisor may lead to a cut that the point violates. `F(a) <= a`, so rounding takes away
+    /// a fraction of the divisor at most, and what is slack already has to be less.
+    fn can_cut(&self, divisor: f64) -> bool {
+        self.slack < divisor * FRACTIONS.end()
+    }
+
     fn flip(&mut self, k: usize) {
         let whole = &mut self.whole[k];
         // t becomes range - t.
