@@ -19,6 +19,10 @@ const LONGEST: usize = 300;
 /// Most rows from which aggregates are started.
 const STARTS: usize = 2000;
 
+/// A row starts no aggregate of several if its slack is larger than this, relative to its largest
+/// coefficient.
+const LOOSE: f64 = 0.05;
+
 /// Distance from its bounds below which a column is not worth eliminating.
 const NEAR: f64 = 1e-6;
 
@@ -37,6 +41,7 @@ pub fn mixed_integer_rounding_cuts(
     let mut cuts = Vec::new();
     for start in (0..program.row_count()).take(STARTS) {
         let Some(mut aggregate) = equality(point, start) else { continue };
+        let rows = if is_loose(point, start, &aggregate) { 1 } else { rows };
         let mut used = vec![start];
         loop {
             if token.spend(100 * aggregate.terms.len()) {
@@ -53,6 +58,12 @@ pub fn mixed_integer_rounding_cuts(
         }
     }
     cuts
+}
+
+/// Whether the slack of an aggregate's first row is so large that other rows hardly make a cut of it.
+fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bool {
+    let largest = aggregate.terms.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
+    point.slack(row) > LOOSE * largest
 }
 
 /// A row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer.
