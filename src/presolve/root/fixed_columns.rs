@@ -27,6 +27,7 @@ pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
         work.row_noise[row] += a.abs() * work.column_noise[column];
         work.shift_row(row, a * value);
     }
+    work.blur_objective(column, value, work.column_noise[column]);
     work.shift_objective(work.linear[column] * value);
     for (k, p) in work.quadratic[column].clone() {
         if k == column {

@@ -81,6 +81,7 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
         work.set_row(other, entries);
         work.shift_row(other, factor * constant);
     }
+    work.blur_objective(column, constant, noise);
     substitute_objective(work, column, constant, &terms);
 
     let (lower, upper) = (work.lower[column], work.upper[column]);

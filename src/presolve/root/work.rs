@@ -253,6 +253,17 @@ impl Work {
         self.rounding += 2.0 * f64::EPSILON * constant.abs();
     }
 
+    /// Takes note that what the objective is told a column is worth may be off by `noise`. Products
+    /// with columns without bounds are left out.
+    pub(super) fn blur_objective(&mut self, column: usize, value: f64, noise: f64) {
+        let mut slope = self.linear[column].abs();
+        for (&other, p) in &self.quadratic[column] {
+            let size = finite(self.lower[other]).max(finite(self.upper[other]));
+            slope += p.abs() * if other == column { value.abs() } else { size };
+        }
+        self.rounding += slope * noise;
+    }
+
     /// Moves the limits of a row by a constant that joins its activity.
     pub(super) fn shift_row(&mut self, row: usize, constant: f64) {
         self.row_lower[row] -= constant;
