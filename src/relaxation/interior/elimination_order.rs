@@ -13,6 +13,9 @@ const LEFT: f64 = 0.75;
 /// A kept order is used if it leaves at most this many times its fill.
 const WORSE: f64 = 1.1;
 
+/// Orders that are kept.
+const KEPT: usize = 6;
+
 /// The name of an unknown that has none, and the place of one that is not ordered.
 const NONE: usize = usize::MAX;
 
@@ -34,10 +37,13 @@ impl<'a> Unknowns<'a> {
     }
 }
 
-/// The last order that was computed. Below in the tree, a system is mostly a part of the one before,
-/// and a part of an order leaves no more fill than the whole.
+/// The orders that were used last, the last one first. Below in the tree, a system is mostly a part of
+/// one before, and a part of an order leaves no more fill than the whole.
 #[derive(Debug, Clone, Default)]
-pub(super) struct KeptOrder {
+pub(super) struct KeptOrders(Vec<KeptOrder>);
+
+#[derive(Debug, Clone, Default)]
+struct KeptOrder {
     /// By column and by row of the program, when its unknown is eliminated.
     columns: Vec<usize>,
     rows: Vec<usize>,
@@ -46,11 +52,32 @@ pub(super) struct KeptOrder {
     fill: f64,
 }
 
+impl KeptOrders {
+    /// The part of an order that is about some unknowns, if one has them all and they are most of it:
+    /// by unknown, when it is eliminated. With the most fill that it may leave: a system that has got
+    /// other rows, such as cuts, is no part of the one before.
+    pub(super) fn part(&mut self, unknowns: &Unknowns<'_>) -> Option<(Vec<usize>, f64)> {
+        let parts = self.0.iter().enumerate();
+        let (k, order) = parts.filter_map(|(k, kept)| Some((k, kept.part(unknowns)?))).next()?;
+        self.0[..=k].rotate_right(1);
+        Some((order, WORSE * self.0[0].fill))
+    }
+
+    /// Keeps an order, and the fill that it leaves.
+    pub(super) fn keep(&mut self, unknowns: &Unknowns<'_>, order: &[usize], fill: f64) {
+        let mut kept = if self.0.len() < KEPT { None } else { self.0.pop() }.unwrap_or_default();
+        let (of_columns, of_rows) = order.split_at(unknowns.columns.len());
+        place(&mut kept.columns, unknowns.columns, of_columns);
+        place(&mut kept.rows, &unknowns.rows, of_rows);
+        (kept.size, kept.fill) = (order.len(), fill);
+        self.0.insert(0, kept);
+    }
+}
+
 impl KeptOrder {
-    /// The part of the order that is about some unknowns, if they are all in it, and are most: by
-    /// unknown, when it is eliminated.
-    pub(super) fn part(&self, unknowns: &Unknowns<'_>) -> Option<Vec<usize>> {
-        if (unknowns.len() as f64) < LEFT * self.size as f64 {
+    fn part(&self, unknowns: &Unknowns<'_>) -> Option<Vec<usize>> {
+        let (size, whole) = (unknowns.len(), self.size);
+        if size > whole || (size as f64) < LEFT * whole as f64 {
             return None;
         }
         let mut at = vec![NONE; self.size];
@@ -63,24 +90,10 @@ impl KeptOrder {
             }
             *slot = unknown;
         }
-        let mut order = vec![0; unknowns.len()];
+        let mut order = vec![0; size];
         let eliminated = at.into_iter().filter(|&unknown| unknown != NONE);
         eliminated.enumerate().for_each(|(when, unknown)| order[unknown] = when);
         Some(order)
-    }
-
-    /// Whether a part of the order leaves about as little fill as the whole. It does not if the system
-    /// has got other rows, such as cuts.
-    pub(super) fn suits(&self, fill: f64) -> bool {
-        fill <= WORSE * self.fill
-    }
-
-    /// Keeps an order, and the fill that it leaves.
-    pub(super) fn keep(&mut self, unknowns: &Unknowns<'_>, order: &[usize], fill: f64) {
-        let (of_columns, of_rows) = order.split_at(unknowns.columns.len());
-        place(&mut self.columns, unknowns.columns, of_columns);
-        place(&mut self.rows, &unknowns.rows, of_rows);
-        (self.size, self.fill) = (order.len(), fill);
     }
 }
 

@@ -18,7 +18,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
 use super::condensed::{Condensed, Term};
-use super::elimination_order::{KeptOrder, Unknowns, minimum_degree};
+use super::elimination_order::{KeptOrders, Unknowns, minimum_degree};
 use super::scaled::Scaled;
 use crate::presolve::Reduced;
 use crate::solver::StopToken;
@@ -48,11 +48,11 @@ pub(super) struct Kkt {
 
 impl Kkt {
     /// The pattern of the system of a program in even units; `None` if it cannot be ordered or the
-    /// token is over. `kept` is the order of an earlier system.
+    /// token is over. `kept` are orders of earlier systems.
     pub(super) fn new(
         reduced: &Reduced,
         program: &Scaled,
-        kept: &mut KeptOrder,
+        kept: &mut KeptOrders,
         token: &StopToken,
     ) -> Option<Self> {
         let Condensed { start, index, constant, mut diagonal, mut terms, long } =
@@ -63,8 +63,10 @@ impl Kkt {
         }
         let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
         let unknowns = Unknowns::new(reduced, rows);
-        let part = kept.part(&unknowns).and_then(|order| Ordered::new(&start, &index, order));
-        let ordered = match part.filter(|part| kept.suits(part.fill())) {
+        let part = kept.part(&unknowns).and_then(|(order, most)| {
+            Ordered::new(&start, &index, order).filter(|part| part.fill() <= most)
+        });
+        let ordered = match part {
             Some(part) => part,
             None => {
                 let order = minimum_degree(size, &start, &index)?;

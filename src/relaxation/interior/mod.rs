@@ -19,7 +19,7 @@ mod warm_start;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use elimination_order::KeptOrder;
+use elimination_order::KeptOrders;
 use iterate::Iterate;
 use kkt::Kkt;
 use scaled::Scaled;
@@ -28,7 +28,7 @@ use warm_start::{Kept, ParentIterate};
 /// The crate's own interior-point method.
 #[derive(Debug, Clone, Default)]
 pub struct InteriorPoint {
-    order: KeptOrder,
+    orders: KeptOrders,
 }
 
 impl InteriorPoint {
@@ -59,7 +59,7 @@ impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let run = Run { program, effort, scaled: Scaled::of(program) };
         let scaled = &run.scaled;
-        let kkt = Kkt::new(program, scaled, &mut self.order, effort.token);
+        let kkt = Kkt::new(program, scaled, &mut self.orders, effort.token);
         let Some(mut kkt) = kkt else { return run.nothing(0) };
         let mut at = Iterate::start(scaled);
         let linear = run.is_linear();
