@@ -8,7 +8,8 @@ use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::search::cuts::strengthen;
 use crate::search::{
-    Accept, ColumnGuidance, Found, Root, Seed, Task, complete, search, with_perspective,
+    Accept, ColumnGuidance, Found, Root, Seed, Strengthened, Task, complete, search,
+    with_perspective,
 };
 use crate::solution::{Point, Statistics, Verification};
 use crate::solver::{BranchingRule, Control, Heuristics, Options, StopToken};
@@ -152,7 +153,7 @@ impl Stage<'_> {
         } else {
             None
         };
-        let program = bent.as_ref().unwrap_or(program);
+        let program = bent.as_ref().map_or(program, |bent| &bent.program);
         let guidance = self.guidance;
         let (exact, cutoff) = (Some(exact), f64::INFINITY);
         let (key, ladders) = (&key, &make);
@@ -180,7 +181,7 @@ impl Stage<'_> {
         } else {
             None
         };
-        let program = cut.as_ref().unwrap_or(program);
+        let program = cut.as_ref().map_or(program, |cut| &cut.program);
         if bent.is_some() || cut.is_some() {
             root.carry_over(program, token);
         }
@@ -188,7 +189,8 @@ impl Stage<'_> {
         let mut found = search(task, control, seed);
         ladder.take_spent().count(&mut found.statistics);
         found.statistics.add_nested(&taken.get());
-        found.strengthened = strengthens.then_some(bent.is_some() || cut.is_some());
+        let best = found.points.first().map_or(f64::INFINITY, |x| program.objective(x));
+        found.strengthened = strengthens.then(|| closed([&bent, &cut], best));
         found
     }
 
@@ -204,4 +206,11 @@ impl Stage<'_> {
         let guidance = &self.guidance.idle();
         Some(search(Task { options, guidance, ..task }, &mut Control::default(), None))
     }
+}
+
+/// The part of the gap between the first relaxed root and a value that steps have closed.
+fn closed(steps: [&Option<Strengthened>; 2], best: f64) -> f64 {
+    let steps = || steps.into_iter().flatten();
+    let (Some(first), Some(last)) = (steps().next(), steps().last()) else { return 0.0 };
+    (last.values[1] - first.values[0]) / (best - first.values[0])
 }

@@ -24,8 +24,9 @@ pub struct Found {
     pub(crate) proofs: Vec<Proof>,
     /// How nodes were split, if it is to be kept.
     pub(crate) forks: Vec<Fork>,
-    /// Whether cuts or tighter costs have paid, if they were tried.
-    pub(crate) strengthened: Option<bool>,
+    /// The part of the gap between the relaxed root and the best point that cuts and tighter costs have
+    /// closed, if they were tried.
+    pub(crate) strengthened: Option<f64>,
     /// What became of a guess.
     pub guess: Option<GuessEnd>,
     /// What became of the boxes of a seed.

@@ -17,7 +17,7 @@
 use std::collections::BTreeMap;
 
 use super::root::Root;
-use super::root_point::RootPoint;
+use super::root_point::{RootPoint, Strengthened};
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
@@ -150,7 +150,7 @@ pub(crate) fn with_perspective(
     options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-) -> Option<Program> {
+) -> Option<Strengthened> {
     let all = switched_squares(program, token);
     if all.is_empty() || root.conflict.is_some() {
         return None;
@@ -165,7 +165,9 @@ pub(crate) fn with_perspective(
         tighter = found.filter(|(_, best)| point.is_lifted_by(WORTH, best.value));
     }
     let (tighter, point) = match tighter {
-        Some((tighter, best)) => (Some(tighter), best),
+        Some((program, best)) => {
+            (Some(Strengthened { program, values: [point.value, best.value] }), best)
+        }
         None => (None, point),
     };
     root.point = Some(point);

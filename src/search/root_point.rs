@@ -23,6 +23,13 @@ pub(super) struct RootPoint {
     lacks_state: bool,
 }
 
+/// A program with a tighter relaxation and the same points with whole integers.
+pub(crate) struct Strengthened {
+    pub(crate) program: Program,
+    /// The value of the relaxed root before and after.
+    pub(crate) values: [f64; 2],
+}
+
 impl RootPoint {
     /// Relaxes a program within a domain as the search does, from what a relaxation of nearly the same
     /// program has left; `None` if nothing is left to relax, or without an optimum.

@@ -14,7 +14,7 @@ pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 use std::cell::OnceCell;
 
 use super::root::Root;
-use super::root_point::RootPoint;
+use super::root_point::{RootPoint, Strengthened};
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{Options, StopToken};
@@ -71,7 +71,7 @@ pub(crate) fn strengthen(
     token: &StopToken,
     ladder: &mut Ladder,
     rough: &dyn Fn(&Root) -> Option<f64>,
-) -> Option<Program> {
+) -> Option<Strengthened> {
     let idle = program.integers.is_empty() || program.is_feasibility_problem();
     if idle || root.conflict.is_some() || token.is_over() {
         return None;
@@ -86,7 +86,8 @@ pub(crate) fn strengthen(
     let last = last.filter(|last| rounds.pays([WORTH[curved], CLOSED[1]], &point, last.value));
     let more = last.as_ref().and_then(|last| {
         rounds.drop_idle(&last.x, 0);
-        with_cuts(program, &rounds.cuts)
+        let program = with_cuts(program, &rounds.cuts)?;
+        Some(Strengthened { program, values: [point.value, last.value] })
     });
     root.point = last.filter(|_| more.is_some()).or(Some(point));
     more
