@@ -18,6 +18,10 @@ use crate::solution::Termination;
 const WORTH: f64 = 0.5;
 const REST: u32 = 15;
 
+/// Nodes of the last solve from which the program is tightened for the values of the parameters, as
+/// without preparation, which costs as much as a few nodes.
+const TREE: u64 = 5;
+
 /// What is kept of the last solve of a prepared model; columns and rows are those of the program.
 #[derive(Debug, Default)]
 pub(super) struct History {
@@ -29,6 +33,8 @@ pub(super) struct History {
     next: Vec<usize>,
     /// Solves until cuts are tried again.
     rest: u32,
+    /// Nodes of the last solve.
+    nodes: Option<u64>,
 }
 
 impl History {
@@ -48,6 +54,12 @@ impl History {
         self.rest == 0
     }
 
+    /// Whether what holds for all values of the parameters will do, because the next tree is likely to be
+    /// small.
+    pub(super) fn expects_few_nodes(&self) -> bool {
+        self.nodes.is_some_and(|nodes| nodes < TREE)
+    }
+
     /// Takes in the result of a solve.
     ///
     /// # Arguments
@@ -65,6 +77,7 @@ impl History {
             Some(_) => REST,
             None => self.rest.saturating_sub(1),
         };
+        self.nodes = Some(found.statistics.nodes);
         self.guess.clear();
         if let Some(point) = found.points.first() {
             self.guess.extend(integers.iter().map(|&j| (j, point[j].round())));

@@ -211,7 +211,7 @@ impl ReducedProgram {
                 program,
                 restore: &restore,
                 as_is: false,
-                tightened: Some(&self.tightened),
+                tightened: self.history.expects_few_nodes().then_some(&self.tightened),
                 strengthens: self.history.tries_cuts(),
             };
             let own = self.history.seed();
