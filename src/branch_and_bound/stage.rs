@@ -189,7 +189,9 @@ impl Stage<'_> {
         let mut found = search(task, control, seed);
         ladder.take_spent().count(&mut found.statistics);
         found.statistics.add_nested(&taken.get());
-        let best = found.points.first().map_or(f64::INFINITY, |x| program.objective(x));
+        // Columns of event windows come after the program's.
+        let value = |x: &Vec<f64>| program.objective(&x[..program.column_count()]);
+        let best = found.points.first().map_or(f64::INFINITY, value);
         found.strengthened = strengthens.then(|| closed([&bent, &cut], best));
         found
     }
