@@ -20,7 +20,7 @@ const REST: u32 = 15;
 
 /// Nodes of the last solve from which the program is tightened for the values of the parameters, as
 /// without preparation, which costs as much as a few nodes.
-const TREE: u64 = 5;
+const TREE: u64 = 3;
 
 /// What is kept of the last solve of a prepared model; columns and rows are those of the program.
 #[derive(Debug, Default)]
