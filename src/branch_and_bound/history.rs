@@ -12,10 +12,11 @@ use crate::model::Name;
 use crate::search::{Fork, Found, Proof, Proofs, Seed};
 use crate::solution::Termination;
 
-/// Cuts and tighter costs rest for so many solves if they close less than this part of the gap between
-/// the root and the best point: the tree of the last solve, which is gone through again, saves more than
-/// they do.
+/// Cuts and tighter costs rest if they close less than this part of the gap between the root and the
+/// best point: the tree of the last solve, which is gone through again, saves more than they do.
 const WORTH: f64 = 0.5;
+
+/// Solves for which they rest.
 const REST: u32 = 15;
 
 /// Nodes of the last solve from which the program is tightened for the values of the parameters, as
