@@ -2,6 +2,7 @@
 
 mod blocks;
 mod history;
+mod looks;
 mod multipliers;
 mod pipeline;
 mod prepared;

@@ -15,8 +15,8 @@ use crate::model::{Model, Name, Variable};
 use crate::presolve::root::{Postsolve, Presolve, Rule, blocks, presolve, presolve_around};
 use crate::program::Program;
 use crate::reformulate::{self, WayBack};
-use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
-use crate::solution::{Solution, Termination};
+use crate::search::{ColumnGuidance, Found, GuessEnd, Seed, Start};
+use crate::solution::{Heuristic, Solution, Termination};
 use crate::solver::{Control, Options, Prepared, StopToken, TreeSeed};
 
 /// A prepared model.
@@ -242,7 +242,8 @@ fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> 
     let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
     if let Some(begun) = &begun {
         seed.guess.clear();
-        seed.point = begun.points.first().cloned();
+        let start = |values: &Vec<f64>| Start { values: values.clone(), found_by: Heuristic::Guess };
+        seed.point = begun.points.first().map(start);
     }
     let mut found = stage.run(control, Some(&seed));
     if let Some(begun) = begun {

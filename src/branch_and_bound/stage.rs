@@ -1,7 +1,6 @@
 //! Cuts and search after presolve.
 
-use std::cell::Cell;
-
+use super::looks::Looks;
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
@@ -11,8 +10,8 @@ use crate::search::{
     Accept, ColumnGuidance, Found, Root, Seed, Strengthened, Task, complete, search,
     with_perspective,
 };
-use crate::solution::{Point, Statistics, Verification};
-use crate::solver::{BranchingRule, Control, Heuristics, Options, StopToken};
+use crate::solution::{Point, Verification};
+use crate::solver::{Control, Options, StopToken};
 
 /// A presolved program, and the way back to the model.
 #[derive(Clone, Copy)]
@@ -170,14 +169,10 @@ impl Stage<'_> {
             cutoff,
             token,
         };
-        let taken = Cell::new(Statistics::default());
-        let rough = |root: &Root| {
-            let found = self.round(Task { root: Some(root), ..task })?;
-            taken.set(Statistics { nodes: 0, ..found.statistics });
-            found.points.first().map(|values| program.objective(values))
-        };
+        let looks = Looks::new(task, seed);
         let cut = if strengthens {
-            strengthen(program, &mut root, options, token, &mut ladder, &rough)
+            let look = |root: &Root, nodes| looks.look(root, nodes);
+            strengthen(program, &mut root, options, token, &mut ladder, &look)
         } else {
             None
         };
@@ -186,27 +181,15 @@ impl Stage<'_> {
             root.carry_over(program, token);
         }
         let task = Task { program, root: Some(&root), ..task };
-        let mut found = search(task, control, seed);
+        let own = looks.seed(cut.is_none());
+        let mut found = search(task, control, own.as_ref().or(seed));
         ladder.take_spent().count(&mut found.statistics);
-        found.statistics.add_nested(&taken.get());
+        looks.count(&mut found.statistics);
         // Columns of event windows come after the program's.
         let value = |x: &Vec<f64>| program.objective(&x[..program.column_count()]);
         let best = found.points.first().map_or(f64::INFINITY, value);
         found.strengthened = strengthens.then(|| closed([&bent, &cut], best));
         found
-    }
-
-    /// A look at the root alone, and rounding there, if rounding is on.
-    fn round(&self, task: Task<'_>) -> Option<Found> {
-        if !task.options.heuristics.rounding {
-            return None;
-        }
-        let heuristics = Heuristics { rounding: true, ..Heuristics::none() };
-        let branching = BranchingRule::LatestFirst;
-        let node_limit = Some(1);
-        let options = &Options { heuristics, branching, node_limit, ..task.options.nested() };
-        let guidance = &self.guidance.idle();
-        Some(search(Task { options, guidance, ..task }, &mut Control::default(), None))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::node::Path;
 use super::proofs::{Fork, Proof};
 use super::seed::{GuessEnd, Seeded};
-use crate::solution::{Statistics, Termination};
+use crate::solution::{Heuristic, Statistics, Termination};
 
 /// What a search found. Objective values are those of the minimised program.
 #[derive(Debug, Clone)]
@@ -12,6 +12,8 @@ pub struct Found {
     pub termination: Termination,
     /// The best accepted points, best first.
     pub points: Vec<Vec<f64>>,
+    /// What found the best one.
+    pub(crate) found_by: Option<Heuristic>,
     /// Whether these are proved to be the best ones.
     pub pool_complete: bool,
     /// Proved lower bound; `+inf` when infeasible.
@@ -65,6 +67,7 @@ impl Found {
         Found {
             termination: Termination::Infeasible,
             points: Vec::new(),
+            found_by: None,
             pool_complete: true,
             bound: f64::INFINITY,
             statistics: Statistics::default(),

@@ -102,9 +102,9 @@ pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
-pub(crate) use root_point::Strengthened;
+pub(crate) use root_point::{Looked, Strengthened};
 pub use seed::SeedBox;
-pub(crate) use seed::{GuessEnd, Seed};
+pub(crate) use seed::{GuessEnd, Seed, Start};
 pub use task::{Accept, Task};
 
 // For `internals` only.

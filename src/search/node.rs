@@ -152,7 +152,10 @@ impl Node {
 
     /// The root of a tree whose relaxed point may be known.
     pub(super) fn relaxed_root(root: Option<&RootPoint>) -> Self {
-        let Some(root) = root.filter(|root| root.is_final()) else { return Node::root() };
+        let Some(root) = root else { return Node::root() };
+        if !root.is_final() {
+            return Node { bound: root.bound, ..Node::root() };
+        }
         let known = Some(Box::new(Known { point: root.x.clone(), warm: root.warm.clone() }));
         Node { bound: root.bound, known, ..Node::root() }
     }

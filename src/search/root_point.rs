@@ -30,6 +30,17 @@ pub(crate) struct Strengthened {
     pub(crate) values: [f64; 2],
 }
 
+/// What a short search from a root has shown.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Looked {
+    /// The value of its best point, if it found one.
+    pub(crate) value: Option<f64>,
+    /// The proved bound.
+    pub(crate) bound: f64,
+    /// Whether nothing is left to search.
+    pub(crate) is_closed: bool,
+}
+
 impl RootPoint {
     /// Relaxes a program within a domain as the search does, from what a relaxation of nearly the same
     /// program has left; `None` if nothing is left to relax, or without an optimum.
@@ -64,6 +75,11 @@ impl RootPoint {
             }
             _ => None,
         }
+    }
+
+    /// The same with another proved bound, if that is higher.
+    pub(super) fn with_bound(self, bound: f64) -> RootPoint {
+        RootPoint { bound: self.bound.max(bound), ..self }
     }
 
     /// Whether the search need not relax the root: the bound is as good as that of any relaxation.

@@ -12,6 +12,7 @@ use super::node::Decision;
 use super::proofs::Proofs;
 use crate::presolve::Domain;
 use crate::program::Program;
+use crate::solution::Heuristic;
 
 /// What an earlier solve hands over, in columns of the program.
 #[derive(Debug, Clone, Default)]
@@ -20,11 +21,22 @@ pub struct Seed {
     pub guess: Vec<(usize, f64)>,
     /// Boxes over integral columns.
     pub leaves: Vec<SeedBox>,
-    /// A point to beat that was verified before, a value a column.
-    pub(crate) point: Option<Vec<f64>>,
+    /// A point to beat that was verified before.
+    pub(crate) point: Option<Start>,
+    /// If the point is what a look at the root found: whether the root is still the same, so that
+    /// rounding and roll-outs have had their turn.
+    pub(crate) looked: Option<bool>,
     /// Proofs to try before relaxations. If there are any, or none but the wish, those of this search
     /// are kept.
     pub(crate) proofs: Option<Arc<Proofs>>,
+}
+
+/// A verified point that a search begins with.
+#[derive(Debug, Clone)]
+pub(crate) struct Start {
+    /// A value a column.
+    pub(crate) values: Vec<f64>,
+    pub(crate) found_by: Heuristic,
 }
 
 /// A box over some integral columns, and how promising it is: the smaller, the more.

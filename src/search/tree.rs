@@ -9,7 +9,7 @@ use super::node::{Node, NodeQueue, Path, StepCount};
 use super::proofs::{End, Fork, Proof, Proofs};
 use super::pseudocosts::Pseudocosts;
 use super::root_point::RootPoint;
-use super::seed::{GuessEnd, Seed, Seeded};
+use super::seed::{GuessEnd, Seed, Seeded, Start};
 use super::task::Task;
 use super::trace::event;
 use crate::program::Program;
@@ -125,9 +125,9 @@ impl<'a> Tree<'a> {
         let mut root = Node::relaxed_root(known);
         root.bound = tree.strengthen(root.bound);
         tree.lock().queue.push(root);
-        if let Some(point) = seed.and_then(|seed| seed.point.clone()) {
-            let value = task.exact.unwrap_or(task.program).objective(&point);
-            let accepted = tree.accepted(value, point, Heuristic::Guess);
+        if let Some(Start { values, found_by }) = seed.and_then(|seed| seed.point.clone()) {
+            let value = task.exact.unwrap_or(task.program).objective(&values);
+            let accepted = tree.accepted(value, values, found_by);
             tree.accept(&mut tree.lock(), accepted);
         }
         tree
@@ -329,6 +329,7 @@ impl<'a> Tree<'a> {
             termination,
             bound: if unbounded { f64::NEG_INFINITY } else { bound },
             pool_complete: complete && state.stop.is_none() && state.points.wants_all(),
+            found_by: state.points.incumbent().map(|best| best.found_by),
             points: state.points.into_points().into_iter().map(|best| best.point).collect(),
             statistics: state.statistics,
             leaves: leaves.iter().map(|(path, bound)| ClosedNode::new(path, *bound)).collect(),

@@ -227,6 +227,17 @@ impl HeuristicCounts {
         Heuristic::ALL.into_iter().map(|heuristic| (heuristic, self.of(heuristic)))
     }
 
+    pub(crate) fn add(&mut self, part: &HeuristicCounts) {
+        for (heuristic, count) in part.iter() {
+            let sum = self.of_mut(heuristic);
+            sum.calls += count.calls;
+            sum.points += count.points;
+            sum.incumbents += count.incumbents;
+            sum.relaxations += count.relaxations;
+            sum.time += count.time;
+        }
+    }
+
     /// The counts of one source, mutable.
     pub fn of_mut(&mut self, heuristic: Heuristic) -> &mut HeuristicCount {
         match heuristic {
@@ -329,13 +340,6 @@ impl Statistics {
         self.max_open = self.max_open.max(part.max_open);
         self.tree_bytes = self.tree_bytes.max(part.tree_bytes);
         self.times.add(&part.times);
-        for heuristic in Heuristic::ALL {
-            let (sum, count) = (self.heuristics.of_mut(heuristic), part.heuristics.of(heuristic));
-            sum.calls += count.calls;
-            sum.points += count.points;
-            sum.incumbents += count.incumbents;
-            sum.relaxations += count.relaxations;
-            sum.time += count.time;
-        }
+        self.heuristics.add(&part.heuristics);
     }
 }

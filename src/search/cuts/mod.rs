@@ -11,13 +11,17 @@ mod separated_point;
 pub use cut::Cut;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
-use std::cell::OnceCell;
-
 use super::root::Root;
-use super::root_point::{RootPoint, Strengthened};
+use super::root_point::{Looked, RootPoint, Strengthened};
+use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{Options, StopToken};
+
+/// A search of so many nodes from a root; `None` if it is not wanted.
+pub(crate) type Look<'a> = dyn Fn(&Root, u64) -> Option<Looked> + 'a;
+
+fn nodes_env() -> u64 { std::env::var("NODES").ok().and_then(|v| v.parse().ok()).unwrap_or(6) }
 
 const ROUNDS: usize = 40;
 
@@ -63,14 +67,14 @@ const BINDING: f64 = 1e-6;
 ///
 /// * `token`: ends the rounds.
 /// * `ladder`: keeps count of the relaxations.
-/// * `rough`: the value of a point that rounding finds from a root, if any.
+/// * `look`: a search of so many nodes from a root.
 pub(crate) fn strengthen(
     program: &Program,
     root: &mut Root,
     options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-    rough: &dyn Fn(&Root) -> Option<f64>,
+    look: &Look<'_>,
 ) -> Option<Strengthened> {
     let idle = program.integers.is_empty() || program.is_feasibility_problem();
     if idle || root.conflict.is_some() || token.is_over() {
@@ -80,8 +84,15 @@ pub(crate) fn strengthen(
     let point =
         point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token, None))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
-    let gap = Gap { rough, value: OnceCell::new() };
-    let mut rounds = Rounds { program, root, gap, curved, cuts: Vec::new(), ages: Vec::new() };
+    let start = Root { point: Some(point.clone()), ..root.clone() };
+    let mut glances = Glances { look, root: start, value: None, bound: point.bound };
+    if glances.close(1) {
+        root.point = Some(point.with_bound(glances.bound));
+        return None;
+    }
+    let domain = &root.domain;
+    let mut rounds =
+        Rounds { program, domain, glances, curved, cuts: Vec::new(), ages: Vec::new() };
     let last = rounds.run(&point, options, token, ladder);
     let last = last.filter(|last| rounds.pays([WORTH[curved], CLOSED[1]], &point, last.value));
     let more = last.as_ref().and_then(|last| {
@@ -89,30 +100,37 @@ pub(crate) fn strengthen(
         let program = with_cuts(program, &rounds.cuts)?;
         Some(Strengthened { program, values: [point.value, last.value] })
     });
-    root.point = last.filter(|_| more.is_some()).or(Some(point));
+    let bound = rounds.glances.bound;
+    let point = last.filter(|_| more.is_some()).unwrap_or(point);
+    root.point = Some(point.with_bound(bound));
     more
 }
 
-/// The gap between the root and a point that rounding finds, asked for once.
-struct Gap<'a> {
-    rough: &'a dyn Fn(&Root) -> Option<f64>,
-    value: OnceCell<Option<f64>>,
+/// Short searches from the root without cuts.
+struct Glances<'a> {
+    look: &'a Look<'a>,
+    /// With its relaxed point.
+    root: Root,
+    /// The value of the best point.
+    value: Option<f64>,
+    bound: f64,
 }
 
-impl Gap<'_> {
-    fn above(&self, point: &RootPoint, root: &Root) -> Option<f64> {
-        let value = self
-            .value
-            .get_or_init(|| (self.rough)(&Root { point: Some(point.clone()), ..root.clone() }));
-        value.map(|value| value - point.value)
+impl Glances<'_> {
+    /// Searches so many nodes. Returns whether nothing is left to search.
+    fn close(&mut self, nodes: u64) -> bool {
+        let Some(looked) = (self.look)(&self.root, nodes) else { return false };
+        self.value = looked.value.or(self.value);
+        self.bound = self.bound.max(looked.bound);
+        looked.is_closed
     }
 }
 
 /// Rounds of cutting the relaxed point off.
 struct Rounds<'a> {
     program: &'a Program,
-    root: &'a Root,
-    gap: Gap<'a>,
+    domain: &'a Domain,
+    glances: Glances<'a>,
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
     cuts: Vec<Cut>,
@@ -149,7 +167,7 @@ impl Rounds<'_> {
             self.cuts.extend(found);
             let program = more.insert(with_cuts(self.program, &self.cuts)?);
             // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
-            let point = RootPoint::new(program, &self.root.domain, ladder, options, token, None);
+            let point = RootPoint::new(program, self.domain, ladder, options, token, None);
             let Some(point) = point else { break };
             let part = PART * (point.value - root.value).max(0.0);
             let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;
@@ -164,6 +182,9 @@ impl Rounds<'_> {
             if idle >= IDLE || hopeless {
                 break;
             }
+            if round == 0 && nodes_env() > 1 && self.glances.close(nodes_env()) {
+                return None;
+            }
         }
         last
     }
@@ -173,14 +194,14 @@ impl Rounds<'_> {
         let closes = |gap| value - root.value >= closed * gap;
         root.is_lifted_by(large, value)
             || (root.is_lifted_by(SLIGHT, value)
-                && self.gap.above(root, self.root).is_some_and(closes))
+                && self.glances.value.is_some_and(|best| closes(best - root.value)))
     }
 
     /// The best cuts that a point violates, from the rows of a program.
     fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
         // Most curved programs gain nothing, and a look at single rows tells.
         let rows = if self.curved == 1 && round == 0 { 1 } else { ROWS };
-        select(mixed_integer_rounding_cuts(program, &self.root.domain, x, rows, token), x)
+        select(mixed_integer_rounding_cuts(program, self.domain, x, rows, token), x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.

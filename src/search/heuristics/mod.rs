@@ -71,8 +71,10 @@ pub(super) fn look_for_points(
     let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
-        // Beside a MIP start they can wait.
-        let started = at_root && ctx.tree.seed().is_some() && ctx.tree.cutoff() < f64::INFINITY;
+        // Where a look at the root has tried them, and beside a MIP start, they can wait.
+        let has_point = ctx.tree.cutoff() < f64::INFINITY;
+        let seed = ctx.tree.seed().filter(|_| at_root);
+        let started = seed.is_some_and(|seed| seed.looked.unwrap_or(has_point));
         if on.rounding && !started {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);

@@ -1,0 +1,98 @@
+//! Short searches before the search, which tell whether cuts are wanted.
+
+use std::cell::RefCell;
+
+use crate::search::{Found, Looked, Root, Seed, Start, Task, search};
+use crate::solution::{Heuristic, Statistics, Termination};
+use crate::solver::{BranchingRule, Control, Heuristics, Options};
+
+/// The looks at a program, and what they leave to its search.
+pub(super) struct Looks<'a> {
+    task: Task<'a>,
+    /// The seed of the search.
+    given: Option<&'a Seed>,
+    left: RefCell<Left>,
+}
+
+/// What looks have left.
+#[derive(Default)]
+struct Left {
+    best: Option<Start>,
+    /// Whether there was a look that found the search's own root.
+    looked: bool,
+    statistics: Statistics,
+}
+
+impl<'a> Looks<'a> {
+    pub(super) fn new(task: Task<'a>, given: Option<&'a Seed>) -> Self {
+        Looks { task, given, left: RefCell::default() }
+    }
+
+    /// Searches so many nodes from a root, with rounding and a roll-out there. Returns `None` if that is
+    /// not wanted.
+    pub(super) fn look(&self, root: &Root, nodes: u64) -> Option<Looked> {
+        let Task { program, options, guidance, .. } = self.task;
+        let further = nodes > 1;
+        if let Some(start) = self.given.and_then(|seed| seed.point.as_ref()) {
+            let value = Some(program.objective(&start.values));
+            let looked = Looked { value, bound: f64::NEG_INFINITY, is_closed: false };
+            return (!further).then_some(looked);
+        }
+        // What goes beyond the root is the user's to steer and to limit.
+        let is_limited = options.node_limit.is_some_and(|limit| limit <= nodes);
+        if !options.heuristics.rounding || further && (is_limited || !guidance.is_idle()) {
+            return None;
+        }
+        let roll_out = options.heuristics.roll_out;
+        let heuristics = Heuristics { rounding: true, roll_out, ..Heuristics::none() };
+        let branching = if further { options.branching } else { BranchingRule::LatestFirst };
+        let node_limit = Some(nodes);
+        let options = &Options { heuristics, branching, node_limit, ..options.nested() };
+        let guidance = &guidance.idle();
+        let task = Task { options, guidance, root: Some(root), ..self.task };
+        let seed = self.seed(true);
+        let found = search(task, &mut Control::default(), seed.as_ref());
+        Some(self.take_in(found))
+    }
+
+    fn take_in(&self, found: Found) -> Looked {
+        let mut left = self.left.borrow_mut();
+        left.looked = true;
+        let is_closed = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
+        let mut counts = found.statistics;
+        // The search counts the best point again.
+        counts.incumbents = 0;
+        Heuristic::ALL.iter().for_each(|&source| counts.heuristics.of_mut(source).incumbents = 0);
+        if is_closed {
+            left.statistics.add(&counts);
+        } else {
+            // The root is the search's own.
+            counts.nodes -= counts.nodes.min(1);
+            left.statistics.heuristics.add(&counts.heuristics);
+            left.statistics.add_nested(&counts);
+        }
+        let value = found.points.first().map(|values| self.task.program.objective(values));
+        if let Some(values) = found.points.into_iter().next() {
+            let found_by = found.found_by.unwrap_or(Heuristic::Rounding);
+            left.best = Some(Start { values, found_by });
+        }
+        Looked { value, bound: found.bound, is_closed }
+    }
+
+    /// What the search may begin with, if it has no seed: `same_root` if it has the root that was looked at.
+    pub(super) fn seed(&self, same_root: bool) -> Option<Seed> {
+        let left = self.left.borrow();
+        let seeds = left.looked && self.given.is_none() && self.task.options.pool <= 1;
+        seeds.then(|| Seed {
+            point: left.best.clone(),
+            looked: Some(same_root),
+            ..Seed::default()
+        })
+    }
+
+    /// Adds what the looks have taken to the counts of the search.
+    pub(super) fn count(self, statistics: &mut Statistics) {
+        let left = self.left.into_inner().statistics;
+        statistics.add(&left);
+    }
+}
