@@ -39,8 +39,9 @@ impl<'a> Looks<'a> {
             return (!further).then_some(looked);
         }
         // What goes beyond the root is the user's to steer and to limit.
-        let is_limited = options.node_limit.is_some_and(|limit| limit <= nodes);
-        if !options.heuristics.rounding || further && (is_limited || !guidance.is_idle()) {
+        let is_steered = further && !guidance.is_idle();
+        let is_limited = options.node_limit.is_some_and(|limit| limit < nodes);
+        if !options.heuristics.rounding || is_steered || is_limited {
             return None;
         }
         let roll_out = options.heuristics.roll_out;
@@ -83,11 +84,7 @@ impl<'a> Looks<'a> {
     pub(super) fn seed(&self, same_root: bool) -> Option<Seed> {
         let left = self.left.borrow();
         let seeds = left.looked && self.given.is_none() && self.task.options.pool <= 1;
-        seeds.then(|| Seed {
-            point: left.best.clone(),
-            looked: Some(same_root),
-            ..Seed::default()
-        })
+        seeds.then(|| Seed { point: left.best.clone(), looked: Some(same_root), ..Seed::default() })
     }
 
     /// Adds what the looks have taken to the counts of the search.

@@ -242,7 +242,8 @@ fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> 
     let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
     if let Some(begun) = &begun {
         seed.guess.clear();
-        let start = |values: &Vec<f64>| Start { values: values.clone(), found_by: Heuristic::Guess };
+        let start =
+            |values: &Vec<f64>| Start { values: values.clone(), found_by: Heuristic::Guess };
         seed.point = begun.points.first().map(start);
     }
     let mut found = stage.run(control, Some(&seed));

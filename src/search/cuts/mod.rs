@@ -21,8 +21,6 @@ use crate::solver::{Options, StopToken};
 /// A search of so many nodes from a root; `None` if it is not wanted.
 pub(crate) type Look<'a> = dyn Fn(&Root, u64) -> Option<Looked> + 'a;
 
-fn nodes_env() -> u64 { std::env::var("NODES").ok().and_then(|v| v.parse().ok()).unwrap_or(6) }
-
 const ROUNDS: usize = 40;
 
 /// Most cuts of a round.
@@ -49,6 +47,11 @@ const CLOSED: [f64; 2] = [0.05, 0.1];
 /// From the second round on, that must be within reach of so many more rounds that lift the bound as
 /// much as the last one did: the first rounds lift the most.
 const AHEAD: f64 = 2.0;
+
+/// Nodes that are searched after the first round, which cost less than the rounds to come, if the best
+/// point is so near to the root, relative.
+const NODES: u64 = 6;
+const NEAR: f64 = 0.01;
 
 /// Cuts more parallel than this to a better one are left out (cosine).
 const PARALLEL: f64 = 0.7;
@@ -117,6 +120,11 @@ struct Glances<'a> {
 }
 
 impl Glances<'_> {
+    /// Whether a point is so near to the root's value that the tree is likely to be small.
+    fn is_near(&self, root: &RootPoint) -> bool {
+        self.value.is_some_and(|value| value - root.value <= NEAR * value.abs())
+    }
+
     /// Searches so many nodes. Returns whether nothing is left to search.
     fn close(&mut self, nodes: u64) -> bool {
         let Some(looked) = (self.look)(&self.root, nodes) else { return false };
@@ -182,7 +190,7 @@ impl Rounds<'_> {
             if idle >= IDLE || hopeless {
                 break;
             }
-            if round == 0 && nodes_env() > 1 && self.glances.close(nodes_env()) {
+            if round == 0 && self.glances.is_near(root) && self.glances.close(NODES) {
                 return None;
             }
         }
