@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::presolve::root::{Presolve, Rule, presolve};
 use crate::program::Program;
-use crate::reformulate;
+use crate::reformulate::{self, WayBack};
 use crate::relaxation::Ladder;
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
 use crate::solution::{Point, Termination};
@@ -32,11 +32,14 @@ impl Pipeline<'_> {
         &self,
         control: &mut Control<'_>,
     ) -> Result<(Found, Option<Derivatives>), Error> {
-        let Some(lowered) = reformulate::lower_until(self.model, None, self.token)? else {
-            return Ok((self.stopped(), None));
+        let (program, way_back) = if self.model.has_only_rows() {
+            (Program::assemble(self.model)?, WayBack::to_rows(self.model))
+        } else {
+            let Some(lowered) = reformulate::lower_until(self.model, None, self.token)? else {
+                return Ok((self.stopped(), None));
+            };
+            (Program::assemble(lowered.model())?, lowered.into_way_back())
         };
-        let program = Program::assemble(lowered.model())?;
-        let way_back = lowered.into_way_back();
         self.run_program(program, &|values| way_back.restore(values), control)
     }
 

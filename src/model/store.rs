@@ -291,6 +291,15 @@ impl Model {
         Ok(id)
     }
 
+    /// Whether there is nothing to reformulate.
+    pub(crate) fn has_only_rows(&self) -> bool {
+        let Stored { variables, indicators, disjunctions, logic, functions, sets, .. } =
+            &self.stored;
+        let semicontinuous = variables.iter().any(|data| data.semicontinuous.is_some());
+        indicators.len() + disjunctions.len() + logic.len() + functions.len() + sets.len() == 0
+            && !semicontinuous
+    }
+
     /// The model with only its variables, objective and rows, to which a reformulation adds. Their
     /// handles stay valid. Semi-continuous variables may take all values within their bounds.
     pub(crate) fn with_rows_only(&self) -> Model {

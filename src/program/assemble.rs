@@ -15,10 +15,7 @@ impl Program {
     /// [`ErrorKind::Unsupported`] when the model has anything but rows, [`ErrorKind::Allocation`]
     /// when the matrices cannot be allocated.
     pub fn assemble(model: &Model) -> Result<Program, Error> {
-        let switched = model.indicator_count() + model.disjunction_count();
-        let sets = model.special_ordered_set_count();
-        let open = model.variables().any(|variable| variable.semicontinuous().is_some());
-        if switched + model.logical_constraint_count() + model.function_count() + sets > 0 || open {
+        if !model.has_only_rows() {
             return Err(ErrorKind::Unsupported {
                 solver: "the assembly of matrices".into(),
                 what: "statements other than rows".into(),

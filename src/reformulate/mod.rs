@@ -134,6 +134,11 @@ pub(crate) struct WayBack {
 }
 
 impl WayBack {
+    /// The way back to a model that has only rows.
+    pub(crate) fn to_rows(model: &Model) -> Self {
+        WayBack { original: model.variable_count(), relaxed: Vec::new() }
+    }
+
     /// Same as [`Lowered::restore`].
     pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
         restore(self.original, &self.relaxed, values)

@@ -30,7 +30,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
         if work.is_late(work.uses[column].len()) {
             return changes;
         }
-        let found = decided(work, column, &signs(work), 0.0);
+        let found = decided(work, column, signs(work), 0.0);
         if let Some(value) = found {
             fix(work, column, value);
             changes += 1;
@@ -43,7 +43,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
     let dominated: Vec<(usize, f64)> = work
         .live_columns()
         .into_iter()
-        .filter_map(|j| Some((j, decided(work, j, &|row| multipliers[row], MARGIN)?)))
+        .filter_map(|j| Some((j, decided(work, j, |row| multipliers[row], MARGIN)?)))
         .collect();
     // One at a time: the argument for the next column needs the program without this one.
     if let Some(&(column, value)) = dominated.first() {
@@ -62,7 +62,7 @@ fn is_bounded(work: &Work) -> bool {
 }
 
 /// What the limits of a row say about its multiplier.
-fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] {
+fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] + Copy + '_ {
     |row| {
         let most = if work.row_upper[row].is_finite() { f64::INFINITY } else { 0.0 };
         let least = if work.row_lower[row].is_finite() { f64::NEG_INFINITY } else { 0.0 };
@@ -74,13 +74,16 @@ fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] {
 fn decided(
     work: &Work,
     column: usize,
-    multiplier: &dyn Fn(usize) -> [f64; 2],
+    multiplier: impl Fn(usize) -> [f64; 2] + Copy,
     margin: f64,
 ) -> Option<f64> {
     if work.given[column] || !work.is_straight(column) {
         return None;
     }
     let [least, most] = reduced_cost(work, column, multiplier, None);
+    if least == f64::NEG_INFINITY && most == f64::INFINITY {
+        return None;
+    }
     let margin = margin * scale(work, column, multiplier);
     let (lower, upper) = (work.lower[column], work.upper[column]);
     let cheap = least == 0.0 && most == 0.0;
@@ -100,21 +103,24 @@ fn decided(
 fn reduced_cost(
     work: &Work,
     column: usize,
-    multiplier: &dyn Fn(usize) -> [f64; 2],
+    multiplier: impl Fn(usize) -> [f64; 2],
     without: Option<usize>,
 ) -> [f64; 2] {
     let mut range = [work.linear[column]; 2];
-    for (row, a) in work.column(column).into_iter().filter(|(row, _)| Some(*row) != without) {
+    for (row, a) in work.column(column).filter(|(row, _)| Some(*row) != without) {
         let [p, q] = multiplier(row).map(|y| if y == 0.0 { 0.0 } else { a * y });
         range[0] += p.min(q);
         range[1] += p.max(q);
+        if range == [f64::NEG_INFINITY, f64::INFINITY] {
+            break;
+        }
     }
     range
 }
 
 /// The size of a reduced cost's finite terms, at least that of the cost.
-fn scale(work: &Work, column: usize, multiplier: &dyn Fn(usize) -> [f64; 2]) -> f64 {
-    let terms = work.column(column).into_iter().flat_map(|(row, a)| {
+fn scale(work: &Work, column: usize, multiplier: impl Fn(usize) -> [f64; 2]) -> f64 {
+    let terms = work.column(column).flat_map(|(row, a)| {
         multiplier(row).map(|y| if y.is_finite() { (a * y).abs() } else { 0.0 })
     });
     terms.fold(work.linear[column].abs().max(1e-6), f64::max)
@@ -124,7 +130,7 @@ fn scale(work: &Work, column: usize, multiplier: &dyn Fn(usize) -> [f64; 2]) -> 
 /// that miss a bound.
 fn multipliers(work: &Work) -> Vec<[f64; 2]> {
     let sign = signs(work);
-    let mut bounds: Vec<[f64; 2]> = (0..work.rows.len()).map(&sign).collect();
+    let mut bounds: Vec<[f64; 2]> = (0..work.rows.len()).map(sign).collect();
     let open: Vec<usize> = work
         .live_columns()
         .into_iter()
@@ -142,7 +148,7 @@ fn multipliers(work: &Work) -> Vec<[f64; 2]> {
                 if work.lower[column].is_infinite() { 0.0 } else { f64::INFINITY },
             ];
             for (row, a) in work.column(column) {
-                let rest = reduced_cost(work, column, &|i| bounds[i], Some(row));
+                let rest = reduced_cost(work, column, |i| bounds[i], Some(row));
                 let (p, q) = ((limits[0] - rest[1]) / a, (limits[1] - rest[0]) / a);
                 let (p, q) = (p.min(q), p.max(q));
                 // Loosened by a hair; quotients that are not numbers compare false.

@@ -170,15 +170,20 @@ pub(crate) fn presolve_around(
 /// Applies the rules until they find nothing more, or the token is over.
 fn reduce(work: &mut Work, rules: &[Rule], token: &StopToken) -> Result<(), Infeasible> {
     work.settle()?;
+    let mut changes = 0;
+    // By rule, the changes when it was last applied.
+    let mut seen = vec![None; rules.len()];
     for _ in 0..ROUNDS {
-        let mut changes = 0;
-        for rule in rules {
+        let before = changes;
+        for (rule, seen) in rules.iter().zip(&mut seen) {
             if token.is_over() {
                 return Ok(());
             }
-            changes += rule.apply(work)?;
+            if seen.replace(changes) != Some(changes) {
+                changes += rule.apply(work)?;
+            }
         }
-        if changes == 0 {
+        if changes == before {
             break;
         }
     }

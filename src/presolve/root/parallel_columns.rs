@@ -43,8 +43,8 @@ fn ratio(work: &Work, column: usize, other: usize) -> Option<f64> {
     if work.uses[column] != work.uses[other] {
         return None;
     }
-    let (one, two) = (work.column(column), work.column(other));
-    let ratio = parallel::ratio(one.iter().zip(&two).map(|(a, b)| (a.1, b.1)))?;
+    let values = |column| work.column(column).map(|(_, a)| a);
+    let ratio = parallel::ratio(values(column).zip(values(other)))?;
     let same_cost = is_multiple(work.linear[column], work.linear[other], ratio);
     let kinds = match (work.integral[column], work.integral[other]) {
         (false, false) => true,

@@ -41,13 +41,12 @@ const VISIBLE: f64 = 1e-9;
 pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
     let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= GROWTH * pivot);
-    let entries = work.column(column);
     let constant = work.row_lower[row] / pivot;
     !work.given[column]
         && in_row
         && f64::EPSILON * constant.abs() <= VISIBLE
-        && entries.iter().all(|(_, a)| a.abs() <= GROWTH * pivot)
-        && entries.iter().all(|&(other, _)| other == row || is_sharp(work, column, row, other))
+        && work.column(column).all(|(_, a)| a.abs() <= GROWTH * pivot)
+        && work.uses[column].iter().all(|&i| i == row || is_sharp(work, column, row, i))
 }
 
 /// Whether the entries of another row keep their digits when a row replaces a column there.

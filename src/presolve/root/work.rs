@@ -196,15 +196,15 @@ impl Work {
     }
 
     /// Rows and coefficients of a column.
-    pub(super) fn column(&self, column: usize) -> Sparse {
-        self.uses[column].iter().map(|&row| (row, self.coefficient(row, column))).collect()
+    pub(super) fn column(&self, column: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
+        self.uses[column].iter().map(move |&row| (row, self.coefficient(row, column)))
     }
 
     /// A column as it is now, for its undo.
     pub(super) fn remember(&self, column: usize) -> OldColumn {
         OldColumn {
             column,
-            entries: self.column(column),
+            entries: self.column(column).collect(),
             linear: self.linear[column],
             quadratic: self.quadratic[column].iter().map(|(&k, &p)| (k, p)).collect(),
         }
