@@ -1,7 +1,8 @@
 //! Cuts at the root: rows that every integral point satisfies and the relaxed point violates.
 //!
-//! Rounds of relaxing and cutting continue while they lift the bound. Cuts that stay slack leave, in
-//! the end all that are not active, and all of them if the bound has hardly improved.
+//! Rounds of relaxing and cutting continue while they lift the bound, unless a short search without cuts
+//! closes the gap. Cuts that stay slack leave, in the end all that are not active, and all of them if the
+//! bound has hardly improved.
 
 mod cut;
 mod mixed_integer_rounding;
