@@ -49,6 +49,9 @@ pub struct Reduced {
     pub lower: Vec<f64>,
     /// Upper bounds of the columns.
     pub upper: Vec<f64>,
+    /// How steep the objective is along each column, whatever the others do (see
+    /// `Program::steepness`); empty if nothing is known, or if all columns with curvature have bounds.
+    pub steepness: Vec<f64>,
 }
 
 /// Compressed vectors (columns or rows) of a sparse matrix.
@@ -111,6 +114,7 @@ impl Reduced {
             row_upper: program.row_upper.clone(),
             lower: program.lower.clone(),
             upper: program.upper.clone(),
+            steepness: program.steepness().to_vec(),
         }
     }
 
@@ -332,6 +336,14 @@ impl Reducer {
         self.collect_rows(program, &mut reduced)?;
         reduced.columns = columns;
         reduced.values = self.lower.clone();
+        let is_open = |k: usize| {
+            let curved = !reduced.quadratic.vector(k).0.is_empty();
+            curved && (reduced.lower[k].is_infinite() || reduced.upper[k].is_infinite())
+        };
+        if (0..reduced.columns.len()).any(is_open) {
+            let steepness = program.steepness();
+            reduced.steepness = reduced.columns.iter().map(|&j| steepness[j]).collect();
+        }
         Ok(reduced)
     }
 

@@ -1,5 +1,7 @@
 //! Appending columns and rows to a program.
 
+use std::sync::OnceLock;
+
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
 
 use super::Program;
@@ -38,6 +40,7 @@ impl Program {
         self.integral.resize(n, true);
         self.integers.extend(old..n);
         self.step.resize(n, None);
+        self.extend_steepness();
         Some(())
     }
 
@@ -67,6 +70,7 @@ impl Program {
         let entries: Vec<_> = products.iter().map(|&(i, j, p)| Triplet::new(i, j, p)).collect();
         self.quadratic = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
         (self.linear, self.offset) = (linear, 0.0);
+        self.steepness = OnceLock::new();
         Some(())
     }
 }

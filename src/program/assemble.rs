@@ -1,5 +1,7 @@
 //! Assembly of a [`Program`] from a model without indicators.
 
+use std::sync::OnceLock;
+
 use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
 use super::Program;
@@ -74,6 +76,7 @@ impl Program {
             integers: (0..n).filter(|&j| integral[j]).collect(),
             integral,
             step,
+            steepness: OnceLock::new(),
         })
     }
 }

@@ -8,6 +8,9 @@
 
 mod append;
 mod assemble;
+mod steepness;
+
+use std::sync::OnceLock;
 
 use faer::sparse::{SparseColMat, SparseRowMat};
 
@@ -42,6 +45,8 @@ pub struct Program {
     pub integers: Vec<usize>,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
+    /// How steep the objective is, once somebody has asked.
+    pub(crate) steepness: OnceLock<Vec<f64>>,
 }
 
 impl Program {
@@ -93,6 +98,7 @@ impl Program {
         }
         self.linear = vec![0.0; n];
         self.offset = 0.0;
+        self.steepness = OnceLock::new();
     }
 
     /// Value of the (minimised) objective at a point.

@@ -5,8 +5,9 @@
 //! `f(x) >= offset - ½ x̂'Px̂ - Σ y_i limit_i + Σ_j g_j x_j`,  `g = q + Px̂ + A'y`,
 //!
 //! over all points that satisfy the rows, and the last sum is smallest at a corner of the box. So
-//! every pair `(x̂, y)` proves *some* bound, and a good pair proves a tight one. Sums have twice
-//! the digits of a float, and their possible rounding error is subtracted.
+//! every pair `(x̂, y)` proves *some* bound, and a good pair proves a tight one. Where plain floats lose
+//! too much (see `plain_bound`), sums have twice their digits, and their possible rounding error is
+//! subtracted.
 //!
 //! A column without a finite bound (or with a very large one) on the side that `g` points to needs
 //! `g_j = 0`. The pair is corrected first: `x̂` on columns with curvature and `y` on active rows,
@@ -16,6 +17,7 @@
 
 use super::correction::Correction;
 use super::extended::Extended;
+use super::plain_bound::plain_bound;
 use crate::presolve::Reduced;
 use crate::tolerance;
 
@@ -30,9 +32,6 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// bound (no unit).
 const FAR: f64 = 1e6;
 
-/// A rounding error of plain floats that a bound may be charged with, relative (no unit).
-const SLIGHT: f64 = 1e-10;
-
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
 const FURTHER: f64 = 4.0;
 
@@ -42,62 +41,10 @@ const CORRECTIONS: usize = 8;
 /// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf` if
 /// the pair proves nothing.
 pub fn lower_bound(program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
-    if let Some(bound) = plain_bound(program, x, y) {
-        return bound;
+    if let Some(plain) = plain_bound(program, x, &clipped(program, y)) {
+        return plain.bound;
     }
     pair(program, x, y).map_or(f64::NEG_INFINITY, Pair::best_bound)
-}
-
-/// The bound in plain floats, with their possible rounding error subtracted; `None` if that is more
-/// than slight, or if a column has no bound where one is needed.
-fn plain_bound(program: &Reduced, x: &[f64], y: &[f64]) -> Option<f64> {
-    let y = clipped(program, y);
-    let n = x.len();
-    // Values, the sums of their terms' magnitudes, and numbers of terms.
-    let (mut value, mut size) = (program.linear.clone(), vec![0.0; n]);
-    let mut terms = vec![1.0; n];
-    program.linear.iter().zip(&mut size).for_each(|(q, size)| *size = q.abs());
-    let (mut sum, mut sum_size, mut sum_terms) = (program.offset, program.offset.abs(), 1.0);
-    let mut add = |j: usize, term: f64| {
-        value[j] += term;
-        size[j] += term.abs();
-        terms[j] += 1.0;
-    };
-    for j in 0..n {
-        let (rows, entries) = program.quadratic.vector(j);
-        for (&i, &p) in rows.iter().zip(entries) {
-            add(i, p * x[j]);
-            if i != j {
-                add(j, p * x[i]);
-            }
-            let term = if i == j { -0.5 * p * x[i] * x[j] } else { -p * x[i] * x[j] };
-            (sum, sum_size, sum_terms) = (sum + term, sum_size + term.abs(), sum_terms + 1.0);
-        }
-    }
-    for (i, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
-        let (columns, entries) = program.rows.vector(i);
-        columns.iter().zip(entries).for_each(|(&j, &a)| add(j, a * y));
-        let term = -y * if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
-        (sum, sum_size, sum_terms) = (sum + term, sum_size + term.abs(), sum_terms + 1.0);
-    }
-    let mut error = 0.0;
-    for j in 0..n {
-        let (g, slack) = (value[j], 2.0 * f64::EPSILON * (terms[j] + 2.0) * size[j]);
-        let (lower, upper) = (program.lower[j], program.upper[j]);
-        let corner = if g > 0.0 { lower } else { upper };
-        let reach = if g.abs() > slack { corner.abs() } else { lower.abs().max(upper.abs()) };
-        if slack > 0.0 {
-            error += 2.0 * slack * reach;
-        }
-        if g.abs() > slack {
-            let term = g * corner;
-            (sum, sum_size, sum_terms) = (sum + term, sum_size + term.abs(), sum_terms + 1.0);
-        }
-    }
-    let error = error + 2.0 * f64::EPSILON * (sum_terms + 4.0) * sum_size;
-    let bound = sum - error;
-    let is_slight = bound.is_finite() && error <= SLIGHT * bound.abs().max(1.0);
-    is_slight.then(|| bound.next_down())
 }
 
 /// Proved reduced costs from a claimed solution: a lower bound on the objective, and for each
@@ -105,6 +52,9 @@ fn plain_bound(program: &Reduced, x: &[f64], y: &[f64]) -> Option<f64> {
 /// bounds: the lower bound if the entry is positive, the upper one if it is negative. Zero if
 /// nothing is proved.
 pub fn reduced_costs(program: &Reduced, x: &[f64], y: &[f64]) -> (f64, Vec<f64>) {
+    if let Some(plain) = plain_bound(program, x, &clipped(program, y)) {
+        return (plain.bound, plain.slopes);
+    }
     let Some(pair) = pair(program, x, y) else {
         return (f64::NEG_INFINITY, vec![0.0; program.columns.len()]);
     };

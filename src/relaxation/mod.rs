@@ -14,6 +14,7 @@ mod correction;
 mod extended;
 mod interior;
 mod ladder;
+mod plain_bound;
 mod polish;
 mod recession;
 mod scaling;

@@ -28,6 +28,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         row_upper: program.row_upper.iter().map(cone).collect(),
         lower: program.lower.iter().map(side).collect(),
         upper: program.upper.iter().map(side).collect(),
+        steepness: Vec::new(),
     };
     if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {
         return None;

@@ -74,7 +74,7 @@ fn case() -> impl Strategy<Value = Case> {
     let line = (prop::collection::vec(coefficient(), 4), 0..5, -1..=4_i64, 0..=3_i64);
     let squares = prop_oneof![
         Just(Vec::new()),
-        prop::collection::vec(prop::collection::vec(-2..=2_i64, 4), 1..=2)
+        prop::collection::vec(prop::collection::vec(-2..=2_i64, 4), 1..=4)
     ];
     (
         prop::collection::vec(column(), 1..=4),
@@ -171,6 +171,7 @@ impl Case {
             row_upper: self.rows.iter().map(|r| float(r.upper, INF)).collect(),
             rows: Compressed { start: vec![0], ..Compressed::default() },
             quadratic: Compressed { start: vec![0], ..Compressed::default() },
+            steepness: self.program().steepness().to_vec(),
             ..Reduced::default()
         };
         let push = |to: &mut Compressed, entries: &mut dyn Iterator<Item = (usize, i64)>| {
@@ -491,8 +492,34 @@ fn effort(token: &StopToken) -> Effort<'_> {
     Effort { iterations: 100, tolerance: 1e-8, refinements: 10, cutoff: INF, token, warm: None }
 }
 
+/// Four times `d'Pd` of a displacement in units of a half, exactly.
+fn four_curvatures(case: &Case, displacement: &[i64]) -> i128 {
+    let square = |s: &Vec<i64>| i128::from(dot(s, displacement)).pow(2);
+    2 * case.squares.iter().map(square).sum::<i128>()
+}
+
 proptest! {
     #![proptest_config(config(400, REGRESSIONS))]
+
+    /// What is left of the curvature without the steepness is convex, and single squares are steep.
+    #[test]
+    fn steepness_is_no_more_than_the_curvature(
+        case in case(),
+        displacements in prop::collection::vec(prop::collection::vec(-9..=9_i64, 4), 8),
+    ) {
+        let program = case.program();
+        let steepness = program.steepness();
+        for displacement in displacements.iter().map(|d| &d[..case.columns.len()]) {
+            let squares = displacement.iter().map(|&d| (d * d) as f64);
+            let steep: f64 = squares.zip(steepness).map(|(d, s)| d * s).sum();
+            let curvature = four_curvatures(&case, displacement) as f64;
+            prop_assert!(steep <= curvature, "{:?}: {} > {}", steepness, steep, curvature);
+        }
+        let diagonal = |j: usize| 2 * case.squares.iter().map(|s| s[j] * s[j]).sum::<i64>();
+        if let [_] = case.columns.as_slice() {
+            prop_assert_eq!(steepness[0], diagonal(0) as f64);
+        }
+    }
 
     #[test]
     fn no_pair_proves_too_much(

@@ -3,6 +3,8 @@
 //! Examples are two vehicles without a common row, or decoupled axes. The tree of the whole is the
 //! product of the trees of its blocks; searching them one after the other makes it their sum.
 
+use std::sync::OnceLock;
+
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
 
 use crate::program::Program;
@@ -134,6 +136,7 @@ fn extract(
         integers: (0..n).filter(|&k| integral[k]).collect(),
         integral,
         step: columns.iter().map(|&j| program.step[j]).collect(),
+        steepness: OnceLock::new(),
     };
     Some(Block { columns, program })
 }

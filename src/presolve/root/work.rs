@@ -2,6 +2,7 @@
 //! original numbers.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
@@ -402,6 +403,7 @@ impl Work {
             integers: (0..n).filter(|&k| integral[k]).collect(),
             integral,
             step: columns.iter().map(|&j| self.step[j]).collect(),
+            steepness: OnceLock::new(),
         };
         let postsolve = Postsolve {
             undos: self.undos,
