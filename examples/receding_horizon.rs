@@ -1,9 +1,9 @@
 //! A pendulum next to an elastic wall, planned again after every step.
 //!
-//! `cargo run --release --example receding_horizon -- [STEPS] [MOVES] [FILE]`
+//! `cargo run --release --example receding_horizon -- [FILE]`
 //!
-//! Each plan looks STEPS (20) steps ahead, and its first input is applied. The state is then
-//! disturbed a little, MOVES (40) times. FILE gets a picture (SVG).
+//! Each plan looks 20 steps ahead, and its first input is applied. The state is then disturbed a
+//! little, 40 times. FILE gets a picture (SVG).
 
 use carom::hybrid::{
     Cost, Disturbance, Halfspace, Horizon, HybridSystem, LinearSystem, Move, RecedingHorizon,
@@ -17,8 +17,6 @@ const GAP: f64 = 0.1;
 const STIFFNESS: f64 = 100.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut numbers = std::env::args().skip(1).map_while(|word| word.parse().ok());
-    let (steps, moves) = (numbers.next().unwrap_or(20), numbers.next().unwrap_or(40));
     let flow = |spring: f64| {
         let a = [[1.0, H], [10.0 * H - H * spring, 1.0]];
         LinearSystem::new(a, [[0.0], [H]], [0.0, H * spring * GAP])
@@ -33,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .with_transition(Transition::new("pushed", flow(STIFFNESS)?).with_guard(touching));
 
     let mut model = Model::new("pendulum");
-    let program = pendulum.write(&mut model, "", &Horizon::new(steps, H)?)?;
+    let program = pendulum.write(&mut model, "", &Horizon::new(20, H)?)?;
     let unit = [[1.0, 0.0], [0.0, 1.0]];
     let cost = Cost::quadratic(unit, [[1.0]]).with_terminal([[30.0, 0.0], [0.0, 30.0]]);
     let cost = program.add_cost(&mut model, "cost", &cost)?;
@@ -46,10 +44,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let run = pendulum.simulate(state, &[&next.input])?;
         Ok(run.last().iter().zip(push.next_value()).map(|(x, w)| x + w).collect())
     };
-    let run = controller.run(&[0.0, 0.8], moves, plant)?;
+    let run = controller.run(&[0.0, 0.8], 40, plant)?;
     print!("{}", run.to_csv());
     println!("{run}");
-    if let Some(file) = std::env::args().nth(3) {
+    if let Some(file) = std::env::args().nth(1) {
         std::fs::write(file, run.to_svg("A pendulum next to a wall, disturbed"))?;
     }
     Ok(())

@@ -28,6 +28,9 @@ use crate::solution::Heuristic;
 const PAUSE: u64 = 5;
 const LONG_PAUSE: u64 = 50;
 
+/// A MIP start is good if no point can be better by more than this part of its value.
+const FAR: f64 = 0.5;
+
 /// What the heuristics of one worker have spent.
 pub(super) struct Heuristics {
     /// Nodes since the rounding heuristic last ran.
@@ -71,8 +74,9 @@ pub(super) fn look_for_points(
     let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
-        // Where a look at the root has tried them, and beside a MIP start, they can wait.
-        let has_point = ctx.tree.cutoff() < f64::INFINITY;
+        // Where a look at the root has tried them, and beside a good MIP start, they can wait.
+        let cutoff = ctx.tree.cutoff();
+        let has_point = cutoff < f64::INFINITY && cutoff - bound <= FAR * cutoff.abs();
         let seed = ctx.tree.seed().filter(|_| at_root);
         let started = seed.is_some_and(|seed| seed.looked.unwrap_or(has_point));
         if on.rounding && !started {
