@@ -52,6 +52,8 @@ impl<'a> Looks<'a> {
         let guidance = &guidance.idle();
         let task = Task { options, guidance, root: Some(root), ..self.task };
         let seed = self.seed(true);
+        #[cfg(feature = "tracing")]
+        let _span = tracing::debug_span!("look", nodes).entered();
         let found = search(task, &mut Control::default(), seed.as_ref());
         Some(self.take_in(found))
     }

@@ -17,7 +17,16 @@ struct Seen {
     names: Vec<&'static str>,
     open: Vec<u64>,
     paths: Vec<String>,
-    events: Vec<String>,
+    /// With the path of the span around.
+    events: Vec<(String, String)>,
+}
+
+impl Seen {
+    /// The names of the open spans.
+    fn path(&self) -> String {
+        let names: Vec<_> = self.open.iter().map(|&id| self.names[id as usize - 1]).collect();
+        names.join("/")
+    }
 }
 
 impl Subscriber for Collector {
@@ -37,14 +46,15 @@ impl Subscriber for Collector {
 
     fn event(&self, event: &Event<'_>) {
         let fields = event.fields().map(|field| field.name()).collect::<Vec<_>>().join(" ");
-        self.seen.lock().unwrap().events.push(fields);
+        let mut seen = self.seen.lock().unwrap();
+        let path = seen.path();
+        seen.events.push((path, fields));
     }
 
     fn enter(&self, span: &Id) {
         let mut seen = self.seen.lock().unwrap();
         seen.open.push(span.into_u64());
-        let path = seen.open.iter().map(|&id| seen.names[id as usize - 1]).collect::<Vec<_>>();
-        let path = path.join("/");
+        let path = seen.path();
         seen.paths.push(path);
     }
 
@@ -80,7 +90,11 @@ fn a_solve_is_a_tree_of_spans() {
     assert_eq!(count("solve/search"), 1);
     assert_eq!(count("solve/search/node"), solution.statistics().nodes);
     assert!(count("solve/search/node/heuristic") > 0);
-    let found = seen.events.iter().filter(|fields| fields.contains("found_by")).count() as u64;
-    assert_eq!(found, solution.statistics().incumbents);
-    assert!(seen.events.last().unwrap().contains("termination"));
+    // The searches of looks have their own.
+    let events = |field: &str| {
+        let own = seen.events.iter().filter(|(path, _)| !path.starts_with("solve/look"));
+        own.filter(|(_, fields)| fields.contains(field)).count() as u64
+    };
+    assert_eq!(events("found_by"), solution.statistics().incumbents);
+    assert!(seen.events.last().unwrap().1.contains("termination"));
 }
