@@ -85,7 +85,7 @@ impl<'a> Looks<'a> {
     /// What the search may begin with, if it has no seed: `same_root` if it has the root that was looked at.
     pub(super) fn seed(&self, same_root: bool) -> Option<Seed> {
         let left = self.left.borrow();
-        let seeds = left.looked && self.given.is_none() && self.task.options.pool <= 1;
+        let seeds = left.looked && self.given.is_none();
         seeds.then(|| Seed { point: left.best.clone(), looked: Some(same_root), ..Seed::default() })
     }
 

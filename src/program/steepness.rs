@@ -79,11 +79,9 @@ fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<
     // (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3); twice, for the subtraction.
     let size = k as f64;
     let rounding = 2.0 * size * (size + 2.0) * f64::EPSILON;
-    PARTS.iter().map(|part| part * least.min(1.0)).take_while(|part| *part > FLAT).find_map(
-        |part| {
-            let mut rest = matrix.clone();
-            (0..k).for_each(|r| rest[(r, r)] *= 1.0 - part);
-            factor(&rest).map(|_| 0.5 * part - rounding).filter(|part| *part > 0.0)
-        },
-    )
+    PARTS.iter().map(|part| part * least).take_while(|part| *part > FLAT).find_map(|part| {
+        let mut rest = matrix.clone();
+        (0..k).for_each(|r| rest[(r, r)] *= 1.0 - part);
+        factor(&rest).map(|_| 0.5 * part - rounding)
+    })
 }

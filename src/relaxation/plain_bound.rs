@@ -29,106 +29,98 @@ pub(super) fn plain_bound(program: &Reduced, x: &[f64], y: &[f64]) -> Option<Pla
     sums.bound(program, x)
 }
 
-/// The rounding error of a sum of so many products, relative to the sum of their magnitudes: twice what it
-/// can be.
-fn rounding(terms: f64) -> f64 {
-    f64::EPSILON * (terms + 2.0)
-}
-
-/// A sum, that of its terms' magnitudes, the number of terms, and the error of the terms themselves.
+/// A sum in plain floats, and what bounds its rounding error.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sum {
+struct RoundedSum {
     value: f64,
+    /// The sum of the terms' magnitudes, and their number.
     size: f64,
     terms: f64,
-    error: f64,
 }
 
-impl Sum {
+impl RoundedSum {
     fn add(&mut self, term: f64) {
         self.value += term;
         self.size += term.abs();
         self.terms += 1.0;
     }
+
+    /// Twice what the rounding error can be if the terms are products.
+    fn rounding(&self) -> f64 {
+        f64::EPSILON * (self.terms + 2.0) * self.size
+    }
 }
 
-/// The sums of a pair: the gradient by columns, and the constant part of the bound.
+/// The sums of a pair.
 struct Sums {
-    value: Vec<f64>,
-    size: Vec<f64>,
-    terms: Vec<f64>,
-    constant: Sum,
+    /// By column.
+    gradient: Vec<RoundedSum>,
+    /// The bound without what the gradient adds.
+    constant: RoundedSum,
+    /// How far the terms of the bound may be off themselves.
+    error: f64,
 }
 
 impl Sums {
     /// `q + Px̂` and `offset - x̂'Px̂ / 2`.
     fn of_objective(program: &Reduced, x: &[f64]) -> Self {
-        let n = x.len();
-        let (value, size, terms) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let mut sums = Sums { value, size, terms, constant: Sum::default() };
-        for j in 0..n {
+        let mut gradient = vec![RoundedSum::default(); x.len()];
+        for j in 0..x.len() {
             let (rows, entries) = program.quadratic.vector(j);
             for (&i, &p) in rows.iter().zip(entries) {
-                sums.add(i, p * x[j]);
+                gradient[i].add(p * x[j]);
                 if i != j {
-                    sums.add(j, p * x[i]);
+                    gradient[j].add(p * x[i]);
                 }
             }
         }
-        sums.constant.add(program.offset);
-        for (j, &x) in x.iter().enumerate().filter(|(j, _)| sums.terms[*j] > 0.0) {
-            sums.constant.add(-0.5 * x * sums.value[j]);
-            sums.constant.error += 0.5 * x.abs() * sums.slack(j);
+        let (mut constant, mut error) = (RoundedSum::default(), 0.0);
+        constant.add(program.offset);
+        for ((g, &x), &q) in gradient.iter_mut().zip(x).zip(&program.linear) {
+            if g.terms > 0.0 {
+                constant.add(-0.5 * x * g.value);
+                error += 0.5 * x.abs() * g.rounding();
+            }
+            g.add(q);
         }
-        program.linear.iter().enumerate().for_each(|(j, &q)| sums.add(j, q));
-        sums
+        Sums { gradient, constant, error }
     }
 
     fn add_rows(&mut self, program: &Reduced, y: &[f64]) {
         for (i, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
             let (columns, entries) = program.rows.vector(i);
-            columns.iter().zip(entries).for_each(|(&j, &a)| self.add(j, a * y));
-            self.constant
-                .add(-y * if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] });
+            columns.iter().zip(entries).for_each(|(&j, &a)| self.gradient[j].add(a * y));
+            let limit = if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
+            self.constant.add(-y * limit);
         }
     }
 
-    fn add(&mut self, j: usize, term: f64) {
-        self.value[j] += term;
-        self.size[j] += term.abs();
-        self.terms[j] += 1.0;
-    }
-
-    /// The possible rounding error of an entry of the gradient.
-    fn slack(&self, j: usize) -> f64 {
-        rounding(self.terms[j]) * self.size[j]
-    }
-
-    fn bound(mut self, program: &Reduced, x: &[f64]) -> Option<PlainBound> {
+    fn bound(self, program: &Reduced, x: &[f64]) -> Option<PlainBound> {
+        let Sums { gradient, mut constant, mut error } = self;
         let mut slopes = vec![0.0; x.len()];
-        for j in 0..x.len() {
-            let (g, slack) = (self.value[j], self.slack(j));
+        for (j, sum) in gradient.iter().enumerate() {
+            let (g, slack) = (sum.value, sum.rounding());
             let (lower, upper) = (program.lower[j], program.upper[j]);
             let corner = if g > 0.0 { lower } else { upper };
             let reach = if g.abs() > slack { corner.abs() } else { lower.abs().max(upper.abs()) };
             let steepness = steepness(program, j);
             if reach.is_infinite() && slack + g.abs() > 0.0 && steepness > 0.0 {
-                self.constant.add(g * x[j]);
-                self.constant.add(-(g.abs() + slack).powi(2) / (2.0 * steepness));
-                self.constant.error += slack * x[j].abs();
+                constant.add(g * x[j]);
+                constant.add(-(g.abs() + slack).powi(2) / (2.0 * steepness));
+                error += slack * x[j].abs();
                 continue;
             }
             if slack > 0.0 {
-                self.constant.error += 2.0 * slack * reach;
+                error += 2.0 * slack * reach;
             }
             if g.abs() > slack {
-                self.constant.add(g * corner);
+                constant.add(g * corner);
                 slopes[j] = (g.abs() - slack).copysign(g);
             }
         }
-        let Sum { value, size, terms, error } = self.constant;
-        let error = error * (1.0 + rounding(terms)) + rounding(terms) * size;
-        let bound = value - error;
+        // The errors of the terms are as many, and their sum is rounded too.
+        let error = error * (1.0 + f64::EPSILON * (constant.terms + 2.0)) + constant.rounding();
+        let bound = constant.value - error;
         let is_slight = bound.is_finite() && error <= SLIGHT * bound.abs().max(1.0);
         is_slight.then(|| PlainBound { bound: bound.next_down(), slopes })
     }
