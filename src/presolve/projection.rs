@@ -415,6 +415,7 @@ fn finish(
         row_lower,
         row_upper,
         quadratic,
+        spread: reduced.spread,
         steepness: kept.iter().filter_map(|&k| reduced.steepness.get(k).copied()).collect(),
     };
     Projection { reduced, members, covers, cover_rows, terms }

@@ -52,6 +52,8 @@ pub struct Reduced {
     /// How steep the objective is along each column, whatever the others do (see
     /// `Program::steepness`); empty if nothing is known, or if all columns with curvature have bounds.
     pub steepness: Vec<f64>,
+    /// As in the program; less than 1 counts as 1.
+    pub spread: f64,
 }
 
 /// Compressed vectors (columns or rows) of a sparse matrix.
@@ -115,6 +117,7 @@ impl Reduced {
             lower: program.lower.clone(),
             upper: program.upper.clone(),
             steepness: Vec::new(),
+            spread: program.spread,
         }
     }
 
@@ -336,6 +339,7 @@ impl Reducer {
         self.collect_rows(program, &mut reduced)?;
         reduced.columns = columns;
         reduced.values = self.lower.clone();
+        reduced.spread = program.spread;
         let is_open = |k: usize| {
             let curved = !reduced.quadratic.vector(k).0.is_empty();
             curved && (reduced.lower[k].is_infinite() || reduced.upper[k].is_infinite())

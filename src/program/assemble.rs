@@ -76,6 +76,7 @@ impl Program {
             integers: (0..n).filter(|&j| integral[j]).collect(),
             integral,
             step,
+            spread: 1.0,
             steepness: OnceLock::new(),
         })
     }

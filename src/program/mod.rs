@@ -45,6 +45,9 @@ pub struct Program {
     pub integers: Vec<usize>,
     /// Where each column stands in time: the step of its name, for members of families.
     pub step: Vec<Option<usize>>,
+    /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of
+    /// it, at least 1 (no unit).
+    pub(crate) spread: f64,
     /// How steep the objective is, once somebody has asked.
     pub(crate) steepness: OnceLock<Vec<f64>>,
 }

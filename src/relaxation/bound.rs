@@ -242,12 +242,14 @@ impl Pair<'_> {
     /// The radius of columns without bounds: with an objective, larger than their values at the
     /// claimed point.
     fn radius(&self) -> f64 {
+        let spread = self.program.spread.max(1.0);
         if !self.objective {
-            return tolerance::INFEASIBILITY_RADIUS;
+            return spread * tolerance::INFEASIBILITY_RADIUS;
         }
         let sides = self.program.lower.iter().zip(&self.program.upper);
         let unbounded = sides.zip(&self.x).filter(|((l, u), _)| l.is_infinite() || u.is_infinite());
-        unbounded.fold(tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
+        unbounded
+            .fold(spread * tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
     }
 
     /// The bound that the pair proves for points within the radius.

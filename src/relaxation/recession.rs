@@ -29,6 +29,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
         lower: program.lower.iter().map(side).collect(),
         upper: program.upper.iter().map(side).collect(),
         steepness: Vec::new(),
+        spread: program.spread,
     };
     if directions.lower.iter().chain(&directions.upper).all(|&bound| bound == 0.0) {
         return None;

@@ -74,6 +74,14 @@ fn what_was_wrong_is_right() {
     }
 }
 
+/// Along a direction that nothing notices, a column at the radius was replaced by one that was 6,144 times
+/// as far out there, and the bound held within the radius of that one only (7300667).
+#[test]
+fn shifted_columns_may_be_further_out() {
+    let verdict = verdict(7_300_667);
+    assert!(matches!(verdict, Verdict::Right | Verdict::Beyond), "{verdict:?}");
+}
+
 /// Rows whose limits of 6e9 were all but used up were missed by the rounding of those, which was taken
 /// for a proof that there is no point (1771262, 5000328, 771001150). A billionth of the terms of a row
 /// was taken for rounding: it was 9, and a binary seemed to be held by the row (91000256).

@@ -136,6 +136,7 @@ fn extract(
         integers: (0..n).filter(|&k| integral[k]).collect(),
         integral,
         step: columns.iter().map(|&j| program.step[j]).collect(),
+        spread: program.spread,
         steepness: OnceLock::new(),
     };
     Some(Block { columns, program })

@@ -7,6 +7,8 @@
 //! direction can be fixed at 0, and propagation bounds the others, which could otherwise take
 //! values of any size.
 //!
+//! Where a point is shifted, the other columns of the direction move further out (see `Work::spread`).
+//!
 //! The columns of a direction must have no bounds, or only bounds that one sense of the direction
 //! moves away from, such as non-negative potentials. These bounds are dropped, and postsolve shifts
 //! the point until they hold. Integral columns are shifted by integers.
@@ -66,6 +68,7 @@ fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
             return false;
         }
     }
+    let moves = direction.clone();
     let bounds: Vec<[f64; 2]> =
         direction.iter().map(|&(j, _)| [work.lower[j], work.upper[j]]).collect();
     if bounds.iter().flatten().any(|bound| bound.is_finite()) {
@@ -75,6 +78,8 @@ fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
         let whole = direction.iter().any(|&(j, _)| work.integral[j]);
         work.push(Shifted { direction, bounds, whole });
     }
+    let spread = work.spread[first];
+    moves.iter().for_each(|&(j, d)| work.spread[j] += d.abs() * spread);
     fix(work, first, 0.0);
     true
 }

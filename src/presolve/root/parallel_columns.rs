@@ -63,6 +63,7 @@ fn merge(work: &mut Work, column: usize, kept: usize, ratio: f64) {
     let ends = [p, q, work.lower[kept], work.upper[kept]];
     let rounding = f64::EPSILON * ends.into_iter().map(finite).sum::<f64>();
     work.column_noise[kept] += ratio.abs() * work.column_noise[column] + rounding;
+    work.spread[kept] += ratio.abs() * work.spread[column];
     work.drop_column(column);
     let integral = work.integral[kept];
     work.push(ParallelColumn { column, kept, ratio, integral, bounds, kept_bounds });

@@ -45,6 +45,9 @@ pub(super) struct Work {
     pub(super) row_noise: Vec<f64>,
     /// The same of the bounds of a column.
     pub(super) column_noise: Vec<f64>,
+    /// How far a column may be out at points within the radius of proofs, as a multiple of it, if it has
+    /// no bounds (no unit): what it now stands for may be further out than what it was.
+    pub(super) spread: Vec<f64>,
     pub(super) integral: Vec<bool>,
     /// Columns whose value comes from outside: they keep their bounds, and no rule may choose their
     /// value, put them in terms of others, or use that they could move.
@@ -109,6 +112,7 @@ impl Work {
             // Limits may come from a sum themselves.
             row_noise: limits.map(|(&l, &u)| f64::EPSILON * finite(l).max(finite(u))).collect(),
             column_noise: vec![0.0; n],
+            spread: vec![program.spread; n],
             row_lower: program.row_lower.clone(),
             row_upper: program.row_upper.clone(),
             row_alive: vec![true; m],
@@ -389,6 +393,8 @@ impl Work {
         let (m, n) = (rows.len(), columns.len());
         let pick = |from: &[f64], which: &[usize]| which.iter().map(|&k| from[k]).collect();
         let integral: Vec<bool> = columns.iter().map(|&j| self.integral[j]).collect();
+        let is_open = |j: usize| self.lower[j].is_infinite() || self.upper[j].is_infinite();
+        let open = columns.iter().copied().filter(|&j| is_open(j));
         let program = Program {
             quadratic: SparseColMat::try_new_from_triplets(n, n, &products).map_err(matrix)?,
             linear: pick(&self.linear, &columns),
@@ -403,6 +409,7 @@ impl Work {
             integers: (0..n).filter(|&k| integral[k]).collect(),
             integral,
             step: columns.iter().map(|&j| self.step[j]).collect(),
+            spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),
         };
         let postsolve = Postsolve {
