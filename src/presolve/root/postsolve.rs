@@ -21,7 +21,7 @@ pub(super) trait Undo: Debug + Send + Sync {
     fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}
 
     /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed or
-    /// took out; the values are restored already.
+    /// took out. Values are those of the program before this reduction, not yet of the original.
     fn dual(&self, all: &mut Restored);
 }
 
@@ -130,11 +130,14 @@ impl Postsolve {
     /// The original's point with its multipliers, from values, multipliers and reduced costs.
     fn restore(&self, x: &[f64], y: &[f64], d: &[f64]) -> Restored {
         let mut all = Restored {
-            x: self.point(x),
+            x: scatter(self.column_count, &self.columns, x),
             y: scatter(self.row_count, &self.rows, y),
             d: scatter(self.column_count, &self.columns, d),
         };
-        self.undos.iter().rev().for_each(|undo| undo.dual(&mut all));
+        for undo in self.undos.iter().rev() {
+            undo.primal(&mut all.x);
+            undo.dual(&mut all);
+        }
         all
     }
 }

@@ -172,11 +172,17 @@ impl Undo for Substituted {
     }
 
     /// The multiplier of the equality makes the reduced cost of its column what the kept row says,
-    /// or 0.
+    /// or 0. An equality over integral columns needs none, because their reduced costs may have any sign.
     fn dual(&self, all: &mut Restored) {
         let pressed = if self.kept { all.y[self.row] } else { 0.0 };
         let gradient = self.old.gradient(&all.x, &all.y, Some(self.row));
-        all.y[self.row] = (pressed - gradient) / self.coefficient;
-        all.d[self.old.column] = pressed;
+        if self.integral {
+            all.y[self.row] = 0.0;
+            all.d[self.old.column] = gradient;
+            self.terms.iter().for_each(|&(k, a)| all.d[k] += a * (gradient - pressed));
+        } else {
+            all.y[self.row] = (pressed - gradient) / self.coefficient;
+            all.d[self.old.column] = pressed;
+        }
     }
 }

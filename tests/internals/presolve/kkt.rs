@@ -184,6 +184,12 @@ proptest! {
     fn all_rules_on_curved_programs(case in program(true)) {
         check(&case, &Rule::ALL)?;
     }
+
+    #[test]
+    fn all_rules_on_continuous_programs(mut case in program(true)) {
+        case.columns.iter_mut().for_each(|column| column.kind = VariableKind::Continuous);
+        check(&case, &Rule::ALL)?;
+    }
 }
 
 #[test]
