@@ -78,6 +78,13 @@ impl Compressed {
         self.len() == 0
     }
 
+    /// Becomes a copy of another one, in the memory that it has.
+    pub(crate) fn copy_from(&mut self, other: &Compressed) {
+        self.start.clone_from(&other.start);
+        self.index.clone_from(&other.index);
+        self.value.clone_from(&other.value);
+    }
+
     /// Positions and entries of a vector.
     pub fn vector(&self, k: usize) -> (&[usize], &[f64]) {
         let range = self.start[k]..self.start[k + 1];

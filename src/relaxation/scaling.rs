@@ -10,10 +10,24 @@ pub(super) const MOST: f64 = 1e6;
 
 /// Factors of columns and rows that bring the largest entry of each near 1.
 pub(super) fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
+    let (mut column, mut row) = (Vec::new(), Vec::new());
+    write_factors(program, &mut column, &mut row, &mut Vec::new());
+    (column, row)
+}
+
+/// The same, written into vectors that are there; `room` has no meaning.
+pub(super) fn write_factors(
+    program: &Reduced,
+    column: &mut Vec<f64>,
+    row: &mut Vec<f64>,
+    room: &mut Vec<f64>,
+) {
     let (n, m) = (program.columns.len(), program.rows.len());
-    let (mut column, mut row) = (vec![1.0; n], vec![1.0; m]);
+    refill(column, n, 1.0);
+    refill(row, m, 1.0);
     for _ in 0..ROUNDS {
-        let (mut of_column, mut of_row) = (vec![0.0_f64; n], vec![0.0_f64; m]);
+        refill(room, n + m, 0.0);
+        let (of_column, of_row) = room.split_at_mut(n);
         for i in 0..m {
             let (index, value) = program.rows.vector(i);
             for (&j, a) in index.iter().zip(value) {
@@ -27,8 +41,13 @@ pub(super) fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
                 *factor = (*factor / largest.sqrt()).clamp(1.0 / MOST, MOST);
             }
         };
-        column.iter_mut().zip(of_column).for_each(|(f, l)| adjust(f, l));
-        row.iter_mut().zip(of_row).for_each(|(f, l)| adjust(f, l));
+        column.iter_mut().zip(&*of_column).for_each(|(f, l)| adjust(f, *l));
+        row.iter_mut().zip(&*of_row).for_each(|(f, l)| adjust(f, *l));
     }
-    (column, row)
+}
+
+/// Makes a vector so many times a value.
+pub(super) fn refill<T: Copy>(vector: &mut Vec<T>, length: usize, value: T) {
+    vector.clear();
+    vector.resize(length, value);
 }

@@ -1,6 +1,7 @@
 //! The entries of the condensed system, before they are ordered.
 
 use super::scaled::Scaled;
+use crate::relaxation::scaling::refill;
 
 /// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
 /// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.
@@ -19,6 +20,7 @@ pub(super) struct Term {
 
 /// The upper triangle of the system by columns: first the columns of the program, then equalities
 /// and long rows.
+#[derive(Debug, Default)]
 pub(super) struct Condensed {
     pub(super) start: Vec<usize>,
     pub(super) index: Vec<usize>,
@@ -30,29 +32,37 @@ pub(super) struct Condensed {
     pub(super) terms: Vec<Term>,
     /// Rows with an unknown of their own, after the equalities.
     pub(super) long: Vec<usize>,
+    kinds: Vec<Kind>,
+    short: ShortRows,
+    /// By column, where its entry of the current column is.
+    slot: Vec<usize>,
+    /// The entries of a row.
+    sorted: Vec<(usize, f64)>,
 }
 
 impl Condensed {
-    pub(super) fn new(program: &Scaled) -> Self {
-        let kinds = kinds(program);
+    /// Becomes the system of another program, in the memory that it has.
+    pub(super) fn load(&mut self, program: &Scaled) {
+        write_kinds(program, &mut self.kinds);
+        self.short.load(program, &self.kinds);
+        self.start.clear();
+        self.start.push(0);
+        self.index.clear();
+        self.constant.clear();
+        self.diagonal.clear();
+        self.terms.clear();
+        self.long.clear();
         let rows = 0..program.rows.len();
-        let mut condensed = Condensed {
-            start: vec![0],
-            index: Vec::new(),
-            constant: Vec::new(),
-            diagonal: Vec::new(),
-            terms: Vec::new(),
-            long: rows.filter(|&i| kinds[i] == Kind::Long).collect(),
-        };
-        condensed.add_columns(program, &ShortRows::new(program, &kinds));
-        condensed.add_rows(program);
-        condensed
+        self.long.extend(rows.filter(|&i| self.kinds[i] == Kind::Long));
+        self.add_columns(program);
+        self.add_rows(program);
     }
 
     /// The block of the columns: curvature, regularisation, and the products of short rows.
-    fn add_columns(&mut self, program: &Scaled, short: &ShortRows) {
+    fn add_columns(&mut self, program: &Scaled) {
         let n = program.column.len();
-        let mut slot = vec![usize::MAX; n];
+        let Condensed { short, slot, .. } = self;
+        refill(slot, n, usize::MAX);
         for c in 0..n {
             let begin = self.index.len();
             let (above, curvature) = program.quadratic.vector(c);
@@ -93,10 +103,10 @@ impl Condensed {
         let owned = program.equalities.iter().map(|e| e.0).chain(self.long.iter().copied());
         for (k, row) in owned.enumerate() {
             let (columns, values) = program.rows.vector(row);
-            let mut sorted: Vec<(usize, f64)> =
-                columns.iter().copied().zip(values.iter().copied()).collect();
-            sorted.sort_unstable_by_key(|entry| entry.0);
-            for (j, a) in sorted {
+            self.sorted.clear();
+            self.sorted.extend(columns.iter().copied().zip(values.iter().copied()));
+            self.sorted.sort_unstable_by_key(|entry| entry.0);
+            for &(j, a) in &self.sorted {
                 self.index.push(j);
                 self.constant.push(a);
             }
@@ -115,8 +125,8 @@ enum Kind {
     Equality,
 }
 
-fn kinds(program: &Scaled) -> Vec<Kind> {
-    let mut kinds = vec![Kind::Short; program.rows.len()];
+fn write_kinds(program: &Scaled, kinds: &mut Vec<Kind>) {
+    refill(kinds, program.rows.len(), Kind::Short);
     program.equalities.iter().for_each(|&(i, _)| kinds[i] = Kind::Equality);
     let room = program.quadratic.index.len();
     for (i, kind) in kinds.iter_mut().enumerate() {
@@ -125,26 +135,30 @@ fn kinds(program: &Scaled) -> Vec<Kind> {
             *kind = Kind::Long;
         }
     }
-    kinds
 }
 
 /// The entries of short rows by column.
+#[derive(Debug, Default)]
 struct ShortRows {
+    /// By column, where its entries begin.
     first: Vec<usize>,
+    /// By column, where the next entry goes.
+    next: Vec<usize>,
     entries: Vec<(usize, f64)>,
 }
 
 impl ShortRows {
-    fn new(program: &Scaled, kinds: &[Kind]) -> Self {
+    fn load(&mut self, program: &Scaled, kinds: &[Kind]) {
         let n = program.column.len();
+        let ShortRows { first, next, entries } = self;
         let short = || (0..kinds.len()).filter(|&i| kinds[i] == Kind::Short);
-        let mut first = vec![0usize; n + 1];
+        refill(first, n + 1, 0);
         for i in short() {
             program.rows.vector(i).0.iter().for_each(|&j| first[j + 1] += 1);
         }
         (0..n).for_each(|j| first[j + 1] += first[j]);
-        let mut next = first.clone();
-        let mut entries = vec![(0usize, 0.0); first[n]];
+        next.clone_from(first);
+        refill(entries, first[n], (0, 0.0));
         for i in short() {
             let (columns, values) = program.rows.vector(i);
             for (&j, &a) in columns.iter().zip(values) {
@@ -152,7 +166,6 @@ impl ShortRows {
                 next[j] += 1;
             }
         }
-        ShortRows { first, entries }
     }
 
     /// Rows and coefficients of a column.

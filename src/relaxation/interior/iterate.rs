@@ -24,6 +24,7 @@ pub(super) const ACCURATE: f64 = 1e-11;
 const ACCURATE_PART: f64 = 1e-5;
 
 /// A primal-dual point with its residuals.
+#[derive(Debug, Default)]
 pub(super) struct Iterate {
     pub(super) x: Vec<f64>,
     /// By row: of equalities the unknown itself, of inequalities the difference of their sides'.
@@ -234,7 +235,7 @@ impl Iterate {
         self.right.clear();
         self.right.extend(self.dual_residual.iter().map(|r| -r));
         self.right.extend(self.equality_residual.iter().map(|r| -r));
-        self.right.resize(self.right.len() + kkt.long.len(), 0.0);
+        self.right.resize(self.right.len() + kkt.long().len(), 0.0);
         // The contribution of a side along the gradient of its target.
         self.row_term.fill(0.0);
         for k in 0..program.sides.len() {
@@ -296,7 +297,7 @@ impl Iterate {
             equalities[k] -= self.row_move[i];
             self.row_term[i] = -self.right[n + k];
         }
-        for (k, &i) in kkt.long.iter().enumerate() {
+        for (k, &i) in kkt.long().iter().enumerate() {
             long[k] -= self.row_move[i] - self.right[n + e + k] / self.row_weight[i];
             self.row_term[i] = -self.right[n + e + k];
         }

@@ -17,116 +17,125 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
-use super::condensed::{Condensed, Term};
+use super::condensed::Condensed;
 use super::elimination_order::{KeptOrders, Unknowns, minimum_degree};
 use super::scaled::Scaled;
 use crate::presolve::Reduced;
+use crate::relaxation::scaling::refill;
 use crate::solver::StopToken;
 
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
 const SUPERNODAL: f64 = 0.25;
 
+/// Systems whose order and symbolic factor are kept.
+const KEPT: usize = 6;
+
+#[derive(Default)]
 pub(super) struct Kkt {
-    /// Its upper triangle, by columns, in the order of elimination.
-    pattern: SymbolicSparseColMat<usize>,
+    condensed: Condensed,
+    /// Those of the last systems, this one's first.
+    ordered: Vec<Ordered>,
+    orders: KeptOrders,
+    /// The matrix in the order of elimination, and the one without weights.
     value: Vec<f64>,
-    /// By unknown, when it is eliminated.
-    order: Vec<usize>,
-    /// A right side in that order.
-    ordered: Vec<f64>,
-    /// The matrix without weights.
     constant: Vec<f64>,
-    diagonal: Vec<usize>,
-    terms: Vec<Term>,
-    /// Rows with an unknown, after the equalities.
-    pub(super) long: Vec<usize>,
+    /// A right side in that order.
+    right: Vec<f64>,
     signs: Vec<i8>,
-    symbolic: SymbolicCholesky<usize>,
     factor: Vec<f64>,
-    memory: MemBuffer,
+    memory: Option<MemBuffer>,
 }
 
 impl Kkt {
-    /// The pattern of the system of a program in even units; `None` if it cannot be ordered or the
-    /// token is over. `kept` are orders of earlier systems.
-    pub(super) fn new(
-        reduced: &Reduced,
-        program: &Scaled,
-        kept: &mut KeptOrders,
-        token: &StopToken,
-    ) -> Option<Self> {
-        let Condensed { start, index, constant, mut diagonal, mut terms, long } =
-            Condensed::new(program);
-        let (n, size) = (program.column.len(), diagonal.len());
-        if token.is_over() {
-            return None;
+    /// Becomes the system of a program in even units, in the memory that it has; `false` if it cannot
+    /// be ordered or the token is over. A system that has the pattern of one of the last ones is
+    /// neither ordered nor analysed again.
+    pub(super) fn load(&mut self, reduced: &Reduced, program: &Scaled, token: &StopToken) -> bool {
+        self.condensed.load(program);
+        if token.is_over() || self.order(reduced, program).is_none() || token.is_over() {
+            return false;
         }
-        let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
-        let unknowns = Unknowns::new(reduced, rows);
-        let part = kept.part(&unknowns).and_then(|(order, most)| {
-            Ordered::new(&start, &index, order).filter(|part| part.fill() <= most)
-        });
-        let ordered = match part {
-            Some(part) => part,
-            None => {
-                let order = minimum_degree(size, &start, &index)?;
-                let ordered = Ordered::new(&start, &index, order)?;
-                kept.keep(&unknowns, &ordered.order, ordered.fill());
-                ordered
-            }
-        };
-        let Ordered { pattern, moved, order, symbolic } = ordered;
-        let mut signs = vec![1; size];
-        order[n..].iter().for_each(|&k| signs[k] = -1);
-        let mut by_column = vec![0.0; constant.len()];
-        moved.iter().zip(&constant).for_each(|(&k, v)| by_column[k] = *v);
-        let constant = by_column;
-        terms.iter_mut().for_each(|term| term.position = moved[term.position]);
-        diagonal.iter_mut().for_each(|k| *k = moved[*k]);
-        if token.is_over() {
-            return None;
+        let ordered = &self.ordered[0];
+        let (n, size) = (program.column.len(), self.condensed.diagonal.len());
+        refill(&mut self.signs, size, 1);
+        ordered.order[n..].iter().for_each(|&k| self.signs[k] = -1);
+        let Condensed { constant, terms, diagonal, .. } = &mut self.condensed;
+        refill(&mut self.constant, constant.len(), 0.0);
+        for (&k, v) in ordered.moved.iter().zip(&*constant) {
+            self.constant[k] = *v;
         }
+        terms.iter_mut().for_each(|term| term.position = ordered.moved[term.position]);
+        diagonal.iter_mut().for_each(|k| *k = ordered.moved[*k]);
+        refill(&mut self.factor, ordered.symbolic.len_val(), 0.0);
+        refill(&mut self.right, size, 0.0);
+        self.value.clone_from(&self.constant);
+        true
+    }
+
+    /// Puts the order of the loaded system first; `None` if there is none.
+    fn order(&mut self, reduced: &Reduced, program: &Scaled) -> Option<()> {
+        let Condensed { start, index, long, .. } = &self.condensed;
+        if let Some(k) = self.ordered.iter().position(|kept| kept.is_of(start, index)) {
+            self.ordered[..=k].rotate_right(1);
+        } else {
+            let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
+            let unknowns = Unknowns::new(reduced, rows);
+            let part = self.orders.part(&unknowns).and_then(|(order, most)| {
+                Ordered::new(start, index, order).filter(|part| part.fill() <= most)
+            });
+            let ordered = match part {
+                Some(part) => part,
+                None => {
+                    let order = minimum_degree(self.condensed.diagonal.len(), start, index)?;
+                    let ordered = Ordered::new(start, index, order)?;
+                    self.orders.keep(&unknowns, &ordered.order, ordered.fill());
+                    ordered
+                }
+            };
+            self.ordered.truncate(KEPT - 1);
+            self.ordered.insert(0, ordered);
+        }
+        let symbolic = &self.ordered[0].symbolic;
         let need = symbolic
             .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let memory = MemBuffer::try_new(need).ok()?;
-        Some(Kkt {
-            value: constant.clone(),
-            factor: vec![0.0; symbolic.len_val()],
-            pattern,
-            order,
-            ordered: vec![0.0; size],
-            constant,
-            diagonal,
-            terms,
-            long,
-            signs,
-            symbolic,
-            memory,
-        })
+        if !self.memory.as_mut().is_some_and(|memory| MemStack::new(memory).can_hold(need)) {
+            self.memory = Some(MemBuffer::try_new(need).ok()?);
+        }
+        Some(())
+    }
+
+    /// Rows with an unknown, after the equalities.
+    pub(super) fn long(&self) -> &[usize] {
+        &self.condensed.long
     }
 
     /// Factorises with the weights of columns and rows; `false` if that breaks down.
     pub(super) fn factorise(&mut self, of_columns: &[f64], of_rows: &[f64]) -> bool {
+        let Condensed { diagonal, terms, long, .. } = &self.condensed;
+        let (Some(ordered), Some(memory)) = (self.ordered.first(), &mut self.memory) else {
+            return false;
+        };
         self.value.copy_from_slice(&self.constant);
-        for (&k, w) in self.diagonal.iter().zip(of_columns) {
+        for (&k, w) in diagonal.iter().zip(of_columns) {
             self.value[k] += w;
         }
-        for term in &self.terms {
+        for term in terms {
             self.value[term.position] += of_rows[term.row] * term.product;
         }
-        let owned = self.diagonal.len() - self.long.len();
-        for (k, &row) in self.long.iter().enumerate() {
-            self.value[self.diagonal[owned + k]] -= 1.0 / of_rows[row].max(1e-12);
+        let owned = diagonal.len() - long.len();
+        for (k, &row) in long.iter().enumerate() {
+            self.value[diagonal[owned + k]] -= 1.0 / of_rows[row].max(1e-12);
         }
-        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &self.value);
+        let matrix = SparseColMatRef::new(ordered.pattern.as_ref(), &self.value);
         let regularization = LdltRegularization {
             dynamic_regularization_signs: Some(&self.signs),
             dynamic_regularization_delta: 1e-8,
             dynamic_regularization_epsilon: 1e-14,
         };
-        let stack = MemStack::new(&mut self.memory);
-        self.symbolic
+        let stack = MemStack::new(memory);
+        ordered
+            .symbolic
             .factorize_numeric_ldlt(
                 &mut self.factor,
                 matrix,
@@ -141,19 +150,25 @@ impl Kkt {
 
     /// Solves with the factors; `right` is columns, equalities, long rows.
     pub(super) fn solve(&mut self, right: &mut [f64]) {
+        let (Some(ordered), Some(memory)) = (self.ordered.first(), &mut self.memory) else {
+            return;
+        };
         let size = right.len();
-        self.order.iter().zip(&*right).for_each(|(&k, v)| self.ordered[k] = *v);
-        let factor = LdltRef::new(&self.symbolic, &self.factor);
-        let stack = MemStack::new(&mut self.memory);
-        let ordered = MatMut::from_column_major_slice_mut(&mut self.ordered, size, 1);
-        factor.solve_in_place_with_conj(Conj::No, ordered, Par::Seq, stack);
-        self.order.iter().zip(right).for_each(|(&k, v)| *v = self.ordered[k]);
+        ordered.order.iter().zip(&*right).for_each(|(&k, v)| self.right[k] = *v);
+        let factor = LdltRef::new(&ordered.symbolic, &self.factor);
+        let stack = MemStack::new(memory);
+        let in_order = MatMut::from_column_major_slice_mut(&mut self.right, size, 1);
+        factor.solve_in_place_with_conj(Conj::No, in_order, Par::Seq, stack);
+        ordered.order.iter().zip(right).for_each(|(&k, v)| *v = self.right[k]);
     }
 }
 
 /// The upper triangle of a symmetric pattern in an order of elimination. Ordered once, it need not be
 /// permuted with every factorisation.
 struct Ordered {
+    /// The pattern as it was given, by columns.
+    start: Vec<usize>,
+    index: Vec<usize>,
     /// Its columns are not sorted.
     pattern: SymbolicSparseColMat<usize>,
     /// By entry as it was given, where it is.
@@ -196,7 +211,13 @@ impl Ordered {
             },
         )
         .ok()?;
-        Some(Ordered { pattern, moved, order, symbolic })
+        let (start, index) = (start.to_vec(), index.to_vec());
+        Some(Ordered { start, index, pattern, moved, order, symbolic })
+    }
+
+    /// Whether it is that of a given pattern.
+    fn is_of(&self, start: &[usize], index: &[usize]) -> bool {
+        self.start == start && self.index == index
     }
 
     /// Entries of the factor for each of the pattern's.

@@ -17,18 +17,31 @@ mod scaled;
 mod start;
 mod warm_start;
 
+use std::fmt;
+
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use elimination_order::KeptOrders;
 use iterate::Iterate;
 use kkt::Kkt;
 use scaled::Scaled;
 use warm_start::{Kept, ParentIterate};
 
 /// The crate's own interior-point method.
-#[derive(Debug, Clone, Default)]
+///
+/// What it computes with is kept between solves, so that one takes memory only for its result, and for
+/// a system that is unlike the last ones.
+#[derive(Default)]
 pub struct InteriorPoint {
-    orders: KeptOrders,
+    scaled: Scaled,
+    kkt: Kkt,
+    at: Iterate,
+    kept: Kept,
+}
+
+impl fmt::Debug for InteriorPoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("InteriorPoint").finish_non_exhaustive()
+    }
 }
 
 impl InteriorPoint {
@@ -57,28 +70,31 @@ const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let run = Run { program, effort, scaled: Scaled::of(program) };
-        let scaled = &run.scaled;
-        let kkt = Kkt::new(program, scaled, &mut self.orders, effort.token);
-        let Some(mut kkt) = kkt else { return run.nothing(0) };
-        let mut at = Iterate::start(scaled);
+        let InteriorPoint { scaled, kkt, at, kept } = self;
+        scaled.load(program);
+        let scaled = &*scaled;
+        let run = Run { program, effort, scaled };
+        if !kkt.load(program, scaled, effort.token) {
+            return run.nothing(0);
+        }
+        at.start(scaled);
         let linear = run.is_linear();
         let mut spent = 0;
         let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
         if let Some(parent) = parent {
             at.resume(program, scaled, parent);
-            let result = run.iterate(&mut at, &mut kkt, true);
+            let result = run.iterate(at, kkt, kept, true);
             if result.claim != Claim::Unknown || effort.token.is_over() {
                 return result;
             }
             spent = result.iterations;
-            at = Iterate::start(scaled);
+            at.start(scaled);
         }
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
-        if linear && !at.improve_start(scaled, &mut kkt, effort.token) {
+        if linear && !at.improve_start(scaled, kkt, effort.token) {
             return run.nothing(0);
         }
-        let result = run.iterate(&mut at, &mut kkt, false);
+        let result = run.iterate(at, kkt, kept, false);
         RelaxationResult { iterations: spent + result.iterations, ..result }
     }
 }
@@ -87,7 +103,7 @@ impl Relaxation for InteriorPoint {
 struct Run<'a> {
     program: &'a Reduced,
     effort: &'a Effort<'a>,
-    scaled: Scaled,
+    scaled: &'a Scaled,
 }
 
 impl Run<'_> {
@@ -107,7 +123,7 @@ impl Run<'_> {
 
     /// An iterate as an answer.
     fn answer(&self, claim: Claim, at: &Iterate, iterations: u32) -> RelaxationResult {
-        let scaled = &self.scaled;
+        let scaled = self.scaled;
         let x: Vec<f64> = at.x.iter().zip(&scaled.column).map(|(x, d)| x * d).collect();
         let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
         let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
@@ -115,12 +131,19 @@ impl Run<'_> {
     }
 
     /// Iterates from a start, one from the parent's iterate if `is_warm`, to a claim.
-    fn iterate(&self, at: &mut Iterate, kkt: &mut Kkt, is_warm: bool) -> RelaxationResult {
-        let (scaled, effort) = (&self.scaled, self.effort);
+    fn iterate(
+        &self,
+        at: &mut Iterate,
+        kkt: &mut Kkt,
+        kept: &mut Kept,
+        is_warm: bool,
+    ) -> RelaxationResult {
+        let (scaled, effort) = (self.scaled, self.effort);
         let (mut stuck, mut iterations) = (0, 0);
         // A step removes its length's part of the residuals.
         let mut left = 1.0;
-        let (mut solved, mut kept) = (None, Kept::default());
+        let mut solved = None;
+        kept.clear();
         while iterations < effort.iterations {
             at.measure(scaled);
             if !at.is_finite() {
@@ -166,7 +189,7 @@ impl Run<'_> {
 
     /// What a measured iterate shows, and whether that is all that was asked for.
     fn judge(&self, at: &Iterate, iterations: u32) -> Option<(Claim, bool)> {
-        let (scaled, effort) = (&self.scaled, self.effort);
+        let (scaled, effort) = (self.scaled, self.effort);
         let objective = |value: f64| value / scaled.objective + self.program.offset;
         let violation = at.violation(scaled);
         let feasible = violation <= effort.tolerance;

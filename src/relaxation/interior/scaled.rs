@@ -1,7 +1,7 @@
 //! The program in even units: rows, columns and objective scaled, bounds and row limits as sides.
 
 use crate::presolve::{Compressed, Reduced};
-use crate::relaxation::scaling::{MOST, factors};
+use crate::relaxation::scaling::{MOST, write_factors};
 
 /// One finite limit of a column or of an inequality row: `sign * (value - limit) >= 0`.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +15,7 @@ pub(super) struct Side {
 
 /// `min 1/2 x'Px + q'x` over rows and sides, with `x` in units of `column`, rows in units of `1 /
 /// row`, and the objective in units of `1 / objective`.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Scaled {
     pub(super) column: Vec<f64>,
     pub(super) row: Vec<f64>,
@@ -31,12 +31,18 @@ pub(super) struct Scaled {
     pub(super) row_sides: usize,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
+    /// For the factors.
+    room: Vec<f64>,
 }
 
 impl Scaled {
-    pub(super) fn of(program: &Reduced) -> Self {
-        let (column, row) = factors(program);
-        let mut quadratic = program.quadratic.clone();
+    /// Becomes another program, in the memory that it has.
+    pub(super) fn load(&mut self, program: &Reduced) {
+        let Scaled {
+            column, row, quadratic, linear, rows, equalities, sides, lower, upper, ..
+        } = self;
+        write_factors(program, column, row, &mut self.room);
+        quadratic.copy_from(&program.quadratic);
         let mut largest = 0.0_f64;
         for j in 0..column.len() {
             for k in quadratic.start[j]..quadratic.start[j + 1] {
@@ -44,17 +50,19 @@ impl Scaled {
                 largest = largest.max(quadratic.value[k].abs());
             }
         }
-        let mut linear: Vec<f64> = program.linear.iter().zip(&column).map(|(q, d)| q * d).collect();
+        linear.clear();
+        linear.extend(program.linear.iter().zip(&*column).map(|(q, d)| q * d));
         let largest = linear.iter().fold(largest, |m, q| m.max(q.abs()));
         let objective = if largest > 0.0 { (1.0 / largest).clamp(1.0 / MOST, MOST) } else { 1.0 };
-        quadratic.value.iter_mut().chain(&mut linear).for_each(|v| *v *= objective);
-        let mut rows = program.rows.clone();
+        quadratic.value.iter_mut().chain(linear).for_each(|v| *v *= objective);
+        rows.copy_from(&program.rows);
         for (i, factor) in row.iter().enumerate() {
             for k in rows.start[i]..rows.start[i + 1] {
                 rows.value[k] *= factor * column[rows.index[k]];
             }
         }
-        let (mut equalities, mut sides) = (Vec::new(), Vec::new());
+        equalities.clear();
+        sides.clear();
         let add = |sides: &mut Vec<Side>, of, lower: f64, upper: f64| {
             for (sign, limit) in [(1.0, lower), (-1.0, upper)] {
                 if limit.is_finite() {
@@ -67,28 +75,15 @@ impl Scaled {
             if lower == upper {
                 equalities.push((i, lower * factor));
             } else {
-                add(&mut sides, i, lower * factor, upper * factor);
+                add(sides, i, lower * factor, upper * factor);
             }
         }
-        let per = |bounds: &[f64]| -> Vec<f64> {
-            bounds.iter().zip(&column).map(|(bound, d)| bound / d).collect()
-        };
-        let (lower, upper) = (per(&program.lower), per(&program.upper));
-        let row_sides = sides.len();
-        (0..column.len()).for_each(|j| add(&mut sides, j, lower[j], upper[j]));
-        Scaled {
-            column,
-            row,
-            objective,
-            quadratic,
-            linear,
-            rows,
-            equalities,
-            sides,
-            row_sides,
-            lower,
-            upper,
+        for (scaled, bounds) in [(&mut *lower, &program.lower), (&mut *upper, &program.upper)] {
+            scaled.clear();
+            scaled.extend(bounds.iter().zip(&*column).map(|(bound, d)| bound / d));
         }
+        (self.objective, self.row_sides) = (objective, sides.len());
+        (0..column.len()).for_each(|j| add(sides, j, lower[j], upper[j]));
     }
 
     /// The sides of rows, and those of columns.

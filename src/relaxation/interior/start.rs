@@ -3,54 +3,61 @@
 use super::iterate::{ACCURATE, Iterate, REFINEMENTS};
 use super::kkt::Kkt;
 use super::scaled::{Scaled, Side};
+use crate::relaxation::scaling::refill;
 use crate::solver::StopToken;
 
 /// Smallest initial slack of a row's side, in scaled units.
 const FIRST_SLACK: f64 = 1.0;
 
 impl Iterate {
-    /// A start inside the box.
-    pub(super) fn start(program: &Scaled) -> Self {
+    /// Goes to a start inside the box of a program, in the memory that it has.
+    pub(super) fn start(&mut self, program: &Scaled) {
         let (n, m, k) = (program.column.len(), program.rows.len(), program.sides.len());
         let inside = |(&lower, &upper): (&f64, &f64)| {
             let room = (0.5 * (upper - lower)).min(1.0);
             0.0_f64.max(lower + room).min(upper - room)
         };
-        let x: Vec<f64> = program.lower.iter().zip(&program.upper).map(inside).collect();
-        let mut activity = vec![0.0; m];
-        program.activities(&x, &mut activity);
-        let (rows, columns) = program.split_sides();
-        let mut slack = Vec::with_capacity(k);
-        let room = |side: &Side, value: f64| side.sign * (value - side.limit);
-        slack.extend(rows.iter().map(|side| room(side, activity[side.of]).max(FIRST_SLACK)));
-        slack.extend(columns.iter().map(|side| room(side, x[side.of]).max(1e-10)));
-        let dual: Vec<f64> = slack.iter().map(|s| 1.0 / s).collect();
-        Iterate {
-            x,
-            multipliers: vec![0.0; m],
-            slack,
-            dual,
-            activity,
-            curvature: vec![0.0; n],
-            pressed: vec![0.0; n],
-            dual_residual: vec![0.0; n],
-            equality_residual: vec![0.0; program.equalities.len()],
-            side_residual: vec![0.0; k],
-            barrier: 0.0,
-            slack_inverse: vec![0.0; k],
-            dual_inverse: vec![0.0; k],
-            right: Vec::new(),
-            target: Vec::new(),
-            scratch: vec![0.0; n],
-            residual: Vec::new(),
-            column_weight: vec![0.0; n],
-            row_weight: vec![0.0; m],
-            row_term: vec![0.0; m],
-            row_move: vec![0.0; m],
-            slack_move: vec![0.0; k],
-            dual_move: vec![0.0; k],
-            centre: vec![0.0; k],
+        self.x.clear();
+        self.x.extend(program.lower.iter().zip(&program.upper).map(inside));
+        for vector in [
+            &mut self.activity,
+            &mut self.multipliers,
+            &mut self.row_weight,
+            &mut self.row_term,
+            &mut self.row_move,
+        ] {
+            refill(vector, m, 0.0);
         }
+        program.activities(&self.x, &mut self.activity);
+        let (rows, columns) = program.split_sides();
+        let room = |side: &Side, value: f64| side.sign * (value - side.limit);
+        let (x, activity) = (&self.x, &self.activity);
+        self.slack.clear();
+        self.slack.extend(rows.iter().map(|side| room(side, activity[side.of]).max(FIRST_SLACK)));
+        self.slack.extend(columns.iter().map(|side| room(side, x[side.of]).max(1e-10)));
+        self.dual.clear();
+        self.dual.extend(self.slack.iter().map(|s| 1.0 / s));
+        for vector in [
+            &mut self.curvature,
+            &mut self.pressed,
+            &mut self.dual_residual,
+            &mut self.scratch,
+            &mut self.column_weight,
+        ] {
+            refill(vector, n, 0.0);
+        }
+        for vector in [
+            &mut self.side_residual,
+            &mut self.slack_inverse,
+            &mut self.dual_inverse,
+            &mut self.slack_move,
+            &mut self.dual_move,
+            &mut self.centre,
+        ] {
+            refill(vector, k, 0.0);
+        }
+        refill(&mut self.equality_residual, program.equalities.len(), 0.0);
+        self.barrier = 0.0;
     }
 
     /// A better start: the least-squares violation of the sides, traded against the objective, with

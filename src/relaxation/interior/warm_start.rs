@@ -25,6 +25,11 @@ pub(super) struct Kept {
 }
 
 impl Kept {
+    /// Forgets the iterate, not its memory.
+    pub(super) fn clear(&mut self) {
+        self.x.clear();
+    }
+
     /// Keeps an iterate as long as it is not too far.
     pub(super) fn update(&mut self, at: &Iterate) {
         if self.x.is_empty() || at.barrier >= KEPT * at.dual.len() as f64 {
