@@ -112,6 +112,9 @@ struct Rows<'a> {
     linked: Vec<f64>,
     /// Rows that are known to be linked already.
     seen: Vec<bool>,
+    /// Memory for the terms of the current row and of the row linked to it.
+    terms: Vec<(usize, f64)>,
+    linked_terms: Vec<(usize, f64)>,
 }
 
 /// A bound that is being added up, with the size of what went into it.
@@ -153,6 +156,8 @@ impl<'a> Rows<'a> {
             line: vec![0.0; n],
             linked: vec![0.0; n],
             seen: vec![false; m],
+            terms: Vec::new(),
+            linked_terms: Vec::new(),
         }
     }
 
@@ -207,8 +212,9 @@ impl<'a> Rows<'a> {
     /// The largest value in a domain of a row without one of its columns, as `<=`.
     fn reach(&mut self, domain: &Domain, row: usize, except: usize, linked: &[usize]) -> f64 {
         let (sign, _) = self.one_side(row);
-        let terms: Vec<(usize, f64)> =
-            (self.terms(row)).filter(|(j, _)| *j != except).map(|(j, a)| (j, sign * a)).collect();
+        let mut terms = std::mem::take(&mut self.terms);
+        terms.clear();
+        terms.extend(self.terms(row).filter(|(j, _)| *j != except).map(|(j, a)| (j, sign * a)));
         let mut alone = Reach::default();
         for &(j, a) in &terms {
             alone.add_term(a, domain.bounds(j));
@@ -219,15 +225,18 @@ impl<'a> Rows<'a> {
             best = best.min(self.reach_with(domain, &terms, other));
         }
         terms.iter().for_each(|&(j, _)| self.line[j] = 0.0);
+        self.terms = terms;
         best
     }
 
     /// The same, by multiples of a linked row that cancel one of the shared columns.
     fn reach_with(&mut self, domain: &Domain, terms: &[(usize, f64)], other: usize) -> f64 {
-        let beside: Vec<(usize, f64)> = self.terms(other).collect();
+        let mut beside = std::mem::take(&mut self.linked_terms);
+        beside.clear();
+        beside.extend(self.terms(other));
         beside.iter().for_each(|&(j, c)| self.linked[j] = c);
         let [lower, upper] = self.limits[other];
-        let (mut best, mut tried): (f64, Vec<f64>) = (f64::INFINITY, Vec::new());
+        let (mut best, mut tried, mut count) = (f64::INFINITY, [0.0; MULTIPLES], 0);
         for &(j, c) in beside.iter().filter(|(j, _)| !self.program.integral[*j]) {
             // `factor * linked <= factor * limit`.
             let factor = self.line[j] / c;
@@ -235,10 +244,9 @@ impl<'a> Rows<'a> {
             if factor == 0.0 || !limit.is_finite() || tried.contains(&factor) {
                 continue;
             }
-            if tried.len() == MULTIPLES {
-                break;
-            }
-            tried.push(factor);
+            let Some(place) = tried.get_mut(count) else { break };
+            *place = factor;
+            count += 1;
             let mut reach = Reach::default();
             reach.add(factor * limit);
             for &(k, a) in terms.iter().filter(|(k, _)| self.linked[*k] == 0.0) {
@@ -252,6 +260,7 @@ impl<'a> Rows<'a> {
             best = best.min(reach.value());
         }
         beside.iter().for_each(|&(j, _)| self.linked[j] = 0.0);
+        self.linked_terms = beside;
         best
     }
 

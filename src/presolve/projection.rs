@@ -77,6 +77,18 @@ impl Member {
 }
 
 impl Projection {
+    /// Takes nothing out.
+    fn none(reduced: Reduced) -> Projection {
+        let terms = Terms::default();
+        Projection {
+            reduced,
+            members: Vec::new(),
+            covers: Vec::new(),
+            cover_rows: Vec::new(),
+            terms,
+        }
+    }
+
     /// The program's point that belongs to a point of what is left.
     pub fn lift(&self, x: &[f64]) -> Vec<f64> {
         let mut point = self.reduced.lift(x);
@@ -138,13 +150,12 @@ impl Projection {
 
 /// Takes binaries out of a reduced program; `integral` is by program column.
 pub fn project(reduced: Reduced, integral: &[bool]) -> Projection {
-    let mut work = Work::new(&reduced, integral);
+    let Some(mut work) = Work::new(&reduced, integral) else { return Projection::none(reduced) };
+    // What is taken out closes others.
     let candidates: Vec<usize> = (0..reduced.columns.len()).filter(|&k| work.open[k]).collect();
     candidates.into_iter().for_each(|k| work.take_out(k));
     if work.members.is_empty() {
-        let terms = Terms::default();
-        let (covers, cover_rows) = (Vec::new(), Vec::new());
-        return Projection { reduced, members: Vec::new(), covers, cover_rows, terms };
+        return Projection::none(reduced);
     }
     let Work { members, covers, cover_rows, terms, replaced, dropped, .. } = work;
     finish(reduced, members, (covers, cover_rows, terms), (replaced, dropped))
@@ -169,7 +180,8 @@ struct Work<'a> {
 const NONE: usize = usize::MAX;
 
 impl<'a> Work<'a> {
-    fn new(reduced: &'a Reduced, integral: &[bool]) -> Self {
+    /// `None` if no column may be taken out.
+    fn new(reduced: &'a Reduced, integral: &[bool]) -> Option<Self> {
         let (n, m) = (reduced.columns.len(), reduced.rows.len());
         let mut open: Vec<bool> =
             (0..n).map(|k| reduced.linear[k] == 0.0 && is_binary(reduced, k, integral)).collect();
@@ -177,6 +189,9 @@ impl<'a> Work<'a> {
             for &i in reduced.quadratic.vector(j).0 {
                 (open[i], open[j]) = (false, false);
             }
+        }
+        if !open.contains(&true) {
+            return None;
         }
         let mut uses = vec![([(NONE, 0.0); 2], 0); n];
         for row in 0..m {
@@ -190,7 +205,10 @@ impl<'a> Work<'a> {
             }
         }
         (0..n).for_each(|k| open[k] &= uses[k].1 == 2);
-        Work {
+        if !open.contains(&true) {
+            return None;
+        }
+        Some(Work {
             reduced,
             open,
             uses,
@@ -201,7 +219,7 @@ impl<'a> Work<'a> {
             cover_of: vec![NONE; m],
             replaced: vec![None; m],
             dropped: vec![false; m],
-        }
+        })
     }
 
     /// A one-sided row in the form `terms <= limit`, its terms put at the end of all.
@@ -395,6 +413,9 @@ fn finish(
         origin.push(reduced.origin.get(row).copied().unwrap_or(NONE));
     }
     let mut quadratic = Compressed { start: vec![0], ..Compressed::default() };
+    quadratic.start.reserve(kept.len());
+    quadratic.index.reserve(reduced.quadratic.index.len());
+    quadratic.value.reserve(reduced.quadratic.index.len());
     for &k in &kept {
         let (columns, values) = reduced.quadratic.vector(k);
         quadratic.index.extend(columns.iter().map(|&i| position[i]));

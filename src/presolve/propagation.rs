@@ -37,6 +37,8 @@ pub struct Propagator {
     pub(super) entries: Vec<Entry>,
     uses: Uses,
     found: Vec<Tightening>,
+    /// Columns whose implications are still to be followed, the next one last.
+    unfollowed: Vec<usize>,
     pub(super) implications: Implications,
     token: StopToken,
     pub(super) change_log: ChangeLog,
@@ -66,34 +68,47 @@ struct Uses {
 impl Uses {
     /// Of lines of which the last one is the objective, whose upper limit comes later.
     fn new(columns: usize, lines: &[Line], entries: &[Entry], change_log: &ChangeLog) -> Self {
-        let mut lists = vec![Vec::new(); 2 * columns];
         let mut blocks = vec![0; columns];
         for (row, line) in lines.iter().enumerate() {
-            let is_objective = row + 1 == lines.len();
-            // The least activity meets the upper limit, the largest one the lower limit.
-            let least = is_objective || line.limits[1].is_finite();
-            let most = line.limits[0].is_finite();
             for entry in &entries[line.range[0]..line.range[1]] {
-                let positive = entry.coefficient > 0.0;
-                let matters = if positive { [least, most] } else { [most, least] };
-                for side in [0, 1].into_iter().filter(|&side| matters[side]) {
-                    lists[2 * entry.column() + side].push(row as u32);
-                }
                 blocks[entry.column()] |= change_log.blocks_of(row);
             }
         }
-        let mut uses = Uses { start: vec![0], rows: Vec::new(), blocks };
-        for list in lists {
-            uses.rows.extend(list);
-            uses.start.push(uses.rows.len());
-        }
-        uses
+        let mut start = vec![0; 2 * columns + 1];
+        each_use(lines, entries, |k, _| start[k + 1] += 1);
+        (0..2 * columns).for_each(|k| start[k + 1] += start[k]);
+        let mut rows = vec![0; start[2 * columns]];
+        // Every beginning moves to its end, which is where the next one was.
+        each_use(lines, entries, |k, row| {
+            rows[start[k]] = row as u32;
+            start[k] += 1;
+        });
+        start.rotate_right(1);
+        start[0] = 0;
+        Uses { start, rows, blocks }
     }
 
     /// The rows to which a bound of a column matters.
     fn of(&self, column: usize, is_upper: bool) -> &[u32] {
         let k = 2 * column + usize::from(is_upper);
         &self.rows[self.start[k]..self.start[k + 1]]
+    }
+}
+
+/// Each bound (twice the column, and 1 for the upper one) with each row to which it can matter.
+fn each_use(lines: &[Line], entries: &[Entry], mut note: impl FnMut(usize, usize)) {
+    for (row, line) in lines.iter().enumerate() {
+        let is_objective = row + 1 == lines.len();
+        // The least activity meets the upper limit, the largest one the lower limit.
+        let least = is_objective || line.limits[1].is_finite();
+        let most = line.limits[0].is_finite();
+        for entry in &entries[line.range[0]..line.range[1]] {
+            let positive = entry.coefficient > 0.0;
+            let matters = if positive { [least, most] } else { [most, least] };
+            for side in [0, 1].into_iter().filter(|&side| matters[side]) {
+                note(2 * entry.column() + side, row);
+            }
+        }
     }
 }
 
@@ -108,6 +123,7 @@ impl Propagator {
             entries: Vec::new(),
             uses: Uses::default(),
             found: Vec::new(),
+            unfollowed: Vec::new(),
             implications: Implications::default(),
             token: StopToken::default(),
             change_log: ChangeLog::new(program.row_count()),
@@ -203,10 +219,9 @@ impl Propagator {
             self.enqueue_uses(column, is_upper, usize::MAX);
         }
         if !self.implications.is_empty() {
-            let changed: Vec<usize> = domain.changed_since(mark).map(|(j, _)| j).collect();
-            for column in changed {
-                self.imply(program, domain, column).inspect_err(|_| self.clear())?;
-            }
+            self.unfollowed.extend(domain.changed_since(mark).map(|(j, _)| j));
+            self.unfollowed.reverse();
+            self.follow(program, domain).inspect_err(|_| self.clear())?;
         }
         let objective = self.objective();
         if self.rows[objective].limits[1] < f64::INFINITY {
@@ -251,6 +266,7 @@ impl Propagator {
     }
 
     fn clear(&mut self) {
+        self.unfollowed.clear();
         let status = &mut self.status;
         self.queue.drain(|row| status[row] = Status::Idle);
     }
@@ -267,15 +283,9 @@ impl Propagator {
         }
     }
 
-    /// Fixes what a binary that has become fixed implies, and what that implies.
-    fn imply(
-        &mut self,
-        program: &Program,
-        domain: &mut Domain,
-        column: usize,
-    ) -> Result<(), Conflict> {
-        let mut fixed = vec![column];
-        while let Some(j) = fixed.pop() {
+    /// Fixes what binaries that have become fixed imply, and what that implies.
+    fn follow(&mut self, program: &Program, domain: &mut Domain) -> Result<(), Conflict> {
+        while let Some(j) = self.unfollowed.pop() {
             let [lower, upper] = domain.bounds(j);
             if !program.integral[j] || lower != upper || !(0.0..=1.0).contains(&lower) {
                 continue;
@@ -292,7 +302,7 @@ impl Propagator {
                 if lower < upper {
                     domain.apply(column, is_upper, value);
                     self.enqueue_uses(column, is_upper, usize::MAX);
-                    fixed.push(column);
+                    self.unfollowed.push(column);
                 }
             }
         }
@@ -347,7 +357,8 @@ impl Propagator {
                     self.enqueue_uses(column, !is_upper, row);
                 }
                 if program.integral[column] && !self.implications.is_empty() {
-                    self.imply(program, domain, column)?;
+                    self.unfollowed.push(column);
+                    self.follow(program, domain)?;
                 }
             }
         }

@@ -361,6 +361,11 @@ impl Reducer {
     fn substitute_objective(&self, program: &Program, reduced: &mut Reduced) {
         let position = &self.position;
         let mut constant = Sum::new(program.offset);
+        // Half of a symmetric matrix, and its diagonal.
+        let most = (program.quadratic.compute_nnz() + reduced.linear.len()) / 2;
+        reduced.quadratic.start.reserve(reduced.linear.len());
+        reduced.quadratic.index.reserve(most);
+        reduced.quadratic.value.reserve(most);
         for j in 0..program.column_count() {
             let (rows, entries) = program.quadratic_column(j);
             if self.fixed[j] {
@@ -410,6 +415,7 @@ impl Reducer {
         out.rows.start.reserve(self.alive.len());
         out.row_lower.reserve(self.alive.len());
         out.row_upper.reserve(self.alive.len());
+        out.origin.reserve(self.alive.len());
         for &row in &self.alive {
             let (columns, coefficients) = program.row(row);
             let begin = out.rows.index.len();

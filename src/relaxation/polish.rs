@@ -150,17 +150,29 @@ fn normal_matrix(
     scale: &[f64],
 ) -> Option<SparseColMat<usize, f64>> {
     const MOST_ENTRIES: usize = 4_000_000;
-    let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); scale.len()];
-    for (e, &(i, _)) in active.iter().enumerate() {
-        let (columns, values) = program.rows.vector(i);
-        columns.iter().zip(values).for_each(|(&j, &a)| by_column[j].push((e, a)));
+    // By column: where its entries begin, then their rows and values.
+    let mut start = vec![0; scale.len() + 1];
+    for &(i, _) in active {
+        program.rows.vector(i).0.iter().for_each(|&j| start[j + 1] += 1);
     }
-    if by_column.iter().map(|c| c.len() * c.len()).sum::<usize>() > MOST_ENTRIES {
+    let pairs: usize = start.iter().map(|count| count * count).sum();
+    if pairs > MOST_ENTRIES {
         return None;
     }
-    let mut entries = Vec::new();
+    (0..scale.len()).for_each(|j| start[j + 1] += start[j]);
+    let mut by_column = vec![(0, 0.0); start[scale.len()]];
+    let mut end = start.clone();
+    for (e, &(i, _)) in active.iter().enumerate() {
+        let (columns, values) = program.rows.vector(i);
+        for (&j, &a) in columns.iter().zip(values) {
+            by_column[end[j]] = (e, a);
+            end[j] += 1;
+        }
+    }
+    let mut entries = Vec::with_capacity(pairs / 2 + by_column.len());
     let mut diagonal = vec![0.0_f64; active.len()];
-    for (column, &d) in by_column.iter().zip(scale) {
+    for (column, &d) in start.windows(2).zip(scale) {
+        let column = &by_column[column[0]..column[1]];
         for &(e, a) in column {
             for &(f, b) in column.iter().filter(|(f, _)| *f <= e) {
                 let entry = d * a * b;

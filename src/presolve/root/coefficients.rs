@@ -86,22 +86,25 @@ fn tighten(work: &mut Work, row: usize) -> bool {
     if !side.can_be_violated() {
         return false;
     }
-    let old = work.rows[row].clone();
+    let old = &work.rows[row];
     let whole = old.iter().all(|&(j, a)| work.integral[j] && is_whole(a)) && is_whole(limit);
     let scale = range.scale * old.len() as f64;
     let noise = range.noise + work.row_noise[row];
     // Limits are rounded to their last digit each time; whole numbers are not.
     let (margin, rounding) =
         if whole { (0.0, 0.0) } else { (MARGIN * scale + noise, 2.0 * f64::EPSILON * scale) };
-    let mut entries = old.clone();
-    let mut changed = false;
-    for (j, value) in &mut entries {
-        let is_binary = work.integral[*j] && work.lower[*j] == 0.0 && work.upper[*j] == 1.0;
-        changed |= is_binary && side.shrink(value, margin, rounding);
-    }
-    if !changed {
+    let is_binary = |j: usize| work.integral[j] && work.lower[j] == 0.0 && work.upper[j] == 1.0;
+    let shrink = |side: &mut OneSided, (j, value): &mut (usize, f64)| {
+        is_binary(*j) && side.shrink(value, margin, rounding)
+    };
+    // Most rows stay as they are.
+    let mut trial = side;
+    if !old.iter().copied().any(|mut term| shrink(&mut trial, &mut term)) {
         return false;
     }
+    let old = old.clone();
+    let mut entries = old.clone();
+    entries.iter_mut().for_each(|term| _ = shrink(&mut side, term));
     entries.retain(|(_, a)| *a != 0.0);
     work.set_row(row, entries.clone());
     side.write_limit(&mut work.row_lower[row], &mut work.row_upper[row]);

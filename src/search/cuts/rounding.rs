@@ -123,20 +123,19 @@ fn deeper(point: &SeparatedPoint<'_>, column: usize, a: f64, divisor: f64, f: f6
 /// Those that cannot cut the point off are left out, unless `any` are wanted.
 fn divide(base: Base, noise: f64, any: bool) -> Option<Trial> {
     let can_cut = |divisor| any || base.can_cut(divisor);
-    let mut divisors: Vec<f64> = Vec::new();
+    let (mut divisors, mut count) = ([0.0_f64; DIVISORS], 0);
     let mut candidates: Vec<&Whole> = base.whole.iter().filter(|w| w.value > 1e-6).collect();
-    candidates.sort_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
+    candidates.sort_unstable_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
     for whole in candidates {
         let size = whole.coefficient.abs();
         let clear = size >= CLEAR * noise && can_cut(size);
-        if clear
-            && divisors.len() < DIVISORS
-            && divisors.iter().all(|d| (d - size).abs() > 1e-6 * size)
-        {
-            divisors.push(size);
+        let is_new = |found: &[f64]| found.iter().all(|d| (d - size).abs() > 1e-6 * size);
+        if count < DIVISORS && clear && is_new(&divisors[..count]) {
+            divisors[count] = size;
+            count += 1;
         }
     }
-    let best = divisors.into_iter().map(|d| (depth(&base, d), d));
+    let best = divisors[..count].iter().map(|&d| (depth(&base, d), d));
     let (mut most, mut divisor) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
     if most == f64::NEG_INFINITY {
         return None;
