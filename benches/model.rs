@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use carom::internals::presolve::{Domain, Reduction, reduce};
+use carom::internals::presolve::{Domain, reduce};
 use carom::internals::program::Program;
 use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation, lower_bound};
 use carom::model::{Method, Reformulation, mps};
@@ -62,7 +62,7 @@ fn planner(rows: usize) -> Result<Model, Error> {
 fn lower_and_relax(model: &Model) -> Result<f64, Error> {
     let lowered = reformulate::lower(model)?;
     let program = Program::assemble(lowered.model())?;
-    let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+    let Some(reduced) = reduce(&program, &Domain::new(&program)) else {
         return Ok(f64::INFINITY);
     };
     let effort = Effort {

@@ -10,7 +10,7 @@ use std::hint::black_box;
 use carom::collision_tolerant::{
     Objective, PlanningOptions, PlanningProgram as Paper, Scenario, compare,
 };
-use carom::internals::presolve::{Domain, Propagator, Reduction, probe, reduce};
+use carom::internals::presolve::{Domain, Propagator, probe, reduce};
 use carom::internals::program::Program;
 use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation};
 use carom::prelude::*;
@@ -70,7 +70,7 @@ fn parts(criterion: &mut Criterion, name: &str, model: &Model) {
     });
     group.bench_function("reduce_root", |b| b.iter(|| reduce(&program, black_box(&root))));
 
-    let Reduction::Reduced(reduced) = reduce(&program, &root) else {
+    let Some(reduced) = reduce(&program, &root) else {
         panic!("it is feasible");
     };
     let effort = Effort {

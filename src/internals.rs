@@ -25,9 +25,8 @@ pub mod model {
 
 pub mod presolve {
     pub use crate::presolve::{
-        Compressed, Domain, Implications, Propagator, Reduced, Reduction, Worklist, probe,
-        probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
-        tighten_coefficients,
+        Compressed, Domain, Implications, Propagator, Reduced, Worklist, probe, probe_implications,
+        project, reduce, tighten_big_ms, tighten_by_disjunctions, tighten_coefficients,
     };
 
     pub mod root {

@@ -35,5 +35,5 @@ pub use projection::project;
 pub(crate) use propagation::Conflict;
 pub use propagation::Propagator;
 pub(crate) use reduce::Reducer;
-pub use reduce::{Compressed, Reduced, Reduction, reduce};
+pub use reduce::{Compressed, Reduced, reduce};
 pub use worklist::Worklist;

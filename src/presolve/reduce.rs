@@ -78,6 +78,17 @@ impl Compressed {
         self.len() == 0
     }
 
+    /// Drops all vectors, and has memory for so many vectors and entries.
+    fn clear(&mut self, vectors: usize, entries: usize) {
+        self.start.clear();
+        self.start.reserve(vectors + 1);
+        self.start.push(0);
+        self.index.clear();
+        self.index.reserve(entries);
+        self.value.clear();
+        self.value.reserve(entries);
+    }
+
     /// Becomes a copy of another one, in the memory that it has.
     pub(crate) fn copy_from(&mut self, other: &Compressed) {
         self.start.clone_from(&other.start);
@@ -156,17 +167,9 @@ impl Reduced {
     }
 }
 
-/// The result of [`reduce`].
-#[derive(Debug, Clone)]
-pub enum Reduction {
-    /// A continuous program over the free columns (possibly none).
-    Reduced(Box<Reduced>),
-    /// The bounds and rows contradict each other.
-    Infeasible,
-}
-
-/// Reduces a program to a node's domain, leaving integrality aside.
-pub fn reduce(program: &Program, domain: &Domain) -> Reduction {
+/// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the free
+/// columns, possibly none. Returns `None` if bounds and rows contradict each other.
+pub fn reduce(program: &Program, domain: &Domain) -> Option<Reduced> {
     Reducer::default().reduce(program, domain)
 }
 
@@ -185,25 +188,39 @@ pub(crate) struct Reducer {
     /// By column of the program: its column in the reduced program.
     position: Vec<usize>,
     patterns: Patterns,
+    /// Programs that are no longer needed, for their memory.
+    spare: Vec<Reduced>,
 }
 
 struct Contradiction;
 
+/// Replaces the entries of a vector.
+fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
+    vector.clear();
+    vector.extend(values);
+}
+
 impl Reducer {
     /// As [`reduce`](reduce()).
-    pub(crate) fn reduce(&mut self, program: &Program, domain: &Domain) -> Reduction {
-        match self.start(program, domain).and_then(|()| self.build(program)) {
-            Ok(reduced) => Reduction::Reduced(Box::new(reduced)),
-            Err(Contradiction) => Reduction::Infeasible,
+    pub(crate) fn reduce(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
+        self.start(program, domain).ok()?;
+        let mut reduced = self.spare.pop().unwrap_or_default();
+        match self.build(program, &mut reduced) {
+            Ok(()) => Some(reduced),
+            Err(Contradiction) => {
+                self.reuse(reduced);
+                None
+            }
         }
+    }
+
+    /// Takes back a program that is no longer needed: the next one is built in its memory.
+    pub(crate) fn reuse(&mut self, reduced: Reduced) {
+        self.spare.push(reduced);
     }
 
     /// Finds out what is left of bounds and rows.
     fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradiction> {
-        fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
-            vector.clear();
-            vector.extend(values);
-        }
         let n = program.column_count();
         fill(&mut self.lower, (0..n).map(|j| domain.lower(j)));
         fill(&mut self.upper, (0..n).map(|j| domain.upper(j)));
@@ -324,38 +341,30 @@ impl Reducer {
         Ok(())
     }
 
-    fn build(&mut self, program: &Program) -> Result<Reduced, Contradiction> {
+    fn build(&mut self, program: &Program, reduced: &mut Reduced) -> Result<(), Contradiction> {
         let n = program.column_count();
-        let mut columns = Vec::with_capacity(n);
-        self.position.clear();
-        self.position.resize(n, usize::MAX);
-        for j in (0..n).filter(|&j| !self.fixed[j]) {
-            self.position[j] = columns.len();
-            columns.push(j);
+        fill(&mut self.position, (0..n).map(|_| usize::MAX));
+        fill(&mut reduced.columns, (0..n).filter(|&j| !self.fixed[j]));
+        for (k, &j) in reduced.columns.iter().enumerate() {
+            self.position[j] = k;
         }
-        let mut reduced = Reduced {
-            linear: columns.iter().map(|&j| program.linear[j]).collect(),
-            offset: program.offset,
-            lower: columns.iter().map(|&j| self.lower[j]).collect(),
-            upper: columns.iter().map(|&j| self.upper[j]).collect(),
-            rows: Compressed { start: vec![0], ..Compressed::default() },
-            quadratic: Compressed { start: vec![0], ..Compressed::default() },
-            ..Reduced::default()
-        };
-        self.substitute_objective(program, &mut reduced);
-        self.collect_rows(program, &mut reduced)?;
-        reduced.columns = columns;
-        reduced.values = self.lower.clone();
+        fill(&mut reduced.linear, reduced.columns.iter().map(|&j| program.linear[j]));
+        fill(&mut reduced.lower, reduced.columns.iter().map(|&j| self.lower[j]));
+        fill(&mut reduced.upper, reduced.columns.iter().map(|&j| self.upper[j]));
+        self.substitute_objective(program, reduced);
+        self.collect_rows(program, reduced)?;
+        reduced.values.clone_from(&self.lower);
         reduced.spread = program.spread;
+        reduced.steepness.clear();
         let is_open = |k: usize| {
             let curved = !reduced.quadratic.vector(k).0.is_empty();
             curved && (reduced.lower[k].is_infinite() || reduced.upper[k].is_infinite())
         };
         if (0..reduced.columns.len()).any(is_open) {
             let steepness = program.steepness();
-            reduced.steepness = reduced.columns.iter().map(|&j| steepness[j]).collect();
+            reduced.steepness.extend(reduced.columns.iter().map(|&j| steepness[j]));
         }
-        Ok(reduced)
+        Ok(())
     }
 
     fn substitute_objective(&self, program: &Program, reduced: &mut Reduced) {
@@ -363,9 +372,7 @@ impl Reducer {
         let mut constant = Sum::new(program.offset);
         // Half of a symmetric matrix, and its diagonal.
         let most = (program.quadratic.compute_nnz() + reduced.linear.len()) / 2;
-        reduced.quadratic.start.reserve(reduced.linear.len());
-        reduced.quadratic.index.reserve(most);
-        reduced.quadratic.value.reserve(most);
+        reduced.quadratic.clear(reduced.linear.len(), most);
         for j in 0..program.column_count() {
             let (rows, entries) = program.quadratic_column(j);
             if self.fixed[j] {
@@ -410,11 +417,12 @@ impl Reducer {
         let (position, seen) = (&self.position, &mut self.patterns);
         seen.clear(self.alive.len());
         let entries = self.alive.iter().map(|&row| program.row(row).0.len()).sum();
-        out.rows.index.reserve(entries);
-        out.rows.value.reserve(entries);
-        out.rows.start.reserve(self.alive.len());
-        out.row_lower.reserve(self.alive.len());
-        out.row_upper.reserve(self.alive.len());
+        out.rows.clear(self.alive.len(), entries);
+        for limits in [&mut out.row_lower, &mut out.row_upper] {
+            limits.clear();
+            limits.reserve(self.alive.len());
+        }
+        out.origin.clear();
         out.origin.reserve(self.alive.len());
         for &row in &self.alive {
             let (columns, coefficients) = program.row(row);

@@ -10,7 +10,7 @@ use std::collections::btree_map::Entry;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Literal, Model, StoredRow, Variable};
-use crate::presolve::{Domain, Propagator, Reduction, reduce};
+use crate::presolve::{Domain, Propagator, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, Ladder, Purpose, lower_bound, proves_infeasible};
 use crate::solver::{RelaxationMethod, StopToken};
@@ -128,7 +128,7 @@ impl<'a> Maximizer<'a> {
         if token.is_over() {
             return range.upper;
         }
-        let Reduction::Reduced(reduced) = reduce(program, domain) else {
+        let Some(reduced) = reduce(program, domain) else {
             return f64::NEG_INFINITY;
         };
         if reduced.columns.is_empty() {

@@ -6,7 +6,7 @@ use super::clock::Activity;
 use super::context::Context;
 use super::local_bounds::propagate_since;
 use super::node_relaxation::relax;
-use crate::presolve::{Reduced, Reduction};
+use crate::presolve::Reduced;
 use crate::relaxation::{Purpose, Verdict, polish, polish_leaf};
 use crate::tolerance;
 
@@ -35,13 +35,13 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         return false;
     }
     let program = ctx.shared.task.exact.unwrap_or(ctx.program());
-    let Reduction::Reduced(reduced) = ctx.reducer.reduce(program, &ctx.node.domain) else {
-        return false;
-    };
-    match relax(ctx, &reduced, Purpose::Node) {
+    let Some(reduced) = ctx.reducer.reduce(program, &ctx.node.domain) else { return false };
+    let found = match relax(ctx, &reduced, Purpose::Node) {
         Verdict::Relaxed { x, .. } => offer_leaf(ctx, &reduced, &x),
         _ => false,
-    }
+    };
+    ctx.reducer.reuse(reduced);
+    found
 }
 
 /// Whether the integers of the domain, all fixed, were not seen here before.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::clock::Activity;
 use super::context::Context;
 use super::proofs::Multipliers;
-use crate::presolve::{Projection, Reduced, Reduction, project, tighten_coefficients};
+use crate::presolve::{Projection, Reduced, project, tighten_coefficients};
 use crate::relaxation::{Purpose, Question, Verdict};
 
 /// What is to be relaxed at the node of the domain; `None` if it is refuted.
@@ -27,17 +27,13 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
     let program = ctx.base();
     let program = ctx.shared.task.exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
-    let reduced = match ctx.reducer.reduce(program, &ctx.node.domain) {
-        Reduction::Reduced(mut reduced) => {
-            let integral = &ctx.program().integral;
-            if let Some(windows) = ctx.shared.windows {
-                windows.add_rows(&ctx.node.domain, &mut reduced);
-            }
-            tighten_coefficients(&mut reduced, integral);
-            Some(*reduced)
+    let mut reduced = ctx.reducer.reduce(program, &ctx.node.domain);
+    if let Some(reduced) = &mut reduced {
+        if let Some(windows) = ctx.shared.windows {
+            windows.add_rows(&ctx.node.domain, reduced);
         }
-        Reduction::Infeasible => None,
-    };
+        tighten_coefficients(reduced, &ctx.program().integral);
+    }
     ctx.clock.switch(activity);
     reduced
 }

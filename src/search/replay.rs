@@ -252,6 +252,7 @@ impl Replay {
         let activity = ctx.clock.switch(Activity::Proof);
         let tried = multipliers.prove(&reduced, ctx.tree.cutoff());
         ctx.clock.switch(activity);
+        ctx.reducer.reuse(reduced);
         if let Tried::Closed = tried {
             ctx.tree.count(|s| s.closed_by_proofs += 1);
             self.proofs.push(Proof::new(end, multipliers.clone()));
@@ -264,6 +265,7 @@ impl Replay {
         let Some(reduced) = reduce_node(ctx) else { return true };
         let projection = project_reduced(ctx, reduced);
         let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
+        ctx.reducer.reuse(projection.reduced);
         let closes = match verdict {
             Verdict::Refuted(_) => true,
             Verdict::Relaxed { bound, .. } => ctx.tree.strengthen(bound) >= ctx.tree.cutoff(),

@@ -1,7 +1,7 @@
 //! The relaxed point of a root, and its value: for what strengthens a program before the search, and
 //! for the search, which need not relax the same root again.
 
-use crate::presolve::{Domain, Reduction, project, reduce, tighten_coefficients};
+use crate::presolve::{Domain, project, reduce, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
 use crate::solver::{Options, StopToken};
@@ -52,9 +52,9 @@ impl RootPoint {
         token: &StopToken,
         warm: Option<&WarmState>,
     ) -> Option<RootPoint> {
-        let Reduction::Reduced(mut reduced) = reduce(program, domain) else { return None };
+        let mut reduced = reduce(program, domain)?;
         tighten_coefficients(&mut reduced, &program.integral);
-        let projection = project(*reduced, &program.integral);
+        let projection = project(reduced, &program.integral);
         let reduced = &projection.reduced;
         if reduced.columns.is_empty() {
             return None;

@@ -16,7 +16,7 @@ use super::switch_node::switch_to;
 use super::trace::span;
 use super::tree_view::TreeView;
 use super::unbounded::settle_descent;
-use crate::presolve::Reduced;
+use crate::presolve::{Projection, Reduced};
 use crate::relaxation::{Purpose, Verdict};
 use crate::solution::{Heuristic, Termination};
 
@@ -162,9 +162,21 @@ fn relax_node(
         return None;
     };
     let projection = project_reduced(ctx, reduced);
+    let relaxed = relax_projection(ctx, pseudocosts, node, &projection);
+    ctx.reducer.reuse(projection.reduced);
+    relaxed
+}
+
+/// The same from what is to be relaxed.
+fn relax_projection(
+    ctx: &mut Context<'_>,
+    pseudocosts: &mut Pseudocosts,
+    node: &Node,
+    projection: &Projection,
+) -> Option<(f64, Vec<f64>)> {
     let reduced = &projection.reduced;
     let purpose = if node.path.is_empty() { Purpose::Root } else { Purpose::Node };
-    let (verdict, multipliers) = relax_and_keep(ctx, &projection, purpose);
+    let (verdict, multipliers) = relax_and_keep(ctx, projection, purpose);
     ctx.node.multipliers = multipliers.or(ctx.node.multipliers.take());
     if node.id == 0 {
         keep_proof(ctx);

@@ -6,8 +6,7 @@
 
 use crate::common::config;
 use carom::internals::presolve::{
-    Domain, Reduced, Reduction, project, reduce, tighten_big_ms, tighten_by_disjunctions,
-    tighten_coefficients,
+    Domain, Reduced, project, reduce, tighten_big_ms, tighten_by_disjunctions, tighten_coefficients,
 };
 use carom::internals::program::Program;
 use carom::internals::relaxation::reduced_costs;
@@ -220,7 +219,7 @@ proptest! {
     #[test]
     fn tightened_coefficients_keep_whole_points(case in case()) {
         let program = case.program(false);
-        let Reduction::Reduced(mut reduced) = reduce(&program, &Domain::new(&program)) else {
+        let Some(mut reduced) = reduce(&program, &Domain::new(&program)) else {
             prop_assert!(case.points().is_empty());
             return Ok(());
         };
@@ -279,11 +278,11 @@ proptest! {
     fn projections_keep_the_relaxation(case in case(), weights in prop::collection::vec(0.0..1.0, 3)) {
         let program = case.program(false);
         let points = case.points();
-        let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+        let Some(reduced) = reduce(&program, &Domain::new(&program)) else {
             prop_assert!(points.is_empty());
             return Ok(());
         };
-        let projection = project(*reduced, &program.integral);
+        let projection = project(reduced, &program.integral);
         for (k, point) in points.iter().enumerate() {
             // Means of points are points of the relaxation.
             let other = &points[(7 * k + 3) % points.len()];
@@ -335,7 +334,7 @@ proptest! {
         multipliers in prop::collection::vec(-3.0..3.0f64, 8),
     ) {
         let program = case.program(true);
-        let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+        let Some(reduced) = reduce(&program, &Domain::new(&program)) else {
             return Ok(());
         };
         let (x, y) = (restricted(&reduced, &point), &multipliers[..reduced.rows.len()]);
@@ -363,10 +362,10 @@ fn a_disjunction_of_two_sides() {
     model.minimize((x - 5.0).square()).unwrap();
     let program = Program::assemble(&model).unwrap();
 
-    let Reduction::Reduced(reduced) = reduce(&program, &Domain::new(&program)) else {
+    let Some(reduced) = reduce(&program, &Domain::new(&program)) else {
         panic!("feasible");
     };
-    let projection = project(*reduced, &program.integral);
+    let projection = project(reduced, &program.integral);
     assert_eq!(projection.reduced.columns, [0], "{projection:?}");
     // Inside the gap both sides stay fractional, the nearer one larger; outside they are whole.
     let inside = projection.lift(&[5.0]);

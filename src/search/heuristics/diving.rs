@@ -154,10 +154,12 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let projection = project_node(ctx)?;
     let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
     let Verdict::Relaxed { bound, x, .. } = verdict else { return None };
+    let point = projection.lift(&x);
+    ctx.reducer.reuse(projection.reduced);
     if ctx.tree.strengthen(bound) >= ctx.tree.cutoff() {
         return None;
     }
-    let mut point = ctx.complete_point(projection.lift(&x));
+    let mut point = ctx.complete_point(point);
     let integrality = ctx.options().integrality;
     settle_groups(
         ctx.program(),
