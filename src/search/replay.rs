@@ -247,7 +247,9 @@ impl Replay {
         proof: Option<&Arc<Multipliers>>,
         end: End,
     ) -> Tried {
-        let Some(multipliers) = proof else { return Tried::Nothing };
+        let Some(multipliers) = proof.filter(|_| !ctx.token.is_over()) else {
+            return Tried::Nothing;
+        };
         let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
         let tried = multipliers.prove(&reduced, ctx.tree.cutoff());

@@ -125,6 +125,12 @@ impl<'a> Worker<'a> {
         if is_cut_off(ctx) {
             return None;
         }
+        if let Some(reason) = ctx.token.ended() {
+            // What splits a node takes as long as relaxing it.
+            ctx.tree.count(|s| s.unfinished += 1);
+            ctx.tree.give_back(Node { bound, ..node }, reason);
+            return None;
+        }
         let relaxed = RelaxedPoint { x: &x, raw: &raw, bound };
         branch(ctx, &mut self.branching, &node, relaxed)
     }

@@ -54,7 +54,8 @@ pub(super) fn choose_column(
             continue;
         }
         let (mut score, mut tried) = (expected, None);
-        if trials > 0 && idle < PATIENCE && !pseudocosts.known(j) {
+        let wanted = trials > 0 && idle < PATIENCE && !pseudocosts.known(j);
+        if wanted && !ctx.token.is_over() {
             trials -= 1;
             match try_column(ctx, pseudocosts, relaxed, j, beside)? {
                 Tried::Fixed => {
