@@ -142,7 +142,7 @@ impl Stage<'_> {
             (Some(own), _) => (&own.program, own.root.clone()),
             (None, Some(tightened)) => {
                 let program = &tightened.program;
-                (program, tightened.root.within(program, token, options.probing))
+                (program, tightened.root.within(program, token))
             }
             (None, None) => (program, Root::new(program, token, options.probing)),
         };
