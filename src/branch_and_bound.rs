@@ -11,6 +11,7 @@ mod stage;
 
 use crate::error::Error;
 use crate::model::Model;
+use crate::relaxation::LadderPool;
 use crate::search::{ColumnGuidance, Found};
 use crate::solution::{Multipliers, Outcome, SeedReport, Solution};
 use crate::solver::{Control, Options, Prepared, Solver, StopToken, TreeSeed};
@@ -75,7 +76,9 @@ impl Solver for BranchAndBound {
         let guidance = ColumnGuidance::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
-        let pipeline = Pipeline { model, options, token: &token, guidance: &guidance, seed };
+        let ladders = &LadderPool::new(options);
+        let (guidance, token) = (&guidance, &token);
+        let pipeline = Pipeline { model, options, token, guidance, ladders, seed };
         let (mut found, derivatives) = pipeline.run(control)?;
         found.statistics.time = token.elapsed();
         let seed_report =

@@ -41,8 +41,8 @@ pub mod program {
 pub mod relaxation {
     pub use crate::relaxation::{
         ActiveSet, Claim, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        Relaxation, RelaxationResult, WarmState, lower_bound, polish, proves_infeasible,
-        reduced_costs,
+        LadderPool, Relaxation, RelaxationResult, WarmState, lower_bound, polish,
+        proves_infeasible, reduced_costs,
     };
 }
 

@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::presolve::root::{Presolve, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate::{self, WayBack};
-use crate::relaxation::Ladder;
+use crate::relaxation::LadderPool;
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
 use crate::solution::{Point, Termination};
 use crate::solver::{Control, Options, StopToken};
@@ -22,6 +22,7 @@ pub(super) struct Pipeline<'a> {
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
     pub(super) guidance: &'a ColumnGuidance<'a>,
+    pub(super) ladders: &'a LadderPool,
     pub(super) seed: Option<&'a Seed>,
 }
 
@@ -79,6 +80,7 @@ impl Pipeline<'_> {
             options: self.options,
             token: self.token,
             guidance: &guidance,
+            ladders: self.ladders,
             program: &presolved.program,
             restore: &restore,
             as_is,
@@ -88,7 +90,7 @@ impl Pipeline<'_> {
         let mut found = stage.run(control, seed.as_ref());
         let optimal = found.points.first().filter(|_| found.termination == Termination::Optimal);
         let derivatives = continuous.zip(optimal).and_then(|(program, values)| {
-            let mut ladder = Ladder::new(self.options.relaxation);
+            let mut ladder = self.ladders.take();
             let point = postsolve.point(values);
             derivatives(&program, &presolved, &point, &mut ladder, self.token)
         });

@@ -15,6 +15,7 @@ use crate::model::{Model, Name, Variable};
 use crate::presolve::root::{Postsolve, Presolve, Rule, blocks, presolve, presolve_around};
 use crate::program::Program;
 use crate::reformulate::{self, WayBack};
+use crate::relaxation::LadderPool;
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed, Start};
 use crate::solution::{Heuristic, Solution, Termination};
 use crate::solver::{Control, Options, Prepared, StopToken, TreeSeed};
@@ -26,6 +27,7 @@ pub(super) struct PreparedProgram<'a> {
     model: Model,
     lowered: LoweredProgram,
     reduced: Reduced,
+    ladders: LadderPool,
 }
 
 /// The assembled program of a lowered model.
@@ -75,7 +77,8 @@ impl<'a> PreparedProgram<'a> {
             false => Reduced::Not,
         };
         let lowered = LoweredProgram { program, way_back: lowered.into_way_back(), parameters };
-        Ok(PreparedProgram { options, model: model.clone(), lowered, reduced })
+        let ladders = LadderPool::new(options);
+        Ok(PreparedProgram { options, model: model.clone(), lowered, reduced, ladders })
     }
 }
 
@@ -108,7 +111,11 @@ impl Prepared for PreparedProgram<'_> {
         let guidance = ColumnGuidance::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
-        let pipeline = Pipeline { model, options, token: &token, guidance: &guidance, seed };
+        if !self.ladders.suits(options) {
+            self.ladders = LadderPool::new(options);
+        }
+        let (guidance, ladders, token) = (&guidance, &self.ladders, &token);
+        let pipeline = Pipeline { model, options, token, guidance, ladders, seed };
         let about_columns = pipeline.is_about_columns() || !guidance.is_idle();
         let (mut found, derivatives) = match &mut self.reduced {
             Reduced::Infeasible if options.reductions => (Found::infeasible(), None),
@@ -208,6 +215,7 @@ impl ReducedProgram {
                 options: pipeline.options,
                 token: pipeline.token,
                 guidance: &guidance,
+                ladders: pipeline.ladders,
                 program,
                 restore: &restore,
                 as_is: false,

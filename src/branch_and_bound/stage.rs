@@ -4,7 +4,7 @@ use super::looks::Looks;
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
-use crate::relaxation::Ladder;
+use crate::relaxation::LadderPool;
 use crate::search::cuts::strengthen;
 use crate::search::{
     Accept, ColumnGuidance, Found, Root, Seed, Strengthened, Task, complete, search,
@@ -20,6 +20,7 @@ pub(super) struct Stage<'a> {
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
     pub(super) guidance: &'a ColumnGuidance<'a>,
+    pub(super) ladders: &'a LadderPool,
     pub(super) program: &'a Program,
     /// From values of the program's columns to values of the model's variables.
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
@@ -88,7 +89,6 @@ impl Stage<'_> {
 
     /// Completes the guess of a seed, without a search.
     pub(super) fn complete(&self, seed: &Seed) -> Found {
-        let ladder = || Ladder::new(self.options.relaxation);
         let task = Task {
             program: self.program,
             exact: None,
@@ -97,7 +97,7 @@ impl Stage<'_> {
             key: &|_: &[f64]| Vec::new(),
             describe: &|values: &[f64]| self.point(values),
             guidance: self.guidance,
-            ladder: &ladder,
+            ladders: self.ladders,
             options: self.options,
             cutoff: f64::INFINITY,
             token: self.token,
@@ -131,8 +131,7 @@ impl Stage<'_> {
             let integers = values.iter().zip(&integral).filter(|(_, integral)| **integral);
             integers.map(|(value, _)| value.round() as i64).collect()
         };
-        let make = || Ladder::new(options.relaxation);
-        let mut ladder = make();
+        let mut ladder = self.ladders.take();
         let exact = program;
         let own = match self.tightened {
             None if !self.as_is => Some(Tightened::new(program, options, token)),
@@ -155,7 +154,7 @@ impl Stage<'_> {
         let program = bent.as_ref().map_or(program, |bent| &bent.program);
         let guidance = self.guidance;
         let (exact, cutoff) = (Some(exact), f64::INFINITY);
-        let (key, ladders) = (&key, &make);
+        let key = &key;
         let task = Task {
             program,
             exact,
@@ -164,7 +163,7 @@ impl Stage<'_> {
             key,
             describe,
             guidance,
-            ladder: ladders,
+            ladders: self.ladders,
             options,
             cutoff,
             token,
@@ -180,10 +179,12 @@ impl Stage<'_> {
         if bent.is_some() || cut.is_some() {
             root.carry_over(program, token);
         }
+        let spent = ladder.take_spent();
+        self.ladders.give_back(ladder);
         let task = Task { program, root: Some(&root), ..task };
         let own = looks.seed(cut.is_none());
         let mut found = search(task, control, own.as_ref().or(seed));
-        ladder.take_spent().count(&mut found.statistics);
+        spent.count(&mut found.statistics);
         looks.count(&mut found.statistics);
         // Columns of event windows come after the program's.
         let value = |x: &Vec<f64>| program.objective(&x[..program.column_count()]);

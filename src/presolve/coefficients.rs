@@ -4,7 +4,7 @@
 //! be changed together until it is only just redundant. This keeps integral points and cuts off
 //! relaxed ones: `x <= 2 + 8 (1 - z)` at a node with `x <= 5` becomes `x <= 2 + 3 (1 - z)`.
 
-use super::reduce::Reduced;
+use super::reduced::Reduced;
 use crate::tolerance;
 
 /// Rows are left this much looser than they could be, relative to their activity (no unit), so that

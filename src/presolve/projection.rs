@@ -12,7 +12,7 @@
 //! is what branching and heuristics need.
 
 use super::coefficients::is_binary;
-use super::reduce::{Compressed, Reduced};
+use super::reduced::{Compressed, Reduced};
 
 /// Excess of a side over what the bounds imply up to which it counts as implied; a side dropped
 /// too much only loosens the relaxation (no unit, relative).

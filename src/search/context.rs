@@ -57,12 +57,17 @@ impl<'a> Context<'a> {
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
             reducer: Reducer::default(),
-            ladder: (shared.task.ladder)(),
+            ladder: shared.task.ladders.take(),
             clock: Clock::new(),
             token: shared.task.token.clone(),
             iterations: 0,
             assignments: BTreeSet::new(),
         }
+    }
+
+    /// Leaves the methods to others.
+    pub(super) fn retire(self) {
+        self.shared.task.ladders.give_back(self.ladder);
     }
 
     /// The program, with the columns of event windows.

@@ -73,7 +73,7 @@ pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
     let bound = earlier_bound(&mut ctx);
     try_guess(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_share());
-    drop(ctx);
+    ctx.retire();
     let found = tree.into_found();
     Found { bound: found.bound.max(bound), ..found }
 }

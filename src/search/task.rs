@@ -3,7 +3,7 @@
 use super::column_guidance::ColumnGuidance;
 use super::root::Root;
 use crate::program::Program;
-use crate::relaxation::Ladder;
+use crate::relaxation::LadderPool;
 use crate::solution::Point;
 use crate::solver::{Options, StopToken};
 
@@ -28,8 +28,8 @@ pub struct Task<'a> {
     pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
     /// What the user knows about the search.
     pub guidance: &'a ColumnGuidance<'a>,
-    /// Makes the methods of a worker.
-    pub ladder: &'a (dyn Fn() -> Ladder + Sync),
+    /// The methods of the workers.
+    pub ladders: &'a LadderPool,
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
     /// Points must be better than this (minimised objective); infinite if any will do.

@@ -49,6 +49,11 @@ impl<'a> Worker<'a> {
         }
     }
 
+    /// Ends the work.
+    pub(super) fn retire(self) {
+        self.context.retire();
+    }
+
     /// What this worker sees of the tree.
     pub(super) fn tree(&self) -> &TreeView<'a> {
         &self.context.tree

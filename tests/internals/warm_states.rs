@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use carom::internals::presolve::Reduced;
 use carom::internals::program::Program;
 use carom::internals::relaxation::{
-    ClarabelRelaxation, Effort, Ladder, Relaxation, RelaxationResult, WarmState,
+    ClarabelRelaxation, Effort, Ladder, LadderPool, Relaxation, RelaxationResult, WarmState,
 };
 use carom::prelude::*;
 use carom::solver::Heuristics;
@@ -59,10 +59,12 @@ fn program() -> Program {
 fn children_receive_what_their_parents_leave() {
     let (program, log) = (program(), Log::default());
     let options = Options::default().with_heuristics(Heuristics::none()).with_probing(false);
-    let found = search_by(&program, &|_| true, &options, &|| {
+    let all = log.clone();
+    let ladders = LadderPool::with_ladders(&options, move || {
         let inner = ClarabelRelaxation::new();
-        Ladder::with_method(Box::new(Counting { inner, log: log.clone() }))
+        Ladder::with_method(Box::new(Counting { inner, log: all.clone() }))
     });
+    let found = search_by(&program, &|_| true, &options, &ladders);
     assert_eq!(found.termination, Termination::Optimal);
     let log = log.lock().unwrap();
     let counts = found.statistics.relaxation_counts;

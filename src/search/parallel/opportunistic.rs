@@ -116,6 +116,7 @@ fn work(
         }
     }
     tree.take_in(&mut tree.lock(), worker.tree().take_share());
+    worker.retire();
 }
 
 /// Tells the other workers what one learned about columns, and lets it learn from them.

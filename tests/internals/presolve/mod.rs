@@ -10,14 +10,15 @@ mod programs;
 mod rules;
 
 use carom::internals::program::Program;
-use carom::internals::relaxation::Ladder;
+use carom::internals::relaxation::LadderPool;
 use carom::internals::search::{Accept, ColumnGuidance, Found, Task, search};
 use carom::model::Model;
-use carom::solver::{Control, Guidance, Options, RelaxationMethod, StopToken};
+use carom::solver::{Control, Guidance, Options, StopToken};
 
 /// Searches a program that no model is told about.
 fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
-    search_by(program, accept, &Options::default(), &|| Ladder::new(RelaxationMethod::default()))
+    let options = Options::default();
+    search_by(program, accept, &options, &LadderPool::new(&options))
 }
 
 /// The same with options and with methods for the relaxations.
@@ -25,7 +26,7 @@ pub(crate) fn search_by(
     program: &Program,
     accept: &Accept<'_>,
     options: &Options,
-    ladder: &(dyn Fn() -> Ladder + Sync),
+    ladders: &LadderPool,
 ) -> Found {
     let model = Model::new("none");
     let guidance = ColumnGuidance::new(&model, &Guidance::default()).expect("no guidance is none");
@@ -38,7 +39,7 @@ pub(crate) fn search_by(
         guidance: &guidance,
         key: &|x| x.iter().map(|v| v.round() as i64).collect(),
         describe: &|_| None,
-        ladder,
+        ladders,
         options,
         token: &StopToken::default(),
     };
