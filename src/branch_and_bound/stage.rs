@@ -141,7 +141,7 @@ impl Stage<'_> {
             (Some(own), _) => (&own.program, own.root.clone()),
             (None, Some(tightened)) => {
                 let program = &tightened.program;
-                (program, tightened.root.within(program, token))
+                (program, tightened.root.within(program, token, options.probing))
             }
             (None, None) => (program, Root::new(program, token, options.probing)),
         };

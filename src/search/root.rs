@@ -2,13 +2,19 @@
 
 use super::indifferent_binaries::{Group, groups, lone_binaries};
 use super::root_point::RootPoint;
-use crate::presolve::{Conflict, Domain, Propagator, covering_rows, probe, probe_implications};
+use crate::presolve::{
+    Conflict, Domain, ProbingRecord, Propagator, Trials, covering_rows, probe, probe_again,
+    probe_implications,
+};
 use crate::program::Program;
 use crate::solver::StopToken;
 
 /// Trials of probing at the root. Each costs a propagation of the rows it reaches, a small part of
 /// a relaxation.
 const ROOT_TRIALS: usize = 4000;
+
+/// Trials in a row that may find nothing where a wider root has been probed before.
+const PATIENCE: usize = 50;
 
 /// Numbers of sides of the disjunctions that are split at once.
 const SIDES: std::ops::RangeInclusive<usize> = 3..=64;
@@ -59,9 +65,8 @@ impl Root {
         Root { covers, groups, lone, late_first, domain, propagator, conflict, point: None }
     }
 
-    /// The root of the same program with tighter bounds: what is known of it still holds. It is not
-    /// probed again.
-    pub(crate) fn within(&self, program: &Program, token: &StopToken) -> Self {
+    /// The root of the same program with tighter bounds: what is known of it still holds.
+    pub(crate) fn within(&self, program: &Program, token: &StopToken, probing: bool) -> Self {
         let mut root = self.clone();
         root.propagator.set_stop_token(token);
         let (domain, propagator) = (&mut root.domain, &mut root.propagator);
@@ -76,7 +81,16 @@ impl Root {
             }
         }
         if root.conflict.is_none() {
-            root.conflict = propagator.propagate_since(program, domain, mark).err();
+            let most = if probing { ROOT_TRIALS } else { 0 };
+            let trials = Trials { most, patience: PATIENCE };
+            let mut record = ProbingRecord::new(program.column_count());
+            root.conflict = propagator
+                .propagate_since(program, domain, mark)
+                .and_then(|()| {
+                    let order = (&root.late_first[..], trials);
+                    probe_again(program, domain, propagator, order, &mut record, token)
+                })
+                .err();
         }
         root
     }
