@@ -78,7 +78,7 @@ impl Uses {
         each_use(lines, entries, |k, _| start[k + 1] += 1);
         (0..2 * columns).for_each(|k| start[k + 1] += start[k]);
         let mut rows = vec![0; start[2 * columns]];
-        // Every beginning moves to its end, which is where the next one was.
+        // Every beginning moves to its end, which is where the next one began.
         each_use(lines, entries, |k, row| {
             rows[start[k]] = row as u32;
             start[k] += 1;

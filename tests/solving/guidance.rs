@@ -206,3 +206,23 @@ fn proposed_points_are_completed_and_counted() {
     let count = solution.statistics().heuristics.of(Heuristic::Proposal);
     assert!(count.calls > 0 && count.points > 0, "{count:?}");
 }
+
+/// What splits a node takes as long as relaxing it, so a search that is over does not begin to.
+#[test]
+fn a_node_is_not_split_after_the_end() {
+    let (model, _) = fractional();
+    let interrupt = Interrupt::new();
+    let propose = |_: &NodeView<'_>| {
+        interrupt.trigger();
+        Vec::new()
+    };
+    let guidance = Guidance::default().with_proposal(&propose);
+    let mut control = Control::default().with_guidance(guidance).with_interrupt(&interrupt);
+    let options = Options::default().with_heuristics(Heuristics::none());
+    let solution = BranchAndBound::new(options).solve_with(&model, &mut control).unwrap();
+    assert_eq!(solution.termination(), Termination::Interrupted);
+    let counts = solution.statistics();
+    assert_eq!((counts.nodes, counts.split, counts.unfinished), (1, 0, 1), "{counts:?}");
+    // The relaxed root, proved.
+    assert!(solution.bound().abs() < 1e-6, "{}", solution.bound());
+}
