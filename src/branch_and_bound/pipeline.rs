@@ -92,7 +92,9 @@ impl Pipeline<'_> {
         let derivatives = continuous.zip(optimal).and_then(|(program, values)| {
             let mut ladder = self.ladders.take();
             let point = postsolve.point(values);
-            derivatives(&program, &presolved, &point, &mut ladder, self.token)
+            let found = derivatives(&program, &presolved, &point, &mut ladder, self.token);
+            self.ladders.give_back(ladder);
+            found
         });
         found.points = found.points.iter().map(|values| restore(values)).collect();
         found.guess = match found.guess {

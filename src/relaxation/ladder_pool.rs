@@ -44,9 +44,10 @@ impl LadderPool {
         idle.unwrap_or_else(|| (self.make)())
     }
 
-    /// Takes a ladder back that is no longer used.
-    pub(crate) fn give_back(&self, ladder: Ladder) {
+    /// Takes a ladder back that is no longer used. What nobody has counted of its work is forgotten.
+    pub(crate) fn give_back(&self, mut ladder: Ladder) {
         if self.keeps {
+            ladder.take_spent();
             self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(ladder);
         }
     }

@@ -20,6 +20,7 @@ mod polish;
 mod recession;
 mod scaling;
 mod simplex;
+mod sparse_vectors;
 mod warm_state;
 
 pub use active_set::ActiveSet;

@@ -10,6 +10,7 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Col, Side};
 
+use super::sparse_vectors::SparseVectors;
 use crate::presolve::{Compressed, Reduced};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -150,31 +151,20 @@ fn normal_matrix(
     scale: &[f64],
 ) -> Option<SparseColMat<usize, f64>> {
     const MOST_ENTRIES: usize = 4_000_000;
-    // By column: where its entries begin, then their rows and values.
-    let mut start = vec![0; scale.len() + 1];
+    let mut rows = SparseVectors::new();
     for &(i, _) in active {
-        program.rows.vector(i).0.iter().for_each(|&j| start[j + 1] += 1);
+        let (columns, values) = program.rows.vector(i);
+        rows.push(columns.iter().copied().zip(values.iter().copied()));
     }
-    let pairs: usize = start.iter().map(|count| count * count).sum();
-    if pairs > MOST_ENTRIES {
+    let by_column = rows.transposed(scale.len());
+    if (0..scale.len()).map(|j| by_column.of(j).len().pow(2)).sum::<usize>() > MOST_ENTRIES {
         return None;
     }
-    (0..scale.len()).for_each(|j| start[j + 1] += start[j]);
-    let mut by_column = vec![(0, 0.0); start[scale.len()]];
-    let mut end = start.clone();
-    for (e, &(i, _)) in active.iter().enumerate() {
-        let (columns, values) = program.rows.vector(i);
-        for (&j, &a) in columns.iter().zip(values) {
-            by_column[end[j]] = (e, a);
-            end[j] += 1;
-        }
-    }
-    let mut entries = Vec::with_capacity(pairs / 2 + by_column.len());
+    let mut entries = Vec::new();
     let mut diagonal = vec![0.0_f64; active.len()];
-    for (column, &d) in start.windows(2).zip(scale) {
-        let column = &by_column[column[0]..column[1]];
-        for &(e, a) in column {
-            for &(f, b) in column.iter().filter(|(f, _)| *f <= e) {
+    for (j, &d) in scale.iter().enumerate() {
+        for (e, a) in by_column.of(j) {
+            for (f, b) in by_column.of(j).filter(|(f, _)| *f <= e) {
                 let entry = d * a * b;
                 entries.push(Triplet::new(e, f, entry));
                 if e == f {

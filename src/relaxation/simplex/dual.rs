@@ -1,8 +1,9 @@
 //! The steps of the dual simplex method.
 
-use super::factors::{Columns, Factors};
+use super::factors::Factors;
 use super::program::LinearProgram;
 use super::ratio::{Candidate, Rest, test};
+use crate::relaxation::sparse_vectors::SparseVectors;
 
 /// Bounds may be violated by this much (scaled, relative to the bound).
 const FEASIBLE: f64 = 1e-9;
@@ -214,7 +215,7 @@ impl Dual {
     fn factorise(&mut self) -> bool {
         let (n, m) = self.program.size();
         for _ in 0..3 {
-            let mut columns = Columns::new();
+            let mut columns = SparseVectors::new();
             for &k in &self.head {
                 match k.checked_sub(n) {
                     None => columns.push(self.program.columns.of(k)),

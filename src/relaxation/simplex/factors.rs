@@ -4,6 +4,8 @@
 //! the rows that are left, then those that are alone in a row. What remains, the nucleus, is small
 //! and is eliminated densely. The triangles are the columns themselves, without fill.
 
+use crate::relaxation::sparse_vectors::SparseVectors;
+
 /// Pivots below this are none (scaled).
 const NO_PIVOT: f64 = 1e-9;
 
@@ -13,53 +15,6 @@ struct Pivot {
     row: usize,
     slot: usize,
     value: f64,
-}
-
-/// Sparse columns by slot: positions and entries.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Columns {
-    start: Vec<usize>,
-    index: Vec<usize>,
-    value: Vec<f64>,
-}
-
-impl Columns {
-    pub(super) fn new() -> Self {
-        Columns { start: vec![0], ..Columns::default() }
-    }
-
-    pub(super) fn push(&mut self, entries: impl Iterator<Item = (usize, f64)>) {
-        for (i, a) in entries {
-            self.index.push(i);
-            self.value.push(a);
-        }
-        self.start.push(self.index.len());
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.start.len() - 1
-    }
-
-    pub(super) fn of(&self, k: usize) -> impl Iterator<Item = (usize, f64)> {
-        let range = self.start[k]..self.start[k + 1];
-        self.index[range.clone()].iter().copied().zip(self.value[range].iter().copied())
-    }
-
-    /// The same entries by row; the positions are columns.
-    pub(super) fn transposed(&self, rows: usize) -> Columns {
-        let mut start = vec![0; rows + 1];
-        self.index.iter().for_each(|&i| start[i + 1] += 1);
-        (0..rows).for_each(|i| start[i + 1] += start[i]);
-        let mut next = start.clone();
-        let (mut index, mut value) = (vec![0; self.index.len()], vec![0.0; self.index.len()]);
-        for k in 0..self.len() {
-            for (i, a) in self.of(k) {
-                (index[next[i]], value[next[i]]) = (k, a);
-                next[i] += 1;
-            }
-        }
-        Columns { start, index, value }
-    }
 }
 
 /// What keeps columns from being a basis.
@@ -73,7 +28,7 @@ pub(super) struct Deficit {
 
 #[derive(Debug, Default)]
 pub(super) struct Factors {
-    columns: Columns,
+    columns: SparseVectors,
     /// Columns with one entry in the rows after theirs.
     upper: Vec<Pivot>,
     /// Columns that are alone in their row among those after them.
@@ -85,7 +40,7 @@ pub(super) struct Factors {
     dense: Vec<f64>,
     /// Exchanges: the slot, and the entering column in the basis before.
     exchanges: Vec<usize>,
-    entering: Columns,
+    entering: SparseVectors,
 }
 
 impl Factors {
@@ -94,8 +49,8 @@ impl Factors {
     /// # Errors
     ///
     /// What is missing, if they are none.
-    pub(super) fn new(columns: Columns, rows: usize) -> Result<Self, Deficit> {
-        let mut factors = Factors { entering: Columns::new(), ..Factors::default() };
+    pub(super) fn new(columns: SparseVectors, rows: usize) -> Result<Self, Deficit> {
+        let mut factors = Factors { entering: SparseVectors::new(), ..Factors::default() };
         let by_row = columns.transposed(rows);
         let mut open_row = vec![true; rows];
         let mut open_slot = vec![true; columns.len()];

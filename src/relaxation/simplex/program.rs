@@ -1,15 +1,15 @@
 //! A linear program in scaled units, its rows as columns of their own.
 
-use super::factors::Columns;
 use crate::presolve::Reduced;
 use crate::relaxation::scaling::factors;
+use crate::relaxation::sparse_vectors::SparseVectors;
 
 /// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`, which
 /// follow them.
 #[derive(Debug)]
 pub(super) struct LinearProgram {
-    pub(super) columns: Columns,
-    pub(super) rows: Columns,
+    pub(super) columns: SparseVectors,
+    pub(super) rows: SparseVectors,
     pub(super) cost: Vec<f64>,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
@@ -23,7 +23,7 @@ impl LinearProgram {
     pub(super) fn of(program: &Reduced) -> Self {
         let (column_unit, row_unit) = factors(program);
         let (n, m) = (column_unit.len(), row_unit.len());
-        let mut rows = Columns::new();
+        let mut rows = SparseVectors::new();
         for (i, unit) in row_unit.iter().enumerate() {
             let (index, value) = program.rows.vector(i);
             rows.push(index.iter().zip(value).map(|(&j, a)| (j, a * unit * column_unit[j])));

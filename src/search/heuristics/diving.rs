@@ -154,12 +154,10 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let projection = project_node(ctx)?;
     let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
     let Verdict::Relaxed { bound, x, .. } = verdict else { return None };
-    let point = projection.lift(&x);
+    let is_better = ctx.tree.strengthen(bound) < ctx.tree.cutoff();
+    let point = is_better.then(|| projection.lift(&x));
     ctx.reducer.reuse(projection.reduced);
-    if ctx.tree.strengthen(bound) >= ctx.tree.cutoff() {
-        return None;
-    }
-    let mut point = ctx.complete_point(point);
+    let mut point = ctx.complete_point(point?);
     let integrality = ctx.options().integrality;
     settle_groups(
         ctx.program(),
