@@ -193,14 +193,15 @@ fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
     let mut controller = RecedingHorizon::of_model(&model, &start, &state, &force, &mut solver)?
         .with_fallback(regulator)
         .with_check(check);
-    let plant = |x: &[f64], next: &Move| {
+    let mut plant = |x: &[f64], next: &Move| -> Result<Vec<f64>, Error> {
         let after = after(x, next.input[0])?.into_iter().zip(noise.next_value());
         Ok(after.zip(MOST).map(|((x, w), most)| (x + w).clamp(-most, most)).collect())
     };
-    // The first plan has all the time it wants.
-    controller.step(&START)?;
+    // The first plan, made before the loop begins, has all the time it wants.
+    let first = controller.step(&START)?;
+    let second = plant(&START, &first)?;
     let mut controller = controller.with_budget(Duration::from_secs_f64(1e-3 * milliseconds));
-    let run = controller.run(&START, steps, plant)?;
+    let run = controller.run(&second, steps, plant)?;
     println!("{run}");
     let proved = run.moves.iter().filter(|next| next.source == MoveSource::Optimal).count();
     let bad = run.moves.iter().filter(|next| next.is_admissible != Some(true)).count();
