@@ -211,15 +211,7 @@ impl Reducer {
         self.collect_rows(program, reduced)?;
         reduced.values.clone_from(&self.lower);
         reduced.spread = program.spread;
-        reduced.steepness.clear();
-        let is_open = |k: usize| {
-            let curved = !reduced.quadratic.vector(k).0.is_empty();
-            curved && (reduced.lower[k].is_infinite() || reduced.upper[k].is_infinite())
-        };
-        if (0..reduced.columns.len()).any(is_open) {
-            let steepness = program.steepness();
-            reduced.steepness.extend(reduced.columns.iter().map(|&j| steepness[j]));
-        }
+        reduced.find_steepness(program);
         Ok(())
     }
 

@@ -119,6 +119,19 @@ impl Reduced {
         }
     }
 
+    /// Looks up how steep the objective is, if a column with curvature lacks a bound.
+    pub(crate) fn find_steepness(&mut self, program: &Program) {
+        self.steepness.clear();
+        let is_open = |k: usize| {
+            let curved = !self.quadratic.vector(k).0.is_empty();
+            curved && (self.lower[k].is_infinite() || self.upper[k].is_infinite())
+        };
+        if (0..self.columns.len()).any(is_open) {
+            let steepness = program.steepness();
+            self.steepness.extend(self.columns.iter().map(|&j| steepness[j]));
+        }
+    }
+
     /// Whether the objective is constant.
     pub fn is_feasibility_problem(&self) -> bool {
         self.quadratic.index.is_empty() && self.linear.iter().all(|&q| q == 0.0)

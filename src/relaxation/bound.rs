@@ -17,7 +17,7 @@
 
 use super::correction::Correction;
 use super::extended::Extended;
-use super::plain_bound::plain_bound;
+use super::plain_bound::{plain_bound, plain_certificate};
 use crate::presolve::Reduced;
 use crate::tolerance;
 
@@ -93,9 +93,13 @@ pub fn proves_infeasible(program: &Reduced, y: &[f64]) -> bool {
             if y[i] == 0.0 { 0.0 } else { y[i].abs() * limit.abs().max(1.0) }
         })
         .sum();
+    let least = 1e-9 * disturbance;
+    if plain_certificate(program, &y).is_some_and(|bound| bound > least) {
+        return true;
+    }
     let x = vec![Extended::default(); program.columns.len()];
     let y = y.iter().map(|&v| Extended::from(v)).collect();
-    Pair { program, x, y, objective: false }.best_bound() > 1e-9 * disturbance
+    Pair { program, x, y, objective: false }.best_bound() > least
 }
 
 /// The multipliers, without those of missing limits.

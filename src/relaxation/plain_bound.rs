@@ -26,7 +26,16 @@ pub(super) struct PlainBound {
 pub(super) fn plain_bound(program: &Reduced, x: &[f64], y: &[f64]) -> Option<PlainBound> {
     let mut sums = Sums::of_objective(program, x);
     sums.add_rows(program, y);
-    sums.bound(program, x)
+    sums.bound(program, x, &program.steepness)
+}
+
+/// The bound that row multipliers prove if the objective is zero: the program has no feasible point if
+/// it is positive. `None` as for [`plain_bound`].
+pub(super) fn plain_certificate(program: &Reduced, y: &[f64]) -> Option<f64> {
+    let gradient = vec![RoundedSum::default(); program.columns.len()];
+    let mut sums = Sums { gradient, constant: RoundedSum::default(), error: 0.0 };
+    sums.add_rows(program, y);
+    sums.bound(program, &[], &[]).map(|plain| plain.bound)
 }
 
 /// A sum in plain floats, and what bounds its rounding error.
@@ -95,15 +104,18 @@ impl Sums {
         }
     }
 
-    fn bound(self, program: &Reduced, x: &[f64]) -> Option<PlainBound> {
+    /// # Arguments
+    ///
+    /// * `x`: the claimed point, for the columns that are steep.
+    fn bound(self, program: &Reduced, x: &[f64], steepness: &[f64]) -> Option<PlainBound> {
         let Sums { gradient, mut constant, mut error } = self;
-        let mut slopes = vec![0.0; x.len()];
+        let mut slopes = vec![0.0; gradient.len()];
         for (j, sum) in gradient.iter().enumerate() {
             let (g, slack) = (sum.value, sum.rounding());
             let (lower, upper) = (program.lower[j], program.upper[j]);
             let corner = if g > 0.0 { lower } else { upper };
             let reach = if g.abs() > slack { corner.abs() } else { lower.abs().max(upper.abs()) };
-            let steepness = steepness(program, j);
+            let steepness = steepness.get(j).copied().unwrap_or(0.0);
             if reach.is_infinite() && slack + g.abs() > 0.0 && steepness > 0.0 {
                 constant.add(g * x[j]);
                 constant.add(-(g.abs() + slack).powi(2) / (2.0 * steepness));
@@ -124,8 +136,4 @@ impl Sums {
         let is_slight = bound.is_finite() && error <= SLIGHT * bound.abs().max(1.0);
         is_slight.then(|| PlainBound { bound: bound.next_down(), slopes })
     }
-}
-
-fn steepness(program: &Reduced, j: usize) -> f64 {
-    program.steepness.get(j).copied().unwrap_or(0.0)
 }

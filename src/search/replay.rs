@@ -19,10 +19,17 @@ use super::local_bounds::propagate_since;
 use super::node::{Decision, Node};
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
 use super::proofs::{End, Fork, Multipliers, Proof, Proofs, Tried};
+use crate::presolve::{Domain, Reduced};
+use crate::program::Program;
 use crate::relaxation::{Purpose, Verdict};
 
 /// Most decisions on a way down.
 const DEPTH: usize = 400;
+
+/// Proofs tried on the whole program after which that is judged, and the share (one in so many) that
+/// makes it worthwhile.
+const JUDGED_AFTER: u32 = 8;
+const WORTHWHILE: u32 = 4;
 
 /// Divides the root along the earlier tree, if there is one and a point to beat. Returns the open
 /// parts, the most promising one first; `None` if the root is as it was.
@@ -44,7 +51,8 @@ pub(super) fn replay(
     ctx.node.cutoff = ctx.propagator.set_cutoff(ctx.program(), cutoff);
     let whole = |v: &f64| (v - v.round()).abs() <= ctx.options().integrality;
     let fractional = x.iter().map(|v| !whole(v)).collect();
-    let mut replay = Replay { fractional, ..Replay::default() };
+    let whole = Whole::new(ctx.base());
+    let mut replay = Replay { fractional, whole, ..Replay::default() };
     let mark = ctx.node.domain.mark();
     replay.visit(ctx, &proofs, Some(0), (0, bound));
     ctx.propagator.touch(ctx.node.domain.changed_since(mark));
@@ -83,6 +91,7 @@ struct Replay {
     closed: bool,
     /// By column: whether it is fractional at the root.
     fractional: Vec<bool>,
+    whole: Whole,
 }
 
 /// An open part.
@@ -250,16 +259,28 @@ impl Replay {
         let Some(multipliers) = proof.filter(|_| !ctx.token.is_over()) else {
             return Tried::Nothing;
         };
+        let activity = ctx.clock.switch(Activity::Proof);
+        let closed = self.whole.is_closed(&ctx.node.domain, multipliers, ctx.tree.cutoff());
+        ctx.clock.switch(activity);
+        if closed {
+            self.keep(ctx, end, multipliers);
+            return Tried::Closed;
+        }
         let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
         let tried = multipliers.prove(&reduced, ctx.tree.cutoff());
         ctx.clock.switch(activity);
         ctx.reducer.reuse(reduced);
         if let Tried::Closed = tried {
-            ctx.tree.count(|s| s.closed_by_proofs += 1);
-            self.proofs.push(Proof::new(end, multipliers.clone()));
+            self.keep(ctx, end, multipliers);
         }
         tried
+    }
+
+    /// Keeps a proof that has closed an end again.
+    fn keep(&mut self, ctx: &mut Context<'_>, end: End, multipliers: &Arc<Multipliers>) {
+        ctx.tree.count(|s| s.closed_by_proofs += 1);
+        self.proofs.push(Proof::new(end, multipliers.clone()));
     }
 
     /// Whether the relaxation of the domain closes it; then its multipliers are kept.
@@ -287,6 +308,36 @@ impl Replay {
             self.path.push(decision);
         }
         propagate_since(ctx, mark).is_ok()
+    }
+}
+
+/// The program with all its rows. Most proofs that hold at all hold for it, which takes much less than
+/// reducing the program first; where rows with big-Ms are tighter in the reduced program, few do.
+#[derive(Default)]
+struct Whole {
+    program: Reduced,
+    tried: u32,
+    closed: u32,
+}
+
+impl Whole {
+    fn new(program: &Program) -> Self {
+        let mut whole = Reduced::whole(program);
+        whole.find_steepness(program);
+        Whole { program: whole, tried: 0, closed: 0 }
+    }
+
+    /// Whether a proof closes a domain. Where too few do, none is tried.
+    fn is_closed(&mut self, domain: &Domain, multipliers: &Multipliers, cutoff: f64) -> bool {
+        if self.tried >= JUDGED_AFTER && self.closed < self.tried / WORTHWHILE {
+            return false;
+        }
+        for j in 0..self.program.columns.len() {
+            [self.program.lower[j], self.program.upper[j]] = domain.bounds(j);
+        }
+        let closed = matches!(multipliers.prove(&self.program, cutoff), Tried::Closed);
+        (self.tried, self.closed) = (self.tried + 1, self.closed + u32::from(closed));
+        closed
     }
 }
 

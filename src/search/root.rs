@@ -14,7 +14,7 @@ use crate::solver::StopToken;
 const ROOT_TRIALS: usize = 4000;
 
 /// Trials in a row that may find nothing where a wider root has been probed before.
-const PATIENCE: usize = 50;
+const PATIENCE: usize = 12;
 
 /// Numbers of sides of the disjunctions that are split at once.
 const SIDES: std::ops::RangeInclusive<usize> = 3..=64;
