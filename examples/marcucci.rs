@@ -12,6 +12,10 @@
 //! search, and the summary says where its inputs came from, how many plans were proved optimal, and how
 //! many inputs violate a limit in a simulation of the next step.
 
+#[macro_use]
+#[path = "common/output.rs"]
+mod output;
+
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};

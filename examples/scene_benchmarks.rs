@@ -8,6 +8,10 @@
 #[path = "../tests/instances/mod.rs"]
 mod instances;
 
+#[macro_use]
+#[path = "common/output.rs"]
+mod output;
+
 use std::error::Error as StdError;
 use std::time::Instant;
 
