@@ -21,6 +21,4 @@ mod prepared;
 mod search;
 mod stop_token;
 mod torture_programs;
-#[cfg(feature = "tracing")]
-mod tracing;
 mod trust;
