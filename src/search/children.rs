@@ -5,7 +5,6 @@ use super::close_node::{closed_bound, keep_closed, opposite};
 use super::context::Context;
 use super::node::{Decision, Node};
 use super::proofs::Fork;
-use super::replay::replay;
 use super::seed::{Seeded, divide};
 
 /// Splits a node. Returns the child to visit first, and leaves the others to the tree.
@@ -21,15 +20,6 @@ pub(super) fn branch(
         if !parts.is_empty() {
             return divide_root(ctx, node, bound, parts);
         }
-    }
-    if node.path.is_empty()
-        && bound > f64::NEG_INFINITY
-        && let Some(parts) = replay(ctx, node, bound, x)
-    {
-        let mut nodes = parts.into_iter();
-        let first = nodes.next();
-        nodes.for_each(|node| ctx.tree.push(node));
-        return first;
     }
     let Split { children, closed } = choose_split(ctx, branching, relaxed);
     if closed && closed_bound(ctx) < f64::INFINITY {

@@ -12,6 +12,7 @@ use super::node_probing::NodeProbing;
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
+use super::replay::replay;
 use super::switch_node::switch_to;
 use super::trace::span;
 use super::tree_view::TreeView;
@@ -135,6 +136,16 @@ impl<'a> Worker<'a> {
             ctx.tree.count(|s| s.unfinished += 1);
             ctx.tree.give_back(Node { bound, ..node }, reason);
             return None;
+        }
+        if at_root
+            && bound > f64::NEG_INFINITY
+            && let Some(parts) = replay(ctx, &node, bound, &x)
+        {
+            self.heuristics.note_replay();
+            let mut parts = parts.into_iter();
+            let first = parts.next();
+            parts.for_each(|part| ctx.tree.push(part));
+            return first;
         }
         let relaxed = RelaxedPoint { x: &x, raw: &raw, bound };
         branch(ctx, &mut self.branching, &node, relaxed)

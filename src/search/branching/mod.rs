@@ -23,6 +23,7 @@ use disjunction::split_disjunction;
 pub use growth::growth_rate;
 use split::both_sides;
 pub(super) use split::{Child, RelaxedPoint, Split};
+use strong_branching::Trial;
 pub use strong_fixing::FixingCredit;
 use strong_fixing::fix_by_trials;
 use user_branching::split_of_user;
@@ -30,6 +31,9 @@ use user_branching::split_of_user;
 use super::context::Context;
 use super::pseudocosts::{LEAST_GAIN, Pseudocosts};
 use crate::solver::BranchingRule;
+
+/// Nodes that the tree below a node is expected to have at least where fixings by trials may pay.
+const WORTH_FIXING: f64 = 2.0;
 
 /// What a worker has learned about splits.
 pub(super) struct Branching {
@@ -114,24 +118,30 @@ fn choose_by_gains(
     };
     let beside = disjunction.is_some();
     let chosen = choose_column(ctx, pseudocosts, relaxed, open, beside)?;
-    let fixed = fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
+    let gains_of = |pseudocosts: &Pseudocosts, (j, tried): &(usize, Option<[Trial; 2]>)| match tried
+    {
+        Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
+        None => pseudocosts.gains(*j, x[*j]),
+    };
+    let grows = chosen.column.as_ref().is_some_and(|column| {
+        let rate = growth_rate(&gains_of(pseudocosts, column));
+        (rate * (ctx.tree.cutoff() - bound)).exp() >= WORTH_FIXING
+    });
+    let fixed = grows && fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
     let stands = |(j, tried): &(usize, Option<_>)| {
         !ctx.node.domain.is_fixed(*j) && (tried.is_some() || !fixed)
     };
-    let Some((j, tried)) = chosen.column.filter(stands) else {
+    let Some(column) = chosen.column.filter(stands) else {
         // The same node with tighter bounds.
         return Ok(Split::again(bound));
     };
-    let gains = match &tried {
-        Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
-        None => pseudocosts.gains(j, x[j]),
-    };
     if let Some((split, rate)) = disjunction
         && !fixed
-        && rate <= growth_rate(&gains)
+        && rate <= growth_rate(&gains_of(pseudocosts, &column))
     {
         return Ok(split);
     }
+    let (j, tried) = column;
     let decisions = both_sides(&ctx.node.domain, j, x[j]);
     Ok(match tried {
         None => Split::both(decisions, bound),

@@ -29,12 +29,14 @@ const PAUSE: u64 = 5;
 const LONG_PAUSE: u64 = 50;
 
 /// A MIP start is good if no point can be better by more than this part of its value.
-const FAR: f64 = 0.5;
+const FAR: f64 = 0.4;
 
 /// What the heuristics of one worker have spent.
 pub(super) struct Heuristics {
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
+    /// Whether the next node is what a replay has left of the root.
+    replayed: bool,
     /// Nodes that this worker has processed.
     nodes: u64,
     diving: Allowance,
@@ -45,10 +47,16 @@ impl Heuristics {
     pub(super) fn new() -> Self {
         Heuristics {
             since_rounding: u64::MAX,
+            replayed: false,
             nodes: 0,
             diving: Allowance::default(),
             neighbourhood: Allowance::default(),
         }
+    }
+
+    /// Notes that a replay has made the root smaller, so that its relaxed point is another one.
+    pub(super) fn note_replay(&mut self) {
+        self.replayed = true;
     }
 
     pub(super) fn count_node(&mut self) {
@@ -72,13 +80,17 @@ pub(super) fn look_for_points(
         try_whole_point(ctx, point);
     }
     let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
-    if at_root || heuristics.since_rounding >= pause {
+    let replayed = std::mem::take(&mut heuristics.replayed);
+    if at_root || replayed || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
         // Where a look at the root has tried them, and beside a good MIP start, they can wait.
         let cutoff = ctx.tree.cutoff();
         let has_point = cutoff < f64::INFINITY && cutoff - bound <= FAR * cutoff.abs();
         let seed = ctx.tree.seed().filter(|_| at_root);
-        let started = seed.is_some_and(|seed| seed.looked.unwrap_or(has_point));
+        let started = match seed {
+            Some(seed) => seed.looked.unwrap_or(has_point),
+            None => replayed && has_point,
+        };
         if on.rounding && !started {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
