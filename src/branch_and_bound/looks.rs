@@ -51,7 +51,7 @@ impl<'a> Looks<'a> {
         let options = &Options { heuristics, branching, node_limit, ..options.nested() };
         let guidance = &guidance.idle();
         let task = Task { options, guidance, root: Some(root), ..self.task };
-        let seed = self.seed(true);
+        let seed = self.begun(true);
         #[cfg(feature = "tracing")]
         let _span = tracing::debug_span!("look", nodes).entered();
         let found = search(task, &mut Control::default(), seed.as_ref());
@@ -82,11 +82,24 @@ impl<'a> Looks<'a> {
         Looked { value, bound: found.bound, is_closed }
     }
 
-    /// What the search may begin with, if it has no seed: `same_root` if it has the root that was looked at.
+    /// What a search may begin with: `same_root` if it has the root that was looked at.
+    fn begun(&self, same_root: bool) -> Option<Seed> {
+        let Left { best, looked, .. } = &*self.left.borrow();
+        let point = best.clone();
+        looked.then(|| Seed { point, looked: Some(same_root), ..Seed::default() })
+    }
+
+    /// What the search may begin with, its own seed included; `None` if that is all. `same_root` as
+    /// above.
     pub(super) fn seed(&self, same_root: bool) -> Option<Seed> {
-        let left = self.left.borrow();
-        let seeds = left.looked && self.given.is_none();
-        seeds.then(|| Seed { point: left.best.clone(), looked: Some(same_root), ..Seed::default() })
+        let own = self.begun(same_root);
+        match self.given {
+            Some(given) if given.point.is_none() => {
+                own.map(|own| Seed { point: own.point, looked: own.looked, ..given.clone() })
+            }
+            Some(_) => None,
+            None => own,
+        }
     }
 
     /// Adds what the looks have taken to the counts of the search.

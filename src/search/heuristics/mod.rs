@@ -29,7 +29,7 @@ const PAUSE: u64 = 5;
 const LONG_PAUSE: u64 = 50;
 
 /// A MIP start is good if no point can be better by more than this part of its value.
-const FAR: f64 = 0.4;
+const FAR: f64 = 0.5;
 
 /// What the heuristics of one worker have spent.
 pub(super) struct Heuristics {
@@ -87,10 +87,7 @@ pub(super) fn look_for_points(
         let cutoff = ctx.tree.cutoff();
         let has_point = cutoff < f64::INFINITY && cutoff - bound <= FAR * cutoff.abs();
         let seed = ctx.tree.seed().filter(|_| at_root);
-        let started = match seed {
-            Some(seed) => seed.looked.unwrap_or(has_point),
-            None => replayed && has_point,
-        };
+        let started = seed.is_some_and(|seed| seed.looked.unwrap_or(has_point));
         if on.rounding && !started {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
