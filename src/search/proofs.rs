@@ -34,6 +34,18 @@ pub(super) enum End {
     Side(u32, Decision),
 }
 
+/// An end as a key: a node, and a column with whether its upper bound changes.
+pub(super) type EndKey = (u32, Option<(usize, bool)>);
+
+impl End {
+    pub(super) fn key(self) -> EndKey {
+        match self {
+            End::Node(node) => (node, None),
+            End::Side(node, d) => (node, Some((d.column, d.is_upper))),
+        }
+    }
+}
+
 /// Multipliers that closed an end.
 #[derive(Debug, Clone)]
 pub(crate) struct Proof {

@@ -2,14 +2,15 @@
 //!
 //! The splits of the earlier tree are gone through again, and its inner nodes are not relaxed: a
 //! decision is propagated, and where the earlier tree had closed a node or a side, the multipliers that
-//! closed it are tried on what is there now. Sides that they do not close any more are relaxed, after
-//! all others have been tried, if they cut off the relaxed point of the root: most are closed again, and
-//! what they leave is smaller. Of a subtree with
-//! more than one open end only the top is kept, to be split afresh.
+//! closed it are tried on what is there now. Of a subtree with more than one open end only the top is
+//! kept, to be split afresh. In what is kept, sides that are not closed any more are relaxed in a second
+//! run if they cut off the relaxed point of the root: most are closed again, and what they leave is
+//! smaller.
 //!
 //! The parts cover the root whatever the earlier tree was, since a split always leaves a part for what
 //! none of its children has.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::clock::Activity;
@@ -18,7 +19,7 @@ use super::context::Context;
 use super::local_bounds::propagate_since;
 use super::node::{Decision, Node};
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
-use super::proofs::{End, Fork, Multipliers, Proof, Proofs, Tried};
+use super::proofs::{End, EndKey, Fork, Multipliers, Proof, Proofs, Tried};
 use crate::presolve::{Domain, Reduced};
 use crate::program::Program;
 use crate::relaxation::{Purpose, Verdict};
@@ -53,15 +54,20 @@ pub(super) fn replay(
     let fractional = x.iter().map(|v| !whole(v)).collect();
     let whole = Whole::new(ctx.base());
     let mut replay = Replay { fractional, whole, ..Replay::default() };
-    let mark = ctx.node.domain.mark();
-    replay.visit(ctx, &proofs, Some(0), (0, bound));
-    ctx.propagator.touch(ctx.node.domain.changed_since(mark));
-    ctx.node.domain.undo_to(mark);
-    let Replay { mut parts, forks, proofs, closed, .. } = replay;
+    replay.run(ctx, &proofs, bound);
+    if replay.has_more_to_relax() {
+        let Replay { fractional, whole, known, crowded, .. } = replay;
+        replay = Replay { fractional, whole, known, crowded, relaxes: true, ..Replay::default() };
+        replay.run(ctx, &proofs, bound);
+    }
+    let Replay { mut parts, forks, proofs, closed, proved, .. } = replay;
     if parts.iter().any(|part| part.path.is_empty()) {
         return None;
     }
-    ctx.tree.count(|s| s.split += 1);
+    ctx.tree.count(|s| {
+        s.split += 1;
+        s.closed_by_proofs += proved;
+    });
     forks.into_iter().for_each(|fork| ctx.tree.keep_fork(|| fork));
     proofs.into_iter().for_each(|proof| ctx.tree.keep_proof(|| proof));
     if closed && closed_bound(ctx) < f64::INFINITY {
@@ -92,6 +98,15 @@ struct Replay {
     /// By column: whether it is fractional at the root.
     fractional: Vec<bool>,
     whole: Whole,
+    /// Whether sides are relaxed where no node above is crowded.
+    relaxes: bool,
+    /// Sides that relaxing might close.
+    left: bool,
+    /// Ends that proofs have closed, here or in a run without relaxations.
+    proved: u64,
+    known: BTreeSet<EndKey>,
+    /// Nodes of the earlier tree that have several open ends without relaxations.
+    crowded: BTreeSet<u32>,
 }
 
 /// An open part.
@@ -103,6 +118,19 @@ struct Part {
 }
 
 impl Replay {
+    /// Goes through the earlier tree from its root. The domain is left as it was.
+    fn run(&mut self, ctx: &mut Context<'_>, proofs: &Proofs, bound: f64) {
+        let mark = ctx.node.domain.mark();
+        self.visit(ctx, proofs, Some(0), (0, bound));
+        ctx.propagator.touch(ctx.node.domain.changed_since(mark));
+        ctx.node.domain.undo_to(mark);
+    }
+
+    /// Whether parts are open that relaxing sides might make smaller.
+    fn has_more_to_relax(&self) -> bool {
+        self.left && !self.parts.is_empty()
+    }
+
     /// Goes through what was below a node of the earlier tree, at the domain.
     ///
     /// # Arguments
@@ -117,13 +145,17 @@ impl Replay {
     ) {
         let (length, open) = (self.path.len(), self.parts.len());
         let mut fork = Fork { id, ..Fork::default() };
-        let Some(top) = self.go_down(ctx, proofs, earlier, bound, &mut fork) else {
+        let relaxes = self.relaxes;
+        let top = self.go_down(ctx, proofs, earlier, bound, &mut fork);
+        self.relaxes = relaxes;
+        let Some(top) = top else {
             self.closed = true;
             self.path.truncate(length);
             self.forks.push(fork);
             return;
         };
         if self.parts.len() > open + 1 {
+            self.crowded.extend(earlier);
             self.parts.truncate(open);
             (fork.chain, fork.rest) = (Vec::new(), None);
             let (path, multipliers) = (self.path[..top].to_vec(), ctx.node.multipliers.clone());
@@ -143,6 +175,7 @@ impl Replay {
         bound: f64,
         fork: &mut Fork,
     ) -> Option<usize> {
+        let own = earlier;
         loop {
             let split = earlier.and_then(|node| Some((node, proofs.fork(node)?)));
             let Some((node, split)) =
@@ -152,6 +185,9 @@ impl Replay {
             };
             self.close_sides(ctx, proofs, (node, &split.closed), fork)?;
             let (top, mut next) = (self.path.len(), split.rest);
+            let relaxes = self.relaxes;
+            // What is below a crowded node is not kept.
+            self.relaxes &= own.is_none_or(|own| !self.crowded.contains(&own));
             for &(decision, child) in &split.chain {
                 match Stand::of(ctx, &decision) {
                     Stand::Holds => {
@@ -183,6 +219,7 @@ impl Replay {
                 self.visit(ctx, proofs, next, (id, bound));
                 return Some(top);
             }
+            self.relaxes = relaxes;
             if next.is_none() {
                 return self.end(ctx, proofs, None, (fork.id, bound));
             }
@@ -199,8 +236,9 @@ impl Replay {
         (id, mut bound): (u32, f64),
     ) -> Option<usize> {
         let mut multipliers = ctx.node.multipliers.clone();
-        let proof = earlier.and_then(|node| proofs.of(End::Node(node)));
-        match self.retry(ctx, proof, End::Node(id)) {
+        let before = earlier.map(End::Node);
+        let proof = before.and_then(|end| proofs.of(end));
+        match self.retry(ctx, proofs, (before, End::Node(id))) {
             Tried::Closed => return None,
             Tried::Bound(proved) if proved > bound => {
                 (bound, multipliers) = (proved, proof.cloned());
@@ -222,6 +260,10 @@ impl Replay {
     ) -> Option<()> {
         let mut left: Vec<Decision> = sides.to_vec();
         for relaxes in [false, true] {
+            if relaxes && !self.relaxes {
+                self.left |= left.iter().any(|side| self.fractional[side.column]);
+                break;
+            }
             for side in std::mem::take(&mut left) {
                 if !matches!(Stand::of(ctx, &side), Stand::Open) || ctx.token.is_over() {
                     continue;
@@ -229,8 +271,8 @@ impl Replay {
                 let mark = ctx.node.domain.mark();
                 ctx.node.domain.apply(side.column, side.is_upper, side.value);
                 let closes = propagate_since(ctx, mark).is_err() || {
-                    let (proof, now) = (proofs.of(End::Side(node, side)), End::Side(fork.id, side));
-                    let tried = self.retry(ctx, proof, now);
+                    let (before, now) = (End::Side(node, side), End::Side(fork.id, side));
+                    let tried = self.retry(ctx, proofs, (Some(before), now));
                     matches!(tried, Tried::Closed)
                         || (relaxes && self.fractional[side.column] && self.relax(ctx, now))
                 };
@@ -249,21 +291,27 @@ impl Replay {
         Some(())
     }
 
-    /// Tries a proof on the domain, and keeps it if it holds.
+    /// Tries the proof of an earlier end on the domain, and keeps it for the end as it is `now` if it
+    /// holds.
     fn retry(
         &mut self,
         ctx: &mut Context<'_>,
-        proof: Option<&Arc<Multipliers>>,
-        end: End,
+        proofs: &Proofs,
+        (before, now): (Option<End>, End),
     ) -> Tried {
-        let Some(multipliers) = proof.filter(|_| !ctx.token.is_over()) else {
+        let proof = before.and_then(|end| Some((end, proofs.of(end)?)));
+        let Some((before, multipliers)) = proof.filter(|_| !ctx.token.is_over()) else {
             return Tried::Nothing;
         };
+        if self.known.contains(&before.key()) {
+            self.keep((before, now), multipliers);
+            return Tried::Closed;
+        }
         let activity = ctx.clock.switch(Activity::Proof);
         let closed = self.whole.is_closed(&ctx.node.domain, multipliers, ctx.tree.cutoff());
         ctx.clock.switch(activity);
         if closed {
-            self.keep(ctx, end, multipliers);
+            self.keep((before, now), multipliers);
             return Tried::Closed;
         }
         let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
@@ -272,15 +320,16 @@ impl Replay {
         ctx.clock.switch(activity);
         ctx.reducer.reuse(reduced);
         if let Tried::Closed = tried {
-            self.keep(ctx, end, multipliers);
+            self.keep((before, now), multipliers);
         }
         tried
     }
 
     /// Keeps a proof that has closed an end again.
-    fn keep(&mut self, ctx: &mut Context<'_>, end: End, multipliers: &Arc<Multipliers>) {
-        ctx.tree.count(|s| s.closed_by_proofs += 1);
-        self.proofs.push(Proof::new(end, multipliers.clone()));
+    fn keep(&mut self, (before, now): (End, End), multipliers: &Arc<Multipliers>) {
+        self.proved += 1;
+        self.known.insert(before.key());
+        self.proofs.push(Proof::new(now, multipliers.clone()));
     }
 
     /// Whether the relaxation of the domain closes it; then its multipliers are kept.
