@@ -17,6 +17,9 @@ use crate::relaxation::{lower_bound, proves_infeasible};
 const MOST: usize = 2000;
 const NUMBERS: usize = 4_000_000;
 
+/// Split nodes of a large tree.
+const LARGE: usize = 8;
+
 /// Multipliers of a relaxation, and the point that belongs to them, over all rows and columns of the
 /// program.
 #[derive(Debug, Clone)]
@@ -142,6 +145,11 @@ impl Proofs {
     /// Whether any node was split.
     pub(super) fn has_forks(&self) -> bool {
         !self.forks.is_empty()
+    }
+
+    /// Whether so many nodes were split that what saves nodes pays.
+    pub(super) fn is_large(&self) -> bool {
+        self.forks.len() >= LARGE
     }
 
     /// What closed an end.

@@ -3,9 +3,9 @@
 //! The splits of the earlier tree are gone through again, and its inner nodes are not relaxed: a
 //! decision is propagated, and where the earlier tree had closed a node or a side, the multipliers that
 //! closed it are tried on what is there now. Of a subtree with more than one open end only the top is
-//! kept, to be split afresh. In what is kept, sides that are not closed any more are relaxed in a second
-//! run if they cut off the relaxed point of the root: most are closed again, and what they leave is
-//! smaller.
+//! kept, to be split afresh. In what is kept, sides that are not closed any more are relaxed if they cut
+//! off the relaxed point of the root: most are closed again, and what they leave is smaller. What is kept
+//! of a large tree is found out by a run without relaxations.
 //!
 //! The parts cover the root whatever the earlier tree was, since a split always leaves a part for what
 //! none of its children has.
@@ -53,7 +53,8 @@ pub(super) fn replay(
     let whole = |v: &f64| (v - v.round()).abs() <= ctx.options().integrality;
     let fractional = x.iter().map(|v| !whole(v)).collect();
     let whole = Whole::new(ctx.base());
-    let mut replay = Replay { fractional, whole, ..Replay::default() };
+    let relaxes = !proofs.is_large();
+    let mut replay = Replay { fractional, whole, relaxes, ..Replay::default() };
     replay.run(ctx, &proofs, bound);
     if replay.has_more_to_relax() {
         let Replay { fractional, whole, known, crowded, .. } = replay;

@@ -141,7 +141,7 @@ impl<'a> Worker<'a> {
             && bound > f64::NEG_INFINITY
             && let Some(parts) = replay(ctx, &node, bound, &x)
         {
-            self.heuristics.note_replay();
+            self.heuristics.note_replay(ctx, bound);
             let mut parts = parts.into_iter();
             let first = parts.next();
             parts.for_each(|part| ctx.tree.push(part));

@@ -28,15 +28,13 @@ use crate::solution::Heuristic;
 const PAUSE: u64 = 5;
 const LONG_PAUSE: u64 = 50;
 
-/// A MIP start is good if no point can be better by more than this part of its value.
+/// A point is good if no point can be better by more than this part of its value.
 const FAR: f64 = 0.5;
 
 /// What the heuristics of one worker have spent.
 pub(super) struct Heuristics {
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
-    /// Whether the next node is what a replay has left of the root.
-    replayed: bool,
     /// Nodes that this worker has processed.
     nodes: u64,
     diving: Allowance,
@@ -47,21 +45,30 @@ impl Heuristics {
     pub(super) fn new() -> Self {
         Heuristics {
             since_rounding: u64::MAX,
-            replayed: false,
             nodes: 0,
             diving: Allowance::default(),
             neighbourhood: Allowance::default(),
         }
     }
 
-    /// Notes that a replay has made the root smaller, so that its relaxed point is another one.
-    pub(super) fn note_replay(&mut self) {
-        self.replayed = true;
+    /// Notes that a replay has made the root smaller, so that its relaxed point is another one. Then
+    /// rounding and roll-outs have their turn again, except beside a good point and a small tree.
+    pub(super) fn note_replay(&mut self, ctx: &Context<'_>, bound: f64) {
+        let large = ctx.tree.proofs().is_some_and(|proofs| proofs.is_large());
+        if large || !has_good_point(ctx, bound) {
+            self.since_rounding = u64::MAX;
+        }
     }
 
     pub(super) fn count_node(&mut self) {
         self.nodes += 1;
     }
+}
+
+/// Whether there is a good point beside the bound of the current node.
+fn has_good_point(ctx: &Context<'_>, bound: f64) -> bool {
+    let cutoff = ctx.tree.cutoff();
+    cutoff < f64::INFINITY && cutoff - bound <= FAR * cutoff.abs()
 }
 
 /// Looks for points near the relaxed point of the current node.
@@ -80,14 +87,12 @@ pub(super) fn look_for_points(
         try_whole_point(ctx, point);
     }
     let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
-    let replayed = std::mem::take(&mut heuristics.replayed);
-    if at_root || replayed || heuristics.since_rounding >= pause {
+    if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
         // Where a look at the root has tried them, and beside a good MIP start, they can wait.
-        let cutoff = ctx.tree.cutoff();
-        let has_point = cutoff < f64::INFINITY && cutoff - bound <= FAR * cutoff.abs();
         let seed = ctx.tree.seed().filter(|_| at_root);
-        let started = seed.is_some_and(|seed| seed.looked.unwrap_or(has_point));
+        let good = has_good_point(ctx, bound);
+        let started = seed.is_some_and(|seed| seed.looked.unwrap_or(good));
         if on.rounding && !started {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
