@@ -32,7 +32,8 @@ use super::context::Context;
 use super::pseudocosts::{LEAST_GAIN, Pseudocosts};
 use crate::solver::BranchingRule;
 
-/// Nodes that the tree below a node is expected to have at least where fixings by trials may pay.
+/// Nodes that the tree below a node is expected to have at least where fixings by trials may pay, beside
+/// the tree of an earlier solve.
 const WORTH_FIXING: f64 = 2.0;
 
 /// What a worker has learned about splits.
@@ -123,10 +124,11 @@ fn choose_by_gains(
         Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
         None => pseudocosts.gains(*j, x[*j]),
     };
-    let grows = chosen.column.as_ref().is_some_and(|column| {
-        let rate = growth_rate(&gains_of(pseudocosts, column));
-        (rate * (ctx.tree.cutoff() - bound)).exp() >= WORTH_FIXING
-    });
+    let grows = ctx.tree.proofs().is_none()
+        || chosen.column.as_ref().is_some_and(|column| {
+            let rate = growth_rate(&gains_of(pseudocosts, column));
+            (rate * (ctx.tree.cutoff() - bound)).exp() >= WORTH_FIXING
+        });
     let fixed = grows && fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
     let stands = |(j, tried): &(usize, Option<_>)| {
         !ctx.node.domain.is_fixed(*j) && (tried.is_some() || !fixed)

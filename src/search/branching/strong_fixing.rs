@@ -3,8 +3,8 @@
 //! A binary that can be 0 or 1 with the same dynamics is useless for branching, but one of its
 //! values may be worse than the cutoff; then it is fixed to the other one. On some programs this
 //! excludes most impacts. On others such trials find nothing, and small trees do without, so they
-//! are paid from a credit that comes with the nodes and that every fixing raises. A node whose tree
-//! is expected to end at once does without, too.
+//! are paid from a credit that comes with the nodes and that every fixing raises. In a prepared solve, a
+//! node whose tree is expected to end at once does without, too.
 
 use super::split::{RelaxedPoint, Split, both_sides, keep_only};
 use super::strong_branching::try_child;
