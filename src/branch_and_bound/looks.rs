@@ -90,11 +90,11 @@ impl<'a> Looks<'a> {
     }
 
     /// What the search may begin with, its own seed included; `None` if that is all. `same_root` as
-    /// above.
+    /// above. A guess is judged without a point to beat.
     pub(super) fn seed(&self, same_root: bool) -> Option<Seed> {
         let own = self.begun(same_root);
         match self.given {
-            Some(given) if given.point.is_none() => {
+            Some(given) if given.point.is_none() && given.guess.is_empty() => {
                 own.map(|own| Seed { point: own.point, looked: own.looked, ..given.clone() })
             }
             Some(_) => None,
