@@ -37,14 +37,15 @@ pub(super) enum End {
     Side(u32, Decision),
 }
 
-/// An end as a key: a node, and a column with whether its upper bound changes.
-pub(super) type EndKey = (u32, Option<(usize, bool)>);
+/// An end as a key: a node, and the column of a side, whether its upper bound changes, and the bits of
+/// the bound. Sides of one column at several values are different ends.
+pub(super) type EndKey = (u32, Option<(usize, bool, u64)>);
 
 impl End {
     pub(super) fn key(self) -> EndKey {
         match self {
             End::Node(node) => (node, None),
-            End::Side(node, d) => (node, Some((d.column, d.is_upper))),
+            End::Side(node, d) => (node, Some((d.column, d.is_upper, d.value.to_bits()))),
         }
     }
 }

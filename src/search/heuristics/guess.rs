@@ -10,10 +10,10 @@ use crate::search::seed::GuessEnd;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
-/// Most relaxations of all completions, and most where the tree of the last solve is gone through
-/// again, which finds points as well.
+/// Most relaxations of all completions, and most in a prepared solve, where going through the last tree
+/// finds points as well.
 const DIVE: usize = 12;
-const DIVE_BESIDE_TREE: usize = 3;
+const DIVE_PREPARED: usize = 3;
 
 /// The shares of a guess, from its beginning, that are tried.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
@@ -25,7 +25,7 @@ pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
     let before = ctx.tree.begin(Heuristic::Guess);
     let mut contradiction = None;
     let mut found = None;
-    let mut left = if seed.proofs.is_some() { DIVE_BESIDE_TREE } else { DIVE };
+    let mut left = if seed.proofs.is_some() { DIVE_PREPARED } else { DIVE };
     for share in SHARES {
         let kept = (share * seed.guess.len() as f64).ceil() as usize;
         let mark = ctx.node.domain.mark();
