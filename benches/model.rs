@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use carom::internals::presolve::{Domain, reduce};
 use carom::internals::program::Program;
-use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation, lower_bound};
+use carom::internals::relaxation::{ClarabelRelaxation, Effort, Prover, Relaxation};
 use carom::model::{Method, Reformulation, mps};
 use carom::prelude::*;
 use carom::reformulate;
@@ -74,7 +74,7 @@ fn lower_and_relax(model: &Model) -> Result<f64, Error> {
         warm: None,
     };
     let answer = ClarabelRelaxation::new().solve(&reduced, &effort);
-    Ok(lower_bound(&reduced, &answer.x, &answer.y))
+    Ok(Prover::default().lower_bound(&reduced, &answer.x, &answer.y))
 }
 
 /// Building a model against what follows: the first must stay under a tenth of the second.

@@ -41,8 +41,7 @@ pub mod program {
 pub mod relaxation {
     pub use crate::relaxation::{
         ActiveSet, Claim, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        LadderPool, Relaxation, RelaxationResult, WarmState, lower_bound, polish,
-        proves_infeasible, reduced_costs,
+        LadderPool, Prover, Relaxation, RelaxationResult, WarmState, polish,
     };
 }
 

@@ -9,6 +9,8 @@
 //! accordingly. With two modes the result is often the convex hull of a step, without the hull's
 //! extra columns.
 
+use std::ops::Range;
+
 use super::domain::Domain;
 use super::propagation::Propagator;
 use crate::program::Program;
@@ -62,34 +64,36 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
     let open: Vec<usize> = program.integers.iter().copied().filter(is_open).take(TRIALS).collect();
     let mut rows = Rows::new(program);
+    let (mut lines, mut linked): (Vec<BigM>, Vec<usize>) = (Vec::new(), Vec::new());
     for z in open {
         if token.is_over() {
             return None;
         }
-        let mut lines: Vec<(usize, Vec<usize>)> = Vec::new();
+        lines.clear();
+        linked.clear();
         for &row in program.column(z).0 {
             if rows.is_big_m(row) {
-                lines.push((row, rows.linked_to(row)));
+                let begin = linked.len();
+                rows.append_linked(row, &mut linked);
+                lines.push(BigM { row, linked: begin..linked.len(), reach: [0.0; 2] });
             }
         }
         if lines.is_empty() {
             continue;
         }
-        let mut reach = [const { Vec::new() }; 2];
-        for (value, reach) in [0.0, 1.0].into_iter().zip(&mut reach) {
+        let mut possible = [false; 2];
+        for (value, possible) in possible.iter_mut().enumerate() {
             let mark = domain.mark();
-            domain.apply(z, value == 0.0, value);
-            if propagator.propagate_since(program, &mut domain, mark).is_ok() {
-                let far =
-                    |(row, linked): &(usize, Vec<usize>)| rows.reach(&domain, *row, z, linked);
-                *reach = lines.iter().map(far).collect();
+            domain.apply(z, value == 0, value as f64);
+            *possible = propagator.propagate_since(program, &mut domain, mark).is_ok();
+            for line in lines.iter_mut().filter(|_| *possible) {
+                line.reach[value] = rows.reach(&domain, line.row, z, &linked[line.linked.clone()]);
             }
             domain.undo_to(mark);
         }
         // A value that cannot be taken is left to probing.
-        let [off, on] = reach;
-        for ((row, _), reach) in lines.into_iter().zip(off.into_iter().zip(on)) {
-            rows.tighten(row, z, reach.into());
+        if possible == [true; 2] {
+            lines.iter().for_each(|line| rows.tighten(line.row, z, line.reach));
         }
     }
     let mut tight = rows.into_program()?;
@@ -98,6 +102,15 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
         [tight.lower[j], tight.upper[j]] = domain.bounds(j);
     }
     Some(tight)
+}
+
+/// A row of the binary in hand.
+struct BigM {
+    row: usize,
+    /// Where the rows linked to it are.
+    linked: Range<usize>,
+    /// How far the rest of it goes at either value.
+    reach: [f64; 2],
 }
 
 /// The rows while they change.
@@ -184,14 +197,14 @@ impl<'a> Rows<'a> {
         if upper.is_finite() { (1.0, upper) } else { (-1.0, -lower) }
     }
 
-    /// The short rows that share enough continuous columns with a row.
-    fn linked_to(&mut self, row: usize) -> Vec<usize> {
+    /// Appends the short rows that share enough continuous columns with a row.
+    fn append_linked(&mut self, row: usize, linked: &mut Vec<usize>) {
         let program = self.program;
         let continuous =
             |row: usize| program.row(row).0.iter().copied().filter(|&j| !program.integral[j]);
         continuous(row).for_each(|j| self.line[j] = 1.0);
         self.seen[row] = true;
-        let mut linked = Vec::new();
+        let begin = linked.len();
         for j in continuous(row) {
             let others = program.column(j).0;
             for &other in others.iter().filter(|_| others.len() <= MOST_ROWS) {
@@ -200,13 +213,18 @@ impl<'a> Rows<'a> {
                 }
             }
         }
-        linked.iter().chain([&row]).for_each(|&row| self.seen[row] = false);
-        linked.retain(|&other| {
+        linked[begin..].iter().chain([&row]).for_each(|&row| self.seen[row] = false);
+        let mut kept = begin;
+        for k in begin..linked.len() {
+            let other = linked[k];
             let shared = continuous(other).filter(|&j| self.line[j] != 0.0).count();
-            shared >= SHARED && self.len(other) <= LONGEST
-        });
+            if shared >= SHARED && self.len(other) <= LONGEST {
+                linked[kept] = other;
+                kept += 1;
+            }
+        }
+        linked.truncate(kept);
         continuous(row).for_each(|j| self.line[j] = 0.0);
-        linked
     }
 
     /// The largest value in a domain of a row without one of its columns, as `<=`.
@@ -300,10 +318,9 @@ impl<'a> Rows<'a> {
         if !self.changed {
             return None;
         }
-        let row = |row: usize| (self.terms(row).collect(), self.limits[row]);
-        let rows: Vec<_> = (0..self.limits.len()).map(row).collect();
         let mut tight = self.program.clone();
-        tight.replace_rows(&rows)?;
+        let terms = |row: usize| self.terms(row).map(move |(j, a)| (row, j, a));
+        tight.replace_rows((0..self.limits.len()).flat_map(terms), &self.limits)?;
         Some(tight)
     }
 }

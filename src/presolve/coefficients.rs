@@ -73,20 +73,20 @@ impl OneSided {
 
 /// Tightens the one-sided rows of a reduced program; `integral` is by program column.
 pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
-    let binary: Vec<bool> =
-        (0..reduced.columns.len()).map(|k| is_binary(reduced, k, integral)).collect();
-    for row in 0..reduced.rows.len() {
-        let (lower, upper) = (&mut reduced.row_lower[row], &mut reduced.row_upper[row]);
-        let Some(mut side) = OneSided::new(*lower, *upper) else { continue };
-        let range = reduced.rows.start[row]..reduced.rows.start[row + 1];
-        let columns = &reduced.rows.index[range.clone()];
-        if !columns.iter().any(|&k| binary[k]) {
+    let Reduced { columns: names, lower, upper, rows, row_lower, row_upper, .. } = reduced;
+    let is_binary = |k: usize| lower[k] == 0.0 && upper[k] == 1.0 && integral[names[k]];
+    for row in 0..rows.len() {
+        let (least, largest) = (&mut row_lower[row], &mut row_upper[row]);
+        let Some(mut side) = OneSided::new(*least, *largest) else { continue };
+        let range = rows.start[row]..rows.start[row + 1];
+        let columns = &rows.index[range.clone()];
+        if !columns.iter().any(|&k| is_binary(k)) {
             continue;
         }
-        let values = &mut reduced.rows.value[range];
+        let values = &mut rows.value[range];
         let (mut most, mut scale) = (0.0, side.limit.abs().max(1.0));
         for (&k, &a) in columns.iter().zip(&*values) {
-            let (p, q) = (side.sign * a * reduced.lower[k], side.sign * a * reduced.upper[k]);
+            let (p, q) = (side.sign * a * lower[k], side.sign * a * upper[k]);
             most += p.max(q);
             scale += p.abs().max(q.abs());
         }
@@ -94,14 +94,9 @@ pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
         if !side.can_be_violated() {
             continue;
         }
-        for (_, value) in columns.iter().zip(values).filter(|(k, _)| binary[**k]) {
+        for (_, value) in columns.iter().zip(values).filter(|(k, _)| is_binary(**k)) {
             side.shrink(value, MARGIN * scale, 4.0 * f64::EPSILON * scale);
         }
-        side.write_limit(lower, upper);
+        side.write_limit(least, largest);
     }
-}
-
-/// Whether a reduced column takes exactly the values 0 and 1.
-pub(super) fn is_binary(reduced: &Reduced, k: usize, integral: &[bool]) -> bool {
-    integral[reduced.columns[k]] && reduced.lower[k] == 0.0 && reduced.upper[k] == 1.0
 }

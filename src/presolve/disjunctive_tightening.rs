@@ -9,7 +9,7 @@
 use std::ops::RangeInclusive;
 
 use super::domain::Domain;
-use super::implication_probing::{Bounds, changes};
+use super::implication_probing::{Bounds, write_changes};
 use super::propagation::{Conflict, Propagator};
 use super::root::{Presolve, Rule, presolve};
 use crate::program::Program;
@@ -76,17 +76,19 @@ fn gain(
     token: &StopToken,
 ) -> Result<usize, Conflict> {
     let (mut gained, mut trials) = (0, 0);
+    let (mut shared, mut changed): (Vec<Bounds>, Vec<Bounds>) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let before = gained;
         for columns in disjunctions {
             if columns.iter().any(|&j| domain.lower(j) == 1.0) {
                 continue;
             }
-            let mut shared: Option<Vec<Bounds>> = None;
+            let mut has_case = false;
+            shared.clear();
             for &j in columns.iter() {
                 if domain.lower(j) == 1.0 {
                     // An excluded case has decided for this one; the others say nothing any more.
-                    shared = None;
+                    shared.clear();
                     break;
                 }
                 if domain.is_fixed(j) {
@@ -99,24 +101,22 @@ fn gain(
                 let mark = domain.mark();
                 domain.apply(j, false, 1.0);
                 let case = propagator.propagate_since(program, domain, mark);
-                let changed = case.is_ok().then(|| changes(domain, mark));
+                if case.is_ok() {
+                    write_changes(domain, mark, &mut changed);
+                }
                 domain.undo_to(mark);
-                match changed {
-                    Some(changed) => {
-                        shared = Some(match shared {
-                            Some(shared) => hull(shared, changed),
-                            None => changed,
-                        });
-                    }
-                    None => {
-                        domain.apply(j, true, 0.0);
-                        gained += 1;
-                        propagator.propagate_since(program, domain, mark)?;
-                    }
+                if case.is_err() {
+                    domain.apply(j, true, 0.0);
+                    gained += 1;
+                    propagator.propagate_since(program, domain, mark)?;
+                } else if std::mem::replace(&mut has_case, true) {
+                    narrow_to_hull(&mut shared, &changed);
+                } else {
+                    std::mem::swap(&mut shared, &mut changed);
                 }
             }
             let mark = domain.mark();
-            for Bounds { column, bounds } in shared.unwrap_or_default() {
+            for Bounds { column, bounds } in shared.drain(..) {
                 gained += apply(domain, column, bounds);
             }
             propagator.propagate_since(program, domain, mark)?;
@@ -128,16 +128,15 @@ fn gain(
     Ok(gained)
 }
 
-/// The hull of the bounds in two cases, for the columns that changed in both.
-fn hull(one: Vec<Bounds>, other: Vec<Bounds>) -> Vec<Bounds> {
-    let mut other = other.into_iter().peekable();
-    let shared = one.into_iter().filter_map(|a| {
+/// Becomes the hull of the bounds in two cases, for the columns that changed in both.
+fn narrow_to_hull(shared: &mut Vec<Bounds>, other: &[Bounds]) {
+    let mut other = other.iter().peekable();
+    shared.retain_mut(|a| {
         while other.next_if(|b| b.column < a.column).is_some() {}
-        let b = other.next_if(|b| b.column == a.column)?;
-        let bounds = [a.bounds[0].min(b.bounds[0]), a.bounds[1].max(b.bounds[1])];
-        Some(Bounds { bounds, ..a })
+        let Some(b) = other.next_if(|b| b.column == a.column) else { return false };
+        a.bounds = [a.bounds[0].min(b.bounds[0]), a.bounds[1].max(b.bounds[1])];
+        true
     });
-    shared.collect()
 }
 
 /// Moves the bounds of a column that gain enough; returns how many.

@@ -5,7 +5,7 @@
 //! which propagation often does not find; a table keeps these implications.
 
 use super::domain::Domain;
-use super::implications::Implications;
+use super::implications::{Implications, Noted};
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -32,49 +32,48 @@ pub fn probe_implications(
     mut trials: usize,
     token: &StopToken,
 ) -> Result<Implications, Conflict> {
-    let mut noted: Vec<Option<Vec<usize>>> = vec![None; 2 * program.column_count()];
-    let mut size = 0;
+    let mut noted = Noted::new(2 * program.column_count());
+    let mut sides = [const { Vec::new() }; 2];
     for &j in columns {
-        if trials < 2 || size > NOTED || token.is_over() {
+        if trials < 2 || noted.count() > NOTED || token.is_over() {
             break;
         }
         if !is_open(program, domain, j) {
             continue;
         }
         trials -= 2;
-        let mut sides: [Option<Vec<Bounds>>; 2] = [None, None];
+        let mut possible = [false; 2];
         for (value, side) in sides.iter_mut().enumerate() {
             let mark = domain.mark();
             domain.apply(j, value == 0, value as f64);
-            if propagator.propagate_since(program, domain, mark).is_ok() {
-                *side = Some(changes(domain, mark));
+            possible[value] = propagator.propagate_since(program, domain, mark).is_ok();
+            if possible[value] {
+                write_changes(domain, mark, side);
             }
             domain.undo_to(mark);
         }
         let mark = domain.mark();
-        match sides {
-            [None, None] => return Err(Conflict::Column(j)),
-            [Some(_), None] => domain.apply(j, true, 0.0),
-            [None, Some(_)] => domain.apply(j, false, 1.0),
-            [Some(off), Some(on)] => {
-                join(program, domain, &off, &on);
-                for (value, side) in [off, on].into_iter().enumerate() {
+        match possible {
+            [false, false] => return Err(Conflict::Column(j)),
+            [true, false] => domain.apply(j, true, 0.0),
+            [false, true] => domain.apply(j, false, 1.0),
+            [true, true] => {
+                join(program, domain, &sides[0], &sides[1]);
+                for (value, side) in sides.iter().enumerate() {
                     let fixed = side.iter().filter(|b| {
                         b.column != j
                             && b.bounds[0] == b.bounds[1]
                             && is_open(program, domain, b.column)
                     });
-                    let mut literals: Vec<usize> =
-                        fixed.map(|b| 2 * b.column + usize::from(b.bounds[0] == 1.0)).collect();
-                    literals.sort_unstable();
-                    size += literals.len();
-                    noted[2 * j + value] = Some(literals);
+                    // By column, so by literal.
+                    let literals = fixed.map(|b| 2 * b.column + usize::from(b.bounds[0] == 1.0));
+                    noted.note(2 * j + value, literals);
                 }
             }
         }
         propagator.propagate_since(program, domain, mark)?;
     }
-    Ok(Implications::contraposed(&noted, token))
+    Ok(noted.contrapositions(token))
 }
 
 /// Bounds of a column in one branch.
@@ -87,12 +86,13 @@ fn is_open(program: &Program, domain: &Domain, j: usize) -> bool {
     program.integral[j] && domain.bounds(j) == [0.0, 1.0]
 }
 
-/// The columns that changed since a mark, sorted, with their bounds.
-pub(super) fn changes(domain: &Domain, mark: usize) -> Vec<Bounds> {
-    let mut columns: Vec<usize> = domain.changed_since(mark).map(|(j, _)| j).collect();
-    columns.sort_unstable();
-    columns.dedup();
-    columns.into_iter().map(|column| Bounds { column, bounds: domain.bounds(column) }).collect()
+/// Writes the columns that changed since a mark, sorted, with their bounds.
+pub(super) fn write_changes(domain: &Domain, mark: usize, changes: &mut Vec<Bounds>) {
+    let columns = domain.changed_since(mark).map(|(j, _)| j);
+    changes.clear();
+    changes.extend(columns.map(|column| Bounds { column, bounds: domain.bounds(column) }));
+    changes.sort_unstable_by_key(|change| change.column);
+    changes.dedup_by_key(|change| change.column);
 }
 
 /// Keeps what holds of integral columns in both branches.

@@ -37,5 +37,6 @@ pub(crate) use propagation::Conflict;
 pub use propagation::Propagator;
 pub(crate) use reduce::Reducer;
 pub use reduce::reduce;
+pub(crate) use reduced::refill;
 pub use reduced::{Compressed, Reduced};
 pub use worklist::Worklist;

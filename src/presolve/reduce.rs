@@ -8,6 +8,7 @@
 
 use super::domain::Domain;
 use super::parallel::{Patterns, ratio};
+use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
 use crate::program::Program;
 use crate::sum::Sum;
@@ -44,6 +45,7 @@ pub(crate) struct Reducer {
     /// By column of the program: its column in the reduced program.
     position: Vec<usize>,
     patterns: Patterns,
+    projector: Projector,
     /// Programs that are no longer needed, for their memory.
     spare: Vec<Reduced>,
 }
@@ -73,6 +75,17 @@ impl Reducer {
     /// Takes back a program that is no longer needed: the next one is built in its memory.
     pub(crate) fn reuse(&mut self, reduced: Reduced) {
         self.spare.push(reduced);
+    }
+
+    /// Takes binaries out of a reduced program, as `project` does.
+    pub(crate) fn project(&mut self, reduced: Reduced, integral: &[bool]) -> Projection {
+        self.projector.project(reduced, integral, &mut self.spare)
+    }
+
+    /// Takes back a projection that is no longer needed.
+    pub(crate) fn reuse_projection(&mut self, projection: Projection) {
+        let reduced = self.projector.reuse(projection);
+        self.reuse(reduced);
     }
 
     /// Finds out what is left of bounds and rows.

@@ -159,3 +159,9 @@ impl Reduced {
         values
     }
 }
+
+/// Makes a vector so many times a value, in the memory that it has.
+pub(crate) fn refill<T: Copy>(vector: &mut Vec<T>, length: usize, value: T) {
+    vector.clear();
+    vector.resize(length, value);
+}

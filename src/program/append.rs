@@ -44,18 +44,20 @@ impl Program {
         Some(())
     }
 
-    /// Replaces the rows; terms with a coefficient of 0 are left out. Nothing where they cannot be
-    /// allocated.
-    pub(crate) fn replace_rows(&mut self, rows: &[Addition]) -> Option<()> {
-        let (m, n) = (rows.len(), self.column_count());
-        let entries: Vec<_> = (rows.iter().enumerate())
-            .flat_map(|(row, (terms, _))| terms.iter().map(move |&(j, a)| Triplet::new(row, j, a)))
-            .filter(|entry| entry.val != 0.0)
-            .collect();
+    /// Replaces the rows: row, column and coefficient of each term, and the limits of each row. Nothing
+    /// where they cannot be allocated.
+    pub(crate) fn replace_rows(
+        &mut self,
+        terms: impl Iterator<Item = (usize, usize, f64)>,
+        limits: &[[f64; 2]],
+    ) -> Option<()> {
+        let (m, n) = (limits.len(), self.column_count());
+        let mut entries = Vec::with_capacity(self.rows.compute_nnz());
+        entries.extend(terms.map(|(row, j, a)| Triplet::new(row, j, a)));
         self.rows = SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?;
         self.columns = SparseColMat::try_new_from_triplets(m, n, &entries).ok()?;
-        self.row_lower = rows.iter().map(|(_, limits)| limits[0]).collect();
-        self.row_upper = rows.iter().map(|(_, limits)| limits[1]).collect();
+        self.row_lower = limits.iter().map(|limits| limits[0]).collect();
+        self.row_upper = limits.iter().map(|limits| limits[1]).collect();
         Some(())
     }
 

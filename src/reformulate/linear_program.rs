@@ -1,7 +1,7 @@
 //! Proved upper bounds of expressions over rows and bounds, from linear programs.
 //!
 //! The answer is the *dual* bound, recomputed from the multipliers
-//! ([`lower_bound`](crate::relaxation::lower_bound)), so an inaccurate solve gives an M that is
+//! ([`Prover`](crate::relaxation::Prover)), so an inaccurate solve gives an M that is
 //! larger than necessary but never too small. Bounds are propagated first, which is often enough.
 
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use crate::interval::Interval;
 use crate::model::{Literal, Model, StoredRow, Variable};
 use crate::presolve::{Domain, Propagator, reduce};
 use crate::program::Program;
-use crate::relaxation::{Claim, Ladder, Purpose, lower_bound, proves_infeasible};
+use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::{RelaxationMethod, StopToken};
 
 /// How much a bound on an expression is raised, relative to its size (at least 1), to cover
@@ -136,12 +136,14 @@ impl<'a> Maximizer<'a> {
         }
         let answer = ladder.solve_once(&reduced, Purpose::Bound, token);
         match answer.claim {
-            Claim::Infeasible | Claim::Unknown if proves_infeasible(&reduced, &answer.y) => {
+            Claim::Infeasible | Claim::Unknown
+                if ladder.prover().proves_infeasible(&reduced, &answer.y) =>
+            {
                 f64::NEG_INFINITY
             }
             // A bound that relies on the radius of free columns does not prove an M.
             _ if !range.is_bounded() => range.upper,
-            _ => range.upper.min(-lower_bound(&reduced, &answer.x, &answer.y)),
+            _ => range.upper.min(-ladder.prover().lower_bound(&reduced, &answer.x, &answer.y)),
         }
     }
 }

@@ -17,8 +17,8 @@
 
 use super::correction::Correction;
 use super::extended::Extended;
-use super::plain_bound::{plain_bound, plain_certificate};
-use crate::presolve::Reduced;
+use super::plain_bound::PlainSums;
+use crate::presolve::{Reduced, refill};
 use crate::tolerance;
 
 /// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
@@ -38,76 +38,97 @@ const FURTHER: f64 = 4.0;
 /// The largest number of rounds of correction; each gains about ten digits.
 const CORRECTIONS: usize = 8;
 
-/// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf` if
-/// the pair proves nothing.
-pub fn lower_bound(program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
-    if let Some(plain) = plain_bound(program, x, &clipped(program, y)) {
-        return plain.bound;
-    }
-    pair(program, x, y).map_or(f64::NEG_INFINITY, Pair::best_bound)
+/// Proves bounds, one after the other in the same memory.
+#[derive(Debug, Default)]
+pub struct Prover {
+    /// Multipliers, without those of missing limits.
+    y: Vec<f64>,
+    plain: PlainSums,
 }
 
-/// Proved reduced costs from a claimed solution: a lower bound on the objective, and for each
-/// column the least growth of the objective per unit by which the column moves away from one of its
-/// bounds: the lower bound if the entry is positive, the upper one if it is negative. Zero if
-/// nothing is proved.
-pub fn reduced_costs(program: &Reduced, x: &[f64], y: &[f64]) -> (f64, Vec<f64>) {
-    if let Some(plain) = plain_bound(program, x, &clipped(program, y)) {
-        return (plain.bound, plain.slopes);
+impl Prover {
+    /// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf` if
+    /// the pair proves nothing.
+    pub fn lower_bound(&mut self, program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
+        self.clip(program, y);
+        if let Some(bound) = self.plain.bound(program, x, &self.y) {
+            return bound;
+        }
+        self.pair(program, x).map_or(f64::NEG_INFINITY, Pair::best_bound)
     }
-    let Some(pair) = pair(program, x, y) else {
-        return (f64::NEG_INFINITY, vec![0.0; program.columns.len()]);
-    };
-    let gradient = pair.gradient();
-    let slope = |j: usize| {
-        let g = gradient.value[j].high;
-        let proved = g.abs() * (1.0 - 1e-9) - gradient.error(j);
-        if proved > 0.0 { proved.copysign(g) } else { 0.0 }
-    };
-    (pair.bound(&gradient, pair.radius()), (0..program.columns.len()).map(slope).collect())
-}
 
-/// The pair of a claimed solution; `None` if it contains a NaN.
-fn pair<'a>(program: &'a Reduced, x: &[f64], y: &[f64]) -> Option<Pair<'a>> {
-    if x.iter().chain(y).any(|v| !v.is_finite()) {
-        return None;
+    /// Proved reduced costs from a claimed solution: a lower bound on the objective, and for each
+    /// column the least growth of the objective per unit by which the column moves away from one of
+    /// its bounds: the lower bound if the entry is positive, the upper one if it is negative. Zero if
+    /// nothing is proved.
+    pub fn reduced_costs(&mut self, program: &Reduced, x: &[f64], y: &[f64]) -> (f64, &[f64]) {
+        self.clip(program, y);
+        if let Some(bound) = self.plain.bound(program, x, &self.y) {
+            return (bound, &self.plain.slopes);
+        }
+        let pair = self.pair(program, x);
+        let slopes = &mut self.plain.slopes;
+        refill(slopes, program.columns.len(), 0.0);
+        let Some(pair) = pair else { return (f64::NEG_INFINITY, slopes) };
+        let gradient = pair.gradient();
+        for (j, slope) in slopes.iter_mut().enumerate() {
+            let g = gradient.value[j].high;
+            let proved = g.abs() * (1.0 - 1e-9) - gradient.error(j);
+            if proved > 0.0 {
+                *slope = proved.copysign(g);
+            }
+        }
+        (pair.bound(&gradient, pair.radius()), slopes)
     }
-    let extended = |v: &f64| Extended::from(*v);
-    let (x, y) = (x.iter().map(extended).collect(), clipped(program, y));
-    Some(Pair { program, x, y: y.iter().map(extended).collect(), objective: true })
-}
 
-/// Whether row multipliers prove that a reduced program has no feasible point.
-///
-/// The certificate must survive a disturbance of every limit that it uses, so that a program is not
-/// refuted that is infeasible only by rounding.
-pub fn proves_infeasible(program: &Reduced, y: &[f64]) -> bool {
-    let size = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    if !(size > 0.0 && size.is_finite()) {
-        return false;
+    /// Whether row multipliers prove that a reduced program has no feasible point.
+    ///
+    /// The certificate must survive a disturbance of every limit that it uses, so that a program is
+    /// not refuted that is infeasible only by rounding.
+    pub fn proves_infeasible(&mut self, program: &Reduced, y: &[f64]) -> bool {
+        let size = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if !(size > 0.0 && size.is_finite()) {
+            return false;
+        }
+        self.clip(program, y);
+        let mut disturbance = 0.0;
+        for (i, y) in self.y.iter_mut().enumerate().filter(|(_, y)| **y != 0.0) {
+            *y /= size;
+            let limit = if *y > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
+            disturbance += y.abs() * limit.abs().max(1.0);
+        }
+        let least = 1e-9 * disturbance;
+        let bound = self.plain.certificate(program, &self.y);
+        let is_near = |(l, u): (&f64, &f64)| *l >= -FAR && *u <= FAR;
+        match bound {
+            Some(bound) if bound > least => return true,
+            // Without corrections, more digits would prove hardly more.
+            Some(_) if program.lower.iter().zip(&program.upper).all(is_near) => return false,
+            _ => {}
+        }
+        let x = vec![Extended::default(); program.columns.len()];
+        let y = self.y.iter().map(|&v| Extended::from(v)).collect();
+        Pair { program, x, y, objective: false }.best_bound() > least
     }
-    let y: Vec<f64> = clipped(program, y).iter().map(|v| v / size).collect();
-    let disturbance: f64 = (0..y.len())
-        .map(|i| {
-            let limit = if y[i] > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
-            if y[i] == 0.0 { 0.0 } else { y[i].abs() * limit.abs().max(1.0) }
-        })
-        .sum();
-    let least = 1e-9 * disturbance;
-    if plain_certificate(program, &y).is_some_and(|bound| bound > least) {
-        return true;
-    }
-    let x = vec![Extended::default(); program.columns.len()];
-    let y = y.iter().map(|&v| Extended::from(v)).collect();
-    Pair { program, x, y, objective: false }.best_bound() > least
-}
 
-/// The multipliers, without those of missing limits.
-fn clipped(program: &Reduced, y: &[f64]) -> Vec<f64> {
-    let limit = |i: usize, y: f64| {
-        if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] }
-    };
-    y.iter().enumerate().map(|(i, &y)| if limit(i, y).is_finite() { y } else { 0.0 }).collect()
+    /// Takes multipliers, without those of missing limits.
+    fn clip(&mut self, program: &Reduced, y: &[f64]) {
+        let limit =
+            |i: usize, y: f64| if y > 0.0 { program.row_upper[i] } else { program.row_lower[i] };
+        let has_limit = |(i, &y): (usize, &f64)| if limit(i, y).is_finite() { y } else { 0.0 };
+        self.y.clear();
+        self.y.extend(y.iter().enumerate().map(has_limit));
+    }
+
+    /// The pair of a claimed point and the multipliers; `None` if it contains a NaN.
+    fn pair<'a>(&self, program: &'a Reduced, x: &[f64]) -> Option<Pair<'a>> {
+        if x.iter().chain(&self.y).any(|v| !v.is_finite()) {
+            return None;
+        }
+        let extended = |v: &f64| Extended::from(*v);
+        let (x, y) = (x.iter().map(extended).collect(), self.y.iter().map(extended).collect());
+        Some(Pair { program, x, y, objective: true })
+    }
 }
 
 pub(super) struct Pair<'a> {

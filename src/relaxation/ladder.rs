@@ -12,7 +12,7 @@ use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
 use super::simplex::DualSimplex;
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
-use super::{lower_bound, polish, proves_infeasible};
+use super::{Prover, polish};
 use crate::presolve::Reduced;
 use crate::solution::{RelaxationCounts, Statistics};
 use crate::solver::{Options, RelaxationMethod, StopToken};
@@ -175,6 +175,7 @@ pub struct Ladder {
     /// `None` if the first method is alone.
     last: Option<Entry>,
     spent: Spent,
+    prover: Prover,
 }
 
 impl Ladder {
@@ -194,14 +195,21 @@ impl Ladder {
             count: |counts| &mut counts.active_set,
         };
         let warm = methods.into_iter().map(entry).collect();
-        Ladder { warm, first: Entry::of(choice), last, spent: Spent::default() }
+        let first = Entry::of(choice);
+        Ladder { warm, first, last, spent: Spent::default(), prover: Prover::default() }
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
         let first = Entry { method, starts_warm: |_| true, count };
-        Ladder { warm: Vec::new(), first, last: None, spent: Spent::default() }
+        let (spent, prover) = (Spent::default(), Prover::default());
+        Ladder { warm: Vec::new(), first, last: None, spent, prover }
+    }
+
+    /// Proves bounds, in the memory that the ladder has for that.
+    pub fn prover(&mut self) -> &mut Prover {
+        &mut self.prover
     }
 
     /// What was taken since this was last called.
@@ -303,7 +311,7 @@ impl Ladder {
             if result.claim == Claim::Unknown && token.is_over() {
                 return Verdict::Stopped;
             }
-            match known.take(result) {
+            match known.take(result, &mut self.prover) {
                 Step::Ended(verdict) => return verdict,
                 Step::GoodEnough => break,
                 Step::Again => {}
@@ -372,12 +380,12 @@ impl<'a> Known<'a> {
     }
 
     /// Verifies the claim of an attempt.
-    fn take(&mut self, result: RelaxationResult) -> Step {
+    fn take(&mut self, result: RelaxationResult, prover: &mut Prover) -> Step {
         let RelaxationResult { claim, x, y, warm, .. } = result;
         self.warm = warm.or(self.warm.take());
         let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
         let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
-        if may_be_empty && proves_infeasible(self.program, &y) {
+        if may_be_empty && prover.proves_infeasible(self.program, &y) {
             return Step::Ended(Verdict::Refuted(y));
         }
         let falls = claim == Claim::Unbounded && self.question.look_for_descent;
@@ -385,17 +393,17 @@ impl<'a> Known<'a> {
             return Step::Ended(Verdict::Descent);
         }
         if has_point && x.iter().all(|v| v.is_finite()) {
-            return self.take_point(claim, x, y);
+            return self.take_point(claim, x, y, prover);
         }
         Step::Next
     }
 
     /// Proves the bound of an attempt's multipliers, and compares it with the point.
-    fn take_point(&mut self, claim: Claim, x: Vec<f64>, y: Vec<f64>) -> Step {
+    fn take_point(&mut self, claim: Claim, x: Vec<f64>, y: Vec<f64>, prover: &mut Prover) -> Step {
         let program = self.program;
         let bound = match program.is_feasibility_problem() {
             true => program.offset,
-            false => lower_bound(program, &x, &y),
+            false => prover.lower_bound(program, &x, &y),
         };
         let value = program.objective(&x);
         if bound >= self.bound {

@@ -4,7 +4,7 @@
 //! parent's basis, [`ActiveSet`] small dense ones with curvature from its multipliers; [`InteriorPoint`] is quick on the small
 //! sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
 //! decides which method is asked and how hard, and is all that the rest of the crate sees. It checks
-//! what a method claims: [`lower_bound`] recomputes a rigorous bound from the multipliers, and
+//! what a method claims: [`Prover`] recomputes a rigorous bound from the multipliers, and
 //! infeasibility is accepted only if the same computation proves it.
 
 mod active_set;
@@ -24,7 +24,7 @@ mod sparse_vectors;
 mod warm_state;
 
 pub use active_set::ActiveSet;
-pub use bound::{lower_bound, proves_infeasible, reduced_costs};
+pub use bound::Prover;
 pub use clarabel::ClarabelRelaxation;
 pub use extended::Extended;
 pub use interior::InteriorPoint;

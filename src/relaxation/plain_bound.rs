@@ -4,39 +4,10 @@
 //! A column without the bound that its gradient `g` points to is bounded by its steepness `s`: with
 //! `f(x) >= .. + g (x - x̂) + s (x - x̂)^2 / 2`, it adds at least `g x̂ - g^2 / 2 s`.
 
-use crate::presolve::Reduced;
+use crate::presolve::{Reduced, refill};
 
 /// A rounding error that a bound may be charged with, relative (no unit).
 const SLIGHT: f64 = 1e-10;
-
-/// A proved bound, and the gradient that it is proved with.
-pub(super) struct PlainBound {
-    pub(super) bound: f64,
-    /// By column, the least growth of the objective per unit by which the column leaves the bound that
-    /// its sign tells; 0 where nothing is proved.
-    pub(super) slopes: Vec<f64>,
-}
-
-/// The bound that a pair proves; `None` if rounding costs more than a slight part of it, or if a column
-/// has no bound where one is needed.
-///
-/// # Arguments
-///
-/// * `y`: without multipliers of missing limits.
-pub(super) fn plain_bound(program: &Reduced, x: &[f64], y: &[f64]) -> Option<PlainBound> {
-    let mut sums = Sums::of_objective(program, x);
-    sums.add_rows(program, y);
-    sums.bound(program, x, &program.steepness)
-}
-
-/// The bound that row multipliers prove if the objective is zero: the program has no feasible point if
-/// it is positive. `None` as for [`plain_bound`].
-pub(super) fn plain_certificate(program: &Reduced, y: &[f64]) -> Option<f64> {
-    let gradient = vec![RoundedSum::default(); program.columns.len()];
-    let mut sums = Sums { gradient, constant: RoundedSum::default(), error: 0.0 };
-    sums.add_rows(program, y);
-    sums.bound(program, &[], &[]).map(|plain| plain.bound)
-}
 
 /// A sum in plain floats, and what bounds its rounding error.
 #[derive(Debug, Clone, Copy, Default)]
@@ -60,20 +31,50 @@ impl RoundedSum {
     }
 }
 
-/// The sums of a pair.
-struct Sums {
+/// The sums of a pair, in memory that the next one uses again.
+#[derive(Debug, Default)]
+pub(super) struct PlainSums {
     /// By column.
     gradient: Vec<RoundedSum>,
     /// The bound without what the gradient adds.
     constant: RoundedSum,
     /// How far the terms of the bound may be off themselves.
     error: f64,
+    /// By column, the least growth of the objective per unit by which the column leaves the bound that
+    /// its sign tells; 0 where nothing is proved.
+    pub(super) slopes: Vec<f64>,
 }
 
-impl Sums {
+impl PlainSums {
+    /// The bound that a pair proves; `None` if rounding costs more than a slight part of it, or if a
+    /// column has no bound where one is needed.
+    ///
+    /// # Arguments
+    ///
+    /// * `y`: without multipliers of missing limits.
+    pub(super) fn bound(&mut self, program: &Reduced, x: &[f64], y: &[f64]) -> Option<f64> {
+        self.clear(program);
+        self.add_objective(program, x);
+        self.add_rows(program, y);
+        self.add_columns(program, x, &program.steepness)
+    }
+
+    /// The bound that row multipliers prove if the objective is zero: the program has no feasible point
+    /// if it is positive. `None` as for [`bound`](Self::bound).
+    pub(super) fn certificate(&mut self, program: &Reduced, y: &[f64]) -> Option<f64> {
+        self.clear(program);
+        self.add_rows(program, y);
+        self.add_columns(program, &[], &[])
+    }
+
+    fn clear(&mut self, program: &Reduced) {
+        refill(&mut self.gradient, program.columns.len(), RoundedSum::default());
+        (self.constant, self.error) = (RoundedSum::default(), 0.0);
+    }
+
     /// `q + Px̂` and `offset - x̂'Px̂ / 2`.
-    fn of_objective(program: &Reduced, x: &[f64]) -> Self {
-        let mut gradient = vec![RoundedSum::default(); x.len()];
+    fn add_objective(&mut self, program: &Reduced, x: &[f64]) {
+        let PlainSums { gradient, constant, error, .. } = self;
         for j in 0..x.len() {
             let (rows, entries) = program.quadratic.vector(j);
             for (&i, &p) in rows.iter().zip(entries) {
@@ -83,16 +84,14 @@ impl Sums {
                 }
             }
         }
-        let (mut constant, mut error) = (RoundedSum::default(), 0.0);
         constant.add(program.offset);
         for ((g, &x), &q) in gradient.iter_mut().zip(x).zip(&program.linear) {
             if g.terms > 0.0 {
                 constant.add(-0.5 * x * g.value);
-                error += 0.5 * x.abs() * g.rounding();
+                *error += 0.5 * x.abs() * g.rounding();
             }
             g.add(q);
         }
-        Sums { gradient, constant, error }
     }
 
     fn add_rows(&mut self, program: &Reduced, y: &[f64]) {
@@ -104,12 +103,15 @@ impl Sums {
         }
     }
 
+    /// The bound, once what the gradient adds is added.
+    ///
     /// # Arguments
     ///
     /// * `x`: the claimed point, for the columns that are steep.
-    fn bound(self, program: &Reduced, x: &[f64], steepness: &[f64]) -> Option<PlainBound> {
-        let Sums { gradient, mut constant, mut error } = self;
-        let mut slopes = vec![0.0; gradient.len()];
+    fn add_columns(&mut self, program: &Reduced, x: &[f64], steepness: &[f64]) -> Option<f64> {
+        let PlainSums { gradient, constant, slopes, .. } = self;
+        let mut error = self.error;
+        refill(slopes, gradient.len(), 0.0);
         for (j, sum) in gradient.iter().enumerate() {
             let (g, slack) = (sum.value, sum.rounding());
             let (lower, upper) = (program.lower[j], program.upper[j]);
@@ -134,6 +136,6 @@ impl Sums {
         let error = error * (1.0 + f64::EPSILON * (constant.terms + 2.0)) + constant.rounding();
         let bound = constant.value - error;
         let is_slight = bound.is_finite() && error <= SLIGHT * bound.abs().max(1.0);
-        is_slight.then(|| PlainBound { bound: bound.next_down(), slopes })
+        is_slight.then(|| bound.next_down())
     }
 }

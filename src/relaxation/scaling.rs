@@ -1,6 +1,6 @@
 //! Units of columns and rows in which the entries of a program are near 1.
 
-use crate::presolve::Reduced;
+use crate::presolve::{Reduced, refill};
 
 /// Rounds of scaling; each takes the square root of the largest entry of every row and column.
 const ROUNDS: usize = 3;
@@ -44,10 +44,4 @@ pub(super) fn write_factors(
         column.iter_mut().zip(&*of_column).for_each(|(f, l)| adjust(f, *l));
         row.iter_mut().zip(&*of_row).for_each(|(f, l)| adjust(f, *l));
     }
-}
-
-/// Makes a vector so many times a value.
-pub(super) fn refill<T: Copy>(vector: &mut Vec<T>, length: usize, value: T) {
-    vector.clear();
-    vector.resize(length, value);
 }

@@ -7,7 +7,7 @@ use super::heuristics::try_guess;
 use super::local_queue::LocalQueue;
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
-use super::proofs::{End, Tried};
+use super::proofs::{End, Multipliers, Tried};
 use super::reporter::Reporter;
 use super::root::Root;
 use super::seed::Seed;
@@ -81,9 +81,10 @@ pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
 /// What the multipliers of an earlier root prove of this one.
 fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
     let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
-    let proved = proof.zip(reduce_node(ctx)).map(|(proof, root)| proof.prove(&root, f64::INFINITY));
-    match proved {
-        Some(Tried::Bound(bound)) => bound,
+    let Some((proof, root)) = proof.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
+    let memory = &mut Multipliers::default();
+    match proof.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory) {
+        Tried::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::clock::Activity;
 use super::context::Context;
 use super::proofs::Multipliers;
-use crate::presolve::{Projection, Reduced, project, tighten_coefficients};
+use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, Question, Verdict};
 
 /// What is to be relaxed at the node of the domain; `None` if it is refuted.
@@ -17,7 +17,8 @@ pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
 /// The same without the binaries that a relaxation does not need.
 pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projection {
     let activity = ctx.clock.switch(Activity::Reduction);
-    let projection = project(reduced, &ctx.program().integral);
+    let integral = &ctx.program().integral;
+    let projection = ctx.reducer.project(reduced, integral);
     ctx.clock.switch(activity);
     projection
 }

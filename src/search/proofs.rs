@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::node::Decision;
 use crate::presolve::Reduced;
-use crate::relaxation::{lower_bound, proves_infeasible};
+use crate::relaxation::Prover;
 
 /// Most proofs that are kept of a solve, and most numbers in all of them (32 MB).
 const MOST: usize = 2000;
@@ -22,7 +22,7 @@ const LARGE: usize = 8;
 
 /// Multipliers of a relaxation, and the point that belongs to them, over all rows and columns of the
 /// program.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Multipliers {
     /// Empty if the multipliers prove that nothing is feasible, rather than a bound.
     pub(crate) x: Vec<f64>,
@@ -75,19 +75,36 @@ pub(super) enum Tried {
 
 impl Multipliers {
     /// Tries them on a node.
-    pub(super) fn prove(&self, reduced: &Reduced, cutoff: f64) -> Tried {
-        let pick = |from: &[f64], k: usize| from.get(k).copied().unwrap_or(0.0);
-        let y: Vec<f64> = reduced.origin.iter().map(|&row| pick(&self.y, row)).collect();
+    ///
+    /// # Arguments
+    ///
+    /// * `picked`: memory.
+    pub(super) fn prove(
+        &self,
+        reduced: &Reduced,
+        cutoff: f64,
+        prover: &mut Prover,
+        picked: &mut Multipliers,
+    ) -> Tried {
+        let Multipliers { x, y } = picked;
+        pick(&self.y, &reduced.origin, y);
         if y.len() != reduced.rows.len() {
             return Tried::Nothing;
         }
         if self.x.is_empty() {
-            return if proves_infeasible(reduced, &y) { Tried::Closed } else { Tried::Nothing };
+            let is_empty = prover.proves_infeasible(reduced, y);
+            return if is_empty { Tried::Closed } else { Tried::Nothing };
         }
-        let x: Vec<f64> = reduced.columns.iter().map(|&j| pick(&self.x, j)).collect();
-        let bound = lower_bound(reduced, &x, &y);
+        pick(&self.x, &reduced.columns, x);
+        let bound = prover.lower_bound(reduced, x, y);
         if bound >= cutoff { Tried::Closed } else { Tried::Bound(bound) }
     }
+}
+
+/// Writes the numbers at some places; 0 where there are none.
+fn pick(from: &[f64], places: &[usize], to: &mut Vec<f64>) {
+    to.clear();
+    to.extend(places.iter().map(|&k| from.get(k).copied().unwrap_or(0.0)));
 }
 
 /// How a node was split, by the names of its children.

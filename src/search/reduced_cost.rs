@@ -8,7 +8,6 @@ use super::context::Context;
 use super::local_bounds::add_facts;
 use super::node::Decision;
 use crate::presolve::Reduced;
-use crate::relaxation::reduced_costs;
 
 /// A whole value is kept when it is missed by less than this (no unit).
 const KEPT: f64 = 1e-6;
@@ -25,13 +24,10 @@ pub(super) fn fix_by_reduced_costs(
         return true;
     }
     let activity = ctx.clock.switch(Activity::Proof);
-    let (bound, slopes) = reduced_costs(reduced, x, y);
-    ctx.clock.switch(activity);
-    if bound == f64::NEG_INFINITY {
-        return true;
-    }
+    let (bound, slopes) = ctx.ladder.prover().reduced_costs(reduced, x, y);
     let room = (cutoff - bound) + 1e-9 * cutoff.abs().max(1.0);
-    let facts = facts(reduced, &ctx.program().integral, &slopes, room);
+    let facts = facts(reduced, &ctx.shared.task.program.integral, slopes, room);
+    ctx.clock.switch(activity);
     if facts.is_empty() {
         return true;
     }

@@ -20,7 +20,7 @@ use super::local_bounds::propagate_since;
 use super::node::{Decision, Node};
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
 use super::proofs::{End, EndKey, Fork, Multipliers, Proof, Proofs, Tried};
-use crate::presolve::{Domain, Reduced};
+use crate::presolve::Reduced;
 use crate::program::Program;
 use crate::relaxation::{Purpose, Verdict};
 
@@ -99,6 +99,8 @@ struct Replay {
     /// By column: whether it is fractional at the root.
     fractional: Vec<bool>,
     whole: Whole,
+    /// Memory for the multipliers of a node.
+    picked: Multipliers,
     /// Whether sides are relaxed where no node above is crowded.
     relaxes: bool,
     /// Sides that relaxing might close.
@@ -309,7 +311,7 @@ impl Replay {
             return Tried::Closed;
         }
         let activity = ctx.clock.switch(Activity::Proof);
-        let closed = self.whole.is_closed(&ctx.node.domain, multipliers, ctx.tree.cutoff());
+        let closed = self.whole.is_closed(ctx, multipliers, &mut self.picked);
         ctx.clock.switch(activity);
         if closed {
             self.keep((before, now), multipliers);
@@ -317,7 +319,8 @@ impl Replay {
         }
         let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
-        let tried = multipliers.prove(&reduced, ctx.tree.cutoff());
+        let cutoff = ctx.tree.cutoff();
+        let tried = multipliers.prove(&reduced, cutoff, ctx.ladder.prover(), &mut self.picked);
         ctx.clock.switch(activity);
         ctx.reducer.reuse(reduced);
         if let Tried::Closed = tried {
@@ -338,7 +341,7 @@ impl Replay {
         let Some(reduced) = reduce_node(ctx) else { return true };
         let projection = project_reduced(ctx, reduced);
         let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
-        ctx.reducer.reuse(projection.reduced);
+        ctx.reducer.reuse_projection(projection);
         let closes = match verdict {
             Verdict::Refuted(_) => true,
             Verdict::Relaxed { bound, .. } => ctx.tree.strengthen(bound) >= ctx.tree.cutoff(),
@@ -378,14 +381,21 @@ impl Whole {
     }
 
     /// Whether a proof closes a domain. Where too few do, none is tried.
-    fn is_closed(&mut self, domain: &Domain, multipliers: &Multipliers, cutoff: f64) -> bool {
+    fn is_closed(
+        &mut self,
+        ctx: &mut Context<'_>,
+        multipliers: &Multipliers,
+        picked: &mut Multipliers,
+    ) -> bool {
         if self.tried >= JUDGED_AFTER && self.closed < self.tried / WORTHWHILE {
             return false;
         }
         for j in 0..self.program.columns.len() {
-            [self.program.lower[j], self.program.upper[j]] = domain.bounds(j);
+            [self.program.lower[j], self.program.upper[j]] = ctx.node.domain.bounds(j);
         }
-        let closed = matches!(multipliers.prove(&self.program, cutoff), Tried::Closed);
+        let (cutoff, prover) = (ctx.tree.cutoff(), ctx.ladder.prover());
+        let tried = multipliers.prove(&self.program, cutoff, prover, picked);
+        let closed = matches!(tried, Tried::Closed);
         (self.tried, self.closed) = (self.tried + 1, self.closed + u32::from(closed));
         closed
     }

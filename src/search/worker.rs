@@ -185,7 +185,7 @@ fn relax_node(
     };
     let projection = project_reduced(ctx, reduced);
     let relaxed = relax_projection(ctx, pseudocosts, node, &projection);
-    ctx.reducer.reuse(projection.reduced);
+    ctx.reducer.reuse_projection(projection);
     relaxed
 }
 

@@ -3,8 +3,7 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    ActiveSet, Claim, ClarabelRelaxation, Effort, Relaxation, RelaxationResult, WarmState,
-    lower_bound, proves_infeasible,
+    ActiveSet, Claim, ClarabelRelaxation, Effort, Prover, Relaxation, RelaxationResult, WarmState,
 };
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -118,7 +117,7 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<(), TestCaseErr
     match answer.claim {
         Claim::Solved => {
             let value = program.objective(&answer.x);
-            let bound = lower_bound(program, &answer.x, &answer.y);
+            let bound = Prover::default().lower_bound(program, &answer.x, &answer.y);
             let scale = value.abs().max(1.0);
             prop_assert!(value - bound <= 1e-7 * scale, "{} to {}: {:?}", bound, value, answer);
             prop_assert!(other.claim != Claim::Infeasible, "{:?}", answer);
@@ -128,7 +127,7 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<(), TestCaseErr
             }
         }
         Claim::Infeasible => {
-            prop_assert!(proves_infeasible(program, &answer.y), "{:?}", answer);
+            prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer);
             prop_assert!(other.claim != Claim::Solved, "{:?}", answer);
         }
         _ => prop_assert!(false, "{:?}", answer),
@@ -155,7 +154,7 @@ proptest! {
             let cutoff = child.objective(&cold.x) - below;
             let stopped = solve(&child, cutoff, above.warm.as_ref());
             prop_assert_eq!(stopped.claim, Claim::Beyond);
-            prop_assert!(lower_bound(&child, &stopped.x, &stopped.y) >= cutoff, "{:?}", stopped);
+            prop_assert!(Prover::default().lower_bound(&child, &stopped.x, &stopped.y) >= cutoff, "{:?}", stopped);
         }
     }
 }

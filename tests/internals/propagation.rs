@@ -10,9 +10,7 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Domain, Propagator, Reduced, probe, reduce};
 use carom::internals::program::Program;
-use carom::internals::relaxation::{
-    Claim, ClarabelRelaxation, Effort, Relaxation, lower_bound, polish, proves_infeasible,
-};
+use carom::internals::relaxation::{Claim, ClarabelRelaxation, Effort, Prover, Relaxation, polish};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -529,7 +527,7 @@ proptest! {
         let (n, m) = (case.columns.len(), case.rows.len());
         for pair in pairs {
             let (x, y) = (&pair[..n], &pair[4..4 + m]);
-            let bound = lower_bound(&program, x, y);
+            let bound = Prover::default().lower_bound(&program, x, y);
             prop_assert!(!bound.is_nan());
             for point in &points {
                 prop_assert!(
@@ -538,7 +536,7 @@ proptest! {
                     x, y, bound, point, case.cost(point)
                 );
             }
-            let refuted = proves_infeasible(&program, y);
+            let refuted = Prover::default().proves_infeasible(&program, y);
             prop_assert!(!refuted || points.is_empty(), "{:?} refutes {:?}", y, points[0]);
         }
     }
@@ -560,7 +558,7 @@ proptest! {
         };
         let (x, y) = (disturbed(&answer.x, 0), disturbed(&answer.y, 4));
         for (x, y) in [(&answer.x, &answer.y), (&x, &answer.y), (&answer.x, &y), (&x, &y)] {
-            let bound = lower_bound(&program, x, y);
+            let bound = Prover::default().lower_bound(&program, x, y);
             for point in &points {
                 prop_assert!(
                     is_bound(&case, bound, point),
@@ -568,12 +566,12 @@ proptest! {
                     x, y, bound, point, case.cost(point)
                 );
             }
-            let refuted = proves_infeasible(&program, y);
+            let refuted = Prover::default().proves_infeasible(&program, y);
             prop_assert!(!refuted || points.is_empty(), "{:?} refutes {:?}", y, points[0]);
         }
         if answer.claim == Claim::Solved {
             let (bound, cost) =
-                (lower_bound(&program, &answer.x, &answer.y), program.objective(&answer.x));
+                (Prover::default().lower_bound(&program, &answer.x, &answer.y), program.objective(&answer.x));
             prop_assert!(
                 bound >= cost - 1e-4 * cost.abs().max(1.0),
                 "{} is far below {}: {:?}", bound, cost, answer

@@ -1,12 +1,11 @@
 //! The two methods of continuous relaxations against each other, and against the proofs: what one
 //! calls solved the other's multipliers do not refute, and every claim is one that
-//! `lower_bound` and `proves_infeasible` confirm.
+//! the `Prover` confirms.
 
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    Claim, ClarabelRelaxation, Effort, InteriorPoint, Relaxation, RelaxationResult, lower_bound,
-    proves_infeasible,
+    Claim, ClarabelRelaxation, Effort, InteriorPoint, Prover, Relaxation, RelaxationResult,
 };
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -146,8 +145,10 @@ fn violation(program: &Reduced, x: &[f64]) -> f64 {
 fn check(program: &Reduced, answer: &RelaxationResult, cutoff: f64) -> Result<(), TestCaseError> {
     match answer.claim {
         Claim::Solved => {
-            let (value, bound) =
-                (program.objective(&answer.x), lower_bound(program, &answer.x, &answer.y));
+            let (value, bound) = (
+                program.objective(&answer.x),
+                Prover::default().lower_bound(program, &answer.x, &answer.y),
+            );
             let scale = value.abs().max(1.0);
             // Whoever asks needs 1e-6 and tries Clarabel where that is missed: degenerate columns
             // without bounds, about one program in a thousand.
@@ -155,9 +156,11 @@ fn check(program: &Reduced, answer: &RelaxationResult, cutoff: f64) -> Result<()
             let miss = violation(program, &answer.x);
             prop_assert!(miss <= 1e-5, "misses by {}: {:?}", miss, answer);
         }
-        Claim::Infeasible => prop_assert!(proves_infeasible(program, &answer.y), "{:?}", answer),
+        Claim::Infeasible => {
+            prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer)
+        }
         Claim::Beyond => {
-            let bound = lower_bound(program, &answer.x, &answer.y);
+            let bound = Prover::default().lower_bound(program, &answer.x, &answer.y);
             prop_assert!(bound >= cutoff, "{} < {}: {:?}", bound, cutoff, answer);
         }
         Claim::Unbounded => prop_assert!(false, "never claimed: {answer:?}"),
@@ -181,7 +184,7 @@ proptest! {
                 prop_assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{} and {}", a, b);
             }
             (Claim::Solved, Claim::Infeasible) => {
-                prop_assert!(!proves_infeasible(&program, &theirs.y), "{:?}", ours);
+                prop_assert!(!Prover::default().proves_infeasible(&program, &theirs.y), "{:?}", ours);
             }
             _ => {}
         }
@@ -221,7 +224,7 @@ proptest! {
             let (a, b) = (child.objective(&cold.x), child.objective(&warm.x));
             prop_assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{} and {}", a, b);
         } else if cold.claim == Claim::Solved {
-            prop_assert!(!proves_infeasible(&child, &warm.y), "{:?}", cold);
+            prop_assert!(!Prover::default().proves_infeasible(&child, &warm.y), "{:?}", cold);
         }
     }
 

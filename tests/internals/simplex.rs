@@ -3,8 +3,7 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    Claim, ClarabelRelaxation, DualSimplex, Effort, Relaxation, RelaxationResult, WarmState,
-    lower_bound, proves_infeasible,
+    Claim, ClarabelRelaxation, DualSimplex, Effort, Prover, Relaxation, RelaxationResult, WarmState,
 };
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -115,7 +114,7 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<bool, TestCaseE
     match answer.claim {
         Claim::Solved => {
             let value = program.objective(&answer.x);
-            let bound = lower_bound(program, &answer.x, &answer.y);
+            let bound = Prover::default().lower_bound(program, &answer.x, &answer.y);
             let scale = value.abs().max(1.0);
             prop_assert!(value - bound <= 1e-7 * scale, "{} to {}: {:?}", bound, value, answer);
             prop_assert!(other.claim != Claim::Infeasible, "{:?}", answer);
@@ -125,7 +124,7 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<bool, TestCaseE
             }
         }
         Claim::Infeasible => {
-            prop_assert!(proves_infeasible(program, &answer.y), "{:?}", answer);
+            prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer);
             prop_assert!(other.claim != Claim::Solved, "{:?}", answer);
         }
         Claim::Unknown => return Ok(false),
@@ -152,7 +151,7 @@ proptest! {
             let cutoff = child.objective(&warm.x) - below;
             let stopped = solve(&child, cutoff, above.warm.as_ref());
             prop_assert_eq!(stopped.claim, Claim::Beyond);
-            prop_assert!(lower_bound(&child, &stopped.x, &stopped.y) >= cutoff, "{:?}", stopped);
+            prop_assert!(Prover::default().lower_bound(&child, &stopped.x, &stopped.y) >= cutoff, "{:?}", stopped);
         }
     }
 }

@@ -9,7 +9,7 @@ use carom::internals::presolve::{
     Domain, Reduced, project, reduce, tighten_big_ms, tighten_by_disjunctions, tighten_coefficients,
 };
 use carom::internals::program::Program;
-use carom::internals::relaxation::reduced_costs;
+use carom::internals::relaxation::Prover;
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -338,7 +338,8 @@ proptest! {
             return Ok(());
         };
         let (x, y) = (restricted(&reduced, &point), &multipliers[..reduced.rows.len()]);
-        let (bound, slopes) = reduced_costs(&reduced, &x, y);
+        let mut prover = Prover::default();
+        let (bound, slopes) = prover.reduced_costs(&reduced, &x, y);
         for point in case.points() {
             let x = restricted(&reduced, &point);
             for (k, &slope) in slopes.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The entries of the condensed system, before they are ordered.
 
 use super::scaled::Scaled;
-use crate::relaxation::scaling::refill;
+use crate::presolve::refill;
 
 /// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
 /// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.

@@ -20,8 +20,7 @@ use faer::{Conj, MatMut, Par};
 use super::condensed::Condensed;
 use super::elimination_order::{KeptOrders, Unknowns, minimum_degree};
 use super::scaled::Scaled;
-use crate::presolve::Reduced;
-use crate::relaxation::scaling::refill;
+use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
 
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.

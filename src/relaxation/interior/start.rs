@@ -3,7 +3,7 @@
 use super::iterate::{ACCURATE, Iterate, REFINEMENTS};
 use super::kkt::Kkt;
 use super::scaled::{Scaled, Side};
-use crate::relaxation::scaling::refill;
+use crate::presolve::refill;
 use crate::solver::StopToken;
 
 /// Smallest initial slack of a row's side, in scaled units.

@@ -4,7 +4,7 @@
 //! further rows, up to a few; each aggregate is rounded in both directions (`rounding`).
 
 use super::cut::Cut;
-use super::rounding::{Aggregate, round};
+use super::rounding::{Aggregate, Rounder};
 use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
 use crate::program::Program;
@@ -38,22 +38,29 @@ pub fn mixed_integer_rounding_cuts(
     token: &StopToken,
 ) -> Vec<Cut> {
     let point = &SeparatedPoint::new(program, domain, x);
-    let mut cuts = Vec::new();
+    let (mut cuts, mut rounder) = (Vec::new(), Rounder::default());
+    let (mut aggregate, mut other) = (Aggregate::default(), Aggregate::default());
+    let (mut sum, mut open, mut used) = (Vec::new(), Vec::new(), Vec::new());
     for start in (0..program.row_count()).take(STARTS) {
-        let Some(mut aggregate) = equality(point, start) else { continue };
+        if !aggregate.set_to_row(point, start) {
+            continue;
+        }
         let rows = if is_loose(point, start, &aggregate) { 1 } else { rows };
-        let mut used = vec![start];
+        used.clear();
+        used.push(start);
         loop {
             if token.spend(100 * aggregate.terms.len()) {
                 return cuts;
             }
-            cuts.extend(best_rounding(point, &aggregate));
+            cuts.extend(best_rounding(point, &aggregate, &mut rounder));
             if used.len() >= rows || aggregate.terms.len() > LONGEST {
                 break;
             }
-            let Some((column, row)) = next(point, &aggregate, &used) else { break };
-            let Some(other) = equality(point, row) else { break };
-            eliminate(&mut aggregate, column, &other);
+            let Some((column, row)) = next(point, &aggregate, &used, &mut open) else { break };
+            if !other.set_to_row(point, row) {
+                break;
+            }
+            aggregate.eliminate(column, &other, &mut sum);
             used.push(row);
         }
     }
@@ -66,30 +73,13 @@ fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bo
     point.slack(row) > LOOSE * largest
 }
 
-/// A row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer.
-fn equality(point: &SeparatedPoint<'_>, row: usize) -> Option<Aggregate> {
-    let program = point.program;
-    let (columns, values) = program.row(row);
-    let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
-    if columns.is_empty() || (lower.is_infinite() && upper.is_infinite()) {
-        return None;
-    }
-    let sign = point.slack_sign(row);
-    let mut terms = Vec::with_capacity(columns.len() + 1);
-    terms.extend(columns.iter().zip(values).map(|(&j, &a)| (j, sign * a)));
-    if lower != upper {
-        terms.push((program.column_count() + row, 1.0));
-    }
-    let noise = ACCURACY * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
-    let right = if sign > 0.0 { upper } else { -lower };
-    let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
-    let size = reaches.fold(right.abs(), f64::max);
-    Some(Aggregate { terms, right, noise, size })
-}
-
 /// The better of the roundings of an aggregate and of its negative.
-fn best_rounding(point: &SeparatedPoint<'_>, aggregate: &Aggregate) -> Option<Cut> {
-    let rounded = [1.0, -1.0].into_iter().filter_map(|sign| round(point, aggregate, sign));
+fn best_rounding(
+    point: &SeparatedPoint<'_>,
+    aggregate: &Aggregate,
+    rounder: &mut Rounder,
+) -> Option<Cut> {
+    let rounded = [1.0, -1.0].into_iter().filter_map(|sign| rounder.round(point, aggregate, sign));
     rounded.max_by(|a, b| a.depth(point.x).total_cmp(&b.depth(point.x)))
 }
 
@@ -98,18 +88,17 @@ fn next(
     point: &SeparatedPoint<'_>,
     aggregate: &Aggregate,
     used: &[usize],
+    open: &mut Vec<(usize, f64)>,
 ) -> Option<(usize, usize)> {
     let program = point.program;
     let n = program.column_count();
-    let mut open: Vec<(usize, f64)> = aggregate
-        .terms
-        .iter()
-        .filter(|&&(j, _)| j < n && !program.integral[j])
-        .map(|&(j, _)| (j, point.distance(j)))
-        .filter(|(_, distance)| *distance > NEAR)
-        .collect();
-    open.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    open.into_iter().find_map(|(column, _)| {
+    let keys = aggregate.terms.iter().map(|&(key, _)| key);
+    let columns = keys.filter(|&j| j < n && !program.integral[j]);
+    let distances = columns.map(|j| (j, point.distance(j)));
+    open.clear();
+    open.extend(distances.filter(|(_, distance)| *distance > NEAR));
+    open.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    open.iter().find_map(|&(column, _)| {
         let rows = program.column(column).0.iter().copied();
         let fit = rows.filter(|row| !used.contains(row) && point.is_fit(*row));
         let best = fit.min_by(|&a, &b| {
@@ -127,30 +116,54 @@ fn slack(point: &SeparatedPoint<'_>, row: usize) -> f64 {
     if slack <= NEAR { 0.0 } else { slack }
 }
 
-/// Eliminates a column of an aggregate with another one.
-fn eliminate(aggregate: &mut Aggregate, column: usize, other: &Aggregate) {
-    let coefficient = |of: &Aggregate| {
-        let place = of.terms.binary_search_by_key(&column, |&(key, _)| key);
-        place.ok().map(|place| of.terms[place].1)
-    };
-    let (Some(a), Some(b)) = (coefficient(aggregate), coefficient(other)) else { return };
-    let factor = -a / b;
-    let mut sum = Vec::with_capacity(aggregate.terms.len() + other.terms.len());
-    let (mut own, mut more) = (aggregate.terms.iter().peekable(), other.terms.iter().peekable());
-    while let Some(key) = smaller(own.peek(), more.peek()) {
-        let old = own.next_if(|term| term.0 == key).map_or(0.0, |term| term.1);
-        let new = more.next_if(|term| term.0 == key).map_or(0.0, |term| factor * term.1);
-        let total = old + new;
-        // What is left of two terms that cancel is rounding.
-        let cancelled = new != 0.0 && total.abs() <= 1e-12 * old.abs().max(new.abs());
-        if key != column && !cancelled {
-            sum.push((key, total));
+impl Aggregate {
+    /// Becomes a row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer;
+    /// `false` if it has none.
+    fn set_to_row(&mut self, point: &SeparatedPoint<'_>, row: usize) -> bool {
+        let program = point.program;
+        let (columns, values) = program.row(row);
+        let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
+        if columns.is_empty() || (lower.is_infinite() && upper.is_infinite()) {
+            return false;
         }
+        let sign = point.slack_sign(row);
+        self.terms.clear();
+        self.terms.extend(columns.iter().zip(values).map(|(&j, &a)| (j, sign * a)));
+        if lower != upper {
+            self.terms.push((program.column_count() + row, 1.0));
+        }
+        self.noise = ACCURACY * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        self.right = if sign > 0.0 { upper } else { -lower };
+        let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
+        self.size = reaches.fold(self.right.abs(), f64::max);
+        true
     }
-    aggregate.terms = sum;
-    aggregate.right += factor * other.right;
-    aggregate.noise += factor.abs() * other.noise;
-    aggregate.size += factor.abs() * other.size;
+
+    /// Eliminates a column with another aggregate; `sum` is memory.
+    fn eliminate(&mut self, column: usize, other: &Aggregate, sum: &mut Vec<(usize, f64)>) {
+        let coefficient = |of: &Aggregate| {
+            let place = of.terms.binary_search_by_key(&column, |&(key, _)| key);
+            place.ok().map(|place| of.terms[place].1)
+        };
+        let (Some(a), Some(b)) = (coefficient(self), coefficient(other)) else { return };
+        let factor = -a / b;
+        sum.clear();
+        let (mut own, mut more) = (self.terms.iter().peekable(), other.terms.iter().peekable());
+        while let Some(key) = smaller(own.peek(), more.peek()) {
+            let old = own.next_if(|term| term.0 == key).map_or(0.0, |term| term.1);
+            let new = more.next_if(|term| term.0 == key).map_or(0.0, |term| factor * term.1);
+            let total = old + new;
+            // What is left of two terms that cancel is rounding.
+            let cancelled = new != 0.0 && total.abs() <= 1e-12 * old.abs().max(new.abs());
+            if key != column && !cancelled {
+                sum.push((key, total));
+            }
+        }
+        std::mem::swap(&mut self.terms, sum);
+        self.right += factor * other.right;
+        self.noise += factor.abs() * other.noise;
+        self.size += factor.abs() * other.size;
+    }
 }
 
 /// The smaller key of two terms.

@@ -44,6 +44,7 @@ struct Rest {
     from: From,
 }
 
+#[derive(Default)]
 struct Base {
     whole: Vec<Whole>,
     rest: Vec<Rest>,
@@ -63,7 +64,7 @@ struct Trial {
 }
 
 /// An aggregate `sum of terms = right side`; terms past the columns are slacks of rows.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Aggregate {
     /// By key.
     pub(super) terms: Vec<(usize, f64)>,
@@ -74,34 +75,72 @@ pub(super) struct Aggregate {
     pub(super) size: f64,
 }
 
-/// The best rounding of `sign * aggregate <= sign * right side` that the point violates.
-pub(super) fn round(point: &SeparatedPoint<'_>, aggregate: &Aggregate, sign: f64) -> Option<Cut> {
-    let n = point.program.column_count();
-    let measure = |pick: &dyn Fn(usize, f64) -> Option<From>, any| {
-        divide(base(point, pick, aggregate, sign)?, aggregate.noise, any)
-    };
-    let mut best = measure(&|j, _| point.nearest(j), false);
-    // A column may be far below its variable bound because this is wide, and the rounding makes it
-    // narrow: all variable bounds, and then those of them that pay.
-    let hidden = |&(j, _): &(usize, f64)| j < n && point.hides_variable_bound(j);
-    if aggregate.terms.iter().any(hidden) {
-        let all = measure(&|j, _| point.variable(j).or(point.simple(j)), true);
-        if let Some(all) = all {
-            let chosen = fraction(&all.base, all.divisor)
-                .and_then(|f| measure(&|j, a| deeper(point, j, a, all.divisor, f), false));
-            for trial in chosen.into_iter().chain([all]) {
-                if best.as_ref().is_none_or(|best| trial.depth > best.depth) {
-                    best = Some(trial);
+/// Rounds one aggregate after the other, in the same memory.
+#[derive(Default)]
+pub(super) struct Rounder {
+    /// Those of trials that are over.
+    spare: Vec<Base>,
+    /// Terms in integers, before those of one column are added up.
+    integers: Vec<(usize, f64)>,
+    /// The whole columns whose coefficients are tried as divisors.
+    candidates: Vec<(usize, f64)>,
+}
+
+impl Rounder {
+    /// The best rounding of `sign * aggregate <= sign * right side` that the point violates.
+    pub(super) fn round(
+        &mut self,
+        point: &SeparatedPoint<'_>,
+        aggregate: &Aggregate,
+        sign: f64,
+    ) -> Option<Cut> {
+        let n = point.program.column_count();
+        let side = (point, aggregate, sign);
+        let mut best = self.measure(side, &|j, _| point.nearest(j), false);
+        // A column may be far below its variable bound because this is wide, and the rounding makes it
+        // narrow: all variable bounds, and then those of them that pay.
+        let hidden = |&(j, _): &(usize, f64)| j < n && point.hides_variable_bound(j);
+        if aggregate.terms.iter().any(hidden) {
+            let all = self.measure(side, &|j, _| point.variable(j).or(point.simple(j)), true);
+            if let Some(all) = all {
+                let chosen = fraction(&all.base, all.divisor).and_then(|f| {
+                    self.measure(side, &|j, a| deeper(point, j, a, all.divisor, f), false)
+                });
+                for trial in chosen.into_iter().chain([all]) {
+                    if best.as_ref().is_none_or(|best| trial.depth > best.depth) {
+                        self.spare.extend(best.replace(trial).map(|trial| trial.base));
+                    } else {
+                        self.spare.push(trial.base);
+                    }
                 }
             }
         }
+        let Trial { mut base, divisor, mut depth } = best?;
+        turn_around(&mut base, divisor, &mut depth);
+        let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
+        self.spare.push(base);
+        cut?
     }
-    let Trial { mut base, divisor, mut depth } = best?;
-    turn_around(&mut base, divisor, &mut depth);
-    if depth <= 0.0 {
-        return None;
+
+    /// Measures columns as `pick` says, and chooses the divisor.
+    fn measure(
+        &mut self,
+        (point, aggregate, sign): (&SeparatedPoint<'_>, &Aggregate, f64),
+        pick: &dyn Fn(usize, f64) -> Option<From>,
+        any: bool,
+    ) -> Option<Trial> {
+        let mut base = self.spare.pop().unwrap_or_default();
+        let measured = base.fill(point, pick, aggregate, sign, &mut self.integers);
+        let best =
+            measured.and_then(|()| divide(&base, aggregate.noise, any, &mut self.candidates));
+        match best {
+            Some((depth, divisor)) => Some(Trial { base, divisor, depth }),
+            None => {
+                self.spare.push(base);
+                None
+            }
+        }
     }
-    write(point, &base, divisor, aggregate.size)
 }
 
 /// The one of a column's bounds that makes the rounding of a term `a x` deeper.
@@ -118,16 +157,24 @@ fn deeper(point: &SeparatedPoint<'_>, column: usize, a: f64, divisor: f64, f: f6
     Some(if term(variable) >= term(simple) { variable } else { simple })
 }
 
-/// Tries the coefficients of integers as divisors, and parts of the best one.
+/// Tries the coefficients of integers as divisors, and parts of the best one: depth and divisor.
 ///
 /// Those that cannot cut the point off are left out, unless `any` are wanted.
-fn divide(base: Base, noise: f64, any: bool) -> Option<Trial> {
+fn divide(
+    base: &Base,
+    noise: f64,
+    any: bool,
+    candidates: &mut Vec<(usize, f64)>,
+) -> Option<(f64, f64)> {
     let can_cut = |divisor| any || base.can_cut(divisor);
     let (mut divisors, mut count) = ([0.0_f64; DIVISORS], 0);
-    let mut candidates: Vec<&Whole> = base.whole.iter().filter(|w| w.value > 1e-6).collect();
-    candidates.sort_unstable_by(|a, b| b.value.total_cmp(&a.value).then(a.column.cmp(&b.column)));
-    for whole in candidates {
-        let size = whole.coefficient.abs();
+    let values = base.whole.iter().map(|whole| whole.value).enumerate();
+    candidates.clear();
+    candidates.extend(values.filter(|(_, value)| *value > 1e-6));
+    // Whole columns are sorted.
+    candidates.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    for &(k, _) in &*candidates {
+        let size = base.whole[k].coefficient.abs();
         let clear = size >= CLEAR * noise && can_cut(size);
         let is_new = |found: &[f64]| found.iter().all(|d| (d - size).abs() > 1e-6 * size);
         if count < DIVISORS && clear && is_new(&divisors[..count]) {
@@ -135,7 +182,7 @@ fn divide(base: Base, noise: f64, any: bool) -> Option<Trial> {
             count += 1;
         }
     }
-    let best = divisors[..count].iter().map(|&d| (depth(&base, d), d));
+    let best = divisors[..count].iter().map(|&d| (depth(base, d), d));
     let (mut most, mut divisor) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
     if most == f64::NEG_INFINITY {
         return None;
@@ -145,12 +192,12 @@ fn divide(base: Base, noise: f64, any: bool) -> Option<Trial> {
         if !can_cut(first / part) {
             break;
         }
-        let depth = depth(&base, first / part);
+        let depth = depth(base, first / part);
         if depth > most {
             (most, divisor) = (depth, first / part);
         }
     }
-    Some(Trial { base, divisor, depth: most })
+    Some((most, divisor))
 }
 
 /// Measures integers from their other bound where that cuts deeper.
@@ -174,62 +221,66 @@ fn turn_around(base: &mut Base, divisor: f64, most: &mut f64) {
     }
 }
 
-/// An aggregate times a sign in measured columns.
-fn base(
-    point: &SeparatedPoint<'_>,
-    pick: &dyn Fn(usize, f64) -> Option<From>,
-    aggregate: &Aggregate,
-    sign: f64,
-) -> Option<Base> {
-    let SeparatedPoint { program, domain, x, .. } = *point;
-    let n = program.column_count();
-    let mut right = sign * aggregate.right;
-    let mut integers = Vec::with_capacity(aggregate.terms.len());
-    let (mut rest, mut slack) = (Vec::new(), 0.0);
-    for &(key, a) in &aggregate.terms {
-        let a = sign * a;
-        if key < n && program.integral[key] {
-            integers.push((key, a));
-            continue;
-        }
-        let from = if key < n { pick(key, a)? } else { point.slack_from(key - n) };
-        if !from.constant.is_finite() {
-            return None;
-        }
-        right -= a * from.constant;
-        if from.slope != 0.0 {
-            integers.push((from.binary, a * from.slope));
-        }
-        if a * from.sign < 0.0 {
-            rest.push(Rest { key, coefficient: a * from.sign, from });
-        } else {
-            slack += a * from.sign * from.value;
-        }
-    }
-    integers.sort_by_key(|&(column, _)| column);
-    let mut whole = Vec::with_capacity(integers.len());
-    for same in integers.chunk_by(|p, q| p.0 == q.0) {
-        let (column, a) = (same[0].0, same.iter().map(|&(_, a)| a).sum::<f64>());
-        if a == 0.0 {
-            continue;
-        }
-        let bounds = domain.bounds(column);
-        let at_upper = bounds[1] - x[column] < x[column] - bounds[0];
-        let bound = bounds[usize::from(at_upper)];
-        if bound.is_infinite() {
-            return None;
-        }
-        right -= a * bound;
-        let (coefficient, value) =
-            if at_upper { (-a, bound - x[column]) } else { (a, x[column] - bound) };
-        whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
-    }
-    let rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
-    let rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
-    Some(Base { whole, rest, rest_sum, rest_norm, right, slack })
-}
-
 impl Base {
+    /// Becomes an aggregate times a sign in measured columns.
+    fn fill(
+        &mut self,
+        point: &SeparatedPoint<'_>,
+        pick: &dyn Fn(usize, f64) -> Option<From>,
+        aggregate: &Aggregate,
+        sign: f64,
+        integers: &mut Vec<(usize, f64)>,
+    ) -> Option<()> {
+        let SeparatedPoint { program, domain, x, .. } = *point;
+        let n = program.column_count();
+        let Base { whole, rest, .. } = self;
+        let (mut right, mut slack) = (sign * aggregate.right, 0.0);
+        integers.clear();
+        whole.clear();
+        rest.clear();
+        for &(key, a) in &aggregate.terms {
+            let a = sign * a;
+            if key < n && program.integral[key] {
+                integers.push((key, a));
+                continue;
+            }
+            let from = if key < n { pick(key, a)? } else { point.slack_from(key - n) };
+            if !from.constant.is_finite() {
+                return None;
+            }
+            right -= a * from.constant;
+            if from.slope != 0.0 {
+                integers.push((from.binary, a * from.slope));
+            }
+            if a * from.sign < 0.0 {
+                rest.push(Rest { key, coefficient: a * from.sign, from });
+            } else {
+                slack += a * from.sign * from.value;
+            }
+        }
+        integers.sort_by_key(|&(column, _)| column);
+        for same in integers.chunk_by(|p, q| p.0 == q.0) {
+            let (column, a) = (same[0].0, same.iter().map(|&(_, a)| a).sum::<f64>());
+            if a == 0.0 {
+                continue;
+            }
+            let bounds = domain.bounds(column);
+            let at_upper = bounds[1] - x[column] < x[column] - bounds[0];
+            let bound = bounds[usize::from(at_upper)];
+            if bound.is_infinite() {
+                return None;
+            }
+            right -= a * bound;
+            let (coefficient, value) =
+                if at_upper { (-a, bound - x[column]) } else { (a, x[column] - bound) };
+            whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
+        }
+        self.rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
+        self.rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
+        (self.right, self.slack) = (right, slack);
+        Some(())
+    }
+
     /// Whether a divisor may lead to a cut that the point violates. `F(a) <= a`, so rounding takes away
     /// a fraction of the divisor at most, and what is slack already has to be less.
     fn can_cut(&self, divisor: f64) -> bool {
