@@ -9,7 +9,7 @@ use crate::tolerance;
 
 /// Rows are left this much looser than they could be, relative to their activity (no unit), so that
 /// rounding cuts no whole point off.
-pub(super) const MARGIN: f64 = 1e-9;
+const MARGIN: f64 = 1e-9;
 
 /// Rows that can be missed by no more than this stay as they are, in their unit, because coefficients
 /// that small would be rounding.
@@ -18,18 +18,21 @@ const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
 const GAIN: f64 = 1e-3;
 
+/// Largest coefficient of a row of integers whose limits are rounded.
+const LARGEST: f64 = 1e9;
+
 /// A row in the form `sign * terms <= limit`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OneSided {
-    pub(super) sign: f64,
-    pub(super) limit: f64,
+struct OneSided {
+    sign: f64,
+    limit: f64,
     /// The largest activity over the bounds.
-    pub(super) most: f64,
+    most: f64,
 }
 
 impl OneSided {
     /// A row with these limits, or `None` if it has two or none.
-    pub(super) fn new(lower: f64, upper: f64) -> Option<Self> {
+    fn new(lower: f64, upper: f64) -> Option<Self> {
         let (sign, limit) = match (lower.is_finite(), upper.is_finite()) {
             (true, false) => (-1.0, -lower),
             (false, true) => (1.0, upper),
@@ -39,14 +42,14 @@ impl OneSided {
     }
 
     /// Whether the bounds allow points that the row excludes.
-    pub(super) fn can_be_violated(&self) -> bool {
+    fn can_be_violated(&self) -> bool {
         self.most.is_finite() && self.most - self.limit > IMPERCEPTIBLE
     }
 
     /// Shrinks the coefficient of a binary, and moves the limit with it; returns whether they moved.
     ///
     /// The row stays looser than it could be by `margin`, and the limit by `rounding` (row's unit).
-    pub(super) fn shrink(&mut self, coefficient: &mut f64, margin: f64, rounding: f64) -> bool {
+    fn shrink(&mut self, coefficient: &mut f64, margin: f64, rounding: f64) -> bool {
         let size = coefficient.abs();
         // How far the row is from binding at the binary's idle value.
         let room = self.limit - (self.most - size) - margin;
@@ -66,9 +69,101 @@ impl OneSided {
     }
 
     /// The limit that the row has, with its own sign.
-    pub(super) fn write_limit(&self, lower: &mut f64, upper: &mut f64) {
+    fn write_limit(&self, lower: &mut f64, upper: &mut f64) {
         if self.sign > 0.0 { *upper = self.limit } else { *lower = -self.limit }
     }
+}
+
+/// What is known of columns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns<'a> {
+    pub(super) lower: &'a [f64],
+    pub(super) upper: &'a [f64],
+    pub(super) integral: &'a [bool],
+}
+
+impl Columns<'_> {
+    fn is_binary(&self, j: usize) -> bool {
+        self.integral[j] && self.lower[j] == 0.0 && self.upper[j] == 1.0
+    }
+}
+
+/// Tightens the binaries of a one-sided row; the new limits, or `None` if nothing moves.
+///
+/// # Arguments
+///
+/// * `noise`: how far rounding may have moved terms and limits, in the row's unit.
+pub(super) fn tighten_terms(
+    terms: &mut [(usize, f64)],
+    [lower, upper]: [f64; 2],
+    columns: Columns<'_>,
+    noise: f64,
+) -> Option<[f64; 2]> {
+    let mut side = OneSided::new(lower, upper)?;
+    let (mut most, mut scale) = (0.0, 1.0_f64);
+    for &(j, a) in &*terms {
+        let (p, q) = (side.sign * a * columns.lower[j], side.sign * a * columns.upper[j]);
+        most += p.max(q);
+        for size in [p.abs(), q.abs()] {
+            if size.is_finite() {
+                scale = scale.max(size);
+            }
+        }
+    }
+    side.most = most;
+    if !side.can_be_violated() {
+        return None;
+    }
+    let is_whole_term = |&(j, a): &(usize, f64)| columns.integral[j] && is_whole(a);
+    // Limits are rounded to their last digit each time; whole numbers are not.
+    let (margin, rounding) = if is_whole(side.limit) && terms.iter().all(is_whole_term) {
+        (0.0, 0.0)
+    } else {
+        let scale = scale * terms.len() as f64;
+        (MARGIN * scale + noise, 2.0 * f64::EPSILON * scale)
+    };
+    let mut moved = false;
+    for (_, value) in terms.iter_mut().filter(|(j, _)| columns.is_binary(*j)) {
+        moved |= side.shrink(value, margin, rounding);
+    }
+    let (mut lower, mut upper) = (lower, upper);
+    side.write_limit(&mut lower, &mut upper);
+    moved.then_some([lower, upper])
+}
+
+/// The limits of a row of integers, rounded to multiples of the greatest common divisor of its
+/// coefficients, and whether that is news; `None` if it has none.
+pub(super) fn round_limits(
+    terms: &[(usize, f64)],
+    [lower, upper]: [f64; 2],
+    columns: Columns<'_>,
+    noise: f64,
+) -> Option<([f64; 2], bool)> {
+    let mut divisor = 0u64;
+    for &(j, a) in terms {
+        if !columns.integral[j] || a.abs() > LARGEST || a != a.round() {
+            return None;
+        }
+        let (mut p, mut q) = (divisor, a.abs() as u64);
+        while q > 0 {
+            (p, q) = (q, p % q);
+        }
+        divisor = p;
+    }
+    let divisor = divisor as f64;
+    let slack = 1e-6_f64.min(1e-6 * divisor).max(noise);
+    if divisor == 0.0 || slack >= 0.5 * divisor {
+        return None;
+    }
+    let new_lower = divisor * ((lower - slack) / divisor).ceil();
+    let new_upper = divisor * ((upper + slack) / divisor).floor();
+    let moved = |old: f64, new: f64| old.is_finite() && (old - new).abs() > slack;
+    Some(([new_lower, new_upper], moved(lower, new_lower) || moved(upper, new_upper)))
+}
+
+/// Whether a value is a whole number, up to rounding.
+pub(super) fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
 }
 
 /// Tightens the one-sided rows of a reduced program; `integral` is by program column.

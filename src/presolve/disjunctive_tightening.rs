@@ -8,10 +8,10 @@
 
 use std::ops::RangeInclusive;
 
+use super::coefficients::{Columns, round_limits, tighten_terms};
 use super::domain::Domain;
 use super::implication_probing::{Bounds, write_changes};
 use super::propagation::{Conflict, Propagator};
-use super::root::{Presolve, Rule, presolve};
 use crate::program::Program;
 use crate::solver::StopToken;
 
@@ -21,6 +21,9 @@ const TRIALS: usize = 4000;
 /// Most rounds over all disjunctions, and how many cases a disjunction may have.
 const ROUNDS: usize = 4;
 const CASES: RangeInclusive<usize> = 2..=12;
+
+/// Most times that a row is tightened.
+const PASSES: usize = 30;
 
 /// A bound must move by this fraction of the width between the bounds (no unit).
 const GAIN: f64 = 0.01;
@@ -46,25 +49,62 @@ pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<P
     for j in 0..program.column_count() {
         [tight.lower[j], tight.upper[j]] = domain.bounds(j);
     }
-    match presolve(&tight, &[Rule::Coefficients], token) {
-        Ok(Presolve::Presolved(presolved)) => Some(presolved.program),
-        _ => None,
-    }
+    tighten_rows(&mut tight)?;
+    Some(tight)
 }
 
-/// The columns of each covering row, which asks for at least one of its binaries; `sizes` says how many
-/// columns a row may have.
-pub(crate) fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<Vec<usize>> {
+/// Tightens the rows of a program to its bounds; nothing if no whole point satisfies one of them.
+fn tighten_rows(program: &mut Program) -> Option<()> {
+    let columns =
+        Columns { lower: &program.lower, upper: &program.upper, integral: &program.integral };
+    let mut limits = Vec::with_capacity(program.row_count());
+    let mut entries = Vec::with_capacity(program.rows.compute_nnz());
+    let mut terms = Vec::new();
+    let mut moved = false;
+    for row in 0..program.row_count() {
+        let (index, values) = program.row(row);
+        let mut own = [program.row_lower[row], program.row_upper[row]];
+        terms.clear();
+        terms.extend(index.iter().copied().zip(values.iter().copied()));
+        let finite = own.iter().filter(|limit| limit.is_finite());
+        let noise = f64::EPSILON * finite.fold(0.0_f64, |most, limit| most.max(limit.abs()));
+        for _ in 0..PASSES {
+            if terms.len() < 2 {
+                break;
+            }
+            let tight = tighten_terms(&mut terms, own, columns, noise);
+            own = tight.unwrap_or(own);
+            terms.retain(|(_, a)| *a != 0.0);
+            let rounded = round_limits(&terms, own, columns, noise);
+            let news = rounded.is_some_and(|(_, news)| news);
+            own = rounded.map_or(own, |(limits, _)| limits);
+            if own[0] > own[1] {
+                return None;
+            }
+            if tight.is_none() && !news {
+                break;
+            }
+            moved = true;
+        }
+        limits.push(own);
+        entries.extend(terms.iter().map(|&(j, a)| (row, j, a)));
+    }
+    if moved { program.replace_rows(entries.into_iter(), &limits) } else { Some(()) }
+}
+
+/// The covering rows, which ask for at least one of their binaries; `sizes` says how many columns a row
+/// may have.
+pub(crate) fn covering_rows(program: &Program, sizes: &RangeInclusive<usize>) -> Vec<usize> {
     let is_binary =
         |j: usize| program.integral[j] && program.lower[j] >= 0.0 && program.upper[j] <= 1.0;
-    let cover = |row: usize| {
+    let covers = |&row: &usize| {
         let (columns, values) = program.row(row);
-        let first = *values.first()?;
+        let Some(&first) = values.first() else { return false };
         let alike = values.iter().all(|&a| a == first) && columns.iter().all(|&j| is_binary(j));
         let limit = if first > 0.0 { program.row_lower[row] } else { program.row_upper[row] };
-        (sizes.contains(&columns.len()) && alike && limit == first).then(|| columns.to_vec())
+        sizes.contains(&columns.len()) && alike && limit == first
     };
-    (0..program.row_count()).filter_map(cover).collect()
+    (0..program.row_count()).filter(covers).collect()
 }
 
 /// Tries the cases of all disjunctions until no bound moves; returns how many moved.
@@ -72,14 +112,15 @@ fn gain(
     program: &Program,
     domain: &mut Domain,
     propagator: &mut Propagator,
-    disjunctions: &[Vec<usize>],
+    disjunctions: &[usize],
     token: &StopToken,
 ) -> Result<usize, Conflict> {
     let (mut gained, mut trials) = (0, 0);
     let (mut shared, mut changed): (Vec<Bounds>, Vec<Bounds>) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let before = gained;
-        for columns in disjunctions {
+        for &row in disjunctions {
+            let columns = program.row(row).0;
             if columns.iter().any(|&j| domain.lower(j) == 1.0) {
                 continue;
             }

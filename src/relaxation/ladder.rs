@@ -326,7 +326,10 @@ impl Ladder {
         if question.look_for_descent && !known.converged && self.falls_forever(program, token) {
             return Verdict::Descent;
         }
-        let (bound, x, converged) = (known.bound, std::mem::take(&mut known.x), known.converged);
+        let (bound, mut x, converged) =
+            (known.bound, std::mem::take(&mut known.x), known.converged);
+        // Nobody knew a point.
+        x.resize(program.columns.len(), 0.0);
         known.relaxed(bound, x, converged)
     }
 
@@ -372,7 +375,7 @@ impl<'a> Known<'a> {
             cutoff: question.cutoff,
             bound: f64::NEG_INFINITY,
             y: Vec::new(),
-            x: vec![0.0; program.columns.len()],
+            x: Vec::new(),
             nearest: f64::INFINITY,
             converged: false,
             warm: None,

@@ -31,8 +31,9 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
     let mut held = vec![false; x.len()];
     clip(program, x, &mut held);
     held.fill(false);
-    let mut active: Vec<(usize, f64)> = Vec::new();
+    let mut active: Vec<(usize, f64)> = Vec::with_capacity(program.rows.len());
     let mut is_active = vec![false; program.rows.len()];
+    let mut moved = Vec::with_capacity(x.len());
     for _ in 0..ROUNDS {
         let known = active.len();
         for (row, is_active) in is_active.iter_mut().enumerate() {
@@ -44,7 +45,8 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
                 active.push((row, if activity < lower { lower } else { upper }));
             }
         }
-        let moved = x.to_vec();
+        moved.clear();
+        moved.extend_from_slice(x);
         let left_box = clip(program, x, &mut held);
         let settled = active.len() == known && !left_box;
         if settled || token.is_over() || !move_onto(program, &active, &held, x) {
@@ -104,15 +106,17 @@ fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut 
     let Ok(factor) = normal.sp_cholesky(Side::Lower) else { return false };
     let mut best = x.to_vec();
     let mut least = f64::INFINITY;
+    let mut multiplier = Col::zeros(active.len());
     for _ in 0..4 {
         let miss = |e: usize| active[e].1 - activity(program, active[e].0, x);
-        let residual = Col::from_fn(active.len(), miss);
-        let size = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        (0..active.len()).for_each(|e| multiplier[e] = miss(e));
+        let size = multiplier.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         if size.is_nan() || size >= least {
             break;
         }
-        (least, best) = (size, x.to_vec());
-        let multiplier = factor.solve(&residual);
+        least = size;
+        best.copy_from_slice(x);
+        factor.solve_in_place(&mut multiplier);
         for (e, &(i, _)) in active.iter().enumerate() {
             let (columns, values) = program.rows.vector(i);
             for (&j, &a) in columns.iter().zip(values) {
@@ -151,16 +155,18 @@ fn normal_matrix(
     scale: &[f64],
 ) -> Option<SparseColMat<usize, f64>> {
     const MOST_ENTRIES: usize = 4_000_000;
-    let mut rows = SparseVectors::new();
+    let entries = active.iter().map(|&(i, _)| program.rows.vector(i).0.len()).sum();
+    let mut rows = SparseVectors::with_capacity(active.len(), entries);
     for &(i, _) in active {
         let (columns, values) = program.rows.vector(i);
         rows.push(columns.iter().copied().zip(values.iter().copied()));
     }
     let by_column = rows.transposed(scale.len());
-    if (0..scale.len()).map(|j| by_column.of(j).len().pow(2)).sum::<usize>() > MOST_ENTRIES {
+    let products = (0..scale.len()).map(|j| by_column.of(j).len().pow(2)).sum::<usize>();
+    if products > MOST_ENTRIES {
         return None;
     }
-    let mut entries = Vec::new();
+    let mut entries = Vec::with_capacity(products + active.len());
     let mut diagonal = vec![0.0_f64; active.len()];
     for (j, &d) in scale.iter().enumerate() {
         for (e, a) in by_column.of(j) {

@@ -13,6 +13,17 @@ impl SparseVectors {
         SparseVectors { start: vec![0], ..SparseVectors::default() }
     }
 
+    /// No vectors yet, with memory for so many, and for their entries.
+    pub(super) fn with_capacity(vectors: usize, entries: usize) -> Self {
+        let mut start = Vec::with_capacity(vectors + 1);
+        start.push(0);
+        SparseVectors {
+            start,
+            index: Vec::with_capacity(entries),
+            value: Vec::with_capacity(entries),
+        }
+    }
+
     pub(super) fn push(&mut self, entries: impl Iterator<Item = (usize, f64)>) {
         for (i, a) in entries {
             self.index.push(i);

@@ -21,11 +21,19 @@ const NONE: usize = usize::MAX;
 const LARGEST: usize = 8;
 
 /// Binaries of which at most, at least, or exactly one is to be 1.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Group {
-    columns: Vec<usize>,
+    /// Its columns, and how many they are.
+    all: [usize; LARGEST],
+    count: usize,
     /// Whether one of them must be 1.
     wants_one: bool,
+}
+
+impl Group {
+    fn columns(&self) -> &[usize] {
+        &self.all[..self.count]
+    }
 }
 
 /// The groups of a program: rows over a few binaries with equal coefficients.
@@ -38,7 +46,11 @@ pub fn groups(program: &Program) -> Vec<Group> {
         let limits = [program.row_lower[row], program.row_upper[row]];
         let found = (2..=LARGEST).contains(&columns.len()) && alike && limits.contains(&first);
         let wants_one = limits[usize::from(first < 0.0)] == first;
-        found.then(|| Group { columns: columns.to_vec(), wants_one })
+        found.then(|| {
+            let mut all = [NONE; LARGEST];
+            all[..columns.len()].copy_from_slice(columns);
+            Group { all, count: columns.len(), wants_one }
+        })
     };
     (0..program.row_count()).filter_map(group).collect()
 }
@@ -47,7 +59,7 @@ pub fn groups(program: &Program) -> Vec<Group> {
 pub fn lone_binaries(program: &Program, groups: &[Group]) -> Vec<usize> {
     let mut lone: Vec<bool> =
         (0..program.column_count()).map(|j| is_binary(program, j) && is_free(program, j)).collect();
-    groups.iter().flat_map(|group| &group.columns).for_each(|&j| lone[j] = false);
+    groups.iter().flat_map(Group::columns).for_each(|&j| lone[j] = false);
     program.integers.iter().copied().filter(|&j| lone[j]).collect()
 }
 
@@ -70,7 +82,7 @@ pub fn settle_groups(
 ) {
     let fractional = |j: usize, point: &[f64]| is_fractional(point[j], integrality);
     for group in groups {
-        let columns = &group.columns;
+        let columns = group.columns();
         let open = columns.iter().any(|&j| fractional(j, point));
         if !open || !columns.iter().all(|&j| is_free(program, j)) {
             continue;
@@ -118,10 +130,8 @@ fn is_fractional(value: f64, integrality: f64) -> bool {
 /// Sets one column of a group to 1 and the others to 0, or all to 0; `false`, and nothing changed,
 /// where the rows allow none of that.
 fn choose_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f64]) -> bool {
-    let old: Vec<f64> = group.iter().map(|&j| point[j]).collect();
-    let mut order: Vec<usize> = (0..group.len()).collect();
-    order.sort_by(|&a, &b| old[b].total_cmp(&old[a]).then(a.cmp(&b)));
-    let fits = order.into_iter().chain([NONE]).any(|chosen| {
+    let (old, order) = ranked(group, point);
+    let fits = order[..group.len()].iter().chain([&NONE]).any(|&chosen| {
         for (k, &j) in group.iter().enumerate() {
             point[j] = f64::from(u8::from(k == chosen));
         }
@@ -133,6 +143,21 @@ fn choose_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [
         group.iter().zip(old).for_each(|(&j, value)| point[j] = value);
     }
     fits
+}
+
+/// The values of the columns of a group.
+fn values_of(group: &[usize], point: &[f64]) -> [f64; LARGEST] {
+    let mut values = [0.0; LARGEST];
+    values.iter_mut().zip(group).for_each(|(value, &j)| *value = point[j]);
+    values
+}
+
+/// The values of the columns of a group, and their places by value, the largest first.
+fn ranked(group: &[usize], point: &[f64]) -> ([f64; LARGEST], [usize; LARGEST]) {
+    let (values, mut order) = (values_of(group, point), std::array::from_fn(|k| k));
+    order[..group.len()]
+        .sort_unstable_by(|&a: &usize, &b: &usize| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
+    (values, order)
 }
 
 /// Sets a column to the whole value below or above it, where the rows allow that.
@@ -152,11 +177,10 @@ fn round(program: &Program, domain: &Domain, j: usize, point: &mut [f64]) {
 /// Raises the column of a group that can be raised most, at the cost of the others, which go as far
 /// down as they can.
 fn raise_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f64]) {
-    let old: Vec<f64> = group.iter().map(|&j| point[j]).collect();
-    let mut order: Vec<usize> = (0..group.len()).collect();
-    order.sort_by(|&a, &b| old[b].total_cmp(&old[a]).then(a.cmp(&b)));
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for &k in &order {
+    let (old, order) = ranked(group, point);
+    let order = &order[..group.len()];
+    let mut best: Option<(f64, [f64; LARGEST])> = None;
+    for &k in order {
         let j = group[k];
         point[j] += room(program, domain, &[(j, 1.0)], point);
         let others = || order.iter().rev().map(|&k| group[k]).filter(|&other| other != j);
@@ -169,7 +193,7 @@ fn raise_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f
             point[other] -= room(program, domain, &[(other, -1.0)], point);
         }
         if best.as_ref().is_none_or(|(most, _)| point[j] > *most + MISS) {
-            best = Some((point[j], group.iter().map(|&j| point[j]).collect()));
+            best = Some((point[j], values_of(group, point)));
         }
         group.iter().zip(&old).for_each(|(&j, &value)| point[j] = value);
     }

@@ -22,8 +22,8 @@ const SIDES: std::ops::RangeInclusive<usize> = 3..=64;
 /// The root after propagation and probing; every worker starts from it.
 #[derive(Debug, Clone)]
 pub struct Root {
-    /// The columns of each covering row that can be split.
-    pub(super) covers: Vec<Vec<usize>>,
+    /// The covering rows that can be split.
+    pub(super) covers: Vec<usize>,
     pub(super) groups: Vec<Group>,
     /// Binaries without a cost that are in no group.
     pub(super) lone: Vec<usize>,

@@ -7,7 +7,8 @@
 //! products would fill in.
 
 use super::substitute::{is_stable, substitute};
-use super::work::{Work, is_whole};
+use super::work::Work;
+use crate::presolve::coefficients::is_whole;
 
 pub(super) fn apply(work: &mut Work, row: usize) -> usize {
     if !work.is_equality(row) {

@@ -6,7 +6,8 @@
 //! restored: programs with integers have none. So a column that stands for
 //! a conjunction, `x <= z_1` and `x <= z_2`, is a binary: rows over it say "at least one of these".
 
-use super::work::{Work, is_whole};
+use super::work::Work;
+use crate::presolve::coefficients::is_whole;
 
 pub(super) fn apply(work: &mut Work) -> usize {
     // A continuous program stays one.

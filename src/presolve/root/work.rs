@@ -62,6 +62,8 @@ pub(super) struct Work {
     step: Vec<Option<usize>>,
     sign: f64,
     token: StopToken,
+    /// Memory for a row.
+    pub(super) memory: Sparse,
 }
 
 /// A column as it was before it was taken out.
@@ -96,12 +98,14 @@ pub(super) struct Range {
 impl Work {
     pub(super) fn new(program: &Program, token: &StopToken) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
-        let pairs = |(index, value): (&[usize], &[f64])| -> Sparse {
-            let entries = index.iter().copied().zip(value.iter().copied());
-            entries.filter(|(_, a)| *a != 0.0).collect()
+        let pairs = |(index, value): (&[usize], &[f64])| {
+            let entries: Sparse = index.iter().copied().zip(value.iter().copied()).collect();
+            entries.into_iter().filter(|(_, a)| *a != 0.0)
         };
-        let rows: Vec<Sparse> = (0..m).map(|i| pairs(program.row(i))).collect();
-        let mut uses = vec![Vec::new(); n];
+        // In place: as much memory as the row had.
+        let rows: Vec<Sparse> = (0..m).map(|i| pairs(program.row(i)).collect()).collect();
+        let room = |j: usize| Vec::with_capacity(program.column(j).0.len());
+        let mut uses: Vec<Vec<usize>> = (0..n).map(room).collect();
         for (i, row) in rows.iter().enumerate() {
             row.iter().for_each(|&(j, _)| uses[j].push(i));
         }
@@ -122,15 +126,14 @@ impl Work {
             integral: program.integral.clone(),
             given: vec![false; n],
             linear: program.linear.clone(),
-            quadratic: (0..n)
-                .map(|j| pairs(program.quadratic_column(j)).into_iter().collect())
-                .collect(),
+            quadratic: (0..n).map(|j| pairs(program.quadratic_column(j)).collect()).collect(),
             offset: program.offset,
             rounding: 0.0,
             undos: Vec::new(),
             step: program.step.clone(),
             sign: program.sign,
             token: token.clone(),
+            memory: Sparse::new(),
         }
     }
 
@@ -226,8 +229,8 @@ impl Work {
         }
     }
 
-    /// Gives a row other entries (sorted by column, none of them 0).
-    pub(super) fn set_row(&mut self, row: usize, entries: Sparse) {
+    /// Gives a row other entries (sorted by column, none of them 0). Returns the old ones.
+    pub(super) fn set_row(&mut self, row: usize, entries: Sparse) -> Sparse {
         for &(column, _) in &self.rows[row] {
             self.uses[column].retain(|&i| i != row);
         }
@@ -236,7 +239,7 @@ impl Work {
                 self.uses[column].insert(at, row);
             }
         }
-        self.rows[row] = entries;
+        std::mem::replace(&mut self.rows[row], entries)
     }
 
     /// Takes a column out whose entries in rows and objective are gone or replaced.
@@ -426,9 +429,4 @@ impl Work {
 /// The size of a limit; 0 where there is none.
 pub(super) fn finite(limit: f64) -> f64 {
     if limit.is_finite() { limit.abs() } else { 0.0 }
-}
-
-/// Whether a value is a whole number, up to rounding.
-pub(super) fn is_whole(value: f64) -> bool {
-    (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
 }

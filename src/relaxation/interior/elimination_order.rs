@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use crate::presolve::Reduced;
+use crate::presolve::{Reduced, refill};
 
 /// A kept order is used while at least this part of its unknowns is left; a smaller system has better
 /// orders of its own.
@@ -20,18 +20,13 @@ const KEPT: usize = 6;
 const NONE: usize = usize::MAX;
 
 /// The unknowns of a system by the names that they have in the program: its columns, then rows.
-pub(super) struct Unknowns<'a> {
-    columns: &'a [usize],
+#[derive(Debug, Clone, Default)]
+struct Unknowns {
+    columns: Vec<usize>,
     rows: Vec<usize>,
 }
 
-impl<'a> Unknowns<'a> {
-    /// The columns of a reduced program, and some of its rows.
-    pub(super) fn new(program: &'a Reduced, rows: impl Iterator<Item = usize>) -> Self {
-        let name = |row: usize| program.origin.get(row).copied().unwrap_or(NONE);
-        Unknowns { columns: &program.columns, rows: rows.map(name).collect() }
-    }
-
+impl Unknowns {
     fn len(&self) -> usize {
         self.columns.len() + self.rows.len()
     }
@@ -40,7 +35,13 @@ impl<'a> Unknowns<'a> {
 /// The orders that were used last, the last one first. Below in the tree, a system is mostly a part of
 /// one before, and a part of an order leaves no more fill than the whole.
 #[derive(Debug, Clone, Default)]
-pub(super) struct KeptOrders(Vec<KeptOrder>);
+pub(super) struct KeptOrders {
+    kept: Vec<KeptOrder>,
+    /// Those of the system in hand.
+    unknowns: Unknowns,
+    /// By place in a kept order, which of them is there.
+    at: Vec<usize>,
+}
 
 #[derive(Debug, Clone, Default)]
 struct KeptOrder {
@@ -53,34 +54,50 @@ struct KeptOrder {
 }
 
 impl KeptOrders {
-    /// The part of an order that is about some unknowns, if one has them all and they are most of it:
-    /// by unknown, when it is eliminated. With the most fill that it may leave: a system that has got
-    /// other rows, such as cuts, is no part of the one before.
-    pub(super) fn part(&mut self, unknowns: &Unknowns<'_>) -> Option<(Vec<usize>, f64)> {
-        let parts = self.0.iter().enumerate();
-        let (k, order) = parts.filter_map(|(k, kept)| Some((k, kept.part(unknowns)?))).next()?;
-        self.0[..=k].rotate_right(1);
-        Some((order, WORSE * self.0[0].fill))
+    /// Takes the unknowns of a system: the columns of a reduced program, and some of its rows. Writes
+    /// the part of an order that is about them, if one has them all and they are most of it: by unknown,
+    /// when it is eliminated. Returns the most fill that it may leave: a system that has got other rows,
+    /// such as cuts, is no part of the one before.
+    pub(super) fn write_part(
+        &mut self,
+        program: &Reduced,
+        rows: impl Iterator<Item = usize>,
+        order: &mut Vec<usize>,
+    ) -> Option<f64> {
+        let KeptOrders { kept, unknowns, at } = self;
+        unknowns.columns.clone_from(&program.columns);
+        let name = |row: usize| program.origin.get(row).copied().unwrap_or(NONE);
+        unknowns.rows.clear();
+        unknowns.rows.extend(rows.map(name));
+        let k = kept.iter().position(|kept| kept.write_part(unknowns, at, order).is_some())?;
+        kept[..=k].rotate_right(1);
+        Some(WORSE * kept[0].fill)
     }
 
-    /// Keeps an order, and the fill that it leaves.
-    pub(super) fn keep(&mut self, unknowns: &Unknowns<'_>, order: &[usize], fill: f64) {
-        let mut kept = if self.0.len() < KEPT { None } else { self.0.pop() }.unwrap_or_default();
+    /// Keeps an order of these unknowns, and the fill that it leaves.
+    pub(super) fn keep(&mut self, order: &[usize], fill: f64) {
+        let KeptOrders { kept: all, unknowns, .. } = self;
+        let mut kept = if all.len() < KEPT { None } else { all.pop() }.unwrap_or_default();
         let (of_columns, of_rows) = order.split_at(unknowns.columns.len());
-        place(&mut kept.columns, unknowns.columns, of_columns);
+        place(&mut kept.columns, &unknowns.columns, of_columns);
         place(&mut kept.rows, &unknowns.rows, of_rows);
         (kept.size, kept.fill) = (order.len(), fill);
-        self.0.insert(0, kept);
+        all.insert(0, kept);
     }
 }
 
 impl KeptOrder {
-    fn part(&self, unknowns: &Unknowns<'_>) -> Option<Vec<usize>> {
+    fn write_part(
+        &self,
+        unknowns: &Unknowns,
+        at: &mut Vec<usize>,
+        order: &mut Vec<usize>,
+    ) -> Option<()> {
         let (size, whole) = (unknowns.len(), self.size);
         if size > whole || (size as f64) < LEFT * whole as f64 {
             return None;
         }
-        let mut at = vec![NONE; self.size];
+        refill(at, self.size, NONE);
         let columns = unknowns.columns.iter().map(|&name| self.columns.get(name));
         let rows = unknowns.rows.iter().map(|&name| self.rows.get(name));
         for (unknown, place) in columns.chain(rows).enumerate() {
@@ -90,10 +107,10 @@ impl KeptOrder {
             }
             *slot = unknown;
         }
-        let mut order = vec![0; size];
-        let eliminated = at.into_iter().filter(|&unknown| unknown != NONE);
-        eliminated.enumerate().for_each(|(when, unknown)| order[unknown] = when);
-        Some(order)
+        refill(order, size, 0);
+        let eliminated = at.iter().filter(|unknown| **unknown != NONE);
+        eliminated.enumerate().for_each(|(when, &unknown)| order[unknown] = when);
+        Some(())
     }
 }
 
@@ -108,14 +125,20 @@ fn place(by_name: &mut Vec<usize>, names: &[usize], order: &[usize]) {
     }
 }
 
-/// The order of approximate minimum degree, from an upper triangle by columns: by unknown, when it is
-/// eliminated. `None` if there is none.
-pub(super) fn minimum_degree(size: usize, start: &[usize], index: &[usize]) -> Option<Vec<usize>> {
+/// Writes the order of approximate minimum degree, from an upper triangle by columns: by unknown, when
+/// it is eliminated. `None` if there is none.
+pub(super) fn write_minimum_degree(
+    size: usize,
+    start: &[usize],
+    index: &[usize],
+    order: &mut Vec<usize>,
+) -> Option<()> {
     let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, index);
     let need = amd::order_maybe_unsorted_scratch::<usize>(size, index.len());
     let mut memory = MemBuffer::try_new(need).ok()?;
-    let (mut eliminated, mut order) = (vec![0; size], vec![0; size]);
+    let mut eliminated = vec![0; size];
+    refill(order, size, 0);
     let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-    amd::order_maybe_unsorted(&mut eliminated, &mut order, pattern, control, stack).ok()?;
-    Some(order)
+    amd::order_maybe_unsorted(&mut eliminated, order, pattern, control, stack).ok()?;
+    Some(())
 }

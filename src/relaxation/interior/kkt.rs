@@ -18,7 +18,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
 use super::condensed::Condensed;
-use super::elimination_order::{KeptOrders, Unknowns, minimum_degree};
+use super::elimination_order::{KeptOrders, write_minimum_degree};
 use super::scaled::Scaled;
 use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
@@ -78,20 +78,28 @@ impl Kkt {
             self.ordered[..=k].rotate_right(1);
         } else {
             let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
-            let unknowns = Unknowns::new(reduced, rows);
-            let part = self.orders.part(&unknowns).and_then(|(order, most)| {
-                Ordered::new(start, index, order).filter(|part| part.fill() <= most)
+            let mut memory = OrderMemory::default();
+            if self.ordered.len() >= KEPT {
+                memory = self.ordered.pop().map(Ordered::into_memory).unwrap_or_default();
+            }
+            let part = self.orders.write_part(reduced, rows, &mut memory.order).and_then(|most| {
+                let part = Ordered::new(start, index, std::mem::take(&mut memory))?;
+                if part.fill() <= most {
+                    return Some(part);
+                }
+                memory = part.into_memory();
+                None
             });
             let ordered = match part {
                 Some(part) => part,
                 None => {
-                    let order = minimum_degree(self.condensed.diagonal.len(), start, index)?;
-                    let ordered = Ordered::new(start, index, order)?;
-                    self.orders.keep(&unknowns, &ordered.order, ordered.fill());
+                    let size = self.condensed.diagonal.len();
+                    write_minimum_degree(size, start, index, &mut memory.order)?;
+                    let ordered = Ordered::new(start, index, memory)?;
+                    self.orders.keep(&ordered.order, ordered.fill());
                     ordered
                 }
             };
-            self.ordered.truncate(KEPT - 1);
             self.ordered.insert(0, ordered);
         }
         let symbolic = &self.ordered[0].symbolic;
@@ -177,9 +185,22 @@ struct Ordered {
     symbolic: SymbolicCholesky<usize>,
 }
 
+/// An order of elimination, and memory for the rest of an [`Ordered`].
+#[derive(Default)]
+struct OrderMemory {
+    order: Vec<usize>,
+    start: Vec<usize>,
+    index: Vec<usize>,
+    first: Vec<usize>,
+    rows: Vec<usize>,
+    moved: Vec<usize>,
+}
+
 impl Ordered {
     /// `None` if there is no memory for the factor.
-    fn new(start: &[usize], index: &[usize], order: Vec<usize>) -> Option<Self> {
+    fn new(start: &[usize], index: &[usize], memory: OrderMemory) -> Option<Self> {
+        let OrderMemory { order, mut first, mut rows, mut moved, .. } = memory;
+        let (mut own_start, mut own_index) = (memory.start, memory.index);
         let size = order.len();
         let entries = || {
             let columns =
@@ -189,16 +210,19 @@ impl Ordered {
                 (i.min(c), i.max(c))
             })
         };
-        let mut first = vec![0; size + 1];
+        refill(&mut first, size + 1, 0);
         entries().for_each(|(_, c)| first[c + 1] += 1);
         (0..size).for_each(|c| first[c + 1] += first[c]);
-        let mut next = first.clone();
-        let (mut rows, mut moved) = (vec![0; index.len()], Vec::with_capacity(index.len()));
+        refill(&mut rows, index.len(), 0);
+        moved.clear();
+        // Every beginning moves to its end, which is where the next one began.
         for (i, c) in entries() {
-            rows[next[c]] = i;
-            moved.push(next[c]);
-            next[c] += 1;
+            rows[first[c]] = i;
+            moved.push(first[c]);
+            first[c] += 1;
         }
+        first.rotate_right(1);
+        first[0] = 0;
         let pattern = SymbolicSparseColMat::new_unsorted_checked(size, size, first, None, rows);
         let symbolic = factorize_symbolic_cholesky(
             pattern.as_ref(),
@@ -210,8 +234,18 @@ impl Ordered {
             },
         )
         .ok()?;
-        let (start, index) = (start.to_vec(), index.to_vec());
-        Some(Ordered { start, index, pattern, moved, order, symbolic })
+        own_start.clear();
+        own_start.extend_from_slice(start);
+        own_index.clear();
+        own_index.extend_from_slice(index);
+        Some(Ordered { start: own_start, index: own_index, pattern, moved, order, symbolic })
+    }
+
+    /// The memory of one that is no longer needed.
+    fn into_memory(self) -> OrderMemory {
+        let Ordered { start, index, pattern, moved, order, .. } = self;
+        let (_, _, first, _, rows) = pattern.into_parts();
+        OrderMemory { order, start, index, first, rows, moved }
     }
 
     /// Whether it is that of a given pattern.

@@ -3,9 +3,8 @@
 //! Mehrotra's predictor and corrector from an infeasible start, on a system condensed onto columns
 //! and equalities (`kkt`). A tree has thousands of such programs, and most need no accurate
 //! optimum. After every iteration the method checks whether the multipliers already prove a bound
-//! beyond the cutoff, or infeasibility, with the same formulas as
-//! [`lower_bound`](super::lower_bound) and [`proves_infeasible`](super::proves_infeasible) in plain
-//! floats. The caller proves it again with twice the digits.
+//! beyond the cutoff, or infeasibility, with the same formulas as [`Prover`](super::Prover) in plain
+//! floats. The caller proves it again.
 //!
 //! The method gives up early, because the ladder asks another one for the rest.
 
@@ -24,7 +23,7 @@ use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
 use scaled::Scaled;
-use warm_start::{Kept, ParentIterate};
+use warm_start::{Kept, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
@@ -36,6 +35,7 @@ pub struct InteriorPoint {
     kkt: Kkt,
     at: Iterate,
     kept: Kept,
+    resumed: Resumed,
 }
 
 impl fmt::Debug for InteriorPoint {
@@ -70,7 +70,7 @@ const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let InteriorPoint { scaled, kkt, at, kept } = self;
+        let InteriorPoint { scaled, kkt, at, kept, resumed } = self;
         scaled.load(program);
         let scaled = &*scaled;
         let run = Run { program, effort, scaled };
@@ -82,7 +82,7 @@ impl Relaxation for InteriorPoint {
         let mut spent = 0;
         let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
         if let Some(parent) = parent {
-            at.resume(program, scaled, parent);
+            at.resume(program, scaled, parent, resumed);
             let result = run.iterate(at, kkt, kept, true);
             if result.claim != Claim::Unknown || effort.token.is_over() {
                 return result;

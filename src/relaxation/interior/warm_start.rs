@@ -5,7 +5,7 @@
 
 use super::iterate::Iterate;
 use super::scaled::{Scaled, Side};
-use crate::presolve::Reduced;
+use crate::presolve::{Reduced, refill};
 
 /// Complementarity, in scaled units, down to which iterates are kept. The first one has 1.
 const KEPT: f64 = 1e-3;
@@ -91,22 +91,45 @@ impl Named {
         self.values[k][place] = value;
     }
 
-    /// The numbers under so many other names, where they are known.
-    fn under(&self, names: &[usize], count: usize) -> Vec<Option<[f64; 3]>> {
+    /// Writes the numbers under so many other names, where they are known.
+    fn write_under(&self, names: &[usize], count: usize, found: &mut Found) {
+        let Found { by_name, known } = found;
         let named = || self.names.iter().zip(&self.values).filter(|(name, _)| **name != usize::MAX);
         let most = named().map(|(name, _)| name + 1).max().unwrap_or(0);
-        let mut all = vec![None; most];
-        named().for_each(|(&name, values)| all[name] = Some(*values));
-        let known = |k| names.get(k).and_then(|&name| all.get(name).copied().flatten());
-        (0..count).map(known).collect()
+        refill(by_name, most, None);
+        named().for_each(|(&name, values)| by_name[name] = Some(*values));
+        known.clear();
+        known.extend((0..count).map(|k| by_name.get(*names.get(k)?).copied().flatten()));
     }
+}
+
+/// Memory for what is known of columns and rows.
+#[derive(Debug, Default)]
+pub(super) struct Resumed {
+    columns: Found,
+    rows: Found,
+}
+
+/// Numbers by the names of a parent, and in the order of a child.
+#[derive(Debug, Default)]
+struct Found {
+    by_name: Vec<Option<[f64; 3]>>,
+    known: Vec<Option<[f64; 3]>>,
 }
 
 impl Iterate {
     /// Goes to an iterate of the parent, moved inside.
-    pub(super) fn resume(&mut self, program: &Reduced, scaled: &Scaled, parent: &ParentIterate) {
-        let columns = parent.columns.under(&program.columns, scaled.column.len());
-        let rows = parent.rows.under(&program.origin, scaled.row.len());
+    pub(super) fn resume(
+        &mut self,
+        program: &Reduced,
+        scaled: &Scaled,
+        parent: &ParentIterate,
+        resumed: &mut Resumed,
+    ) {
+        let Resumed { columns, rows } = resumed;
+        parent.columns.write_under(&program.columns, scaled.column.len(), columns);
+        parent.rows.write_under(&program.origin, scaled.row.len(), rows);
+        let (columns, rows) = (&columns.known, &rows.known);
         for (j, known) in columns.iter().enumerate() {
             if let Some([x, ..]) = known {
                 let (lower, upper) = (scaled.lower[j], scaled.upper[j]);
@@ -117,8 +140,7 @@ impl Iterate {
         scaled.activities(&self.x, &mut self.activity);
         for (k, side) in scaled.sides.iter().enumerate() {
             let of_row = k < scaled.row_sides;
-            let (values, known) =
-                if of_row { (&self.activity, &rows) } else { (&self.x, &columns) };
+            let (values, known) = if of_row { (&self.activity, rows) } else { (&self.x, columns) };
             let unit = if of_row { 1.0 / scaled.row[side.of] } else { scaled.column[side.of] };
             let least = if of_row { INSIDE } else { 1e-10 };
             let z = known[side.of].map_or(0.0, |known| known[place(side)]);

@@ -14,7 +14,6 @@ use std::collections::BTreeMap;
 use super::growth::growth_rate;
 use super::split::{Child, Split};
 use super::strong_branching::{TRIALS, Trial, try_child};
-use crate::presolve::Domain;
 use crate::search::context::Context;
 use crate::search::node::Decision;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
@@ -34,7 +33,7 @@ pub(super) fn split_disjunction(
     bound: f64,
 ) -> Option<(Split, f64)> {
     let near = 1.0 - ctx.options().integrality;
-    let mut violated = violated(&ctx.shared.root.covers, &ctx.node.domain, near, x);
+    let mut violated = violated(ctx, near, x);
     if violated.is_empty() {
         return None;
     }
@@ -74,9 +73,11 @@ pub(super) fn split_disjunction(
 }
 
 /// The disjunctions that a point violates, where `near` counts as holding.
-fn violated(covers: &[Vec<usize>], domain: &Domain, near: f64, x: &[f64]) -> Vec<Violated> {
+fn violated(ctx: &Context<'_>, near: f64, x: &[f64]) -> Vec<Violated> {
+    let domain = &ctx.node.domain;
     let mut violated = Vec::new();
-    for cover in covers {
+    for &row in &ctx.shared.root.covers {
+        let cover = ctx.program().row(row).0;
         if cover.iter().any(|&j| x[j] >= near || domain.lower(j) == 1.0) {
             continue;
         }
