@@ -13,7 +13,7 @@ use super::recession::{is_descent_ray, recession_program};
 use super::simplex::DualSimplex;
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use super::{Prover, polish};
-use crate::presolve::Reduced;
+use crate::presolve::{Reduced, Reducer};
 use crate::solution::{RelaxationCounts, Statistics};
 use crate::solver::{Options, RelaxationMethod, StopToken};
 use crate::tolerance;
@@ -166,7 +166,7 @@ pub enum Verdict {
     },
 }
 
-/// The methods of a search, and what they have taken.
+/// The methods of a search, the memory that they work in, and what they have taken.
 pub struct Ladder {
     /// Those that start from the parent's state, none or all: for dense programs with curvature, and
     /// for linear ones.
@@ -176,6 +176,7 @@ pub struct Ladder {
     last: Option<Entry>,
     spent: Spent,
     prover: Prover,
+    reducer: Reducer,
 }
 
 impl Ladder {
@@ -196,20 +197,29 @@ impl Ladder {
         };
         let warm = methods.into_iter().map(entry).collect();
         let first = Entry::of(choice);
-        Ladder { warm, first, last, spent: Spent::default(), prover: Prover::default() }
+        Ladder::of(warm, first, last)
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
         let first = Entry { method, starts_warm: |_| true, count };
-        let (spent, prover) = (Spent::default(), Prover::default());
-        Ladder { warm: Vec::new(), first, last: None, spent, prover }
+        Ladder::of(Vec::new(), first, None)
+    }
+
+    fn of(warm: Vec<Entry>, first: Entry, last: Option<Entry>) -> Self {
+        let (spent, prover, reducer) = Default::default();
+        Ladder { warm, first, last, spent, prover, reducer }
     }
 
     /// Proves bounds, in the memory that the ladder has for that.
     pub fn prover(&mut self) -> &mut Prover {
         &mut self.prover
+    }
+
+    /// Reduces the programs that it is asked about, in the memory that the ladder has for that.
+    pub(crate) fn reducer(&mut self) -> &mut Reducer {
+        &mut self.reducer
     }
 
     /// What was taken since this was last called.

@@ -9,7 +9,7 @@ use super::found::Found;
 use super::root::Root;
 use super::task::Task;
 use super::tree_view::TreeView;
-use crate::presolve::{Propagator, Reducer};
+use crate::presolve::Propagator;
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{NodeView, Options, StopToken};
@@ -37,7 +37,6 @@ pub(super) struct Context<'a> {
     pub(super) tree: TreeView<'a>,
     pub(super) node: FocusNode,
     pub(super) propagator: Propagator,
-    pub(super) reducer: Reducer,
     pub(super) ladder: Ladder,
     pub(super) clock: Clock,
     /// This worker's own clone, which counts its work.
@@ -56,7 +55,6 @@ impl<'a> Context<'a> {
             tree,
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
-            reducer: Reducer::default(),
             ladder: shared.task.ladders.take(),
             clock: Clock::new(),
             token: shared.task.token.clone(),

@@ -35,12 +35,14 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         return false;
     }
     let program = ctx.shared.task.exact.unwrap_or(ctx.program());
-    let Some(reduced) = ctx.reducer.reduce(program, &ctx.node.domain) else { return false };
+    let Some(reduced) = ctx.ladder.reducer().reduce(program, &ctx.node.domain) else {
+        return false;
+    };
     let found = match relax(ctx, &reduced, Purpose::Node) {
         Verdict::Relaxed { x, .. } => offer_leaf(ctx, &reduced, &x),
         _ => false,
     };
-    ctx.reducer.reuse(reduced);
+    ctx.ladder.reducer().reuse(reduced);
     found
 }
 

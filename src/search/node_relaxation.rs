@@ -18,7 +18,7 @@ pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
 pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projection {
     let activity = ctx.clock.switch(Activity::Reduction);
     let integral = &ctx.program().integral;
-    let projection = ctx.reducer.project(reduced, integral);
+    let projection = ctx.ladder.reducer().project(reduced, integral);
     ctx.clock.switch(activity);
     projection
 }
@@ -28,7 +28,7 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
     let program = ctx.base();
     let program = ctx.shared.task.exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
-    let mut reduced = ctx.reducer.reduce(program, &ctx.node.domain);
+    let mut reduced = ctx.ladder.reducer().reduce(program, &ctx.node.domain);
     if let Some(reduced) = &mut reduced {
         if let Some(windows) = ctx.shared.windows {
             windows.add_rows(&ctx.node.domain, reduced);

@@ -267,7 +267,9 @@ impl Replay {
                 self.left |= left.iter().any(|side| self.fractional[side.column]);
                 break;
             }
-            for side in std::mem::take(&mut left) {
+            let mut kept = 0;
+            for k in 0..left.len() {
+                let side = left[k];
                 if !matches!(Stand::of(ctx, &side), Stand::Open) || ctx.token.is_over() {
                     continue;
                 }
@@ -281,7 +283,8 @@ impl Replay {
                 };
                 ctx.node.domain.undo_to(mark);
                 if !closes {
-                    left.push(side);
+                    left[kept] = side;
+                    kept += 1;
                     continue;
                 }
                 self.closed = true;
@@ -290,6 +293,7 @@ impl Replay {
                     return None;
                 }
             }
+            left.truncate(kept);
         }
         Some(())
     }
@@ -322,7 +326,7 @@ impl Replay {
         let cutoff = ctx.tree.cutoff();
         let tried = multipliers.prove(&reduced, cutoff, ctx.ladder.prover(), &mut self.picked);
         ctx.clock.switch(activity);
-        ctx.reducer.reuse(reduced);
+        ctx.ladder.reducer().reuse(reduced);
         if let Tried::Closed = tried {
             self.keep((before, now), multipliers);
         }
@@ -341,7 +345,7 @@ impl Replay {
         let Some(reduced) = reduce_node(ctx) else { return true };
         let projection = project_reduced(ctx, reduced);
         let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
-        ctx.reducer.reuse_projection(projection);
+        ctx.ladder.reducer().reuse_projection(projection);
         let closes = match verdict {
             Verdict::Refuted(_) => true,
             Verdict::Relaxed { bound, .. } => ctx.tree.strengthen(bound) >= ctx.tree.cutoff(),

@@ -1,7 +1,7 @@
 //! The relaxed point of a root, and its value: for what strengthens a program before the search, and
 //! for the search, which need not relax the same root again.
 
-use crate::presolve::{Domain, project, reduce, tighten_coefficients};
+use crate::presolve::{Domain, Projection, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
 use crate::solver::{Options, StopToken};
@@ -52,9 +52,21 @@ impl RootPoint {
         token: &StopToken,
         warm: Option<&WarmState>,
     ) -> Option<RootPoint> {
-        let mut reduced = reduce(program, domain)?;
+        let mut reduced = ladder.reducer().reduce(program, domain)?;
         tighten_coefficients(&mut reduced, &program.integral);
-        let projection = project(reduced, &program.integral);
+        let projection = ladder.reducer().project(reduced, &program.integral);
+        let point = Self::of(&projection, ladder, options, token, warm);
+        ladder.reducer().reuse_projection(projection);
+        point
+    }
+
+    fn of(
+        projection: &Projection,
+        ladder: &mut Ladder,
+        options: &Options,
+        token: &StopToken,
+        warm: Option<&WarmState>,
+    ) -> Option<RootPoint> {
         let reduced = &projection.reduced;
         if reduced.columns.is_empty() {
             return None;

@@ -185,7 +185,7 @@ fn relax_node(
     };
     let projection = project_reduced(ctx, reduced);
     let relaxed = relax_projection(ctx, pseudocosts, node, &projection);
-    ctx.reducer.reuse_projection(projection);
+    ctx.ladder.reducer().reuse_projection(projection);
     relaxed
 }
 

@@ -1,6 +1,6 @@
 //! The order in which the unknowns of a system are eliminated, with little fill.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
@@ -34,13 +34,14 @@ impl Unknowns {
 
 /// The orders that were used last, the last one first. Below in the tree, a system is mostly a part of
 /// one before, and a part of an order leaves no more fill than the whole.
-#[derive(Debug, Clone, Default)]
+#[derive(Default)]
 pub(super) struct KeptOrders {
     kept: Vec<KeptOrder>,
     /// Those of the system in hand.
     unknowns: Unknowns,
-    /// By place in a kept order, which of them is there.
+    /// By place in a kept order, or as an order is computed, which of them is there.
     at: Vec<usize>,
+    memory: Option<MemBuffer>,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -64,7 +65,7 @@ impl KeptOrders {
         rows: impl Iterator<Item = usize>,
         order: &mut Vec<usize>,
     ) -> Option<f64> {
-        let KeptOrders { kept, unknowns, at } = self;
+        let KeptOrders { kept, unknowns, at, .. } = self;
         unknowns.columns.clone_from(&program.columns);
         let name = |row: usize| program.origin.get(row).copied().unwrap_or(NONE);
         unknowns.rows.clear();
@@ -72,6 +73,23 @@ impl KeptOrders {
         let k = kept.iter().position(|kept| kept.write_part(unknowns, at, order).is_some())?;
         kept[..=k].rotate_right(1);
         Some(WORSE * kept[0].fill)
+    }
+
+    /// Writes the order of approximate minimum degree, from an upper triangle by columns: by unknown,
+    /// when it is eliminated. `None` if there is none.
+    pub(super) fn write_minimum_degree(
+        &mut self,
+        size: usize,
+        (start, index): (&[usize], &[usize]),
+        order: &mut Vec<usize>,
+    ) -> Option<()> {
+        let KeptOrders { at: eliminated, memory, .. } = self;
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, index);
+        let stack = stack(memory, amd::order_maybe_unsorted_scratch::<usize>(size, index.len()))?;
+        refill(eliminated, size, 0);
+        refill(order, size, 0);
+        let control = amd::Control::default();
+        amd::order_maybe_unsorted(eliminated, order, pattern, control, stack).ok().map(|_| ())
     }
 
     /// Keeps an order of these unknowns, and the fill that it leaves.
@@ -116,29 +134,15 @@ impl KeptOrder {
 
 /// Writes when the unknowns of some names are eliminated.
 fn place(by_name: &mut Vec<usize>, names: &[usize], order: &[usize]) {
-    by_name.clear();
-    for (&name, &when) in names.iter().zip(order).filter(|(name, _)| **name != NONE) {
-        if name >= by_name.len() {
-            by_name.resize(name + 1, NONE);
-        }
-        by_name[name] = when;
-    }
+    let named = || names.iter().zip(order).filter(|(name, _)| **name != NONE);
+    refill(by_name, named().map(|(name, _)| name + 1).max().unwrap_or(0), NONE);
+    named().for_each(|(&name, &when)| by_name[name] = when);
 }
 
-/// Writes the order of approximate minimum degree, from an upper triangle by columns: by unknown, when
-/// it is eliminated. `None` if there is none.
-pub(super) fn write_minimum_degree(
-    size: usize,
-    start: &[usize],
-    index: &[usize],
-    order: &mut Vec<usize>,
-) -> Option<()> {
-    let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, index);
-    let need = amd::order_maybe_unsorted_scratch::<usize>(size, index.len());
-    let mut memory = MemBuffer::try_new(need).ok()?;
-    let mut eliminated = vec![0; size];
-    refill(order, size, 0);
-    let (control, stack) = (amd::Control::default(), MemStack::new(&mut memory));
-    amd::order_maybe_unsorted(&mut eliminated, order, pattern, control, stack).ok()?;
-    Some(())
+/// Working memory as large as needed, the old one if that is enough; `None` if there is none.
+pub(super) fn stack(memory: &mut Option<MemBuffer>, need: StackReq) -> Option<&mut MemStack> {
+    if !memory.as_mut().is_some_and(|memory| MemStack::new(memory).can_hold(need)) {
+        *memory = Some(MemBuffer::try_new(need).ok()?);
+    }
+    memory.as_mut().map(|memory| MemStack::new(memory))
 }

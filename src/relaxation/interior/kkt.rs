@@ -18,7 +18,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
 use super::condensed::Condensed;
-use super::elimination_order::{KeptOrders, write_minimum_degree};
+use super::elimination_order::{KeptOrders, stack};
 use super::scaled::Scaled;
 use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
@@ -94,7 +94,7 @@ impl Kkt {
                 Some(part) => part,
                 None => {
                     let size = self.condensed.diagonal.len();
-                    write_minimum_degree(size, start, index, &mut memory.order)?;
+                    self.orders.write_minimum_degree(size, (start, index), &mut memory.order)?;
                     let ordered = Ordered::new(start, index, memory)?;
                     self.orders.keep(&ordered.order, ordered.fill());
                     ordered
@@ -106,10 +106,7 @@ impl Kkt {
         let need = symbolic
             .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        if !self.memory.as_mut().is_some_and(|memory| MemStack::new(memory).can_hold(need)) {
-            self.memory = Some(MemBuffer::try_new(need).ok()?);
-        }
-        Some(())
+        stack(&mut self.memory, need).map(|_| ())
     }
 
     /// Rows with an unknown, after the equalities.

@@ -76,28 +76,28 @@ fn place(side: &Side) -> usize {
 /// Three numbers for each of some columns or rows.
 #[derive(Debug)]
 struct Named {
-    /// The name of each; `usize::MAX` for those that have none.
-    names: Vec<usize>,
-    values: Vec<[f64; 3]>,
+    /// With the name of each; `usize::MAX` for those that have none.
+    values: Vec<(usize, [f64; 3])>,
 }
 
 impl Named {
     /// So many; those beyond the names have none.
     fn new(names: &[usize], count: usize) -> Self {
-        Named { names: names.to_vec(), values: vec![[0.0; 3]; count] }
+        let name = |k: usize| names.get(k).copied().unwrap_or(usize::MAX);
+        Named { values: (0..count).map(|k| (name(k), [0.0; 3])).collect() }
     }
 
     fn set(&mut self, k: usize, place: usize, value: f64) {
-        self.values[k][place] = value;
+        self.values[k].1[place] = value;
     }
 
     /// Writes the numbers under so many other names, where they are known.
     fn write_under(&self, names: &[usize], count: usize, found: &mut Found) {
         let Found { by_name, known } = found;
-        let named = || self.names.iter().zip(&self.values).filter(|(name, _)| **name != usize::MAX);
+        let named = || self.values.iter().filter(|(name, _)| *name != usize::MAX);
         let most = named().map(|(name, _)| name + 1).max().unwrap_or(0);
         refill(by_name, most, None);
-        named().for_each(|(&name, values)| by_name[name] = Some(*values));
+        named().for_each(|&(name, values)| by_name[name] = Some(values));
         known.clear();
         known.extend((0..count).map(|k| by_name.get(*names.get(k)?).copied().flatten()));
     }

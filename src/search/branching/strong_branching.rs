@@ -76,7 +76,7 @@ pub(super) fn try_child(
     if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
         point = ctx.complete_point(projection.lift(x));
     }
-    ctx.reducer.reuse_projection(projection);
+    ctx.ladder.reducer().reuse_projection(projection);
     let moved = moved_since(ctx, mark, decision.column);
     ctx.node.domain.undo_to(mark);
     match verdict {

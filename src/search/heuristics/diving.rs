@@ -156,7 +156,7 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let Verdict::Relaxed { bound, x, .. } = verdict else { return None };
     let is_better = ctx.tree.strengthen(bound) < ctx.tree.cutoff();
     let point = is_better.then(|| projection.lift(&x));
-    ctx.reducer.reuse_projection(projection);
+    ctx.ladder.reducer().reuse_projection(projection);
     let mut point = ctx.complete_point(point?);
     let integrality = ctx.options().integrality;
     settle_groups(

@@ -66,7 +66,7 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
             return;
         };
         let point = ctx.complete_point(projection.lift(&x));
-        ctx.reducer.reuse_projection(projection);
+        ctx.ladder.reducer().reuse_projection(projection);
         round_and_propagate(ctx, &point);
         if ctx.tree.has_last_found() {
             return;
