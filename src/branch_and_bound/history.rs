@@ -36,6 +36,8 @@ pub(super) struct History {
     rest: u32,
     /// Nodes of the last solve.
     nodes: Option<u64>,
+    /// Whether the last solve was over at its root.
+    root_sufficed: bool,
 }
 
 impl History {
@@ -61,6 +63,11 @@ impl History {
         self.nodes.is_some_and(|nodes| nodes < TREE)
     }
 
+    /// Whether the next solve is likely to be over at its root.
+    pub(super) fn expects_no_tree(&self) -> bool {
+        self.root_sufficed
+    }
+
     /// Takes in the result of a solve.
     ///
     /// # Arguments
@@ -69,6 +76,7 @@ impl History {
     pub(super) fn take_in(&mut self, found: &mut Found, integers: &[usize]) {
         // A search that was stopped before its first split has nothing new to say.
         let ended = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
+        self.root_sufficed = ended && found.forks.is_empty();
         if ended || !found.forks.is_empty() {
             self.proofs = std::mem::take(&mut found.proofs);
             self.forks = std::mem::take(&mut found.forks);

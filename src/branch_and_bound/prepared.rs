@@ -18,7 +18,7 @@ use crate::reformulate::{self, WayBack};
 use crate::relaxation::LadderPool;
 use crate::search::{ColumnGuidance, Found, GuessEnd, Seed, Start};
 use crate::solution::{Heuristic, Solution, Termination};
-use crate::solver::{Control, Options, Prepared, StopToken, TreeSeed};
+use crate::solver::{BranchingRule, Control, Options, Prepared, StopToken, TreeSeed};
 
 /// A prepared model.
 #[derive(Debug)]
@@ -224,7 +224,8 @@ impl ReducedProgram {
             };
             let own = self.history.seed();
             let guess = given.map_or(own.guess, |given| given.guess);
-            let mut found = search_from(&stage, Seed { guess, ..own }, control);
+            let root_first = self.history.expects_no_tree();
+            let mut found = search_from(&stage, Seed { guess, ..own }, root_first, control);
             self.history.take_in(&mut found, &self.integers);
             found.points = found.points.iter().map(|values| restore(values)).collect();
             if let Some(GuessEnd::Point(values)) = &mut found.guess {
@@ -246,7 +247,16 @@ impl ReducedProgram {
 
 /// Completes the guess of a seed, and searches from there. A search that is stopped before it has
 /// looked at a point returns the completed one, and the bound that the last root proves.
-fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> Found {
+///
+/// # Arguments
+///
+/// * `root_first`: whether it ends at the root at first.
+fn search_from(
+    stage: &Stage<'_>,
+    mut seed: Seed,
+    root_first: bool,
+    control: &mut Control<'_>,
+) -> Found {
     let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
     if let Some(begun) = &begun {
         seed.guess.clear();
@@ -254,7 +264,11 @@ fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> 
             |values: &Vec<f64>| Start { values: values.clone(), found_by: Heuristic::Guess };
         seed.point = begun.points.first().map(start);
     }
-    let mut found = stage.run(control, Some(&seed));
+    let mut found = if root_first && stage.options.node_limit.is_none() {
+        search_root_first(stage, &mut seed, control)
+    } else {
+        stage.run(control, Some(&seed))
+    };
     if let Some(begun) = begun {
         found.statistics.add(&begun.statistics);
         found.guess = begun.guess;
@@ -265,6 +279,25 @@ fn search_from(stage: &Stage<'_>, mut seed: Seed, control: &mut Control<'_>) -> 
             found.points = begun.points;
         }
     }
+    found
+}
+
+/// Searches no further than the root, and tightens the program for the values of the parameters if that
+/// is not enough: if a tree is unexpected, tightening is likely to save it.
+fn search_root_first(stage: &Stage<'_>, seed: &mut Seed, control: &mut Control<'_>) -> Found {
+    let (node_limit, branching) = (Some(1), BranchingRule::LatestFirst);
+    let options = &Options { node_limit, branching, ..stage.options.clone() };
+    let root = Stage { options, strengthens: false, ..*stage }.run(control, Some(seed));
+    if root.termination != Termination::NodeLimit {
+        return root;
+    }
+    if let Some(values) = root.points.first() {
+        let found_by = root.found_by.unwrap_or(Heuristic::Rounding);
+        seed.point = Some(Start { values: values.clone(), found_by });
+    }
+    let mut found = Stage { tightened: None, ..*stage }.run(control, Some(seed));
+    found.statistics.add(&root.statistics);
+    found.bound = found.bound.max(root.bound);
     found
 }
 
