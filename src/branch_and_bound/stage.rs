@@ -133,17 +133,17 @@ impl Stage<'_> {
         };
         let mut ladder = self.ladders.take();
         let exact = program;
-        let own = match self.tightened {
-            None if !self.as_is => Some(Tightened::new(program, options, token)),
-            _ => None,
-        };
-        let (program, mut root) = match (&own, self.tightened) {
-            (Some(own), _) => (&own.program, own.root.clone()),
-            (None, Some(tightened)) => {
+        let mut own = None;
+        let (program, mut root) = match self.tightened {
+            Some(tightened) => {
                 let program = &tightened.program;
                 (program, tightened.root.within(program, token, options.probing))
             }
-            (None, None) => (program, Root::new(program, token, options.probing)),
+            None if self.as_is => (program, Root::new(program, token, options.probing)),
+            None => {
+                let tightened = Tightened::new(program, options, token);
+                (&*own.insert(tightened.program), tightened.root)
+            }
         };
         let strengthens = options.cuts && !self.as_is && self.strengthens;
         let bent = if strengthens {

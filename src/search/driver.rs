@@ -1,5 +1,7 @@
 //! One search from start to end.
 
+use std::borrow::Cow;
+
 use super::context::{Context, Shared};
 use super::event_windows::EventWindows;
 use super::found::Found;
@@ -31,8 +33,8 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     let token = &task.token.child(None);
     let task = Task { token, ..task };
     let mut root = match task.root {
-        Some(root) => root.clone(),
-        None => Root::new(task.program, token, task.options.probing),
+        Some(root) => Cow::Borrowed(root),
+        None => Cow::Owned(Root::new(task.program, token, task.options.probing)),
     };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
         return Found::stopped(reason);
@@ -40,7 +42,9 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     let windows = event_windows(task, &root);
     let program = windows.as_ref().map_or(task.program, EventWindows::program);
     let task = Task { program, root: None, ..task };
-    root.extend(task.program, token);
+    if windows.is_some() {
+        root.to_mut().extend(program, token);
+    }
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
     let whole = seed.is_none_or(|seed| seed.leaves.is_empty());
@@ -83,7 +87,9 @@ fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
     let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
     let Some((proof, root)) = proof.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
     let memory = &mut Multipliers::default();
-    match proof.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory) {
+    let tried = proof.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory);
+    ctx.ladder.reducer().reuse(root);
+    match tried {
         Tried::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,
     }

@@ -62,11 +62,13 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
             return;
         }
         let Some(projection) = project_node(ctx) else { return };
-        let Verdict::Relaxed { x, .. } = relax(ctx, &projection.reduced, Purpose::Node) else {
-            return;
+        let point = match relax(ctx, &projection.reduced, Purpose::Node) {
+            Verdict::Relaxed { x, .. } => Some(projection.lift(&x)),
+            _ => None,
         };
-        let point = ctx.complete_point(projection.lift(&x));
         ctx.ladder.reducer().reuse_projection(projection);
+        let Some(point) = point else { return };
+        let point = ctx.complete_point(point);
         round_and_propagate(ctx, &point);
         if ctx.tree.has_last_found() {
             return;
