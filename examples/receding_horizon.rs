@@ -12,26 +12,23 @@ use carom::hybrid::{
 use carom::interval::Interval;
 use carom::prelude::*;
 
-const H: f64 = 0.01;
-const GAP: f64 = 0.1;
-const STIFFNESS: f64 = 100.0;
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (step, gap) = (0.01, 0.1);
     let flow = |spring: f64| {
-        let a = [[1.0, H], [10.0 * H - H * spring, 1.0]];
-        LinearSystem::new(a, [[0.0], [H]], [0.0, H * spring * GAP])
+        let a = [[1.0, step], [10.0 * step - step * spring, 1.0]];
+        LinearSystem::new(a, [[0.0], [step]], [0.0, step * spring * gap])
     };
-    let apart = Halfspace::new("apart", [1.0, 0.0], GAP);
-    let touching = Halfspace::new("touching", [-1.0, 0.0], -GAP);
+    let apart = Halfspace::new("apart", [1.0, 0.0], gap);
+    let touching = Halfspace::new("touching", [-1.0, 0.0], -gap);
     let pendulum = HybridSystem::new()
-        .with_state("angle", Interval::new(-2.0 * GAP, 2.0 * GAP))
+        .with_state("angle", Interval::new(-2.0 * gap, 2.0 * gap))
         .with_state("rate", Interval::new(-1.5, 1.5))
         .with_input("u", Interval::new(-4.0, 4.0))
         .with_transition(Transition::new("free", flow(0.0)?).with_guard(apart))
-        .with_transition(Transition::new("pushed", flow(STIFFNESS)?).with_guard(touching));
+        .with_transition(Transition::new("pushed", flow(100.0)?).with_guard(touching));
 
     let mut model = Model::new("pendulum");
-    let program = pendulum.write(&mut model, "", &Horizon::new(20, H)?)?;
+    let program = pendulum.write(&mut model, "", &Horizon::new(20, step)?)?;
     let unit = [[1.0, 0.0], [0.0, 1.0]];
     let cost = Cost::quadratic(unit, [[1.0]]).with_terminal([[30.0, 0.0], [0.0, 30.0]]);
     let cost = program.add_cost(&mut model, "cost", &cost)?;
@@ -45,8 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Ok(run.last().iter().zip(push.next_value()).map(|(x, w)| x + w).collect())
     };
     let run = controller.run(&[0.0, 0.8], 40, plant)?;
-    print!("{}", run.to_csv());
-    println!("{run}");
+    println!("{}{run}", run.to_csv());
     if let Some(file) = std::env::args().nth(1) {
         std::fs::write(file, run.to_svg("A pendulum next to a wall, disturbed"))?;
     }
