@@ -40,6 +40,7 @@ impl WorkerPool {
     }
 
     /// Runs tasks until the pool ends.
+    #[cfg(not(target_family = "wasm"))]
     fn help(&self, run: &impl Fn(usize)) {
         while let Some(task) = self.take(true) {
             self.run_one(task, run);
