@@ -76,7 +76,9 @@ impl History {
     pub(super) fn take_in(&mut self, found: &mut Found, integers: &[usize]) {
         // A search that was stopped before its first split has nothing new to say.
         let ended = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
-        self.root_sufficed = ended && found.forks.is_empty();
+        let nodes = found.statistics.nodes;
+        // Where memory is limited, no forks are kept.
+        self.root_sufficed = ended && nodes <= 1 && found.forks.is_empty();
         if ended || !found.forks.is_empty() {
             self.proofs = std::mem::take(&mut found.proofs);
             self.forks = std::mem::take(&mut found.forks);
@@ -86,7 +88,7 @@ impl History {
             Some(_) => REST,
             None => self.rest.saturating_sub(1),
         };
-        self.nodes = Some(found.statistics.nodes);
+        self.nodes = Some(nodes);
         self.guess.clear();
         if let Some(point) = found.points.first() {
             self.guess.extend(integers.iter().map(|&j| (j, point[j].round())));

@@ -250,7 +250,7 @@ impl ReducedProgram {
 ///
 /// # Arguments
 ///
-/// * `root_first`: whether it ends at the root at first.
+/// * `root_first`: whether it looks no further than the root at first.
 fn search_from(
     stage: &Stage<'_>,
     mut seed: Seed,
@@ -260,24 +260,18 @@ fn search_from(
     let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
     if let Some(begun) = &begun {
         seed.guess.clear();
-        let start =
-            |values: &Vec<f64>| Start { values: values.clone(), found_by: Heuristic::Guess };
-        seed.point = begun.points.first().map(start);
+        seed.point = start_of(begun, Heuristic::Guess);
     }
-    let mut found = if root_first && stage.options.node_limit.is_none() {
+    // Callbacks would see two searches.
+    let may_search_twice = stage.options.node_limit.is_none() && !control.is_watched();
+    let mut found = if root_first && may_search_twice {
         search_root_first(stage, &mut seed, control)
     } else {
         stage.run(control, Some(&seed))
     };
     if let Some(begun) = begun {
-        found.statistics.add(&begun.statistics);
-        found.guess = begun.guess;
-        if begun.bound.is_finite() {
-            found.bound = found.bound.max(begun.bound);
-        }
-        if found.points.is_empty() && found.termination != Termination::Infeasible {
-            found.points = begun.points;
-        }
+        found.guess.clone_from(&begun.guess);
+        go_on_from(begun, &mut found);
     }
     found
 }
@@ -287,18 +281,39 @@ fn search_from(
 fn search_root_first(stage: &Stage<'_>, seed: &mut Seed, control: &mut Control<'_>) -> Found {
     let (node_limit, branching) = (Some(1), BranchingRule::LatestFirst);
     let options = &Options { node_limit, branching, ..stage.options.clone() };
-    let root = Stage { options, strengthens: false, ..*stage }.run(control, Some(seed));
-    if root.termination != Termination::NodeLimit {
+    let mut root = Stage { options, strengthens: false, ..*stage }.run(control, Some(seed));
+    if !matches!(root.termination, Termination::NodeLimit | Termination::Stalled) {
         return root;
     }
-    if let Some(values) = root.points.first() {
-        let found_by = root.found_by.unwrap_or(Heuristic::Rounding);
-        seed.point = Some(Start { values: values.clone(), found_by });
-    }
+    let point = start_of(&root, root.found_by.unwrap_or(Heuristic::Rounding));
+    seed.point = point.or(seed.point.take());
     let mut found = Stage { tightened: None, ..*stage }.run(control, Some(seed));
-    found.statistics.add(&root.statistics);
-    found.bound = found.bound.max(root.bound);
+    // It has the same root.
+    root.statistics.nodes -= root.statistics.nodes.min(1);
+    go_on_from(root, &mut found);
     found
+}
+
+/// The best point of a search, as the start of another one.
+fn start_of(found: &Found, found_by: Heuristic) -> Option<Start> {
+    let values = found.points.first()?.clone();
+    Some(Start { values, found_by })
+}
+
+/// Adds what a search knew that another one has begun with.
+fn go_on_from(begun: Found, found: &mut Found) {
+    let mut counts = begun.statistics;
+    if found.points.is_empty() && found.termination != Termination::Infeasible {
+        (found.points, found.found_by) = (begun.points, begun.found_by);
+    } else {
+        // The best point was counted again.
+        counts.incumbents = 0;
+        Heuristic::ALL.iter().for_each(|&source| counts.heuristics.of_mut(source).incumbents = 0);
+    }
+    found.statistics.add(&counts);
+    if found.termination.is_limit() && begun.bound.is_finite() {
+        found.bound = found.bound.max(begun.bound);
+    }
 }
 
 /// Whether a program falls into blocks once the columns of its parameters have values.

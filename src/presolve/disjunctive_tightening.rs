@@ -28,7 +28,8 @@ const PASSES: usize = 30;
 /// A bound must move by this fraction of the width between the bounds (no unit).
 const GAIN: f64 = 0.01;
 
-/// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves.
+/// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves, or if there
+/// is no point.
 ///
 /// Columns and rows keep their numbers, and no point with whole integral columns is lost.
 pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<Program> {
@@ -53,7 +54,8 @@ pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<P
     Some(tight)
 }
 
-/// Tightens the rows of a program to its bounds; nothing if no whole point satisfies one of them.
+/// Tightens the rows of a program to its bounds; nothing if no whole point satisfies one of them, or if
+/// they cannot be allocated.
 fn tighten_rows(program: &mut Program) -> Option<()> {
     let columns =
         Columns { lower: &program.lower, upper: &program.upper, integral: &program.integral };
@@ -75,13 +77,15 @@ fn tighten_rows(program: &mut Program) -> Option<()> {
             let tight = tighten_terms(&mut terms, own, columns, noise);
             own = tight.unwrap_or(own);
             terms.retain(|(_, a)| *a != 0.0);
-            let rounded = round_limits(&terms, own, columns, noise);
-            let news = rounded.is_some_and(|(_, news)| news);
-            own = rounded.map_or(own, |(limits, _)| limits);
-            if own[0] > own[1] {
-                return None;
+            let mut moves = tight.is_some();
+            if let Some((limits, news)) = round_limits(&terms, own, columns, noise) {
+                if limits[0] > limits[1] {
+                    return None;
+                }
+                own = limits;
+                moves |= news;
             }
-            if tight.is_none() && !news {
+            if !moves {
                 break;
             }
             moved = true;

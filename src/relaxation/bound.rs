@@ -86,11 +86,11 @@ impl Prover {
     /// The certificate must survive a disturbance of every limit that it uses, so that a program is
     /// not refuted that is infeasible only by rounding.
     pub fn proves_infeasible(&mut self, program: &Reduced, y: &[f64]) -> bool {
-        let size = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        self.clip(program, y);
+        let size = self.y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         if !(size > 0.0 && size.is_finite()) {
             return false;
         }
-        self.clip(program, y);
         let mut disturbance = 0.0;
         for (i, y) in self.y.iter_mut().enumerate().filter(|(_, y)| **y != 0.0) {
             *y /= size;

@@ -338,7 +338,7 @@ impl Ladder {
         }
         let (bound, mut x, converged) =
             (known.bound, std::mem::take(&mut known.x), known.converged);
-        // Nobody knew a point.
+        // Zeros if no attempt had a point.
         x.resize(program.columns.len(), 0.0);
         known.relaxed(bound, x, converged)
     }

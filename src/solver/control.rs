@@ -137,6 +137,11 @@ impl<'a> Control<'a> {
         &self.guidance
     }
 
+    /// Whether anything is reported.
+    pub(crate) fn is_watched(&self) -> bool {
+        self.progress.is_some() || self.incumbent.is_some()
+    }
+
     /// Whether new best points are to be reported, for backends.
     pub fn watches_incumbents(&self) -> bool {
         self.incumbent.is_some()

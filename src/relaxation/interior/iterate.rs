@@ -110,7 +110,7 @@ impl Iterate {
     }
 
     /// The bound that the multipliers prove over the box, scaled: see
-    /// [`lower_bound`](super::super::lower_bound).
+    /// [`Prover::lower_bound`](crate::relaxation::Prover::lower_bound).
     pub(super) fn dual_value(&self, program: &Scaled) -> f64 {
         let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
         let gradient = |j: usize| self.curvature[j] + program.linear[j] + self.pressed[j];
