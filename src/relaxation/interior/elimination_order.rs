@@ -13,6 +13,9 @@ const LEFT: f64 = 0.75;
 /// A kept order is used if it leaves at most this many times its fill.
 const WORSE: f64 = 1.1;
 
+/// Most unknowns that a kept order lacks: they are eliminated last.
+const EXTRA: usize = 4;
+
 /// Orders that are kept.
 const KEPT: usize = 6;
 
@@ -33,7 +36,7 @@ impl Unknowns {
 }
 
 /// The orders that were used last, the last one first. Below in the tree, a system is mostly a part of
-/// one before, and a part of an order leaves no more fill than the whole.
+/// one before, but for a few rows, and a part of an order leaves no more fill than the whole.
 #[derive(Default)]
 pub(super) struct KeptOrders {
     kept: Vec<KeptOrder>,
@@ -56,9 +59,9 @@ struct KeptOrder {
 
 impl KeptOrders {
     /// Takes the unknowns of a system: the columns of a reduced program, and some of its rows. Writes
-    /// the part of an order that is about them, if one has them all and they are most of it: by unknown,
-    /// when it is eliminated. Returns the most fill that it may leave: a system that has got other rows,
-    /// such as cuts, is no part of the one before.
+    /// the part of an order that is about them, if one lacks few of them and they are most of it: by
+    /// unknown, when it is eliminated. Returns the most fill that it may leave: a system that has got
+    /// other rows, such as cuts, is no part of the one before.
     pub(super) fn write_part(
         &mut self,
         program: &Reduced,
@@ -112,18 +115,18 @@ impl KeptOrder {
         order: &mut Vec<usize>,
     ) -> Option<()> {
         let (size, whole) = (unknowns.len(), self.size);
-        if size > whole || (size as f64) < LEFT * whole as f64 {
+        if size > whole + EXTRA || (size as f64) < LEFT * whole as f64 {
             return None;
         }
         refill(at, self.size, NONE);
         let columns = unknowns.columns.iter().map(|&name| self.columns.get(name));
         let rows = unknowns.rows.iter().map(|&name| self.rows.get(name));
         for (unknown, place) in columns.chain(rows).enumerate() {
-            let slot = at.get_mut(*place?)?;
-            if *slot != NONE {
-                return None;
+            match place.copied().filter(|&place| place < whole) {
+                Some(place) if at[place] == NONE => at[place] = unknown,
+                None if at.len() < whole + EXTRA => at.push(unknown),
+                _ => return None,
             }
-            *slot = unknown;
         }
         refill(order, size, 0);
         let eliminated = at.iter().filter(|unknown| **unknown != NONE);
