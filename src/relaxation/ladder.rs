@@ -255,6 +255,17 @@ impl Ladder {
         !self.warm.is_empty() && (ActiveSet::suits(program) || DualSimplex::suits(program))
     }
 
+    /// Takes back what a verdict said, for its memory.
+    pub(crate) fn reuse(&mut self, verdict: Verdict) {
+        let (x, y, warm) = match verdict {
+            Verdict::Relaxed { x, y, warm, .. } => (x, y, warm),
+            Verdict::Refuted(y) => (Vec::new(), y, None),
+            Verdict::Stopped | Verdict::Descent => return,
+        };
+        let claim = Claim::Unknown;
+        self.first.method.reuse(RelaxationResult { claim, x, y, iterations: 0, warm });
+    }
+
     fn ask(
         &mut self,
         (who, iterations, tolerance, refinements): Attempt,

@@ -91,4 +91,7 @@ pub struct RelaxationResult {
 pub trait Relaxation: Send {
     /// Solves a program. It must not panic; its result is checked.
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult;
+
+    /// Takes back a result that is no longer needed, for its memory. It may be that of another method.
+    fn reuse(&mut self, _: RelaxationResult) {}
 }

@@ -16,6 +16,11 @@ impl WarmState {
         WarmState(Arc::new(state))
     }
 
+    /// The state to be written anew, or `None` if it belongs to another method or somebody else has it.
+    pub(super) fn get_mut<T: Any>(&mut self) -> Option<&mut T> {
+        Arc::get_mut(&mut self.0)?.downcast_mut()
+    }
+
     /// The state, or `None` if it belongs to another method.
     pub fn get<T: Any>(&self) -> Option<&T> {
         self.0.downcast_ref()

@@ -38,10 +38,12 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
     let Some(reduced) = ctx.ladder.reducer().reduce(program, &ctx.node.domain) else {
         return false;
     };
-    let found = match relax(ctx, &reduced, Purpose::Node) {
-        Verdict::Relaxed { x, .. } => offer_leaf(ctx, &reduced, &x),
+    let verdict = relax(ctx, &reduced, Purpose::Node);
+    let found = match &verdict {
+        Verdict::Relaxed { x, .. } => offer_leaf(ctx, &reduced, x),
         _ => false,
     };
+    ctx.ladder.reuse(verdict);
     ctx.ladder.reducer().reuse(reduced);
     found
 }

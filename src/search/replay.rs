@@ -351,6 +351,7 @@ impl Replay {
             Verdict::Relaxed { bound, .. } => ctx.tree.strengthen(bound) >= ctx.tree.cutoff(),
             Verdict::Stopped | Verdict::Descent => false,
         };
+        ctx.ladder.reuse(verdict);
         if closes {
             ctx.tree.count(|s| s.closed_by_trials += 1);
             self.proofs.extend(multipliers.map(|multipliers| Proof::new(end, multipliers)));

@@ -184,25 +184,27 @@ fn relax_node(
         return None;
     };
     let projection = project_reduced(ctx, reduced);
-    let relaxed = relax_projection(ctx, pseudocosts, node, &projection);
-    ctx.ladder.reducer().reuse_projection(projection);
-    relaxed
-}
-
-/// The same from what is to be relaxed.
-fn relax_projection(
-    ctx: &mut Context<'_>,
-    pseudocosts: &mut Pseudocosts,
-    node: &Node,
-    projection: &Projection,
-) -> Option<(f64, Vec<f64>)> {
-    let reduced = &projection.reduced;
     let purpose = if node.path.is_empty() { Purpose::Root } else { Purpose::Node };
-    let (verdict, multipliers) = relax_and_keep(ctx, projection, purpose);
+    let (mut verdict, multipliers) = relax_and_keep(ctx, &projection, purpose);
     ctx.node.multipliers = multipliers.or(ctx.node.multipliers.take());
     if node.id == 0 {
         keep_proof(ctx);
     }
+    let relaxed = conclude_from(ctx, pseudocosts, node, &projection, &mut verdict);
+    ctx.ladder.reuse(verdict);
+    ctx.ladder.reducer().reuse_projection(projection);
+    relaxed
+}
+
+/// What the verdict on a node means for it. Returns its bound and its point, or `None` if it is done.
+fn conclude_from(
+    ctx: &mut Context<'_>,
+    pseudocosts: &mut Pseudocosts,
+    node: &Node,
+    projection: &Projection,
+    verdict: &mut Verdict,
+) -> Option<(f64, Vec<f64>)> {
+    let reduced = &projection.reduced;
     let (bound, x, y) = match verdict {
         Verdict::Refuted(_) => {
             ctx.tree.count(|s| s.refuted_by_relaxation += 1);
@@ -224,12 +226,12 @@ fn relax_projection(
             if let Some(warm) = warm.as_ref().filter(|_| node.path.is_empty()) {
                 ctx.tree.keep_root_state(warm);
             }
-            ctx.node.warm = warm;
+            ctx.node.warm = warm.take();
             if let Some(last) = node.path.last() {
-                let gain = bound - node.bound;
+                let gain = *bound - node.bound;
                 pseudocosts.learn(last.column, !last.is_upper, gain, node.fraction);
             }
-            (ctx.tree.strengthen(bound.min(ctx.node.cutoff)).max(node.bound), x, y)
+            (ctx.tree.strengthen(bound.min(ctx.node.cutoff)).max(node.bound), &*x, &*y)
         }
     };
     if bound >= ctx.tree.cutoff() {
@@ -237,15 +239,15 @@ fn relax_projection(
         return None;
     }
     if ctx.is_leaf() {
-        close_leaf(ctx, node, bound, reduced, &x);
+        close_leaf(ctx, node, bound, reduced, x);
         return None;
     }
     let cutoff = ctx.tree.strengthen(ctx.tree.cutoff());
-    if !fix_by_reduced_costs(ctx, reduced, &x, &y) {
+    if !fix_by_reduced_costs(ctx, reduced, x, y) {
         cut_off(ctx, &node.path, cutoff);
         return None;
     }
-    Some((bound, ctx.complete_point(projection.lift(&x))))
+    Some((bound, ctx.complete_point(projection.lift(x))))
 }
 
 /// Closes a leaf, whose relaxation is the leaf, and offers its point.

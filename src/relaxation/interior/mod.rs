@@ -12,6 +12,7 @@ mod condensed;
 mod elimination_order;
 mod iterate;
 mod kkt;
+mod results;
 mod scaled;
 mod start;
 mod warm_start;
@@ -22,13 +23,14 @@ use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
+use results::Results;
 use scaled::Scaled;
 use warm_start::{Kept, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
-/// What it computes with is kept between solves, so that one takes memory only for its result, and for
-/// a system that is unlike the last ones.
+/// What it computes with is kept between solves, so that one takes memory only for a system that is
+/// unlike the last ones, and for its result, unless others were given back.
 #[derive(Default)]
 pub struct InteriorPoint {
     scaled: Scaled,
@@ -36,6 +38,7 @@ pub struct InteriorPoint {
     at: Iterate,
     kept: Kept,
     resumed: Resumed,
+    results: Results,
 }
 
 impl fmt::Debug for InteriorPoint {
@@ -70,12 +73,12 @@ const PROMISE: f64 = 1e-7;
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let InteriorPoint { scaled, kkt, at, kept, resumed } = self;
+        let InteriorPoint { scaled, kkt, at, kept, resumed, results } = self;
         scaled.load(program);
         let scaled = &*scaled;
         let run = Run { program, effort, scaled };
         if !kkt.load(program, scaled, effort.token) {
-            return run.nothing(0);
+            return run.nothing(0, results);
         }
         at.start(scaled);
         let linear = run.is_linear();
@@ -83,19 +86,24 @@ impl Relaxation for InteriorPoint {
         let parent = effort.warm.filter(|_| !linear).and_then(WarmState::get::<ParentIterate>);
         if let Some(parent) = parent {
             at.resume(program, scaled, parent, resumed);
-            let result = run.iterate(at, kkt, kept, true);
+            let result = run.iterate(at, kkt, (kept, results), true);
             if result.claim != Claim::Unknown || effort.token.is_over() {
                 return result;
             }
             spent = result.iterations;
+            results.take_back(result);
             at.start(scaled);
         }
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
         if linear && !at.improve_start(scaled, kkt, effort.token) {
-            return run.nothing(0);
+            return run.nothing(0, results);
         }
-        let result = run.iterate(at, kkt, kept, false);
+        let result = run.iterate(at, kkt, (kept, results), false);
         RelaxationResult { iterations: spent + result.iterations, ..result }
+    }
+
+    fn reuse(&mut self, result: RelaxationResult) {
+        self.results.take_back(result);
     }
 }
 
@@ -111,22 +119,28 @@ impl Run<'_> {
         self.scaled.quadratic.index.is_empty()
     }
 
-    fn nothing(&self, iterations: u32) -> RelaxationResult {
+    fn nothing(&self, iterations: u32, results: &mut Results) -> RelaxationResult {
         RelaxationResult {
             claim: Claim::Unknown,
-            x: vec![f64::NAN; self.program.columns.len()],
-            y: vec![0.0; self.program.rows.len()],
+            x: results.vector(self.program.columns.iter().map(|_| f64::NAN)),
+            y: results.vector((0..self.program.rows.len()).map(|_| 0.0)),
             iterations: u64::from(iterations),
             warm: None,
         }
     }
 
     /// An iterate as an answer.
-    fn answer(&self, claim: Claim, at: &Iterate, iterations: u32) -> RelaxationResult {
+    fn answer(
+        &self,
+        claim: Claim,
+        at: &Iterate,
+        iterations: u32,
+        results: &mut Results,
+    ) -> RelaxationResult {
         let scaled = self.scaled;
-        let x: Vec<f64> = at.x.iter().zip(&scaled.column).map(|(x, d)| x * d).collect();
+        let x = results.vector(at.x.iter().zip(&scaled.column).map(|(x, d)| x * d));
         let unit = |(y, e): (&f64, &f64)| y * e / scaled.objective;
-        let y = at.multipliers.iter().zip(&scaled.row).map(unit).collect();
+        let y = results.vector(at.multipliers.iter().zip(&scaled.row).map(unit));
         RelaxationResult { claim, x, y, iterations: u64::from(iterations), warm: None }
     }
 
@@ -135,7 +149,7 @@ impl Run<'_> {
         &self,
         at: &mut Iterate,
         kkt: &mut Kkt,
-        kept: &mut Kept,
+        (kept, results): (&mut Kept, &mut Results),
         is_warm: bool,
     ) -> RelaxationResult {
         let (scaled, effort) = (self.scaled, self.effort);
@@ -147,19 +161,20 @@ impl Run<'_> {
         while iterations < effort.iterations {
             at.measure(scaled);
             if !at.is_finite() {
-                return self.nothing(iterations);
+                return self.nothing(iterations, results);
             }
             if !self.is_linear() {
                 kept.update(at);
             }
             match self.judge(at, iterations) {
                 Some((Claim::Solved, exactly)) => {
-                    solved = Some(self.answer(Claim::Solved, at, iterations));
+                    solved.take().into_iter().for_each(|before| results.take_back(before));
+                    solved = Some(self.answer(Claim::Solved, at, iterations, results));
                     if exactly {
                         break;
                     }
                 }
-                Some((claim, _)) => return self.answer(claim, at, iterations),
+                Some((claim, _)) => return self.answer(claim, at, iterations, results),
                 None => {}
             }
             // Centred, but the dual residual grows: the dual set has no interior.
@@ -176,13 +191,14 @@ impl Run<'_> {
             }
         }
         let Some(mut solved) = solved else {
-            return self.answer(Claim::Unknown, at, iterations);
+            return self.answer(Claim::Unknown, at, iterations, results);
         };
         if self.program.is_feasibility_problem() {
             solved.y.fill(0.0);
         }
         if !self.is_linear() {
-            solved.warm = Some(WarmState::new(kept.state(self.program, scaled)));
+            let write = |state: &mut ParentIterate| kept.write(self.program, scaled, state);
+            solved.warm = Some(results.state(write));
         }
         solved
     }

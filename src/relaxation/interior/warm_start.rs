@@ -39,10 +39,11 @@ impl Kept {
         }
     }
 
-    /// The iterate as the children can read it.
-    pub(super) fn state(&self, program: &Reduced, scaled: &Scaled) -> ParentIterate {
-        let mut columns = Named::new(&program.columns, scaled.column.len());
-        let mut rows = Named::new(&program.origin, scaled.row.len());
+    /// Writes the iterate as the children can read it.
+    pub(super) fn write(&self, program: &Reduced, scaled: &Scaled, state: &mut ParentIterate) {
+        let ParentIterate { columns, rows } = state;
+        columns.name(&program.columns, scaled.column.len());
+        rows.name(&program.origin, scaled.row.len());
         for (j, (x, unit)) in self.x.iter().zip(&scaled.column).enumerate() {
             columns.set(j, 0, x * unit);
         }
@@ -55,12 +56,11 @@ impl Kept {
         for &(i, _) in &scaled.equalities {
             rows.set(i, 0, self.multipliers[i] * scaled.row[i] / scaled.objective);
         }
-        ParentIterate { columns, rows }
     }
 }
 
 /// An iterate in the units of the program, by its columns and rows before it was reduced.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct ParentIterate {
     /// The value, and the multipliers of the lower and the upper bound.
     columns: Named,
@@ -74,17 +74,18 @@ fn place(side: &Side) -> usize {
 }
 
 /// Three numbers for each of some columns or rows.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Named {
     /// With the name of each; `usize::MAX` for those that have none.
     values: Vec<(usize, [f64; 3])>,
 }
 
 impl Named {
-    /// So many; those beyond the names have none.
-    fn new(names: &[usize], count: usize) -> Self {
+    /// Becomes so many zeros; those beyond the names have none.
+    fn name(&mut self, names: &[usize], count: usize) {
         let name = |k: usize| names.get(k).copied().unwrap_or(usize::MAX);
-        Named { values: (0..count).map(|k| (name(k), [0.0; 3])).collect() }
+        self.values.clear();
+        self.values.extend((0..count).map(|k| (name(k), [0.0; 3])));
     }
 
     fn set(&mut self, k: usize, place: usize, value: f64) {

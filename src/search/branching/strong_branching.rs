@@ -71,7 +71,7 @@ pub(super) fn try_child(
         return None;
     };
     let projection = project_reduced(ctx, reduced);
-    let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
+    let (mut verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
     let mut point = Vec::new();
     if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
         point = ctx.complete_point(projection.lift(x));
@@ -79,7 +79,7 @@ pub(super) fn try_child(
     ctx.ladder.reducer().reuse_projection(projection);
     let moved = moved_since(ctx, mark, decision.column);
     ctx.node.domain.undo_to(mark);
-    match verdict {
+    let trial = match &mut verdict {
         Verdict::Refuted(_) => {
             keep_proof(ctx, &decision, multipliers);
             close_side(ctx, decision, f64::INFINITY);
@@ -87,17 +87,19 @@ pub(super) fn try_child(
         }
         Verdict::Relaxed { bound: child, warm, .. } => {
             let fraction = (value - decision.value).abs();
-            let gain = child - bound;
+            let gain = *child - bound;
             pseudocosts.learn(decision.column, !decision.is_upper, gain, fraction);
             let child = ctx.tree.strengthen(child.min(ctx.node.cutoff));
             if child >= ctx.tree.cutoff() {
                 keep_proof(ctx, &decision, multipliers);
                 close_side(ctx, decision, child);
-                return None;
+                None
+            } else {
+                let known =
+                    (!point.is_empty()).then(|| Box::new(Known { point, warm: warm.take() }));
+                let gain = if gain.is_finite() { gain } else { 0.0 };
+                Some(Trial { gain, bound: child, known, moved, multipliers })
             }
-            let known = (!point.is_empty()).then(|| Box::new(Known { point, warm }));
-            let gain = if gain.is_finite() { gain } else { 0.0 };
-            Some(Trial { gain, bound: child, known, moved, multipliers })
         }
         Verdict::Stopped | Verdict::Descent => Some(Trial {
             gain: 0.0,
@@ -106,7 +108,9 @@ pub(super) fn try_child(
             moved,
             multipliers: None,
         }),
-    }
+    };
+    ctx.ladder.reuse(verdict);
+    trial
 }
 
 /// Keeps what closed a side of the current node.

@@ -152,12 +152,14 @@ fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
 /// The relaxed point of what the dive has come to; `None` if no better point is in there.
 fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let projection = project_node(ctx)?;
-    let point = match relax(ctx, &projection.reduced, Purpose::Trial) {
-        Verdict::Relaxed { bound, x, .. } if ctx.tree.strengthen(bound) < ctx.tree.cutoff() => {
-            Some(projection.lift(&x))
+    let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
+    let point = match &verdict {
+        Verdict::Relaxed { bound, x, .. } if ctx.tree.strengthen(*bound) < ctx.tree.cutoff() => {
+            Some(projection.lift(x))
         }
         _ => None,
     };
+    ctx.ladder.reuse(verdict);
     ctx.ladder.reducer().reuse_projection(projection);
     let mut point = ctx.complete_point(point?);
     let integrality = ctx.options().integrality;

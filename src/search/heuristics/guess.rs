@@ -62,10 +62,12 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
             return;
         }
         let Some(projection) = project_node(ctx) else { return };
-        let point = match relax(ctx, &projection.reduced, Purpose::Node) {
-            Verdict::Relaxed { x, .. } => Some(projection.lift(&x)),
+        let verdict = relax(ctx, &projection.reduced, Purpose::Node);
+        let point = match &verdict {
+            Verdict::Relaxed { x, .. } => Some(projection.lift(x)),
             _ => None,
         };
+        ctx.ladder.reuse(verdict);
         ctx.ladder.reducer().reuse_projection(projection);
         let Some(point) = point else { return };
         let point = ctx.complete_point(point);

@@ -1,0 +1,48 @@
+//! Memory for results, from results that nobody needs any more.
+
+use super::warm_start::ParentIterate;
+use crate::relaxation::{RelaxationResult, WarmState};
+
+/// Most vectors and most states that are kept.
+const KEPT: usize = 16;
+
+#[derive(Default)]
+pub(super) struct Results {
+    vectors: Vec<Vec<f64>>,
+    /// Each of an iterate, and nobody else has it.
+    states: Vec<WarmState>,
+}
+
+impl Results {
+    /// A vector of some values.
+    pub(super) fn vector(&mut self, values: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut vector = self.vectors.pop().unwrap_or_default();
+        vector.clear();
+        vector.extend(values);
+        vector
+    }
+
+    /// A state that `write` makes.
+    pub(super) fn state(&mut self, write: impl FnOnce(&mut ParentIterate)) -> WarmState {
+        let mut state =
+            self.states.pop().unwrap_or_else(|| WarmState::new(ParentIterate::default()));
+        if let Some(parent) = state.get_mut() {
+            write(parent);
+        }
+        state
+    }
+
+    /// Takes a result back.
+    pub(super) fn take_back(&mut self, result: RelaxationResult) {
+        let RelaxationResult { x, y, warm, .. } = result;
+        // The point is the first to be written again.
+        for vector in [y, x] {
+            if vector.capacity() > 0 && self.vectors.len() < KEPT {
+                self.vectors.push(vector);
+            }
+        }
+        let own =
+            warm.and_then(|mut state| state.get_mut::<ParentIterate>().is_some().then_some(state));
+        self.states.extend(own.filter(|_| self.states.len() < KEPT));
+    }
+}
