@@ -33,9 +33,9 @@ fn root(model: &mut Model, values: &[f64]) -> Reduced {
     reduce(&program, &Domain::new(&program)).unwrap()
 }
 
-/// A relaxation of unchanged structure takes no memory once a result was given back, and without that
-/// for its result only; the proof of its bound takes none.
-fn relaxations() {
+/// What a relaxation of unchanged structure allocates: before any result was given back, once one was,
+/// and the proof of its bound.
+fn relaxations() -> [usize; 3] {
     let mut model = cartpole(8, None);
     let (one, two) = (root(&mut model, &[0.2, 0.0, 0.0, -1.0]), root(&mut model, &[0.1; 4]));
     assert_eq!((&one.rows.index, &one.rows.start), (&two.rows.index, &two.rows.start));
@@ -52,22 +52,22 @@ fn relaxations() {
     let first = method.solve(&one, &effort);
     assert_eq!(first.claim, Claim::Solved);
     prover.lower_bound(&one, &first.x, &first.y);
-    let (count, second) = counted(|| method.solve(&two, &effort));
+    let (before, second) = counted(|| method.solve(&two, &effort));
     assert_eq!(second.claim, Claim::Solved);
-    assert!(second.iterations > 3 && count <= 5, "{count} allocations");
+    assert!(second.iterations > 3);
     method.reuse(first);
-    let (count, third) = counted(|| method.solve(&two, &effort));
+    let (after, third) = counted(|| method.solve(&two, &effort));
     assert_eq!((third.claim, &third.x, &third.y), (Claim::Solved, &second.x, &second.y));
-    assert!(third.warm.is_some() && count == 0, "{count} allocations");
-    let (count, bound) = counted(|| prover.lower_bound(&two, &second.x, &second.y));
+    assert!(third.warm.is_some());
+    let (proof, bound) = counted(|| prover.lower_bound(&two, &second.x, &second.y));
     let value = two.objective(&second.x);
     assert!((bound - value).abs() <= 1e-6 * value.abs().max(1.0), "{bound} {value}");
-    assert_eq!(count, 0);
+    [before, after, proof]
 }
 
 /// Allocations per relaxation of prepared solves of nearly the same program, presolve, trees and
 /// verification included.
-fn prepared_solves() {
+fn prepared_solves() -> usize {
     let model = cartpole(20, None);
     let parameters: Vec<Variable> = model.parameters().collect();
     let mut solver = BranchAndBound::default();
@@ -87,13 +87,16 @@ fn prepared_solves() {
         }
     }
     assert!(relaxations > 100, "{relaxations}");
-    let each = allocations / relaxations;
-    println!("{allocations} allocations, {relaxations} relaxations, {each} each");
-    assert!(each <= 100, "{each} allocations per relaxation");
+    println!("{allocations} allocations, {relaxations} relaxations");
+    allocations / relaxations
 }
 
 #[test]
 fn allocations_are_few() {
-    relaxations();
-    prepared_solves();
+    let [before, after, proof] = relaxations();
+    // The result: its point, its multipliers, and what it leaves to its children.
+    assert!(before <= 5, "{before}");
+    assert_eq!([after, proof], [0, 0]);
+    let each = prepared_solves();
+    assert!(each <= 80, "{each} allocations per relaxation");
 }

@@ -63,9 +63,7 @@ impl<'a> Looks<'a> {
         left.looked = true;
         let is_closed = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let mut counts = found.statistics;
-        // The search counts the best point again.
-        counts.incumbents = 0;
-        Heuristic::ALL.iter().for_each(|&source| counts.heuristics.of_mut(source).incumbents = 0);
+        counts.forget_incumbents();
         if is_closed {
             left.statistics.add(&counts);
         } else {

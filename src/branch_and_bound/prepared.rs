@@ -306,9 +306,7 @@ fn go_on_from(begun: Found, found: &mut Found) {
     if found.points.is_empty() && found.termination != Termination::Infeasible {
         (found.points, found.found_by) = (begun.points, begun.found_by);
     } else {
-        // The best point was counted again.
-        counts.incumbents = 0;
-        Heuristic::ALL.iter().for_each(|&source| counts.heuristics.of_mut(source).incumbents = 0);
+        counts.forget_incumbents();
     }
     found.statistics.add(&counts);
     if found.termination.is_limit() && begun.bound.is_finite() {

@@ -315,6 +315,12 @@ impl Statistics {
         Statistics { times, time, heuristics, threads: 0, ..*self }
     }
 
+    /// Leaves out the best points, where a search that begins with the last of them counts it again.
+    pub(crate) fn forget_incumbents(&mut self) {
+        self.incumbents = 0;
+        Heuristic::ALL.iter().for_each(|&source| self.heuristics.of_mut(source).incumbents = 0);
+    }
+
     /// Adds the relaxations, times and nodes (as nested ones) of a search inside a heuristic. Its
     /// points are counted when they are offered.
     pub(crate) fn add_nested(&mut self, inner: &Statistics) {
