@@ -1,7 +1,7 @@
 //! The relaxed point of a root, and its value: for what strengthens a program before the search, and
 //! for the search, which need not relax the same root again.
 
-use crate::presolve::{Domain, Projection, tighten_coefficients};
+use crate::presolve::{Domain, tighten_coefficients};
 use crate::program::Program;
 use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
 use crate::solver::{Options, StopToken};
@@ -55,22 +55,7 @@ impl RootPoint {
         let mut reduced = ladder.reducer().reduce(program, domain)?;
         tighten_coefficients(&mut reduced, &program.integral);
         let projection = ladder.reducer().project(reduced, &program.integral);
-        let point = Self::of(&projection, ladder, options, token, warm);
-        ladder.reducer().reuse_projection(projection);
-        point
-    }
-
-    fn of(
-        projection: &Projection,
-        ladder: &mut Ladder,
-        options: &Options,
-        token: &StopToken,
-        warm: Option<&WarmState>,
-    ) -> Option<RootPoint> {
         let reduced = &projection.reduced;
-        if reduced.columns.is_empty() {
-            return None;
-        }
         let question = Question {
             purpose: Purpose::Separation,
             cutoff: f64::INFINITY,
@@ -79,14 +64,17 @@ impl RootPoint {
             token,
             warm,
         };
-        match ladder.solve(reduced, &question) {
-            Verdict::Relaxed { bound, x, converged: true, warm, .. } => {
+        let verdict = (!reduced.columns.is_empty()).then(|| ladder.solve(reduced, &question));
+        let point = match verdict {
+            Some(Verdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));
                 let lacks_state = ladder.starts_warm(reduced);
                 Some(RootPoint { bound, value, x, warm, lacks_state })
             }
             _ => None,
-        }
+        };
+        ladder.reducer().reuse_projection(projection);
+        point
     }
 
     /// The same with another proved bound, if that is higher.
