@@ -1,17 +1,20 @@
 //! Solves random, numerically difficult programs and compares every answer with the exact one.
 //!
 //! `cargo run --release --example torture -- [--cases N] [--seed S] [--threads K]
-//! [--solver-threads T] [--large] [--out FOLDER]`
+//! [--solver-threads T] [--family NAME] [--paths] [--out FOLDER]`
 //!
 //! * `--cases N`: number of programs, 10000 by default
 //! * `--seed S`: seed of the first program, 0 by default; the others follow
 //! * `--threads K`: programs that are solved at the same time, 1 by default
 //! * `--solver-threads T`: threads of each solve, 1 by default
-//! * `--large`: programs with terms of 1e6 to 1e10
+//! * `--family NAME`: `mixed` (the default), `large`, `open`, `borderline`, or `all` in turn; see
+//!   `tests/torture/families.rs`
+//! * `--paths`: solves each program in all unusual ways as well: without presolve, with a pool, with kept
+//!   leaves, with another branching rule, without cuts
 //! * `--out FOLDER`: where wrongly answered and unfinished programs go, `target/torture` by default
 //!
 //! Each program that was answered wrongly or not finished is written there as an MPS file named
-//! after its seed, and a line says what is wrong. The last line counts the verdicts. The exit
+//! after its family and seed, and a line says what is wrong. The last line counts the verdicts. The exit
 //! status tells whether any answer was wrong. `tests/torture` has the generator and defines what is
 //! wrong.
 
@@ -31,16 +34,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use carom::model::mps;
-use carom::prelude::{BranchAndBound, Options, Solver};
-use torture::generator;
-use torture::oracle::{Truth, Verdict, judge, truth};
+use carom::prelude::{BranchAndBound, Solver};
+use torture::families::{Family, Path};
+use torture::oracle::{Truth, Verdict, judge};
 
 struct Arguments {
     cases: u64,
     seed: u64,
     threads: usize,
     solver_threads: usize,
-    large: bool,
+    families: Vec<Family>,
+    paths: Vec<Path>,
     out: String,
 }
 
@@ -57,12 +61,13 @@ fn main() -> ExitCode {
 
 fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let (cases, seed, out) = (10_000, 0, "target/torture".to_owned());
-    let (threads, solver_threads, large) = (1, 1, false);
-    let mut arguments = Arguments { cases, seed, threads, solver_threads, large, out };
+    let (threads, solver_threads) = (1, 1);
+    let (families, paths) = (vec![Family::Mixed], vec![Path::Usual]);
+    let mut arguments = Arguments { cases, seed, threads, solver_threads, families, paths, out };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--large" {
-            arguments.large = true;
+        if word == "--paths" {
+            arguments.paths = Path::ALL.to_vec();
             continue;
         }
         let value = words.next().ok_or(format!("{word} needs a value"))?;
@@ -71,6 +76,11 @@ fn arguments() -> Result<Arguments, Box<dyn Error>> {
             "--seed" => arguments.seed = value.parse()?,
             "--threads" => arguments.threads = value.parse()?,
             "--solver-threads" => arguments.solver_threads = value.parse()?,
+            "--family" if value == "all" => arguments.families = Family::ALL.to_vec(),
+            "--family" => {
+                let family = Family::named(&value);
+                arguments.families = vec![family.ok_or(format!("no family `{value}`"))?];
+            }
             "--out" => arguments.out = value,
             _ => return Err(format!("unexpected `{word}`").into()),
         }
@@ -114,41 +124,49 @@ fn run(arguments: Arguments) -> Result<bool, Box<dyn Error>> {
 }
 
 fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
-    let program = if arguments.large { generator::large } else { generator::program };
-    let case = program(seed);
+    let family = arguments.families[(seed % arguments.families.len() as u64) as usize];
+    let case = family.program(seed);
     let (model, variables) = case.build();
-    let truth = truth(&case);
-    let options = Options::default().with_threads(arguments.solver_threads);
-    let mut solver = BranchAndBound::new(options);
-    let (verdict, nodes) = match solver.solve(&model) {
-        Ok(solution) => (
-            judge(&case, &variables, solver.options(), &solution, &truth),
-            solution.statistics().nodes,
-        ),
-        Err(error) => (Verdict::Wrong(error.to_string()), 0),
-    };
+    let truth = family.truth(&case);
     if let Ok(mut counts) = counts.lock() {
-        counts.nodes += nodes;
         match truth {
             Truth::Infeasible => counts.infeasible += 1,
             Truth::Unbounded => counts.unbounded += 1,
             Truth::Least { .. } => {}
         }
-        match &verdict {
-            Verdict::Right => counts.right += 1,
-            Verdict::Borderline => counts.borderline += 1,
-            Verdict::Beyond => counts.beyond += 1,
-            Verdict::Stalled(_) => counts.stalled += 1,
-            Verdict::Wrong(_) => counts.wrong += 1,
-        }
     }
-    if let Verdict::Stalled(what) | Verdict::Wrong(what) = &verdict {
-        let word = if matches!(verdict, Verdict::Wrong(_)) { "WRONG" } else { "stalled" };
-        println!("{word} {seed}: {what}");
+    for &path in &arguments.paths {
+        let options = path.options();
+        let threads = options.threads.max(arguments.solver_threads);
+        let mut solver = BranchAndBound::new(options.with_threads(threads));
+        let (verdict, nodes) = match solver.solve(&model) {
+            Ok(solution) => (
+                judge(&case, &variables, solver.options(), &solution, &truth),
+                solution.statistics().nodes,
+            ),
+            Err(error) => (Verdict::Wrong(error.to_string()), 0),
+        };
+        if let Ok(mut counts) = counts.lock() {
+            counts.nodes += nodes;
+            match &verdict {
+                Verdict::Right => counts.right += 1,
+                Verdict::Borderline => counts.borderline += 1,
+                Verdict::Beyond => counts.beyond += 1,
+                Verdict::Stalled(_) => counts.stalled += 1,
+                Verdict::Wrong(_) => counts.wrong += 1,
+            }
+        }
+        let (word, what) = match &verdict {
+            Verdict::Wrong(what) => ("WRONG", what),
+            Verdict::Stalled(what) => ("stalled", what),
+            _ => continue,
+        };
+        let name = family.name();
+        println!("{word} {seed} ({name}, {path:?}): {what}");
         let text = mps::write(&model).map_err(|error| error.to_string());
         let written = text.and_then(|text| {
             std::fs::create_dir_all(&arguments.out).map_err(|error| error.to_string())?;
-            let path = format!("{}/{seed}.mps", arguments.out);
+            let path = format!("{}/{name}_{seed}.mps", arguments.out);
             std::fs::write(path, text).map_err(|error| error.to_string())
         });
         if let Err(error) = written {

@@ -46,7 +46,9 @@ pub mod relaxation {
 }
 
 pub mod search {
-    pub use crate::search::{Accept, ColumnGuidance, Found, Task, search};
+    pub use crate::search::{
+        Accept, ColumnGuidance, Contradiction, Found, Task, search, search_unstrengthened,
+    };
 
     pub mod best_points {
         pub use crate::search::{Accepted, BestPoints};

@@ -4,16 +4,20 @@ use super::multipliers::{Derivatives, derivatives};
 use super::stage::Stage;
 use crate::error::Error;
 use crate::model::Model;
-use crate::presolve::root::{Presolve, Rule, presolve};
+use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
 use crate::program::Program;
 use crate::reformulate::{self, WayBack};
 use crate::relaxation::LadderPool;
-use crate::search::{ColumnGuidance, Found, GuessEnd, Seed};
+use crate::search::{ColumnGuidance, Contradiction, Found, GuessEnd, Seed};
 use crate::solution::{Point, Termination};
 use crate::solver::{Control, Options, StopToken};
 
 /// Rounding of bounds below this, relative, is below that of any objective (no unit).
 const VISIBLE: f64 = 1e-10;
+
+/// By how much presolve may seem to change the objective of a point, relative to the terms (no unit):
+/// the point keeps the equalities that were used up to the feasibility tolerance only.
+const CHANGED: f64 = 1e-6;
 
 /// What the steps of a solve share.
 #[derive(Clone, Copy)]
@@ -56,23 +60,41 @@ impl Pipeline<'_> {
         restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         control: &mut Control<'_>,
     ) -> Result<(Found, Option<Derivatives>), Error> {
-        let as_is = self.is_about_columns();
-        let rules: &[Rule] = match self.options.reductions && !as_is {
+        let rules: &[Rule] = match self.options.reductions && !self.is_about_columns() {
             false => &[],
             // Nothing that is known may be reduced away.
             true if self.seed.is_some() || self.guidance.proposes() => &Rule::FAITHFUL,
             true => &Rule::ALL,
         };
-        let presolved = match presolve(&program, rules, self.token)? {
+        let (found, derivatives) = self.run_presolved(&program, rules, restore, control)?;
+        if found.contradiction.is_none() {
+            return Ok((found, derivatives));
+        }
+        debug_assert!(false, "presolve has changed the objective of {:?}", found.points.first());
+        let (mut again, derivatives) = self.run_presolved(&program, &[], restore, control)?;
+        again.statistics.add(&found.statistics);
+        again.statistics.contradictions += 1;
+        Ok((again, derivatives))
+    }
+
+    /// Presolves a program by some rules, searches it, and restores what is found.
+    fn run_presolved(
+        &self,
+        program: &Program,
+        rules: &[Rule],
+        restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
+        control: &mut Control<'_>,
+    ) -> Result<(Found, Option<Derivatives>), Error> {
+        let as_is = self.is_about_columns();
+        let presolved = match presolve(program, rules, self.token)? {
             Presolve::Presolved(presolved) => presolved,
             Presolve::Infeasible => return Ok((Found::infeasible(), None)),
             Presolve::Stopped => return Ok((self.stopped(), None)),
         };
         let postsolve = &presolved.postsolve;
-        let guidance = self.guidance.presolved(postsolve, &program);
+        let guidance = self.guidance.presolved(postsolve, program);
         let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..seed.clone() };
         let seed = self.seed.map(carried);
-        // Only multipliers need it from here on.
         let continuous = program.integers.is_empty().then_some(program);
         let restore = |values: &[f64]| restore(&postsolve.point(values));
         let stage = Stage {
@@ -92,10 +114,15 @@ impl Pipeline<'_> {
         let derivatives = continuous.zip(optimal).and_then(|(program, values)| {
             let mut ladder = self.ladders.take();
             let point = postsolve.point(values);
-            let found = derivatives(&program, &presolved, &point, &mut ladder, self.token);
+            let found = derivatives(program, &presolved, &point, &mut ladder, self.token);
             self.ladders.give_back(ladder);
             found
         });
+        if let Some(values) = found.points.first()
+            && changes_objective(program, &presolved, values)
+        {
+            found.contradiction = Some(Contradiction::Objective);
+        }
         found.points = found.points.iter().map(|values| restore(values)).collect();
         found.guess = match found.guess {
             Some(GuessEnd::Point(values)) => Some(GuessEnd::Point(restore(&values))),
@@ -143,4 +170,16 @@ impl Pipeline<'_> {
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
         kept || boxes || self.guidance.splits()
     }
+}
+
+/// Whether presolve has changed the objective of a point by more than rounding explains.
+fn changes_objective(program: &Program, presolved: &Presolved, values: &[f64]) -> bool {
+    let own = presolved.program.column_count();
+    let values = values.get(..own).unwrap_or(values);
+    let point = presolved.postsolve.point(values);
+    let terms = program.linear.iter().zip(&point).map(|(c, x)| (c * x).abs());
+    let size = terms.sum::<f64>() + program.offset.abs() + presolved.program.offset.abs();
+    let (before, after) = (program.objective(&point), presolved.program.objective(values));
+    let allowed = presolved.rounding + CHANGED * (size + before.abs().max(1.0));
+    (before - after).abs() > allowed
 }

@@ -8,7 +8,7 @@ use crate::relaxation::LadderPool;
 use crate::search::cuts::strengthen;
 use crate::search::{
     Accept, ColumnGuidance, Found, Root, Seed, Strengthened, Task, complete, search,
-    with_perspective,
+    search_unstrengthened, with_perspective,
 };
 use crate::solution::{Point, Verification};
 use crate::solver::{Control, Options, StopToken};
@@ -184,11 +184,16 @@ impl Stage<'_> {
         let task = Task { program, root: Some(&root), ..task };
         let own = looks.seed(cut.is_none());
         let mut found = search(task, control, own.as_ref().or(seed));
+        if let Some(what) = found.contradiction {
+            debug_assert!(false, "a strengthened program is wrong: {what:?}");
+            found = search_unstrengthened(task, found, control);
+        }
         spent.count(&mut found.statistics);
         looks.count(&mut found.statistics);
         // Columns of event windows come after the program's.
         let value = |x: &Vec<f64>| program.objective(&x[..program.column_count()]);
         let best = found.points.first().map_or(f64::INFINITY, value);
+        let strengthens = strengthens && found.statistics.contradictions == 0;
         found.strengthened = strengthens.then(|| closed([&bent, &cut], best));
         found
     }

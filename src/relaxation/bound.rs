@@ -15,6 +15,7 @@
 //! [`tolerance::FREE_RADIUS`] (or more if `x̂` is farther out), or over
 //! [`tolerance::INFEASIBILITY_RADIUS`] if there is no objective.
 
+use super::borderline::is_blurred;
 use super::correction::Correction;
 use super::extended::Extended;
 use super::plain_bound::PlainSums;
@@ -44,17 +45,28 @@ pub struct Prover {
     /// Multipliers, without those of missing limits.
     y: Vec<f64>,
     plain: PlainSums,
+    /// Whether rounding of the rows' terms would move the last bound visibly.
+    blurred: bool,
 }
 
 impl Prover {
+    /// Whether rounding of the rows' terms would move the last [lower bound](Self::lower_bound) visibly:
+    /// then the program may have no point but up to rounding.
+    pub(super) fn is_blurred(&self) -> bool {
+        self.blurred
+    }
+
     /// A proved lower bound on the objective of a reduced program, from a claimed solution. `-inf` if
     /// the pair proves nothing.
     pub fn lower_bound(&mut self, program: &Reduced, x: &[f64], y: &[f64]) -> f64 {
         self.clip(program, y);
+        self.blurred = false;
         if let Some(bound) = self.plain.bound(program, x, &self.y) {
             return bound;
         }
-        self.pair(program, x).map_or(f64::NEG_INFINITY, Pair::best_bound)
+        let bound = self.pair(program, x).map_or(f64::NEG_INFINITY, Pair::best_bound);
+        self.blurred = is_blurred(program, x, &self.y, bound);
+        bound
     }
 
     /// Proved reduced costs from a claimed solution: a lower bound on the objective, and for each

@@ -1,84 +1,24 @@
 //! Which method is asked, how hard, and who is asked next: the ladder of attempts.
 //!
 //! An attempt is a method with a number of iterations, a tolerance and a number of refinements. The
-//! attempts of each [`Purpose`] stand in one table, [`attempts`]; the methods in another,
+//! attempts of each [`Purpose`] stand in one table, `attempts.rs`; the methods in another,
 //! [`Entry::of`], where a new one needs one line. Nothing else in the crate names a method.
 
 use web_time::{Duration, Instant};
 
 use super::active_set::ActiveSet;
+use super::attempts::{Attempt, First, Last, Purpose, Warm, attempts};
+use super::borderline::{WIDER, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
 use super::simplex::DualSimplex;
+use super::verdict::{Known, Question, Step, Verdict};
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use super::{Prover, polish};
 use crate::presolve::{Reduced, Reducer};
 use crate::solution::{RelaxationCounts, Statistics};
-use crate::solver::{Options, RelaxationMethod, StopToken};
-use crate::tolerance;
-
-/// What a relaxation is solved for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// The root, where it may turn out that the objective falls without limit.
-    Root,
-    /// A node below.
-    Node,
-    /// A child on trial, or a step of a dive: a rough answer will do. Its bound is a proved one like
-    /// any other, if not the best.
-    Trial,
-    /// A leaf, whose point may become the answer: digits cost an iteration or two.
-    Leaf,
-    /// A point to cut off.
-    Separation,
-    /// A bound on an expression.
-    Bound,
-    /// A direction in which the objective may fall without limit.
-    Direction,
-    /// Multipliers for the user.
-    Multipliers,
-}
-
-/// Who is asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Who {
-    /// The method that starts from the parent's state, where there is one for the program.
-    Warm,
-    /// The first method: quick, and gives up early.
-    First,
-    /// The last method: slower, and gives up late.
-    Last,
-}
-use Who::{First, Last, Warm};
-
-/// Who is asked, with how many iterations, at which tolerance, with how many refinements.
-type Attempt = (Who, u32, f64, u32);
-
-/// The attempts of a purpose, in their order. Iterations are capped: a program infeasible by a hair
-/// keeps an interior-point method busy without a verdict.
-fn attempts(purpose: Purpose) -> &'static [Attempt] {
-    match purpose {
-        Purpose::Trial => &[(Warm, 500, 1e-9, 1), (First, 30, 1e-5, 1)],
-        Purpose::Root | Purpose::Node => &[
-            (Warm, 2000, 1e-9, 1),
-            (First, 60, 1e-8, 1),
-            (Last, 60, 1e-8, 1),
-            (Last, 200, 1e-9, 10),
-        ],
-        Purpose::Leaf => &[
-            (Warm, 2000, 1e-9, 1),
-            (First, 60, 1e-11, 1),
-            (Last, 60, 1e-8, 1),
-            (Last, 200, 1e-9, 10),
-            (Last, 200, 1e-11, 10),
-        ],
-        Purpose::Separation => &[(First, 60, 1e-8, 1), (Last, 60, 1e-8, 1)],
-        Purpose::Bound => &[(Last, 100, 1e-9, 2)],
-        Purpose::Direction => &[(Last, 200, 1e-9, 10)],
-        Purpose::Multipliers => &[(First, 200, 1e-11, 1), (Last, 200, 1e-11, 10)],
-    }
-}
+use crate::solver::{RelaxationMethod, StopToken};
 
 /// A method, where it is counted, and for what it is given the parent's state.
 struct Entry {
@@ -126,44 +66,20 @@ impl Spent {
     }
 }
 
-/// What is asked about a node.
-#[derive(Debug, Clone, Copy)]
-pub struct Question<'a> {
-    /// One of the first four.
-    pub purpose: Purpose,
-    /// A proved bound of at least this settles the question; infinite if none does.
-    pub cutoff: f64,
-    /// The gaps that a leaf has to meet.
-    pub options: &'a Options,
-    /// Whether to look for a direction in which the objective falls without limit.
-    pub look_for_descent: bool,
-    /// Ends the attempts when it is over.
-    pub token: &'a StopToken,
-    /// The state that the parent's relaxation left.
-    pub warm: Option<&'a WarmState>,
+/// What [`Verdict::Relaxed`] says.
+struct Relaxed {
+    bound: f64,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    converged: bool,
+    warm: Option<WarmState>,
 }
 
-/// What a relaxation, verified, says about a node.
-#[derive(Debug)]
-pub enum Verdict {
-    /// No feasible point: proved by multipliers, one a row.
-    Refuted(Vec<f64>),
-    /// A limit or an interrupt came first.
-    Stopped,
-    /// The objective falls without limit along a verified direction.
-    Descent,
-    /// A proved bound and a point, not necessarily optimal.
-    Relaxed {
-        bound: f64,
-        /// The point, one entry a reduced column.
-        x: Vec<f64>,
-        /// The multipliers behind the bound; empty if there are none.
-        y: Vec<f64>,
-        /// Whether bound and point are close together.
-        converged: bool,
-        /// What the children's relaxations may start from.
-        warm: Option<WarmState>,
-    },
+impl Relaxed {
+    fn into_verdict(self) -> Verdict {
+        let Relaxed { bound, x, y, converged, warm } = self;
+        Verdict::Relaxed { bound, x, y, converged, warm }
+    }
 }
 
 /// The methods of a search, the memory that they work in, and what they have taken.
@@ -317,11 +233,51 @@ impl Ladder {
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
     /// result is not good enough.
     pub fn solve(&mut self, program: &Reduced, question: &Question<'_>) -> Verdict {
+        let (verdict, blurred) = self.solve_as_is(program, question);
+        match verdict {
+            Verdict::Relaxed { bound, x, y, converged, warm } if blurred => {
+                let first = Relaxed { bound, x, y, converged, warm };
+                self.solve_wider(program, question, first).into_verdict()
+            }
+            verdict => verdict,
+        }
+    }
+
+    /// Solves a program whose bound is blurred with wider limits. Returns what that shows if the program
+    /// has a point up to rounding only, and what is known already otherwise.
+    fn solve_wider(
+        &mut self,
+        program: &Reduced,
+        question: &Question<'_>,
+        first: Relaxed,
+    ) -> Relaxed {
+        if question.purpose == Purpose::Trial {
+            return first;
+        }
+        for part in WIDER {
+            let wide = widened(program, &first.x, part);
+            let cutoff = f64::INFINITY;
+            let question = Question { cutoff, look_for_descent: false, warm: None, ..*question };
+            let (verdict, blurred) = self.solve_as_is(&wide, &question);
+            let Verdict::Relaxed { bound, x, y, converged, warm } = verdict else { break };
+            if blurred {
+                continue;
+            }
+            if converged && is_torn(program, [first.bound, bound], (&x, &y), part) {
+                return Relaxed { bound, x, y, converged, warm };
+            }
+            break;
+        }
+        first
+    }
+
+    /// Solves the program of a node and verifies what the methods claim; and whether the bound is blurred.
+    fn solve_as_is(&mut self, program: &Reduced, question: &Question<'_>) -> (Verdict, bool) {
         let token = question.token;
         let mut known = Known::new(program, question);
         if program.columns.is_empty() {
             known.warm = question.warm.cloned();
-            return known.relaxed(program.offset, Vec::new(), true);
+            return (known.relaxed(program.offset, Vec::new(), true), false);
         }
         let warm = self.warm_method(program, question);
         let all = self.attempts(question.purpose, warm);
@@ -330,10 +286,10 @@ impl Ladder {
             let state = (question.purpose, question.warm);
             let result = self.ask(attempt, program, (known.cutoff, token), (warm, state));
             if result.claim == Claim::Unknown && token.is_over() {
-                return Verdict::Stopped;
+                return (Verdict::Stopped, false);
             }
             match known.take(result, &mut self.prover) {
-                Step::Ended(verdict) => return verdict,
+                Step::Ended(verdict) => return (verdict, known.blurred),
                 Step::GoodEnough => break,
                 Step::Again => {}
                 Step::Next => {
@@ -345,13 +301,14 @@ impl Ladder {
             }
         }
         if question.look_for_descent && !known.converged && self.falls_forever(program, token) {
-            return Verdict::Descent;
+            return (Verdict::Descent, false);
         }
+        let blurred = known.blurred;
         let (bound, mut x, converged) =
             (known.bound, std::mem::take(&mut known.x), known.converged);
         // Zeros if no attempt had a point.
         x.resize(program.columns.len(), 0.0);
-        known.relaxed(bound, x, converged)
+        (known.relaxed(bound, x, converged), blurred)
     }
 
     /// Looks for a direction of descent without end when no method named one.
@@ -360,114 +317,6 @@ impl Ladder {
         let mut result = self.solve_once(&directions, Purpose::Direction, token);
         polish(&directions, &mut result.x, token);
         is_descent_ray(program, &result.x)
-    }
-}
-
-/// What the attempts at a node have shown so far.
-struct Known<'a> {
-    program: &'a Reduced,
-    question: &'a Question<'a>,
-    /// The cutoff for the next attempt.
-    cutoff: f64,
-    /// The best proved bound, and the multipliers behind it.
-    bound: f64,
-    y: Vec<f64>,
-    /// The point nearest to the bound, and its distance.
-    x: Vec<f64>,
-    nearest: f64,
-    converged: bool,
-    warm: Option<WarmState>,
-}
-
-/// What follows from an attempt.
-enum Step {
-    Ended(Verdict),
-    GoodEnough,
-    /// The same attempt, without a cutoff.
-    Again,
-    Next,
-}
-
-impl<'a> Known<'a> {
-    fn new(program: &'a Reduced, question: &'a Question<'a>) -> Self {
-        Known {
-            program,
-            question,
-            cutoff: question.cutoff,
-            bound: f64::NEG_INFINITY,
-            y: Vec::new(),
-            x: Vec::new(),
-            nearest: f64::INFINITY,
-            converged: false,
-            warm: None,
-        }
-    }
-
-    /// Verifies the claim of an attempt.
-    fn take(&mut self, result: RelaxationResult, prover: &mut Prover) -> Step {
-        let RelaxationResult { claim, x, y, warm, .. } = result;
-        self.warm = warm.or(self.warm.take());
-        let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
-        let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
-        if may_be_empty && prover.proves_infeasible(self.program, &y) {
-            return Step::Ended(Verdict::Refuted(y));
-        }
-        let falls = claim == Claim::Unbounded && self.question.look_for_descent;
-        if falls && is_descent_ray(self.program, &x) {
-            return Step::Ended(Verdict::Descent);
-        }
-        if has_point && x.iter().all(|v| v.is_finite()) {
-            return self.take_point(claim, x, y, prover);
-        }
-        Step::Next
-    }
-
-    /// Proves the bound of an attempt's multipliers, and compares it with the point.
-    fn take_point(&mut self, claim: Claim, x: Vec<f64>, y: Vec<f64>, prover: &mut Prover) -> Step {
-        let program = self.program;
-        let bound = match program.is_feasibility_problem() {
-            true => program.offset,
-            false => prover.lower_bound(program, &x, &y),
-        };
-        let value = program.objective(&x);
-        if bound >= self.bound {
-            (self.bound, self.y) = (bound, y);
-        }
-        if bound >= self.cutoff {
-            return Step::Ended(self.relaxed(bound, x, false));
-        }
-        if claim == Claim::Beyond && self.cutoff.is_finite() {
-            // What the method promised does not hold: the same again, to the end.
-            self.cutoff = f64::INFINITY;
-            return Step::Again;
-        }
-        let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        // A later attempt wins a tie.
-        let distance = (value - self.bound).abs();
-        if distance <= self.nearest {
-            (self.nearest, self.x) = (distance, x);
-        }
-        let slack = if self.question.purpose == Purpose::Trial { 1e-3 } else { 1e-6 };
-        let near = size <= tolerance::FREE_RADIUS;
-        self.converged = near && value - bound <= slack * value.abs().max(1.0);
-        if claim == Claim::Solved && value - bound <= self.close(value) {
-            return Step::GoodEnough;
-        }
-        Step::Next
-    }
-
-    /// How far a point of this value and its bound may be apart. Methods take the gap relative to an
-    /// objective without the constant, which may be large. For a leaf the gap asked for counts.
-    fn close(&self, value: f64) -> f64 {
-        let options = self.question.options;
-        let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
-        let enough = 1e-6 * value.abs().max(1.0);
-        if self.question.purpose == Purpose::Leaf { enough.min(wanted) } else { enough }
-    }
-
-    fn relaxed(&mut self, bound: f64, x: Vec<f64>, converged: bool) -> Verdict {
-        let (y, warm) = (std::mem::take(&mut self.y), self.warm.take());
-        Verdict::Relaxed { bound, x, y, converged, warm }
     }
 }
 

@@ -8,6 +8,8 @@
 //! infeasibility is accepted only if the same computation proves it.
 
 mod active_set;
+mod attempts;
+mod borderline;
 mod bound;
 mod clarabel;
 mod correction;
@@ -21,19 +23,21 @@ mod recession;
 mod scaling;
 mod simplex;
 mod sparse_vectors;
+mod verdict;
 mod warm_state;
 
 pub use active_set::ActiveSet;
+pub(crate) use attempts::Purpose;
 pub use bound::Prover;
 pub use clarabel::ClarabelRelaxation;
 pub use extended::Extended;
 pub use interior::InteriorPoint;
 pub use ladder::Ladder;
-pub(crate) use ladder::{Purpose, Question, Verdict};
 pub use ladder_pool::LadderPool;
 pub use polish::polish;
 pub(crate) use polish::polish_leaf;
 pub use simplex::DualSimplex;
+pub(crate) use verdict::{Question, Verdict};
 pub use warm_state::WarmState;
 
 use crate::presolve::Reduced;

@@ -12,13 +12,14 @@ use super::parallel::{deterministic, opportunistic};
 use super::proofs::{End, Multipliers, Tried};
 use super::reporter::Reporter;
 use super::root::Root;
-use super::seed::Seed;
+use super::seed::{Seed, Start};
 use super::task::Task;
 use super::time_order;
 use super::trace::span;
 use super::tree::Tree;
 use super::tree_view::TreeView;
-use crate::solver::{BranchingRule, Control};
+use crate::solution::Heuristic;
+use crate::solver::{BranchingRule, Control, Options};
 
 /// Searches the tree of a program, from a seed if there is one.
 pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
@@ -49,7 +50,7 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
     let whole = seed.is_none_or(|seed| seed.leaves.is_empty());
     let known = root.point.as_ref().filter(|_| windows.is_none() && whole);
-    let tree = Tree::new(task, seed, known, workers);
+    let tree = Tree::new(task, &root.domain, seed, known, workers);
     let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
     let shared = Shared { task, windows: windows.as_ref(), root: &root, nested };
     let mut reporter = Reporter::new(control);
@@ -63,6 +64,21 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     tree.into_found()
 }
 
+/// Searches the program of a task as it was before it was strengthened, once an accepted point has
+/// contradicted the strengthened one. Begins with that point, and counts what was done before.
+pub fn search_unstrengthened(task: Task<'_>, before: Found, control: &mut Control<'_>) -> Found {
+    let program = task.exact.unwrap_or(task.program);
+    let options = Options { probing: false, ..task.options.clone() };
+    let task = Task { program, exact: Some(program), root: None, options: &options, ..task };
+    let point = before.points.into_iter().next().map(|mut values| {
+        values.truncate(program.column_count());
+        Start { values, found_by: before.found_by.unwrap_or(Heuristic::Leaf) }
+    });
+    let mut found = search(task, control, Some(&Seed { point, ..Seed::default() }));
+    found.statistics.add(&before.statistics);
+    found
+}
+
 /// Completes the guess of a seed and searches no further: the point that a search would begin with,
 /// and the bound that the multipliers of an earlier root prove.
 pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
@@ -70,7 +86,7 @@ pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
     if root.conflict.is_some() {
         return Found::infeasible();
     }
-    let tree = Tree::new(task, Some(seed), None, 1);
+    let tree = Tree::new(task, &root.domain, Some(seed), None, 1);
     let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
     let shared = Shared { task, windows: None, root: &root, nested };
     let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));

@@ -1,5 +1,6 @@
 //! The result of a search.
 
+use super::comparison::Contradiction;
 use super::node::Path;
 use super::proofs::{Fork, Proof};
 use super::seed::{GuessEnd, Seeded};
@@ -14,6 +15,8 @@ pub struct Found {
     pub points: Vec<Vec<f64>>,
     /// What found the best one.
     pub(crate) found_by: Option<Heuristic>,
+    /// What an accepted point contradicts in the strengthened program. Then no bound is known.
+    pub contradiction: Option<Contradiction>,
     /// Whether these are proved to be the best ones.
     pub pool_complete: bool,
     /// Proved lower bound; `+inf` when infeasible.
@@ -68,6 +71,7 @@ impl Found {
             termination: Termination::Infeasible,
             points: Vec::new(),
             found_by: None,
+            contradiction: None,
             pool_complete: true,
             bound: f64::INFINITY,
             statistics: Statistics::default(),

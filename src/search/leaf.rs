@@ -95,12 +95,7 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
 fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {
     let accepted = (ctx.shared.task.accept)(point);
     if accepted {
-        // The exact program has no columns of event windows.
-        let value = match ctx.shared.task.exact {
-            Some(exact) => exact.objective(point.get(..exact.column_count()).unwrap_or(point)),
-            None => ctx.program().objective(point),
-        };
-        ctx.tree.offer(value, point.to_vec());
+        ctx.tree.offer(ctx.shared.task.value(point), point.to_vec());
     }
     accepted
 }

@@ -12,6 +12,7 @@
 //! The tree:
 //!
 //! * `node` - a node as shared bound changes, and the queue of open nodes
+//! * `comparison` - of the strengthened program with the original at accepted points
 //! * `best_points` - the incumbent and those after it
 //! * `pseudocosts` - the average effect of branching on a column
 //! * `tree` - shared by all workers: queue, best points, bounds, limits
@@ -59,6 +60,7 @@ mod children;
 mod clock;
 mod close_node;
 mod column_guidance;
+mod comparison;
 mod context;
 pub(crate) mod cuts;
 mod driver;
@@ -94,8 +96,9 @@ mod unbounded;
 mod worker;
 
 pub use column_guidance::ColumnGuidance;
+pub use comparison::Contradiction;
 pub(crate) use driver::complete;
-pub use driver::search;
+pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::Found;
 pub(crate) use perspective::with_perspective;

@@ -132,9 +132,12 @@ fn tighten_by_row(
 
 /// The value, 0 or a bound, that is the only one left of a column that was not fixed before.
 fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
+    // A side without an end says nothing: its width and the room would both be infinite.
+    if own[0] == own[1] || !lower.is_finite() || !upper.is_finite() {
+        return None;
+    }
     let room = FIXED * lower.abs().max(upper.abs()).max(1.0);
-    let width = (upper - lower).abs();
-    if own[0] == own[1] || width > room || width.is_nan() {
+    if (upper - lower).abs() > room {
         return None;
     }
     let near = |v: &f64| (lower - room..=upper + room).contains(v);

@@ -38,6 +38,14 @@ pub struct Task<'a> {
     pub token: &'a StopToken,
 }
 
+impl Task<'_> {
+    /// The (minimised) objective of a point, which may have further columns.
+    pub fn value(&self, point: &[f64]) -> f64 {
+        let program = self.exact.unwrap_or(self.program);
+        program.objective(point.get(..program.column_count()).unwrap_or(point))
+    }
+}
+
 impl std::fmt::Debug for Task<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Task").field("options", self.options).finish_non_exhaustive()

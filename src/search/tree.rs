@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::best_points::{Accepted, BestPoints};
+use super::comparison::{Contradiction, contradiction};
 use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::proofs::{End, Fork, Proof, Proofs};
@@ -12,6 +13,7 @@ use super::root_point::RootPoint;
 use super::seed::{GuessEnd, Seed, Seeded, Start};
 use super::task::Task;
 use super::trace::event;
+use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -20,6 +22,8 @@ use crate::solver::Progress;
 /// The shared state of one search.
 pub(super) struct Tree<'a> {
     pub(super) task: Task<'a>,
+    /// The bounds of the root.
+    root: &'a Domain,
     pub(super) seed: Option<&'a Seed>,
     /// Smallest possible difference of two objective values; 0 when unknown.
     granularity: f64,
@@ -56,6 +60,8 @@ pub(super) struct State {
     /// Smallest bound of a subtree that could be neither finished nor split.
     stalled: f64,
     pub(super) stop: Option<Termination>,
+    /// What the strengthened program got wrong.
+    contradiction: Option<Contradiction>,
     /// Bytes of the tree when they were last counted: in rounds, before the present one.
     bytes: u64,
     /// Nodes that were handed to workers.
@@ -84,6 +90,7 @@ impl<'a> Tree<'a> {
     /// A tree with its root, whose relaxed point may be known.
     pub(super) fn new(
         task: Task<'a>,
+        root: &'a Domain,
         seed: Option<&'a Seed>,
         known: Option<&RootPoint>,
         workers: usize,
@@ -97,6 +104,7 @@ impl<'a> Tree<'a> {
             closed: f64::INFINITY,
             stalled: f64::INFINITY,
             stop: None,
+            contradiction: None,
             bytes: 0,
             started: 0,
             statistics: Statistics::default(),
@@ -108,6 +116,7 @@ impl<'a> Tree<'a> {
         };
         let tree = Tree {
             task,
+            root,
             seed,
             granularity: granularity(task.program),
             state: Mutex::new(state),
@@ -126,7 +135,7 @@ impl<'a> Tree<'a> {
         root.bound = tree.strengthen(root.bound);
         tree.lock().queue.push(root);
         if let Some(Start { values, found_by }) = seed.and_then(|seed| seed.point.clone()) {
-            let value = task.exact.unwrap_or(task.program).objective(&values);
+            let value = task.value(&values);
             let accepted = tree.accepted(value, values, found_by);
             tree.accept(&mut tree.lock(), accepted);
         }
@@ -220,8 +229,16 @@ impl<'a> Tree<'a> {
         self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)
     }
 
-    /// Takes in a verified point; `true` when it is the new incumbent.
+    /// Takes in a verified point; `true` when it is the new incumbent. Ends the search if the point
+    /// contradicts the strengthened program, because then no bound holds.
     pub(super) fn accept(&self, state: &mut State, accepted: Accepted) -> bool {
+        if let Some(what) = contradiction(&self.task, self.root, &accepted.point) {
+            event!(WARN, what = ?what, "contradiction");
+            state.contradiction = Some(what);
+            state.statistics.contradictions += 1;
+            state.stop.get_or_insert(Termination::Stalled);
+            self.wake.notify_all();
+        }
         let found_by = accepted.found_by;
         let news = accepted.clone();
         let better = state.points.offer(accepted);
@@ -306,7 +323,8 @@ impl<'a> Tree<'a> {
     /// The answer, once all workers are done.
     pub(super) fn into_found(self) -> Found {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let bound = bound(&state);
+        let is_contradicted = state.contradiction.is_some();
+        let bound = if is_contradicted { f64::NEG_INFINITY } else { bound(&state) };
         let complete = state.queue.len() == 0 && state.stalled == f64::INFINITY;
         let options = self.task.options;
         let best = state.points.incumbent().map(|best| best.value);
@@ -314,6 +332,7 @@ impl<'a> Tree<'a> {
             value - bound <= options.absolute_gap.max(options.relative_gap * value.abs())
         });
         let termination = match state.stop {
+            _ if is_contradicted => Termination::Stalled,
             Some(Termination::Unbounded) => Termination::Unbounded,
             _ if within_gap => Termination::Optimal,
             Some(reason) => reason,
@@ -328,6 +347,7 @@ impl<'a> Tree<'a> {
         Found {
             termination,
             bound: if unbounded { f64::NEG_INFINITY } else { bound },
+            contradiction: state.contradiction,
             pool_complete: complete && state.stop.is_none() && state.points.wants_all(),
             found_by: state.points.incumbent().map(|best| best.found_by),
             points: state.points.into_points().into_iter().map(|best| best.point).collect(),

@@ -44,6 +44,10 @@ pub struct Statistics {
     pub user_splits: u64,
     /// Answers of that rule that were rejected because they did not divide the node.
     pub refused_splits: u64,
+    /// Searches that were repeated because an accepted point contradicted a rewriting of the program
+    /// that makes its relaxation tighter. The rewriting was dropped, so the answer does not rest on it;
+    /// anything but 0 is a fault of the crate.
+    pub contradictions: u64,
     /// Improving points that were found, verified and accepted.
     pub incumbents: u64,
     /// Largest depth of a processed node, in decisions from the root.
@@ -340,7 +344,7 @@ impl Statistics {
         sum!(nodes, nested_nodes, relaxations, iterations, leaves, split, unfinished, incumbents);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
         sum!(closed_by_proofs);
-        sum!(user_splits, refused_splits);
+        sum!(user_splits, refused_splits, contradictions);
         self.relaxation_counts.add(&part.relaxation_counts);
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);

@@ -5,5 +5,6 @@
 
 mod complementarity;
 mod dyadic;
+pub(crate) mod families;
 pub(crate) mod generator;
 pub(crate) mod oracle;

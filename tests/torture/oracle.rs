@@ -281,6 +281,9 @@ pub(crate) fn judge(
     solution: &Solution,
     truth: &Truth,
 ) -> Verdict {
+    if solution.statistics().contradictions > 0 {
+        return Verdict::Wrong("a rewriting of the program was contradicted".to_owned());
+    }
     let what = match checked(case, variables, options, solution, truth) {
         Ok(verdict) => return verdict,
         Err(what) => what,

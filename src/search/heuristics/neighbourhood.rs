@@ -85,7 +85,7 @@ fn search_within(
     if let Some(mut found) = points.into_iter().next() {
         found.truncate(program.column_count());
         let found = ctx.complete_point(found);
-        let value = ctx.program().objective(&found);
+        let value = ctx.shared.task.value(&found);
         if value < ctx.tree.cutoff() {
             ctx.tree.offer(value, found);
         }

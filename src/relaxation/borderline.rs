@@ -1,0 +1,81 @@
+//! Programs that have a point up to rounding only.
+//!
+//! Limits in decimals, such as `0.1 x + 0.2 y >= 0.3` over `x, y <= 1`, are met by a corner of the box
+//! that misses them by the last digit. Without that point there is none, so that multipliers of 1e18
+//! prove any bound, and methods end anywhere. But the point is within every tolerance, and accepted. A
+//! bound from such multipliers is *blurred*: rounding of the rows' terms moves it visibly.
+//!
+//! Then the program is solved again with sides and bounds that are a little wider. What that proves holds
+//! for the program as well. If its bound is lower by more than its own multipliers explain, the bound
+//! of the program was one of an empty set, and the wider one counts.
+
+use crate::presolve::Reduced;
+use crate::tolerance;
+
+/// How much wider bounds and limits become, relative to the magnitudes in them (no unit): what is off by
+/// rounding, and what is off by less than the tolerance.
+pub(super) const WIDER: [f64; 2] = [1e-13, 1e-9];
+
+/// A bound that rounding may move by less than this, relative, is not blurred.
+const VISIBLE: f64 = 1e-7;
+
+/// How many times what their own multipliers explain two bounds may be apart.
+const EXPLAINED: f64 = 100.0;
+
+/// The magnitude of a column near a point: that of its bounds, or of its value where these are far.
+fn magnitude(program: &Reduced, x: &[f64], j: usize) -> f64 {
+    let reach = program.lower[j].abs().max(program.upper[j].abs());
+    reach.min(x.get(j).map_or(1.0, |x| x.abs()).max(1.0))
+}
+
+/// The sum of the magnitudes of a row's terms and of its limit.
+fn size(program: &Reduced, x: &[f64], row: usize, limit: f64) -> f64 {
+    let (columns, values) = program.rows.vector(row);
+    let terms = columns.iter().zip(values).map(|(&j, a)| a.abs() * magnitude(program, x, j));
+    terms.sum::<f64>() + if limit.is_finite() { limit.abs() } else { 0.0 }
+}
+
+/// What a relative change of the rows' terms may make of the bound that multipliers prove.
+fn effect(program: &Reduced, x: &[f64], y: &[f64], part: f64) -> f64 {
+    let effect = |(row, y): (usize, &f64)| {
+        let limit = if *y > 0.0 { program.row_upper[row] } else { program.row_lower[row] };
+        y.abs() * size(program, x, row, limit)
+    };
+    part * y.iter().enumerate().filter(|(_, y)| **y != 0.0).map(effect).sum::<f64>()
+}
+
+/// Whether rounding of the rows' terms would move a bound visibly.
+pub(super) fn is_blurred(program: &Reduced, x: &[f64], y: &[f64], bound: f64) -> bool {
+    bound.is_finite() && effect(program, x, y, tolerance::ROUNDING) > VISIBLE * bound.abs().max(1.0)
+}
+
+/// Whether two bounds, of a program and of the same one with wider limits, are further apart than the
+/// multipliers of the second explain.
+pub(super) fn is_torn(
+    program: &Reduced,
+    bounds: [f64; 2],
+    (x, y): (&[f64], &[f64]),
+    part: f64,
+) -> bool {
+    let [own, wider] = bounds;
+    let rounding = VISIBLE * wider.abs().max(1.0);
+    own - wider > EXPLAINED * effect(program, x, y, part) + rounding
+}
+
+/// The program with wider bounds, and wider limits but for equations.
+pub(super) fn widened(program: &Reduced, x: &[f64], part: f64) -> Reduced {
+    let mut wide = program.clone();
+    for row in 0..program.rows.len() {
+        let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
+        if lower < upper {
+            wide.row_lower[row] -= part * size(program, x, row, lower);
+            wide.row_upper[row] += part * size(program, x, row, upper);
+        }
+    }
+    for j in 0..program.columns.len() {
+        let by = part * magnitude(program, x, j).max(f64::MIN_POSITIVE);
+        wide.lower[j] -= by;
+        wide.upper[j] += by;
+    }
+    wide
+}

@@ -1,0 +1,161 @@
+//! What a relaxation, verified, says about a node.
+
+use super::Prover;
+use super::attempts::Purpose;
+use super::recession::is_descent_ray;
+use super::{Claim, RelaxationResult, WarmState};
+use crate::presolve::Reduced;
+use crate::solver::{Options, StopToken};
+use crate::tolerance;
+
+/// What is asked about a node.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'a> {
+    /// One of the first four.
+    pub purpose: Purpose,
+    /// A proved bound of at least this settles the question; infinite if none does.
+    pub cutoff: f64,
+    /// The gaps that a leaf has to meet.
+    pub options: &'a Options,
+    /// Whether to look for a direction in which the objective falls without limit.
+    pub look_for_descent: bool,
+    /// Ends the attempts when it is over.
+    pub token: &'a StopToken,
+    /// The state that the parent's relaxation left.
+    pub warm: Option<&'a WarmState>,
+}
+
+/// What a relaxation, verified, says about a node.
+#[derive(Debug)]
+pub enum Verdict {
+    /// No feasible point: proved by multipliers, one a row.
+    Refuted(Vec<f64>),
+    /// A limit or an interrupt came first.
+    Stopped,
+    /// The objective falls without limit along a verified direction.
+    Descent,
+    /// A proved bound and a point, not necessarily optimal.
+    Relaxed {
+        bound: f64,
+        /// The point, one entry a reduced column.
+        x: Vec<f64>,
+        /// The multipliers behind the bound; empty if there are none.
+        y: Vec<f64>,
+        /// Whether bound and point are close together.
+        converged: bool,
+        /// What the children's relaxations may start from.
+        warm: Option<WarmState>,
+    },
+}
+
+/// What the attempts at a node have shown so far.
+pub(super) struct Known<'a> {
+    program: &'a Reduced,
+    question: &'a Question<'a>,
+    /// The cutoff for the next attempt.
+    pub(super) cutoff: f64,
+    /// The best proved bound, and the multipliers behind it.
+    pub(super) bound: f64,
+    y: Vec<f64>,
+    /// Whether rounding of the rows' terms would move the bound visibly.
+    pub(super) blurred: bool,
+    /// The point nearest to the bound, and its distance.
+    pub(super) x: Vec<f64>,
+    nearest: f64,
+    pub(super) converged: bool,
+    pub(super) warm: Option<WarmState>,
+}
+
+/// What follows from an attempt.
+pub(super) enum Step {
+    Ended(Verdict),
+    GoodEnough,
+    /// The same attempt, without a cutoff.
+    Again,
+    Next,
+}
+
+impl<'a> Known<'a> {
+    pub(super) fn new(program: &'a Reduced, question: &'a Question<'a>) -> Self {
+        Known {
+            program,
+            question,
+            cutoff: question.cutoff,
+            bound: f64::NEG_INFINITY,
+            y: Vec::new(),
+            blurred: false,
+            x: Vec::new(),
+            nearest: f64::INFINITY,
+            converged: false,
+            warm: None,
+        }
+    }
+
+    /// Verifies the claim of an attempt.
+    pub(super) fn take(&mut self, result: RelaxationResult, prover: &mut Prover) -> Step {
+        let RelaxationResult { claim, x, y, warm, .. } = result;
+        self.warm = warm.or(self.warm.take());
+        let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
+        let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
+        if may_be_empty && prover.proves_infeasible(self.program, &y) {
+            return Step::Ended(Verdict::Refuted(y));
+        }
+        let falls = claim == Claim::Unbounded && self.question.look_for_descent;
+        if falls && is_descent_ray(self.program, &x) {
+            return Step::Ended(Verdict::Descent);
+        }
+        if has_point && x.iter().all(|v| v.is_finite()) {
+            return self.take_point(claim, x, y, prover);
+        }
+        Step::Next
+    }
+
+    /// Proves the bound of an attempt's multipliers, and compares it with the point.
+    fn take_point(&mut self, claim: Claim, x: Vec<f64>, y: Vec<f64>, prover: &mut Prover) -> Step {
+        let program = self.program;
+        let bound = match program.is_feasibility_problem() {
+            true => program.offset,
+            false => prover.lower_bound(program, &x, &y),
+        };
+        let value = program.objective(&x);
+        if bound >= self.bound {
+            (self.bound, self.y) = (bound, y);
+            self.blurred = !program.is_feasibility_problem() && prover.is_blurred();
+        }
+        if bound >= self.cutoff {
+            return Step::Ended(self.relaxed(bound, x, false));
+        }
+        if claim == Claim::Beyond && self.cutoff.is_finite() {
+            // What the method promised does not hold: the same again, to the end.
+            self.cutoff = f64::INFINITY;
+            return Step::Again;
+        }
+        let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        // A later attempt wins a tie.
+        let distance = (value - self.bound).abs();
+        if distance <= self.nearest {
+            (self.nearest, self.x) = (distance, x);
+        }
+        let slack = if self.question.purpose == Purpose::Trial { 1e-3 } else { 1e-6 };
+        let near = size <= tolerance::FREE_RADIUS;
+        self.converged = near && value - bound <= slack * value.abs().max(1.0);
+        if claim == Claim::Solved && value - bound <= self.close(value) {
+            return Step::GoodEnough;
+        }
+        Step::Next
+    }
+
+    /// How far a point of this value and its bound may be apart. Methods take the gap relative to an
+    /// objective without the constant, which may be large. For a leaf the gap asked for counts.
+    fn close(&self, value: f64) -> f64 {
+        let options = self.question.options;
+        let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
+        let enough = 1e-6 * value.abs().max(1.0);
+        if self.question.purpose == Purpose::Leaf { enough.min(wanted) } else { enough }
+    }
+
+    pub(super) fn relaxed(&mut self, bound: f64, x: Vec<f64>, converged: bool) -> Verdict {
+        let (y, warm) = (std::mem::take(&mut self.y), self.warm.take());
+        Verdict::Relaxed { bound, x, y, converged, warm }
+    }
+}

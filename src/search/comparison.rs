@@ -1,0 +1,104 @@
+//! The comparison of a strengthened program with the original at accepted points.
+//!
+//! Before the search, big-Ms are tightened, costs are bent, cuts are added, and bounds are probed. All
+//! of that must keep every point with whole integers. An accepted point satisfies the model, so a
+//! strengthened program that excludes it, or that makes it dearer, was derived wrongly, and no bound
+//! of its relaxations can be believed.
+//!
+//! Accepted points miss rows by up to the tolerance, and what is derived from rows multiplies what
+//! they miss. The margins below are far above that, and far below what a wrong rule does.
+
+use super::task::Task;
+use crate::presolve::Domain;
+use crate::program::Program;
+
+/// By how much an accepted point may miss a strengthened row or a bound, in units of the largest
+/// coefficient, and relative to the sum of its terms (no unit).
+const MISSED: f64 = 1e-4;
+const ROUNDED: f64 = 1e-8;
+
+/// By how much a value of the objective may be off, relative to the sum of its terms (no unit).
+const OFF: f64 = 1e-9;
+
+/// What a strengthened program gets wrong about an accepted point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contradiction {
+    /// It is dearer than it is.
+    Objective,
+    /// The row excludes it.
+    Row(usize),
+    /// The bounds of the column exclude it.
+    Column(usize),
+}
+
+/// Compares the program of a task, and the bounds of its root, with the exact program at an accepted
+/// point. Nothing where the task has no exact program.
+pub(super) fn contradiction(
+    task: &Task<'_>,
+    root: &Domain,
+    point: &[f64],
+) -> Option<Contradiction> {
+    let exact = task.exact?;
+    let program = task.program;
+    let x = point.get(..exact.column_count())?;
+    let excluded = |j: &usize| {
+        let [lower, upper] = root.bounds(*j);
+        let miss = (lower - x[*j]).max(x[*j] - upper);
+        miss > if exact.integral[*j] { 0.5 } else { MISSED * x[*j].abs().max(1.0) }
+    };
+    if let Some(j) = (0..x.len()).find(excluded) {
+        return Some(Contradiction::Column(j));
+    }
+    if std::ptr::eq(exact, program) {
+        return None;
+    }
+    if let Some(row) = (0..program.row_count()).find(|&row| is_missed(program, row, x)) {
+        return Some(Contradiction::Row(row));
+    }
+    is_dearer(program, exact, x, task.options.feasibility).then_some(Contradiction::Objective)
+}
+
+/// Whether a point misses a row. Rows over columns that it does not have say nothing about it.
+fn is_missed(program: &Program, row: usize, x: &[f64]) -> bool {
+    let (columns, values) = program.row(row);
+    let (mut sum, mut size, mut largest) = (0.0, 0.0, 0.0_f64);
+    for (&j, &a) in columns.iter().zip(values) {
+        let Some(&value) = x.get(j) else { return false };
+        sum += a * value;
+        size += (a * value).abs();
+        largest = largest.max(a.abs());
+    }
+    let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
+    let limit = if lower - sum > sum - upper { lower } else { upper };
+    let miss = (lower - sum).max(sum - upper);
+    miss > MISSED * largest + ROUNDED * (size + limit.abs())
+}
+
+/// Whether the strengthened objective is above the exact one by more than the point's violations and
+/// rounding explain.
+fn is_dearer(program: &Program, exact: &Program, x: &[f64], feasibility: f64) -> bool {
+    let excess = program.objective(x) - exact.objective(x);
+    if excess <= 0.0 {
+        return false;
+    }
+    let (gradients, mut size) = ([program, exact].map(|p| gradient(p, x)), 0.0);
+    let [strong, plain] = &gradients;
+    for (j, value) in x.iter().enumerate() {
+        let slope = if exact.integral[j] { 0.0 } else { (strong[j] - plain[j]).abs() };
+        size += 10.0 * feasibility * slope;
+        size += OFF * (strong[j].abs() + plain[j].abs()) * value.abs();
+    }
+    excess > size + OFF * (program.offset.abs() + exact.offset.abs() + 1.0)
+}
+
+/// The gradient of a program's objective at a point of its first columns.
+fn gradient(program: &Program, x: &[f64]) -> Vec<f64> {
+    let mut gradient = program.linear[..x.len()].to_vec();
+    for (j, &value) in x.iter().enumerate() {
+        let (rows, entries) = program.quadratic_column(j);
+        for (&i, &p) in rows.iter().zip(entries).filter(|(i, _)| **i < x.len()) {
+            gradient[i] += p * value;
+        }
+    }
+    gradient
+}

@@ -1,0 +1,250 @@
+//! Kinds of random programs, each a function of a seed, and ways of solving them.
+
+use carom::prelude::*;
+use carom::solver::{BranchingRule, PoolMode};
+
+use super::generator::{Random, large, program};
+use super::oracle::{Truth, truth};
+use crate::common::case::{Case, Column, Line, Square};
+use crate::common::quadratic_program::dot;
+
+/// A kind of programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Family {
+    /// Of everything a little.
+    Mixed,
+    /// Terms of 1e6 to 1e10.
+    Large,
+    /// Continuous columns without bounds, with one, or with huge ones, in rows with binaries, under
+    /// squares of their own.
+    Open,
+    /// A row that a corner of the box satisfies exactly, or would if decimals were doubles.
+    Borderline,
+}
+
+impl Family {
+    pub(crate) const ALL: [Family; 4] =
+        [Family::Mixed, Family::Large, Family::Open, Family::Borderline];
+
+    pub(crate) fn named(name: &str) -> Option<Family> {
+        Family::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Family::Mixed => "mixed",
+            Family::Large => "large",
+            Family::Open => "open",
+            Family::Borderline => "borderline",
+        }
+    }
+
+    /// The program of a seed.
+    pub(crate) fn program(self, seed: u64) -> Case {
+        match self {
+            Family::Mixed => program(seed),
+            Family::Large => large(seed),
+            Family::Open => open(seed),
+            Family::Borderline => borderline(seed),
+        }
+    }
+
+    /// The exact answer.
+    pub(crate) fn truth(self, case: &Case) -> Truth {
+        match self {
+            Family::Borderline => at_the_corner(case),
+            _ => truth(case),
+        }
+    }
+}
+
+/// A way of solving.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Path {
+    Usual,
+    WithoutPresolve,
+    /// The two best points are kept.
+    Pool,
+    /// The ends of the tree are kept.
+    Leaves,
+    /// Latest first, in two threads.
+    LatestFirst,
+    WithoutCuts,
+}
+
+impl Path {
+    pub(crate) const ALL: [Path; 6] = [
+        Path::Usual,
+        Path::WithoutPresolve,
+        Path::Pool,
+        Path::Leaves,
+        Path::LatestFirst,
+        Path::WithoutCuts,
+    ];
+
+    pub(crate) fn options(self) -> Options {
+        let mut options = Options::default();
+        match self {
+            Path::Usual => {}
+            Path::WithoutPresolve => options = options.with_presolve(false),
+            Path::Pool => options = options.with_pool(2, PoolMode::Found),
+            Path::Leaves => options.keep_leaves = true,
+            Path::LatestFirst => {
+                (options.branching, options.threads) = (BranchingRule::LatestFirst, 2);
+            }
+            Path::WithoutCuts => options.cuts = false,
+        }
+        options
+    }
+}
+
+fn sign(r: &mut Random) -> f64 {
+    if r.chance(0.5) { 1.0 } else { -1.0 }
+}
+
+/// A small whole number that is not zero.
+fn factor(r: &mut Random, most: i32) -> f64 {
+    f64::from(r.within(1, most)) * sign(r)
+}
+
+const BINARY: Column = Column { kind: VariableKind::Binary, lower: 0.0, upper: 1.0 };
+
+fn open(seed: u64) -> Case {
+    let r = &mut Random::new(seed);
+    let (continuous, binaries) = (1 + r.below(4), 1 + r.below(5));
+    let mut columns: Vec<Column> = (0..continuous).map(|_| wide_column(r)).collect();
+    columns.extend((0..binaries).map(|_| BINARY));
+    if r.chance(0.3) {
+        let lower = f64::from(r.within(-4, 2));
+        let upper = lower + f64::from(r.within(0, 4));
+        columns.push(Column { kind: VariableKind::Integer, lower, upper });
+    }
+    let n = columns.len();
+    let anchor: Vec<f64> = columns.iter().map(|column| anchored(r, column)).collect();
+    let lines = (0..1 + r.below(5)).map(|_| {
+        let mut coefficients = vec![0.0; n];
+        for _ in 0..1 + r.below(3) {
+            coefficients[r.below(continuous)] = factor(r, 3);
+        }
+        for _ in 0..r.below(3) {
+            coefficients[continuous + r.below(n - continuous)] =
+                factor(r, 9) * 2.0_f64.powi(r.within(0, 5));
+        }
+        around(r, coefficients, &anchor)
+    });
+    let lines = lines.collect();
+    let mut squares = Vec::new();
+    for j in 0..continuous {
+        if r.chance(0.7) {
+            let mut coefficients = vec![0.0; n];
+            coefficients[j] = 1.0;
+            if r.chance(0.2) {
+                coefficients[r.below(n)] = factor(r, 2);
+            }
+            let weight = 2.0_f64.powi(r.within(-3, 6));
+            let constant = f64::from(r.within(-6, 6));
+            squares.push(Square { weight, coefficients, constant });
+        }
+    }
+    let linear =
+        (0..n).map(|_| if r.chance(0.6) { factor(r, 40) } else { 0.0 }).collect::<Vec<f64>>();
+    let maximize = r.chance(0.3);
+    Case { columns, lines, switches: Vec::new(), squares, linear, constant: 0.0, maximize }
+}
+
+/// A continuous column of which at least one bound is missing or far away, mostly.
+fn wide_column(r: &mut Random) -> Column {
+    let far = |r: &mut Random| f64::from(r.within(1, 9)) * 2.0_f64.powi(r.within(10, 26));
+    let near = f64::from(r.within(-9, 9));
+    let width = f64::from(r.within(1, 20));
+    let (lower, upper) = match r.below(8) {
+        0 | 1 => (f64::NEG_INFINITY, f64::INFINITY),
+        2 => (near, f64::INFINITY),
+        3 => (f64::NEG_INFINITY, near),
+        4 => (-far(r), far(r)),
+        5 => (near, near + far(r)),
+        6 => (near - far(r), near),
+        _ => (near, near + width),
+    };
+    Column { kind: VariableKind::Continuous, lower, upper }
+}
+
+/// A whole number within the bounds, near 0.
+fn anchored(r: &mut Random, column: &Column) -> f64 {
+    let value = if column.kind == VariableKind::Continuous {
+        f64::from(r.within(-12, 12))
+    } else {
+        f64::from(r.within(-4, 6))
+    };
+    value.max(column.lower).min(column.upper)
+}
+
+/// A row that the anchor keeps, mostly.
+fn around(r: &mut Random, coefficients: Vec<f64>, anchor: &[f64]) -> Line {
+    let activity = dot(&coefficients, anchor);
+    let off = if r.chance(0.1) { f64::from(r.within(-4, 4)) } else { 0.0 };
+    let slack = f64::from(r.within(0, 12));
+    let (lower, upper) = match r.below(5) {
+        0 => (activity + off, activity + off),
+        1 | 2 => (f64::NEG_INFINITY, activity + off + slack),
+        _ => (activity + off - slack, f64::INFINITY),
+    };
+    Line { coefficients, lower, upper, scale: 1.0 }
+}
+
+/// The answer to a borderline program in decimals: the row leaves its columns the corner, and the others
+/// have their cheapest bounds. Rounding decides whether the corner is a point, so the value is known to a
+/// millionth only.
+fn at_the_corner(case: &Case) -> Truth {
+    let row = &case.lines[0];
+    let below = row.upper.is_finite();
+    let columns = case.columns.iter().zip(row.coefficients.iter().zip(&case.linear));
+    let point: Vec<f64> = columns
+        .map(|(column, (&a, &cost))| {
+            let lower = if a == 0.0 { cost > 0.0 } else { (a > 0.0) == below };
+            if lower { column.lower } else { column.upper }
+        })
+        .collect();
+    let value = case.cost(&point);
+    Truth::Least { value: value + 1e-6 * value.abs().max(1.0), point }
+}
+
+/// Decimals, a row whose limit is its largest or smallest activity in decimals, and columns that it
+/// does not hold.
+fn borderline(seed: u64) -> Case {
+    let r = &mut Random::new(seed);
+    let held = 1 + r.below(3);
+    let n = held + 1 + r.below(4);
+    let mut columns: Vec<Column> = (0..n)
+        .map(|_| {
+            let (lower, width) = (r.within(-30, 30), r.within(1, 50));
+            let decimal = |tenths: i32| f64::from(tenths) / 10.0;
+            let (lower, upper) = (decimal(lower), decimal(lower + width));
+            Column { kind: VariableKind::Continuous, lower, upper }
+        })
+        .collect();
+    for column in columns.iter_mut().skip(held) {
+        match r.below(3) {
+            0 => *column = BINARY,
+            1 => column.upper = 10.0_f64.powi(r.within(2, 6)),
+            _ => {}
+        }
+    }
+    let (below, mut coefficients) = (r.chance(0.5), vec![0.0; n]);
+    // The sum in millionths of tenths, exactly.
+    let mut limit = 0_i128;
+    for (coefficient, column) in coefficients.iter_mut().zip(&columns).take(held) {
+        let micro = i128::from(r.within(1, 99)) * 10_i128.pow(r.below(7) as u32);
+        let micro = if r.chance(0.5) { micro } else { -micro };
+        *coefficient = micro as f64 / 1e6;
+        let corner = if (micro > 0) == below { column.lower } else { column.upper };
+        limit += micro * (corner * 10.0).round() as i128;
+    }
+    let limit = limit as f64 / 1e7;
+    let (lower, upper) = if below { (f64::NEG_INFINITY, limit) } else { (limit, f64::INFINITY) };
+    let lines = vec![Line { coefficients, lower, upper, scale: 1.0 }];
+    let linear = (0..n).map(|_| factor(r, 5)).collect();
+    let maximize = r.chance(0.5);
+    let (switches, squares) = (Vec::new(), Vec::new());
+    Case { columns, lines, switches, squares, linear, constant: 0.0, maximize }
+}
