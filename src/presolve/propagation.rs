@@ -132,21 +132,27 @@ impl Propagator {
         for row in 0..program.row_count() {
             let limits = [program.row_lower[row], program.row_upper[row]];
             let (columns, coefficients) = program.row(row);
-            propagator.add(columns.iter().copied().zip(coefficients.iter().copied()), limits);
+            let terms = columns.iter().copied().zip(coefficients.iter().copied());
+            propagator.add(terms, limits, &program.integral);
         }
         // A quadratic objective is no row; its line stays empty.
         let linear = program.quadratic.compute_nnz() == 0;
         let costs = program.linear.iter().copied().enumerate().filter(|_| linear);
-        propagator.add(costs, [f64::NEG_INFINITY, f64::INFINITY]);
+        propagator.add(costs, [f64::NEG_INFINITY, f64::INFINITY], &program.integral);
         let Propagator { rows, entries, change_log, .. } = &propagator;
         propagator.uses = Uses::new(program.column_count(), rows, entries, change_log);
         propagator
     }
 
-    fn add(&mut self, terms: impl Iterator<Item = (usize, f64)>, limits: [f64; 2]) {
+    fn add(
+        &mut self,
+        terms: impl Iterator<Item = (usize, f64)>,
+        limits: [f64; 2],
+        integral: &[bool],
+    ) {
         let start = self.entries.len();
         let entries = terms.filter(|(_, a)| *a != 0.0);
-        self.entries.extend(entries.map(|(column, coefficient)| Entry::new(column, coefficient)));
+        self.entries.extend(entries.map(|(column, a)| Entry::new(column, a, integral[column])));
         self.rows.push(Line { range: [start, self.entries.len()], limits });
     }
 

@@ -12,6 +12,7 @@ use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
 use crate::program::Program;
 use crate::sum::Sum;
+use crate::tolerance;
 
 /// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
 /// implied up to this margin count as implied.
@@ -21,7 +22,8 @@ const NEGLIGIBLE: f64 = 1e-9;
 const CROSSED: f64 = 1e-8;
 
 /// A row over fixed columns is refuted when it is missed by more than this, relative to its largest
-/// term, and by more than [`CROSSED`], absolute: presolve leaves at least this many digits.
+/// term that is not a whole number, and by more than [`CROSSED`], absolute: presolve leaves at least this
+/// many digits. Whole terms have all of them: a row over wide integers is missed or not.
 const LOST: f64 = 1e-10;
 
 /// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the free
@@ -168,7 +170,9 @@ impl Reducer {
             match free {
                 0 => {
                     let miss = (l - constant).max(constant - u);
-                    if miss > CROSSED.max(LOST * scale) + slack {
+                    if miss > CROSSED + slack
+                        && is_missed(program, row, [l, u], &self.lower, &self.slack)
+                    {
                         return Err(Contradiction);
                     }
                 }
@@ -306,7 +310,8 @@ impl Reducer {
             let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.
-                if limits[0].max(-limits[1]) > CROSSED.max(LOST * scale) {
+                let is_suspect = limits[0].max(-limits[1]) > CROSSED;
+                if is_suspect && is_missed(program, row, [lower, upper], &self.lower, &self.slack) {
                     return Err(Contradiction);
                 }
                 continue;
@@ -345,6 +350,41 @@ impl Reducer {
         }
         Ok(())
     }
+}
+
+/// Whether a row whose columns are all fixed is missed by more than it is not known to.
+///
+/// # Arguments
+///
+/// * `values`, `slack`: by column, what it is fixed at and how far that may be off.
+fn is_missed(
+    program: &Program,
+    row: usize,
+    [lower, upper]: [f64; 2],
+    values: &[f64],
+    slack: &[f64],
+) -> bool {
+    let (columns, coefficients) = program.row(row);
+    let (mut sum, mut loosened) = (Sum::default(), 0.0);
+    let (mut soft, mut scale) = (1.0_f64, 1.0_f64);
+    for (&j, &a) in columns.iter().zip(coefficients) {
+        let size = (a * values[j]).abs();
+        sum.add_product(a, values[j]);
+        loosened += a.abs() * slack[j];
+        scale = scale.max(size);
+        if !program.integral[j] || a != a.round() {
+            soft = soft.max(size);
+        }
+    }
+    let beyond = |limit: f64| {
+        let mut beyond = sum;
+        beyond.add(-limit);
+        beyond.value()
+    };
+    let miss = (-beyond(lower)).max(beyond(upper));
+    // What whole terms miss is no rounding, and not accepted beyond the tolerance.
+    let lost = (LOST * scale).min(tolerance::FEASIBILITY.max(LOST * soft));
+    miss > CROSSED.max(lost) + 4.0 * f64::EPSILON * scale + loosened
 }
 
 /// A finished row that is parallel to the unfinished one from `begin` on, and the factor between them.

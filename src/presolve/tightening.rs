@@ -3,8 +3,17 @@
 //! Most visits end after a single pass: if the row's slack (its limit less its smallest activity)
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
 //! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point.
+//!
+//! Terms of integral columns with whole coefficients are exact, however large they are: what they add to
+//! a row is no reason to loosen anything. So `1e8 z >= 20` leaves a binary the value 1, and a row over
+//! wide integers is refuted as soon as it is missed.
 
+use crate::sum::Sum;
 use crate::tolerance;
+
+/// Rounding of plain sums beyond this, in the row's unit, is avoided by compensated ones: it could hide
+/// that a point is beyond the tolerance.
+const COARSE: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// One term of a row; the coefficient is not zero.
 #[derive(Debug, Clone, Copy)]
@@ -12,17 +21,26 @@ pub(super) struct Entry {
     /// Twice the column, plus one where the coefficient is negative: the bound at which the term is
     /// smallest.
     least: u32,
+    /// Whether the term is a whole number, so that nothing of it was rounded.
+    whole: bool,
     pub(super) coefficient: f64,
 }
 
 impl Entry {
-    pub(super) fn new(column: usize, coefficient: f64) -> Self {
-        Entry { least: 2 * column as u32 + u32::from(coefficient < 0.0), coefficient }
+    pub(super) fn new(column: usize, coefficient: f64, integral: bool) -> Self {
+        let whole = integral && coefficient == coefficient.round();
+        Entry { least: 2 * column as u32 + u32::from(coefficient < 0.0), whole, coefficient }
     }
 
     #[inline]
     pub(super) fn column(&self) -> usize {
         (self.least / 2) as usize
+    }
+
+    /// The bound of the column at which the term is smallest (0) or largest (1).
+    #[inline]
+    fn bound(&self, bounds: &[[f64; 2]], which: usize) -> f64 {
+        bounds[self.column()][(self.least as usize + which) % 2]
     }
 
     /// Smallest and largest value of the term.
@@ -143,27 +161,22 @@ fn tighten_binding(
     least_gain: f64,
     found: &mut Vec<Tightening>,
 ) -> RowState {
-    let mut scale = 0.0_f64;
-    for entry in entries {
-        let (low, high) = entry.ends(bounds);
-        scale += larger(size(low), size(high));
-    }
-    let scale = scale.max(size(row_lower)).max(size(row_upper)).max(1.0);
-    let excess = tolerance::PROPAGATION_INFEASIBLE * scale;
-    if (least.infinite == 0 && least.finite > row_upper + excess)
-        || (most.infinite == 0 && most.finite < row_lower - excess)
+    let doubt = Doubt::of(bounds, entries, [row_lower, row_upper]);
+    let exact = (doubt.plain_rounding > COARSE).then(|| Exact::of(bounds, entries));
+    let rounding = if exact.is_some() { doubt.rounding } else { doubt.plain_rounding };
+    let ends = Ends { least, most, exact };
+    let excess = doubt.excess + rounding;
+    if (least.infinite == 0 && ends.left(0, row_upper) < -excess)
+        || (most.infinite == 0 && ends.left(1, row_lower) > excess)
     {
         return RowState::Violated;
     }
-    let upper_binds = row_upper.is_finite() && (most.infinite > 0 || most.finite > row_upper);
-    let lower_binds = row_lower.is_finite() && (least.infinite > 0 || least.finite < row_lower);
+    let upper_binds = row_upper.is_finite() && (most.infinite > 0 || ends.left(1, row_upper) < 0.0);
+    let lower_binds =
+        row_lower.is_finite() && (least.infinite > 0 || ends.left(0, row_lower) > 0.0);
     if !upper_binds && !lower_binds {
         return RowState::Implied;
     }
-    // Accumulated rounding of the activity, in the row's unit.
-    let rounding = 1e-15 * scale * (entries.len() as f64);
-    // What the row itself is known to: a small coefficient makes much of it.
-    let known = tolerance::PROPAGATION_SLACK * scale;
     let mut offer = |entry: &Entry, term: f64, is_upper: bool| {
         let column = entry.column();
         let value = term / entry.coefficient;
@@ -171,13 +184,14 @@ fn tighten_binding(
             return;
         }
         found.extend(if integral[column] {
-            let slack = tolerance::INTEGRALITY + known / entry.coefficient.abs();
+            let own = if entry.whole { 0.0 } else { largest_term(entry, bounds) };
+            let slack = whole_slack(entry, value, doubt.soft - own);
             whole(bounds[column], column, is_upper, value, slack)
         } else {
             worthwhile(bounds[column], column, is_upper, value, least_gain)
         });
     };
-    if least.infinite + most.infinite == 0 {
+    if least.infinite + most.infinite == 0 && ends.exact.is_none() {
         let rest_below = row_upper + rounding - least.finite;
         let rest_above = row_lower - rounding - most.finite;
         for entry in entries {
@@ -200,17 +214,140 @@ fn tighten_binding(
             continue;
         }
         if upper_binds
-            && let Some(most) = least.room(low, row_upper + rounding).filter(|&m| m < high)
+            && let Some(most) = ends.room(0, entry, bounds, row_upper).map(|m| m + rounding)
+            && most < high
         {
             offer(entry, most, entry.coefficient > 0.0);
         }
         if lower_binds
-            && let Some(least) = most.room(high, row_lower - rounding).filter(|&l| l > low)
+            && let Some(least) = ends.room(1, entry, bounds, row_lower).map(|l| l - rounding)
+            && least > low
         {
             offer(entry, least, entry.coefficient < 0.0);
         }
     }
     RowState::Open
+}
+
+/// What a row is not known to, in its unit.
+struct Doubt {
+    /// The sum of the largest magnitudes of terms that are not whole, and of a limit that presolve may have
+    /// rounded.
+    soft: f64,
+    /// Accumulated rounding of an activity: of a plain sum, and of a compensated one.
+    plain_rounding: f64,
+    rounding: f64,
+    /// By how much the row may be missed by what its soft terms are not known to.
+    excess: f64,
+}
+
+impl Doubt {
+    fn of(bounds: &[[f64; 2]], entries: &[Entry], [lower, upper]: [f64; 2]) -> Self {
+        let (mut scale, mut soft, mut all_whole) = (0.0, 0.0, true);
+        for entry in entries {
+            let size = largest_term(entry, bounds);
+            scale += size;
+            if !entry.whole {
+                (soft, all_whole) = (soft + size, false);
+            }
+        }
+        let limit = size(lower).max(size(upper));
+        // Presolve leaves equalities the rounding of their limits, and widens other rows by it.
+        if lower == upper && !all_whole {
+            soft += limit;
+        }
+        let scale = larger(scale, limit).max(1.0);
+        let count = entries.len() as f64;
+        let rounding = 1e-15 * soft * count + 64.0 * f64::EPSILON * limit;
+        // What whole terms miss is no rounding, and not accepted beyond the tolerance.
+        let missed = tolerance::PROPAGATION_INFEASIBLE * soft;
+        let excess = missed.max(tolerance::FEASIBILITY);
+        Doubt {
+            soft,
+            plain_rounding: larger(1e-15 * scale * count, rounding),
+            rounding,
+            excess: excess.min(tolerance::PROPAGATION_INFEASIBLE * scale),
+        }
+    }
+}
+
+/// The largest magnitude of a term; 0 where it is infinite.
+#[inline]
+fn largest_term(entry: &Entry, bounds: &[[f64; 2]]) -> f64 {
+    let (low, high) = entry.ends(bounds);
+    larger(size(low), size(high))
+}
+
+/// Smallest and largest activity, and both in compensated sums where plain ones are too coarse.
+struct Ends {
+    least: Activity,
+    most: Activity,
+    exact: Option<Exact>,
+}
+
+/// The finite parts of the smallest and the largest activity, negated.
+struct Exact([Sum; 2]);
+
+impl Exact {
+    fn of(bounds: &[[f64; 2]], entries: &[Entry]) -> Self {
+        let mut sums = [Sum::default(); 2];
+        for entry in entries {
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let bound = entry.bound(bounds, k);
+                if bound.is_finite() {
+                    sum.add_product(-entry.coefficient, bound);
+                }
+            }
+        }
+        Exact(sums)
+    }
+}
+
+impl Ends {
+    /// A limit less the finite part of the smallest activity (0) or the largest one (1).
+    fn left(&self, which: usize, limit: f64) -> f64 {
+        match &self.exact {
+            Some(Exact(sums)) => {
+                let mut left = sums[which];
+                left.add(limit);
+                left.value()
+            }
+            None => limit - if which == 0 { self.least.finite } else { self.most.finite },
+        }
+    }
+
+    /// The room between an activity without one of its terms and a limit; `None` where the rest is
+    /// infinite.
+    fn room(&self, which: usize, entry: &Entry, bounds: &[[f64; 2]], limit: f64) -> Option<f64> {
+        let activity = if which == 0 { &self.least } else { &self.most };
+        let bound = entry.bound(bounds, which);
+        let Some(Exact(sums)) = &self.exact else {
+            return activity.room(entry.coefficient * bound, limit);
+        };
+        let mut room = sums[which];
+        match (activity.infinite, bound.is_finite()) {
+            (0, true) => room.add_product(entry.coefficient, bound),
+            (1, false) => {}
+            _ => return None,
+        }
+        room.add(limit);
+        Some(room.value())
+    }
+}
+
+/// How far a whole value may be beyond a bound of an integral column and still satisfy the row that gives
+/// the bound: the tolerance of the row, and what its other terms are not known to.
+///
+/// # Arguments
+///
+/// * `rest`: the sum of the soft magnitudes of the row without this term, in its unit.
+#[inline]
+fn whole_slack(entry: &Entry, value: f64, rest: f64) -> f64 {
+    let size = entry.coefficient.abs();
+    let tolerated = tolerance::INTEGRALITY.min(tolerance::FEASIBILITY / size);
+    let known = tolerance::PROPAGATION_SLACK * rest.max(1.0) / size;
+    let own = if entry.whole { 0.0 } else { tolerance::PROPAGATION_SLACK * value.abs() };
+    tolerated + known + own + 4.0 * f64::EPSILON * value.abs()
 }
 
 fn size(value: f64) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Work, finite};
+use crate::tolerance;
 
 /// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
 const MISSED: f64 = 1e-8;
@@ -43,10 +44,16 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
                 upper = f64::INFINITY;
             }
             let (p, q) = (lower / a, upper / a);
-            let (lower, upper) = (p.min(q), p.max(q));
+            (lower, upper) = (p.min(q), p.max(q));
             let gives = [lower > work.lower[column], upper < work.upper[column]];
             let rounding = f64::EPSILON * finite(lower).max(finite(upper));
-            work.intersect(column, [lower, upper], noise / a.abs() + rounding)?;
+            let noise = noise / a.abs() + rounding;
+            if work.integral[column] {
+                // A whole value has to keep the row itself: 0 is near 2e-7, and misses `1e8 z >= 20`.
+                let tolerated = tolerance::INTEGRALITY.min(tolerance::FEASIBILITY / a.abs());
+                (lower, upper) = whole_bounds([lower, upper], tolerated.max(noise));
+            }
+            work.intersect(column, [lower, upper], noise)?;
             work.drop_row(row);
             if !work.integral[column] && (gives[0] || gives[1]) {
                 work.push(SingletonRow { row, column, coefficient: a, gives });
@@ -55,6 +62,11 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         _ => return Ok(0),
     }
     Ok(1)
+}
+
+/// The whole numbers within some bounds, up to a slack.
+fn whole_bounds([lower, upper]: [f64; 2], slack: f64) -> (f64, f64) {
+    ((lower - slack).ceil(), (upper + slack).floor())
 }
 
 impl Undo for SingletonRow {

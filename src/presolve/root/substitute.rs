@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 
 use super::postsolve::{Restored, Undo};
 use super::work::{OldColumn, Sparse, Work};
+use crate::sum::Sum;
+use crate::tolerance;
 
 /// Entries that cancel to less than this, relative to what they came from, are 0.
 const CANCELLED: f64 = 1e-13;
@@ -31,6 +33,7 @@ struct Substituted {
     terms: Sparse,
     /// Whether the row was kept for the bounds.
     kept: bool,
+    bounds: [f64; 2],
 }
 
 /// Largest rounding of a constant that replaces part of a column (the column's unit): more would show
@@ -95,7 +98,8 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     }
     work.drop_column(column);
     let integral = work.integral[column];
-    work.push(Substituted { old, integral, row, coefficient, constant, terms, kept });
+    let bounds = [lower, upper];
+    work.push(Substituted { old, integral, row, coefficient, constant, terms, kept, bounds });
 }
 
 /// `row - factor * terms`.
@@ -161,7 +165,16 @@ fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &S
 
 impl Undo for Substituted {
     fn primal(&self, x: &mut [f64]) {
-        let value = self.constant - self.terms.iter().map(|&(k, a)| a * x[k]).sum::<f64>();
+        let (mut sum, mut size) = (Sum::new(self.constant), self.constant.abs());
+        for &(k, a) in &self.terms {
+            sum.add_product(-a, x[k]);
+            size += (a * x[k]).abs();
+        }
+        let value = sum.value();
+        // Rounding of large terms belongs to the row, which allows for it, and not to the bound.
+        let inside = value.max(self.bounds[0]).min(self.bounds[1]);
+        let rounded = (value - inside).abs() <= tolerance::ROUNDING * size;
+        let value = if rounded { inside } else { value };
         x[self.old.column] = if self.integral { value.round() } else { value };
     }
 

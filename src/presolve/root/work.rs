@@ -15,8 +15,11 @@ use crate::tolerance;
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.
 const CROSSED: f64 = 1e-8;
 
-/// Rounding of limits up to this is allowed for by whoever gets them, relative to the limit.
+/// Rounding of bounds, and of limits of equalities, up to this is allowed for by whoever gets them,
+/// relative to the limit. A smaller part is allowed for in other rows, and in rows of whole numbers: their
+/// large limits come from big-Ms, and must not hide by how much a row is missed without them.
 const IMPERCEPTIBLE: f64 = 1e-9;
+const SHARP: f64 = 1e-14;
 
 /// Limits and bounds implied up to this margin count as implied.
 pub(super) const IMPLIED: f64 = 1e-9;
@@ -363,17 +366,22 @@ impl Work {
     /// Widens limits and bounds that rounding may have moved further than whoever gets them will
     /// suppose from their size.
     fn allow_for_noise(&mut self) {
-        let widen = |lower: &mut f64, upper: &mut f64, noise: f64| {
-            let known = |limit: f64| IMPERCEPTIBLE * finite(limit).max(1.0);
+        let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64| {
+            let known = |limit: f64| IMPERCEPTIBLE.max(part * finite(limit));
             if noise > known(*lower).max(known(*upper)) {
                 (*lower, *upper) = (*lower - noise, *upper + noise);
             }
         };
         for row in 0..self.rows.len() {
-            widen(&mut self.row_lower[row], &mut self.row_upper[row], self.row_noise[row]);
+            let whole = |&(j, a): &(usize, f64)| self.integral[j] && a == a.round();
+            let soft = self.is_equality(row) && !self.rows[row].iter().all(whole);
+            let part = if soft { IMPERCEPTIBLE } else { SHARP };
+            let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
+            widen(lower, upper, self.row_noise[row], part);
         }
         for j in (0..self.uses.len()).filter(|&j| !self.integral[j]) {
-            widen(&mut self.lower[j], &mut self.upper[j], self.column_noise[j]);
+            let (lower, upper) = (&mut self.lower[j], &mut self.upper[j]);
+            widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
         }
     }
 
