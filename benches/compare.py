@@ -12,6 +12,12 @@ without reading. Per file the solvers take turns, `--rounds` times, and the medi
 meets the limit is not asked again. The table goes to standard output as Markdown, progress to
 standard error.
 
+A folder with an `answers.csv` (see `judge.py`) is also judged: right, wrong, refused, stalled, broken
+or limit for every listed file. A refusal is a failure unless the table says so. If there is a failure,
+the exit code is 1. Verdicts alone, of one run a file without other solvers:
+
+    python3 benches/compare.py ../cases --judge --limit 20
+
 A folder may hold folders, each a family of files, and several folders can be given. Answers are
 checked against `answers.txt` or `answers.csv` in the given folder; without either, against what most
 solvers claim. `--profile FILE.svg` draws the share of files solved within a factor of the best:
@@ -34,6 +40,7 @@ import subprocess
 import sys
 import time
 
+import judge
 from report import agrees, families, profile, ratios, solved, table
 
 GAP = 1e-6
@@ -210,20 +217,38 @@ class Carom:
 
     def __init__(self, name, program, arguments):
         self.name, self.command = name, [program, *arguments]
+        # What it said last about each path, for verdicts.
+        self.said = {}
 
     def solve(self, path, limit):
+        said = self.said[path] = self.ask(path, limit)
+        if said["status"] in ("refused", "broken"):
+            return "error: " + said["note"][:60], 0.0, 0, None
+        status = {"feasible": "limit"}.get(said["status"], said["status"])
+        return status, said["seconds"], said["nodes"], said["objective"]
+
+    def ask(self, path, limit):
         command = [self.command[0], path, "--time-limit", str(limit), *self.command[1:]]
+        nothing = {"stalled": False, "objective": None, "bound": None, "seconds": 0.0, "nodes": 0}
         try:
             run = subprocess.run(command, capture_output=True, text=True, timeout=2 * limit + 30)
         except subprocess.TimeoutExpired:
-            return "error: hung", 0.0, 0, None
+            return {**nothing, "status": "broken", "note": "hung"}
         found = dict(re.findall(r"(\w+)=(\S+)", run.stdout))
+        lines = [line for line in run.stderr.splitlines() if line and not line.startswith("warning: ")]
+        note = lines[-1] if lines else ""
         if run.returncode != 0 or "status" not in found:
-            return "error: " + run.stderr.strip()[:60], 0.0, 0, None
-        objective = None if found["objective"] == "-" else float(found["objective"])
-        status = {"feasible": "limit"}.get(found["status"], found["status"])
-        seconds = found["cpu" if clock is time.process_time else "seconds"]
-        return status, float(seconds), int(found["nodes"]), objective
+            refused = run.returncode == 1 and note.startswith("solve: ")
+            return {**nothing, "status": "refused" if refused else "broken", "note": note.removeprefix("solve: ")}
+        return {
+            "status": found["status"],
+            "stalled": any(line.startswith("stalled") for line in lines),
+            "objective": None if found["objective"] == "-" else float(found["objective"]),
+            "bound": judge.number(found["bound"]),
+            "seconds": float(found["cpu" if clock is time.process_time else "seconds"]),
+            "nodes": int(found["nodes"]),
+            "note": note,
+        }
 
 
 def measure(path, solvers, rounds, limit):
@@ -289,6 +314,26 @@ def files_of(folder, only):
                 yield name, os.path.join(parent, entry)
 
 
+def verdicts(folders, carom, limit, ask):
+    """Judges all folders with an `answers.csv`; returns the number of failures. Files are run here if
+    `ask`, otherwise what was said about them before counts."""
+    failures = 0
+    for folder in folders:
+        rows = judge.listed(folder)
+        if rows is None:
+            continue
+        outcomes = {}
+        for file in rows:
+            path = os.path.join(folder, file)
+            if ask and os.path.exists(path):
+                carom.solve(path, limit)
+                print(f"{file}: {carom.said[path]['note']}", file=sys.stderr, flush=True)
+            if path in carom.said:
+                outcomes[file] = carom.said[path]
+        failures += judge.report(folder, rows, outcomes)
+    return failures
+
+
 def agreed(answers):
     """Without a listed answer: what most of those who claim one claim; `None` if nobody does."""
     claims = [answer for answer in answers.values() if solved(answer)]
@@ -312,6 +357,7 @@ def main():
     parser.add_argument("--solve", default="target/release/examples/solve", help="carom's example")
     parser.add_argument("--variant", action="append", default=[], metavar="NAME=ARGUMENTS")
     parser.add_argument("--ablation", metavar="FILE", help="a file of variants, one `NAME=ARGUMENTS` a line; no other solver")
+    parser.add_argument("--judge", action="store_true", help="only verdicts over answers.csv: one run a file, no other solver")
     parser.add_argument("--profile", metavar="FILE", help="also draw a performance profile there, as SVG")
     parser.add_argument("--cpu", action="store_true", help="processor seconds, with one thread: for a machine with other work")
     parser.add_argument("--json", metavar="FILE", help="also write all answers there")
@@ -325,6 +371,13 @@ def main():
         return serve(arguments.serve)
     if not arguments.folders:
         parser.error("a folder of files is needed")
+
+    if arguments.judge:
+        for folder in arguments.folders:
+            if judge.listed(folder) is None:
+                parser.error(f"{folder} has no answers.csv")
+        carom = Carom("carom 1", arguments.solve, ["--threads", "1"])
+        return 1 if verdicts(arguments.folders, carom, arguments.limit, True) else 0
 
     variants = list(arguments.variant)
     if arguments.ablation:
@@ -375,7 +428,8 @@ def main():
     if arguments.json:
         with open(arguments.json, "w") as file:
             json.dump({"results": results, "answers": truths}, file, indent=1)
+    return 1 if verdicts(arguments.folders, ours[0], arguments.limit, False) else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

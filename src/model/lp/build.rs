@@ -15,12 +15,14 @@ use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
+use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
 
 /// Makes the model that a file describes.
 pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
+    file.take_constant();
     let mut model = Model::new(file.name);
     let mut warnings = std::mem::take(&mut file.warnings);
     let variables = variables(&file, &mut model, &mut warnings)?;
@@ -125,18 +127,14 @@ fn variables(
             warnings.push(place.warning(message));
             binary = true;
         }
-        let (lower, upper) = bounds(column, binary, warnings)?;
         let name = names::read(column.name.text);
+        if column.semicontinuous {
+            let added = semicontinuous(column, binary, name, model, warnings);
+            variables.push(added.map_err(|error| at(column.name, &error))?);
+            continue;
+        }
+        let (lower, upper) = bounds(column, binary, warnings)?;
         let added = match (column.integer, binary) {
-            (integer, false) if column.semicontinuous => match integer {
-                true => model.semiinteger(name, lower, upper),
-                false => model.semicontinuous(name, lower, upper),
-            },
-            (_, true) if column.semicontinuous => {
-                return Err(column.name.error(format!(
-                    "`{name}` is both semi-continuous and a binary; keep one of them"
-                )));
-            }
             (_, true) => model.variable(name, VariableKind::Binary, lower, upper),
             // Only a binary can be the condition of an indicator.
             (true, _) if switch.is_some() && lower >= 0.0 && upper <= 1.0 => {
@@ -150,6 +148,45 @@ fn variables(
     Ok(variables)
 }
 
+/// Adds a semi-continuous or semi-integer variable, or a binary that is listed as such.
+fn semicontinuous(
+    column: &Column<'_>,
+    binary: bool,
+    name: Name,
+    model: &mut Model,
+    warnings: &mut Vec<Warning>,
+) -> Result<Variable, Error> {
+    let place = column.ends.last.unwrap_or(column.name);
+    let (lower, upper) = column.ends.or(0.0, if binary { 1.0 } else { f64::INFINITY });
+    let kind = match (column.integer, binary) {
+        (_, true) => VariableKind::Binary,
+        (true, false) => VariableKind::Integer,
+        (false, false) => VariableKind::Continuous,
+    };
+    if lower > upper {
+        warnings.push(place.warning(ends::only_zero(column.name.text, (lower, upper))));
+        return model.variable(name, kind, 0.0, 0.0);
+    }
+    if binary {
+        // 0 is among the values of a binary.
+        warnings.push(place.warning(format!(
+            "`{name}` is both semi-continuous and a binary, so it is 0, or 1 if its bounds allow it"
+        )));
+        let one = if lower <= 1.0 && upper >= 1.0 { 1.0 } else { 0.0 };
+        return model.variable(name, kind, 0.0, one);
+    }
+    if lower < 0.0 {
+        warnings.push(place.warning(format!(
+            "`{name}` is 0 or between {lower} and {upper}; some solvers refuse negative values of \
+             semi-continuous variables"
+        )));
+    }
+    match column.integer {
+        true => model.semiinteger(name, lower, upper),
+        false => model.semicontinuous(name, lower, upper),
+    }
+}
+
 /// The bounds of a column, defaults filled in.
 fn bounds(
     column: &Column<'_>,
@@ -157,7 +194,7 @@ fn bounds(
     warnings: &mut Vec<Warning>,
 ) -> Result<(f64, f64), Error> {
     let default = if binary { 1.0 } else { f64::INFINITY };
-    let (lower, upper) = (column.ends.lower.unwrap_or(0.0), column.ends.upper.unwrap_or(default));
+    let (lower, upper) = column.ends.or(0.0, default);
     let (place, name) = (column.ends.last.unwrap_or(column.name), column.name.text);
     let cut = (
         if binary && lower < 0.0 { 0.0 } else { lower },
@@ -176,12 +213,6 @@ fn bounds(
         warnings.push(place.warning(format!(
             "`{name}` is binary, so its bounds {lower} and {upper} are cut to {} and {}",
             cut.0, cut.1
-        )));
-    }
-    if column.semicontinuous && lower < 0.0 {
-        warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {lower} and {upper}; some solvers refuse negative values of \
-             semi-continuous variables"
         )));
     }
     Ok(cut)

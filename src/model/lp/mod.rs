@@ -2,6 +2,8 @@
 
 mod bounds;
 mod build;
+mod constant;
+mod dialect;
 mod expression;
 mod lexer;
 pub(crate) mod names;
@@ -29,7 +31,8 @@ use crate::error::Error;
 /// Linear in the length of the text (but for sorting the terms of each row), and the convexity
 /// check of a quadratic objective.
 pub fn read(text: &str) -> Result<Read, Error> {
-    build::model(read::File::scan(text)?)
+    let file = read::File::scan(text).map_err(|error| dialect::hint(text).unwrap_or(error))?;
+    build::model(file)
 }
 
 /// Writes a model as an LP file.

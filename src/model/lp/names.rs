@@ -11,6 +11,10 @@ use crate::model::name::Name;
 pub(super) const AT_LEAST: &str = "%ge";
 pub(super) const AT_MOST: &str = "%le";
 
+/// The column, fixed to 1, whose cost is the constant of the objective. All common readers take it so;
+/// a plain number there is a column for some.
+pub(super) const CONSTANT: &str = "Constant";
+
 /// The text of a name in a file.
 pub fn write(name: &Name) -> String {
     let text = coded(name, false);
@@ -27,7 +31,7 @@ pub fn read(text: &str) -> Name {
 /// Encodes the characters that the format reserves; `all` also encodes those that codes consist of.
 fn coded(name: &Name, all: bool) -> String {
     let family = name.family();
-    let keyword = name.step().is_none() && is_keyword(family);
+    let keyword = name.step().is_none() && (is_keyword(family) || family == CONSTANT);
     let mut text = String::with_capacity(family.len());
     for (place, letter) in family.chars().enumerate() {
         let first = place == 0

@@ -47,6 +47,10 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
             page.end();
         }
     }
+    if constant(model).is_some() {
+        page.word(&format!(" {} = 1", names::CONSTANT));
+        page.end();
+    }
     for (title, kind) in [("General", VariableKind::Integer), ("Binary", VariableKind::Binary)] {
         let members = model.variables().zip(&columns).filter(|(v, _)| v.kind() == kind);
         write_names(&mut page, title, members.map(|(_, column)| column));
@@ -102,12 +106,10 @@ fn term(first: bool, coefficient: f64, what: &str) -> String {
         (false, false) => text.push_str("+ "),
         (false, true) => {}
     }
-    let size = coefficient.abs();
-    match what {
-        "" => text.push_str(&number(size)),
-        _ if size == 1.0 => text.push_str(what),
+    match coefficient.abs() {
+        1.0 => text.push_str(what),
         // Writing into a string cannot fail.
-        _ => _ = write!(text, "{} {what}", number(size)),
+        size => _ = write!(text, "{} {what}", number(size)),
     }
     text
 }
@@ -122,7 +124,9 @@ fn write_objective(page: &mut Page, model: &Model, lines: &[Line<'_>], columns: 
         coefficients.iter_mut().for_each(|value| *value = value.or(Some(0.0)));
     }
     let affine = coefficients.iter().zip(columns);
-    let mut affine = affine.filter_map(|(value, name)| Some(((*value)?, name.as_str()))).peekable();
+    let affine = affine.filter_map(|(value, name)| Some(((*value)?, name.as_str())));
+    let constant = constant(model).map(|value| (value, names::CONSTANT));
+    let mut affine = affine.chain(constant).peekable();
     let empty = affine.peek().is_none();
     page.terms(true, affine);
     if !products.is_empty() {
@@ -136,12 +140,13 @@ fn write_objective(page: &mut Page, model: &Model, lines: &[Line<'_>], columns: 
         }
         page.part("] / 2");
     }
-    // After everything else, where all readers accept it.
-    let constant = model.objective().affine().offset();
-    if constant.to_bits() != 0 {
-        page.terms(empty && products.is_empty(), [(constant, "")]);
-    }
     page.end();
+}
+
+/// The constant of the objective, if it has one.
+fn constant(model: &Model) -> Option<f64> {
+    let constant = model.objective().affine().offset();
+    (constant.to_bits() != 0).then_some(constant)
 }
 
 fn write_names<'a>(page: &mut Page, title: &str, names: impl IntoIterator<Item = &'a String>) {

@@ -96,8 +96,9 @@ impl<'a> Bounds<'a> {
         Ok((lower, upper))
     }
 
-    /// Whether a semi-continuous column has an upper bound of 0 and a positive lower one.
-    pub(super) fn is_only_zero(&self) -> bool {
-        self.ends.upper == Some(0.0) && self.ends.lower.is_some_and(|lower| lower > 0.0)
+    /// The bounds that are given if they are crossed, and the last entry.
+    pub(super) fn crossed(&self) -> Option<(Token<'a>, (f64, f64))> {
+        let ends = (self.ends.lower?, self.ends.upper?);
+        (ends.0 > ends.1).then_some((self.ends.last?, ends))
     }
 }

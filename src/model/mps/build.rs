@@ -15,6 +15,7 @@ use crate::model::reformulation::BigM;
 use crate::model::sense::Sense;
 use crate::model::store::Model;
 use crate::model::stored::StoredRow;
+use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
@@ -95,9 +96,8 @@ fn semicontinuous(
     warnings: &mut Vec<Warning>,
 ) -> Result<Variable, Error> {
     let (place, name) = (column.name, column.name.text);
-    if column.bounds.is_only_zero() {
-        let text = "has an upper bound of 0 and a positive lower one, so it is 0";
-        warnings.push(place.warning(format!("the semi-continuous column `{name}` {text}")));
+    if let Some((place, crossed)) = column.bounds.crossed() {
+        warnings.push(place.warning(ends::only_zero(name, crossed)));
         let kind = if integer { VariableKind::Integer } else { VariableKind::Continuous };
         return model.variable(name, kind, 0.0, 0.0);
     }

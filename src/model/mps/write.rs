@@ -145,7 +145,9 @@ fn bound_entries(
     let integer = kind.is_integral();
     if semi {
         let low = if lower.is_finite() { ("LO", Some(lower)) } else { ("MI", None) };
-        return vec![low, ("SC", Some(if upper.is_finite() { upper } else { 1e30 }))];
+        // As `SC` between markers a semi-integer column is semi-continuous for some readers.
+        let kind = if integer { "SI" } else { "SC" };
+        return vec![low, (kind, Some(if upper.is_finite() { upper } else { 1e30 }))];
     }
     if kind == VariableKind::Binary && lower.to_bits() == 0 && upper == 1.0 {
         return vec![("BV", None)];

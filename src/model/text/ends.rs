@@ -49,6 +49,11 @@ impl<'a> Ends<'a> {
         }
         self.last = Some(*column);
     }
+
+    /// Both bounds, with these where none is given.
+    pub(crate) fn or(&self, lower: f64, upper: f64) -> (f64, f64) {
+        (self.lower.unwrap_or(lower), self.upper.unwrap_or(upper))
+    }
 }
 
 /// A number that can be a lower bound.
@@ -65,4 +70,13 @@ pub(crate) fn upper(value: f64, token: &Token<'_>) -> Result<f64, Error> {
         return Ok(value);
     }
     Err(token.error("an upper bound cannot be -infinity"))
+}
+
+/// What is said about a semi-continuous variable with crossed bounds: only 0 is left, as most solvers
+/// take it.
+pub(crate) fn only_zero(name: &str, (lower, upper): (f64, f64)) -> String {
+    let doubt = if upper < 0.0 { "; some solvers take the program as infeasible" } else { "" };
+    format!(
+        "the bounds of the semi-continuous `{name}` are crossed, {lower} > {upper}, so it is 0{doubt}"
+    )
 }

@@ -1,5 +1,7 @@
 //! Damaged files: every error with its line and column.
 
+use carom::model::lp;
+
 use super::error;
 
 #[test]
@@ -195,5 +197,29 @@ fn errors_in_later_sections() {
         error("min x[1] + x{1}\nend"),
         "line 1, column 12: the name `x[1]` is already taken by another variable; choose another \
          one"
+    );
+}
+
+#[test]
+fn files_of_lp_solve_are_known_as_such() {
+    let help = "this is the LP format of lp_solve, with `max:` and `;`, and not that of CPLEX, which \
+                is read here; `lp_solve -S1 -parse FILE -wfmps OUT.mps` writes such a file as MPS";
+    for text in [
+        "/* a comment */\nmax: 3x + 2y;\nc1: x + y <= 4;\nint x;\n",
+        "/* two\nlines */ min: ;\r\nx >= 1;\r\n",
+        "// a comment\nmaximise: 3x;\n",
+        "max: 3x + 2y;",
+        "3 x + 2 y; // no word for the direction\nx + y >= 2;",
+        "maximize: x\n + y;\n-R1 >= -8;\n",
+    ] {
+        assert_eq!(error(text), format!("line 1, column 1: {help}"), "{text}");
+    }
+    assert!(
+        error("\n  max: 3x;\n").starts_with("line 2, column 3: this is the LP format of lp_solve")
+    );
+    // What others write is judged as before.
+    assert!(lp::read("max x; st r: x; <= 2\nend").is_ok());
+    assert!(
+        error("max x\nst\n r: x <= \\ 4;\nend").starts_with("line 4, column 1: expected a number")
     );
 }

@@ -139,8 +139,41 @@ fn semicontinuous_columns() {
          semi-continuous variables",
         "y = 0 or -4 <= y <= -2",
     );
-    assert_eq!(
-        error(&text("semis\ny\nbinary\ny")),
-        "line 1, column 9: `y` is both semi-continuous and a binary; keep one of them"
+    check(
+        &text("semis\ny\nbinary\ny"),
+        "line 1, column 9: `y` is both semi-continuous and a binary, so it is 0, or 1 if its bounds \
+         allow it",
+        "y binary",
+    );
+    check(
+        &text("y <= 0.5\nsemis\ny\nbinary\ny"),
+        "line 6, column 1: `y` is both semi-continuous and a binary, so it is 0, or 1 if its bounds \
+         allow it",
+        "y = 0 binary",
+    );
+}
+
+/// Four other solvers take 0; where bounds are negative, two of them find no point at all.
+#[test]
+fn semicontinuous_columns_with_crossed_bounds_are_0() {
+    let text = |end: &str| format!("max x + y\nst\nr: x + y <= 9\nbounds\n{end}\nsemis\nx\nend");
+    let crossed = "the bounds of the semi-continuous `x` are crossed,";
+    let doubt = "; some solvers take the program as infeasible";
+    for (bounds, place, what) in [
+        ("2 <= x <= 1", "line 5, column 6", "2 > 1, so it is 0"),
+        ("x >= 2\nx <= 1", "line 6, column 1", "2 > 1, so it is 0"),
+        ("x >= 2\nx <= 0", "line 6, column 1", "2 > 0, so it is 0"),
+        ("x <= -1", "line 5, column 1", &format!("0 > -1, so it is 0{doubt}")),
+        ("-1 <= x <= -2", "line 5, column 7", &format!("-1 > -2, so it is 0{doubt}")),
+        ("1 <= x <= -2", "line 5, column 6", &format!("1 > -2, so it is 0{doubt}")),
+    ] {
+        check(&text(bounds), &format!("{place}: {crossed} {what}"), "  x = 0\n");
+        let kinds = format!("{bounds}\ngeneral\nx");
+        check(&text(&kinds), &format!("{place}: {crossed} {what}"), "  x = 0 integer\n");
+    }
+    assert!(
+        warned(&text("x >= 2.2\nx <= 2.8\ngeneral\nx"))
+            .1
+            .contains("x = 0 or 2.2 <= x <= 2.8 integer")
     );
 }

@@ -79,6 +79,36 @@ fn objectives() {
 }
 
 #[test]
+fn a_column_for_the_constant_of_the_objective() {
+    let text = |objective: &str, rest: &str| {
+        format!("max {objective}\nst\nr: x + y + 2 z <= 3\n{rest}\nend")
+    };
+    let model = |objective: &str, rest: &str| read(&text(objective, rest)).to_string();
+    let plain = model("3 x + z + 5", "");
+    assert_eq!(model("3 x + z + 5 Constant", "bounds\nConstant = 1"), plain);
+    assert_eq!(model("2 Constant + 3 x + z + 1 + 2 Constant", "bounds\nConstant = 1"), plain);
+    // The columns after it are still what they were.
+    let sets = "sos\n s: S1:: x:1 z:2";
+    let squares = "Constant + [ - 2 x ^2 - 2 x * z - 4 z ^2 ] / 2";
+    let rest = format!("c: y = 1 -> z <= 1\nbounds\nConstant = 1\nbin\ny\n{sets}");
+    let same = format!("c: y = 1 -> z <= 1\nbin\ny\n{sets}");
+    assert_eq!(model(squares, &rest), model(&squares.replace("Constant", "1"), &same));
+    // Anything else is a variable.
+    for (objective, rest) in [
+        ("x + 5 Constant", ""),
+        ("x + 5 Constant", "bounds\nConstant = 2"),
+        ("x + 5 Constant", "bounds\nConstant >= 1"),
+        ("x + 5 Constant", "bounds\nConstant = 1\ngeneral\nConstant"),
+        ("x + 5 Constant", "s: Constant + x <= 4\nbounds\nConstant = 1"),
+        ("x + 5 Constant - [ Constant * Constant ]", "bounds\nConstant = 1"),
+        ("x + 5 constant", "bounds\nconstant = 1"),
+    ] {
+        let text = model(objective, rest);
+        assert!(text.to_lowercase().contains("constant"), "{text}");
+    }
+}
+
+#[test]
 fn quadratic_objectives() {
     let objective = |text: &str| {
         let model = read(&format!("min {text}\nst\nend")).to_string();

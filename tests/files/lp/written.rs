@@ -25,8 +25,8 @@ fn the_text_that_is_written() {
     let expected = "\
 \\ Problem name: all kinds
 Maximize
- obj_: 2.5 x{0} + 0 x{1} + 0 %66ree + 0 below + 0 z + 0 fixed + 0 n + 0 m%2D1
-  + [ - 2 x{0} ^2 - 2 x{1} ^2 + 4 x{1} * %66ree - 2 %66ree ^2 ] / 2 + 7
+ obj_: 2.5 x{0} + 0 x{1} + 0 %66ree + 0 below + 0 z + 0 fixed + 0 n + 0 m%2D1 + 7 Constant
+  + [ - 2 x{0} ^2 - 2 x{1} ^2 + 4 x{1} * %66ree - 2 %66ree ^2 ] / 2
 Subject To
  obj%ge: x{0} + 0.1 x{1} >= -1.2
  obj%le: x{0} + 0.1 x{1} <= 1.1
@@ -42,6 +42,7 @@ Bounds
  -inf <= below <= -2
  fixed = 1
  0 <= m%2D1 <= 1
+ Constant = 1
 General
  n m%2D1
 Binary
@@ -53,6 +54,40 @@ End
     let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(words(&text), words(expected), "{text}");
     assert!(text.lines().all(|line| line.len() <= 100), "{text}");
+    assert_same(&model, &read(&text));
+}
+
+/// A plain number in the objective is a column for Gurobi; `Constant = 1` is what it writes itself.
+#[test]
+fn the_constant_of_the_objective() {
+    let mut model = Model::new("");
+    model.minimize(Affine::constant(-0.5)).unwrap();
+    let text = "Minimize\n obj: - 0.5 Constant\nSubject To\nBounds\n Constant = 1\nEnd\n";
+    assert_eq!(lp::write(&model).unwrap(), text);
+    assert_same(&model, &read(text));
+
+    let own = model.continuous("Constant", 1.0, 1.0).unwrap();
+    model.minimize(2.0 * own + 1.0).unwrap();
+    let text = lp::write(&model).unwrap();
+    assert!(text.contains(" obj: 2 %43onstant + Constant\n"), "{text}");
+    assert_same(&model, &read(&text));
+}
+
+/// Three other readers take `SI` for what it is, and one refuses it; `SC` between markers is
+/// semi-continuous for one of them.
+#[test]
+fn semi_integers() {
+    let mut model = Model::new("");
+    let x = model.semiinteger("x", 2.0, 5.0).unwrap();
+    let y = model.semicontinuous("y", 2.0, f64::INFINITY).unwrap();
+    model.maximize(x - y).unwrap();
+    let text = mps::write(&model).unwrap();
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("LO BOUND x 2 SI BOUND x 5 LO BOUND y 2 SC BOUND y 1e30"), "{text}");
+    assert_same(&model, &mps::read(&text).unwrap().model);
+    // Gurobi takes the last of the two sections.
+    let text = lp::write(&model).unwrap();
+    assert!(text.ends_with("General\n x\nSemi-Continuous\n x y\nEnd\n"), "{text}");
     assert_same(&model, &read(&text));
 }
 

@@ -129,8 +129,7 @@ fn semicontinuous_columns() {
     assert!(kinds(" SC B k 1\n").1.contains("k = 0 or 0 <= k <= 1 integer\n"));
     check(
         &with("BOUNDS\n SC B x 0\n LO B x 2\n"),
-        "line 8, column 2: the semi-continuous column `x` has an upper bound of 0 and a positive \
-         lower one, so it is 0",
+        "line 16, column 7: the bounds of the semi-continuous `x` are crossed, 2 > 0, so it is 0",
         "  x = 0\n",
     );
     check(
@@ -140,6 +139,23 @@ fn semicontinuous_columns() {
         "  x = 0 or -2 <= x <= 3\n",
     );
     assert_eq!(error(&with("BOUNDS\n SC B x\n")), "line 15, column 7: `x` is not a number");
+}
+
+/// Four other solvers take 0; where bounds are negative, two of them find no point at all.
+#[test]
+fn semicontinuous_columns_with_crossed_bounds_are_0() {
+    let crossed = "line 16, column 7: the bounds of the semi-continuous `x` are crossed,";
+    let doubt = "; some solvers take the program as infeasible";
+    for (bounds, what) in [
+        (" LO B x 0.0125\n SC B x 0.00668\n", "0.0125 > 0.00668, so it is 0"),
+        (" SC B x 1\n LO B x 2\n", "2 > 1, so it is 0"),
+        (" LO B x 1\n SC B x -1\n", &format!("1 > -1, so it is 0{doubt}")),
+        (" LO B x -1\n SC B x -2\n", &format!("-1 > -2, so it is 0{doubt}")),
+    ] {
+        let text = with(&format!("BOUNDS\n{bounds}"));
+        check(&text, &format!("{crossed} {what}"), "  x = 0\n");
+        check(&text.replace("SC", "SI"), &format!("{crossed} {what}"), "  x = 0 integer\n");
+    }
 }
 
 #[test]
