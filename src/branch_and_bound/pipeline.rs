@@ -67,14 +67,22 @@ impl Pipeline<'_> {
             true => &Rule::ALL,
         };
         let (found, derivatives) = self.run_presolved(&program, rules, restore, control)?;
-        if found.contradiction.is_none() {
+        let contradicted = found.contradiction.is_some();
+        debug_assert!(!contradicted, "presolve has changed the objective of {:?}", found.points);
+        let is_doubtful = found.is_widened || found.termination == Termination::Stalled;
+        if !contradicted && (rules.is_empty() || !is_doubtful || self.token.is_over()) {
             return Ok((found, derivatives));
         }
-        debug_assert!(false, "presolve has changed the objective of {:?}", found.points.first());
-        let (mut again, derivatives) = self.run_presolved(&program, &[], restore, control)?;
-        again.statistics.add(&found.statistics);
-        again.statistics.contradictions += 1;
-        Ok((again, derivatives))
+        // Callbacks see one search only.
+        let control = &mut Control::default();
+        let (mut plain, derivatives) = self.run_presolved(&program, &[], restore, control)?;
+        plain.statistics.add(&found.statistics);
+        plain.statistics.contradictions += u64::from(contradicted);
+        if !contradicted && !is_conclusion(&plain, &found) {
+            let statistics = plain.statistics;
+            return Ok((Found { statistics, ..found }, None));
+        }
+        Ok((plain, derivatives))
     }
 
     /// Presolves a program by some rules, searches it, and restores what is found.
@@ -169,6 +177,15 @@ impl Pipeline<'_> {
         let kept = self.options.pool > 1 || self.options.keep_leaves;
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
         kept || boxes || self.guidance.splits()
+    }
+}
+
+/// Whether a search without presolve says more than one with it: it has come to an end.
+fn is_conclusion(plain: &Found, found: &Found) -> bool {
+    match plain.termination {
+        Termination::Optimal | Termination::Unbounded => true,
+        Termination::Infeasible => found.points.is_empty(),
+        _ => false,
     }
 }
 

@@ -177,6 +177,15 @@ fn tighten_binding(
     if !upper_binds && !lower_binds {
         return RowState::Implied;
     }
+    if let [entry] = entries
+        && !integral[entry.column()]
+    {
+        let limits = [lower_binds.then_some(row_lower), upper_binds.then_some(row_upper)];
+        found.extend(limits.into_iter().enumerate().filter_map(|(side, limit)| {
+            bound_of_singleton(bounds[entry.column()], entry, side == 1, limit?)
+        }));
+        return RowState::Open;
+    }
     let mut offer = |entry: &Entry, term: f64, is_upper: bool| {
         let column = entry.column();
         let value = term / entry.coefficient;
@@ -359,6 +368,26 @@ fn size(value: f64) -> f64 {
 #[inline]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
+}
+
+/// The bound that a row over one continuous column is, if it is news: to the last digit, because other
+/// rows may multiply whatever is lost.
+fn bound_of_singleton(
+    [lower, upper]: [f64; 2],
+    entry: &Entry,
+    is_row_upper: bool,
+    limit: f64,
+) -> Option<Tightening> {
+    let is_upper = is_row_upper == (entry.coefficient > 0.0);
+    let value = limit / entry.coefficient;
+    let value = match (value * entry.coefficient == limit, is_upper) {
+        (true, _) => value,
+        (false, true) => value.next_up(),
+        (false, false) => value.next_down(),
+    };
+    let news = if is_upper { value < upper } else { value > lower };
+    let is_far = value.is_nan() || value.abs() >= tolerance::INFINITE;
+    (news && !is_far).then_some(Tightening { column: entry.column(), is_upper, value })
 }
 
 /// A candidate bound of an integral column: the next whole value, when that is news.

@@ -78,6 +78,7 @@ impl Program {
             step,
             spread: 1.0,
             steepness: OnceLock::new(),
+            widened: Default::default(),
         })
     }
 }

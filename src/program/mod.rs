@@ -48,6 +48,9 @@ pub struct Program {
     /// How far columns without bounds may be out at points within the radius of proofs, as a multiple of
     /// it, at least 1 (no unit).
     pub(crate) spread: f64,
+    /// By how much presolve has widened the limits of rows and the bounds of columns, in their units; empty
+    /// if it has not. Rows and columns that were appended are not widened.
+    pub(crate) widened: [Vec<f64>; 2],
     /// How steep the objective is, once somebody has asked.
     pub(crate) steepness: OnceLock<Vec<f64>>,
 }

@@ -8,7 +8,7 @@ use web_time::{Duration, Instant};
 
 use super::active_set::ActiveSet;
 use super::attempts::{Attempt, First, Last, Purpose, Warm, attempts};
-use super::borderline::{WIDER, is_torn, widened};
+use super::borderline::{Doubt, WIDER, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
@@ -19,6 +19,13 @@ use super::{Prover, polish};
 use crate::presolve::{Reduced, Reducer};
 use crate::solution::{RelaxationCounts, Statistics};
 use crate::solver::{RelaxationMethod, StopToken};
+
+/// Where the methods that start from a state stand.
+const ACTIVE_SET: usize = 0;
+const SIMPLEX: usize = 1;
+
+/// The attempt at a corner of a program whose bound is blurred.
+const CORNER: Attempt = (Warm, 2000, 1e-9, 1);
 
 /// A method, where it is counted, and for what it is given the parent's state.
 struct Entry {
@@ -162,7 +169,9 @@ impl Ladder {
     /// simplex method is for the root only.
     fn warm_method(&self, program: &Reduced, question: &Question<'_>) -> Option<usize> {
         let starts = question.warm.is_some() || question.purpose == Purpose::Root;
-        let suits = [ActiveSet::suits(program), starts && DualSimplex::suits(program)];
+        let mut suits = [false; 2];
+        suits[ACTIVE_SET] = ActiveSet::suits(program);
+        suits[SIMPLEX] = starts && DualSimplex::suits(program);
         (0..self.warm.len()).find(|&k| suits[k])
     }
 
@@ -233,34 +242,41 @@ impl Ladder {
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
     /// result is not good enough.
     pub fn solve(&mut self, program: &Reduced, question: &Question<'_>) -> Verdict {
-        let (verdict, blurred) = self.solve_as_is(program, question);
+        let (verdict, doubt) = self.solve_as_is(program, question);
         match verdict {
-            Verdict::Relaxed { bound, x, y, converged, warm } if blurred => {
+            Verdict::Relaxed { bound, x, y, converged, warm } if doubt.is_any() => {
                 let first = Relaxed { bound, x, y, converged, warm };
-                self.solve_wider(program, question, first).into_verdict()
+                self.solve_doubtful(program, question, (first, doubt)).into_verdict()
             }
             verdict => verdict,
         }
     }
 
-    /// Solves a program whose bound is blurred with wider limits. Returns what that shows if the program
-    /// has a point up to rounding only, and what is known already otherwise.
-    fn solve_wider(
+    /// Solves a program whose bound is blurred, or whose point is rough, in other ways: at a corner, whose point and multipliers
+    /// are as exact as the basis, or with wider limits, which tell whether the program has a point up to
+    /// rounding only. Returns what is known already if neither shows anything.
+    fn solve_doubtful(
         &mut self,
         program: &Reduced,
         question: &Question<'_>,
-        first: Relaxed,
+        (first, doubt): (Relaxed, Doubt),
     ) -> Relaxed {
         if question.purpose == Purpose::Trial {
             return first;
         }
+        let cutoff = f64::INFINITY;
+        let question = Question { cutoff, look_for_descent: false, warm: None, ..*question };
+        if let Some(corner) = self.solve_at_corner(program, &question) {
+            return corner;
+        }
+        if doubt.rough && !doubt.blurred {
+            return first;
+        }
         for part in WIDER {
             let wide = widened(program, &first.x, part);
-            let cutoff = f64::INFINITY;
-            let question = Question { cutoff, look_for_descent: false, warm: None, ..*question };
-            let (verdict, blurred) = self.solve_as_is(&wide, &question);
+            let (verdict, doubt) = self.solve_as_is(&wide, &question);
             let Verdict::Relaxed { bound, x, y, converged, warm } = verdict else { break };
-            if blurred {
+            if doubt.blurred {
                 continue;
             }
             if converged && is_torn(program, [first.bound, bound], (&x, &y), part) {
@@ -271,13 +287,28 @@ impl Ladder {
         first
     }
 
-    /// Solves the program of a node and verifies what the methods claim; and whether the bound is blurred.
-    fn solve_as_is(&mut self, program: &Reduced, question: &Question<'_>) -> (Verdict, bool) {
+    /// Solves a linear program by the dual simplex method, if that ends with a corner and a bound that
+    /// agree.
+    fn solve_at_corner(&mut self, program: &Reduced, question: &Question<'_>) -> Option<Relaxed> {
+        if self.warm.len() <= SIMPLEX || !DualSimplex::suits(program) {
+            return None;
+        }
+        let how = (Some(SIMPLEX), (question.purpose, None));
+        let result = self.ask(CORNER, program, (f64::INFINITY, question.token), how);
+        let mut known = Known::new(program, question);
+        let step = known.take(result, &mut self.prover);
+        let Known { bound, x, y, warm, .. } = known;
+        matches!(step, Step::GoodEnough).then_some(Relaxed { bound, x, y, converged: true, warm })
+    }
+
+    /// Solves the program of a node and verifies what the methods claim; and what is doubtful
+    /// about it.
+    fn solve_as_is(&mut self, program: &Reduced, question: &Question<'_>) -> (Verdict, Doubt) {
         let token = question.token;
         let mut known = Known::new(program, question);
         if program.columns.is_empty() {
             known.warm = question.warm.cloned();
-            return (known.relaxed(program.offset, Vec::new(), true), false);
+            return (known.relaxed(program.offset, Vec::new(), true), Doubt::default());
         }
         let warm = self.warm_method(program, question);
         let all = self.attempts(question.purpose, warm);
@@ -286,10 +317,10 @@ impl Ladder {
             let state = (question.purpose, question.warm);
             let result = self.ask(attempt, program, (known.cutoff, token), (warm, state));
             if result.claim == Claim::Unknown && token.is_over() {
-                return (Verdict::Stopped, false);
+                return (Verdict::Stopped, Doubt::default());
             }
             match known.take(result, &mut self.prover) {
-                Step::Ended(verdict) => return (verdict, known.blurred),
+                Step::Ended(verdict) => return (verdict, known.doubt),
                 Step::GoodEnough => break,
                 Step::Again => {}
                 Step::Next => {
@@ -301,14 +332,14 @@ impl Ladder {
             }
         }
         if question.look_for_descent && !known.converged && self.falls_forever(program, token) {
-            return (Verdict::Descent, false);
+            return (Verdict::Descent, Doubt::default());
         }
-        let blurred = known.blurred;
+        let doubt = known.doubt;
         let (bound, mut x, converged) =
             (known.bound, std::mem::take(&mut known.x), known.converged);
         // Zeros if no attempt had a point.
         x.resize(program.columns.len(), 0.0);
-        (known.relaxed(bound, x, converged), blurred)
+        (known.relaxed(bound, x, converged), doubt)
     }
 
     /// Looks for a direction of descent without end when no method named one.

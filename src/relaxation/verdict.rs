@@ -2,6 +2,7 @@
 
 use super::Prover;
 use super::attempts::Purpose;
+use super::borderline::{Doubt, is_rough};
 use super::recession::is_descent_ray;
 use super::{Claim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
@@ -56,9 +57,8 @@ pub(super) struct Known<'a> {
     pub(super) cutoff: f64,
     /// The best proved bound, and the multipliers behind it.
     pub(super) bound: f64,
-    y: Vec<f64>,
-    /// Whether rounding of the rows' terms would move the bound visibly.
-    pub(super) blurred: bool,
+    pub(super) y: Vec<f64>,
+    pub(super) doubt: Doubt,
     /// The point nearest to the bound, and its distance.
     pub(super) x: Vec<f64>,
     nearest: f64,
@@ -83,7 +83,7 @@ impl<'a> Known<'a> {
             cutoff: question.cutoff,
             bound: f64::NEG_INFINITY,
             y: Vec::new(),
-            blurred: false,
+            doubt: Doubt::default(),
             x: Vec::new(),
             nearest: f64::INFINITY,
             converged: false,
@@ -120,7 +120,9 @@ impl<'a> Known<'a> {
         let value = program.objective(&x);
         if bound >= self.bound {
             (self.bound, self.y) = (bound, y);
-            self.blurred = !program.is_feasibility_problem() && prover.is_blurred();
+            self.doubt.blurred = !program.is_feasibility_problem() && prover.is_blurred();
+            self.doubt.rough =
+                self.question.purpose == Purpose::Leaf && is_rough(program, &x, &self.y, value);
         }
         if bound >= self.cutoff {
             return Step::Ended(self.relaxed(bound, x, false));

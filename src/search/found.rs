@@ -15,6 +15,8 @@ pub struct Found {
     pub points: Vec<Vec<f64>>,
     /// What found the best one.
     pub(crate) found_by: Option<Heuristic>,
+    /// Whether a point owes a visible part of its value to limits that presolve has widened for rounding.
+    pub is_widened: bool,
     /// What an accepted point contradicts in the strengthened program. Then no bound is known.
     pub contradiction: Option<Contradiction>,
     /// Whether these are proved to be the best ones.
@@ -72,6 +74,7 @@ impl Found {
             points: Vec::new(),
             found_by: None,
             contradiction: None,
+            is_widened: false,
             pool_complete: true,
             bound: f64::INFINITY,
             statistics: Statistics::default(),

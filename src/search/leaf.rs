@@ -40,7 +40,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
     };
     let verdict = relax(ctx, &reduced, Purpose::Node);
     let found = match &verdict {
-        Verdict::Relaxed { x, .. } => offer_leaf(ctx, &reduced, x),
+        Verdict::Relaxed { x, y, .. } => offer_leaf(ctx, &reduced, x, y),
         _ => false,
     };
     ctx.ladder.reuse(verdict);
@@ -58,11 +58,38 @@ fn is_new_assignment(ctx: &mut Context<'_>) -> bool {
 }
 
 /// Polishes a leaf's point and offers it. Returns `false` if the check refuses it.
-pub(super) fn offer_leaf(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
+///
+/// # Arguments
+///
+/// * `y`: the multipliers of the rows.
+pub(super) fn offer_leaf(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f64]) -> bool {
     let activity = ctx.clock.switch(Activity::Verification);
     let found = offer_verified(ctx, reduced, x);
+    if found && gains_by_widening(ctx, reduced, x, y) {
+        ctx.tree.note_widened();
+    }
     ctx.clock.switch(activity);
     found
+}
+
+/// Whether a visible part of a leaf's value is due to what presolve has widened.
+fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f64]) -> bool {
+    let program = ctx.shared.task.exact.unwrap_or(ctx.program());
+    let [rows, columns] = &program.widened;
+    if rows.is_empty() && columns.is_empty() {
+        return false;
+    }
+    let by = |widened: &[f64], k: usize| widened.get(k).copied().unwrap_or(0.0);
+    let of_rows = y.iter().zip(&reduced.origin).map(|(y, &row)| y.abs() * by(rows, row));
+    let mut gain = of_rows.sum::<f64>();
+    if !columns.is_empty() && y.len() == reduced.rows.len() {
+        let (_, slopes) = ctx.ladder.prover().reduced_costs(reduced, x, y);
+        let of_columns = slopes.iter().zip(&reduced.columns);
+        gain += of_columns.map(|(slope, &j)| slope.abs() * by(columns, j)).sum::<f64>();
+    }
+    let options = ctx.options();
+    let value = reduced.objective(x).abs();
+    gain > 0.5 * options.absolute_gap.max(options.relative_gap * value)
 }
 
 fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {

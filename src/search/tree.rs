@@ -60,6 +60,8 @@ pub(super) struct State {
     /// Smallest bound of a subtree that could be neither finished nor split.
     stalled: f64,
     pub(super) stop: Option<Termination>,
+    /// Whether a point owes a visible part of its value to what presolve has widened.
+    pub(super) is_widened: bool,
     /// What the strengthened program got wrong.
     contradiction: Option<Contradiction>,
     /// Bytes of the tree when they were last counted: in rounds, before the present one.
@@ -104,6 +106,7 @@ impl<'a> Tree<'a> {
             closed: f64::INFINITY,
             stalled: f64::INFINITY,
             stop: None,
+            is_widened: false,
             contradiction: None,
             bytes: 0,
             started: 0,
@@ -348,6 +351,7 @@ impl<'a> Tree<'a> {
             termination,
             bound: if unbounded { f64::NEG_INFINITY } else { bound },
             contradiction: state.contradiction,
+            is_widened: state.is_widened,
             pool_complete: complete && state.stop.is_none() && state.points.wants_all(),
             found_by: state.points.incumbent().map(|best| best.found_by),
             points: state.points.into_points().into_iter().map(|best| best.point).collect(),

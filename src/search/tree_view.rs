@@ -206,6 +206,11 @@ impl<'a> TreeView<'a> {
         self.tree.lock().guess = Some(end);
     }
 
+    /// Notes that a point owes a visible part of its value to what presolve has widened.
+    pub(super) fn note_widened(&self) {
+        self.tree.lock().is_widened = true;
+    }
+
     /// Notes which boxes of the seed the root was divided into.
     pub(super) fn report_seeded(&self, seeded: Seeded) {
         self.tree.lock().seeded = Some(seeded);

@@ -239,7 +239,7 @@ fn conclude_from(
         return None;
     }
     if ctx.is_leaf() {
-        close_leaf(ctx, node, bound, reduced, x);
+        close_leaf(ctx, node, bound, reduced, (x, y));
         return None;
     }
     let cutoff = ctx.tree.strengthen(ctx.tree.cutoff());
@@ -251,10 +251,16 @@ fn conclude_from(
 }
 
 /// Closes a leaf, whose relaxation is the leaf, and offers its point.
-fn close_leaf(ctx: &mut Context<'_>, node: &Node, bound: f64, reduced: &Reduced, x: &[f64]) {
+fn close_leaf(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    bound: f64,
+    reduced: &Reduced,
+    (x, y): (&[f64], &[f64]),
+) {
     ctx.tree.count(|s| s.leaves += 1);
     let before = ctx.tree.begin(Heuristic::Leaf);
-    if offer_leaf(ctx, reduced, x) {
+    if offer_leaf(ctx, reduced, x, y) {
         ctx.tree.close(bound);
     } else {
         ctx.tree.stall(bound);

@@ -102,6 +102,10 @@ impl Parts {
     }
 }
 
+fn pick_widened(from: &[f64], which: &[usize]) -> Vec<f64> {
+    which.iter().filter_map(|&k| from.get(k).copied()).collect()
+}
+
 /// The part of a program over some columns and all of their rows; `position` tells where a column
 /// is in its block. `None` if the matrices cannot be allocated.
 fn extract(
@@ -138,6 +142,10 @@ fn extract(
         step: columns.iter().map(|&j| program.step[j]).collect(),
         spread: program.spread,
         steepness: OnceLock::new(),
+        widened: [
+            pick_widened(&program.widened[0], rows),
+            pick_widened(&program.widened[1], &columns),
+        ],
     };
     Some(Block { columns, program })
 }

@@ -365,29 +365,35 @@ impl Work {
 
     /// Widens limits and bounds that rounding may have moved further than whoever gets them will
     /// suppose from their size.
-    fn allow_for_noise(&mut self) {
+    ///
+    /// Returns by how much: of rows, and of columns.
+    fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {
         let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64| {
             let known = |limit: f64| IMPERCEPTIBLE.max(part * finite(limit));
-            if noise > known(*lower).max(known(*upper)) {
+            let is_widened = noise > known(*lower).max(known(*upper));
+            if is_widened {
                 (*lower, *upper) = (*lower - noise, *upper + noise);
             }
+            if is_widened { noise } else { 0.0 }
         };
+        let mut widened = [vec![0.0; self.rows.len()], vec![0.0; self.uses.len()]];
         for row in 0..self.rows.len() {
             let whole = |&(j, a): &(usize, f64)| self.integral[j] && a == a.round();
             let soft = self.is_equality(row) && !self.rows[row].iter().all(whole);
             let part = if soft { IMPERCEPTIBLE } else { SHARP };
             let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
-            widen(lower, upper, self.row_noise[row], part);
+            widened[0][row] = widen(lower, upper, self.row_noise[row], part);
         }
         for j in (0..self.uses.len()).filter(|&j| !self.integral[j]) {
             let (lower, upper) = (&mut self.lower[j], &mut self.upper[j]);
-            widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
+            widened[1][j] = widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
         }
+        widened
     }
 
     /// The presolved program, numbered anew.
     pub(super) fn finish(mut self) -> Result<Presolved, Error> {
-        self.allow_for_noise();
+        let [widened_rows, widened_columns] = self.allow_for_noise();
         let matrix = |error: CreationError| Error::with_source(ErrorKind::Allocation, error);
         let (columns, rows) = (self.live_columns(), self.live_rows());
         let mut position = vec![usize::MAX; self.uses.len()];
@@ -402,7 +408,12 @@ impl Work {
             products.extend(terms.map(|(&i, &p)| Triplet::new(position[i], k, p)));
         }
         let (m, n) = (rows.len(), columns.len());
-        let pick = |from: &[f64], which: &[usize]| which.iter().map(|&k| from[k]).collect();
+        let pick =
+            |from: &[f64], which: &[usize]| which.iter().map(|&k| from[k]).collect::<Vec<f64>>();
+        let some = |widened: Vec<f64>| match widened.iter().any(|&by| by > 0.0) {
+            true => widened,
+            false => Vec::new(),
+        };
         let integral: Vec<bool> = columns.iter().map(|&j| self.integral[j]).collect();
         let is_open = |j: usize| self.lower[j].is_infinite() || self.upper[j].is_infinite();
         let open = columns.iter().copied().filter(|&j| is_open(j));
@@ -422,6 +433,7 @@ impl Work {
             step: columns.iter().map(|&j| self.step[j]).collect(),
             spread: open.map(|j| self.spread[j]).fold(1.0, f64::max),
             steepness: OnceLock::new(),
+            widened: [some(pick(&widened_rows, &rows)), some(pick(&widened_columns, &columns))],
         };
         let postsolve = Postsolve {
             undos: self.undos,
