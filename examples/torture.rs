@@ -36,7 +36,7 @@ use std::time::Instant;
 use carom::model::mps;
 use carom::prelude::{BranchAndBound, Solver};
 use torture::families::{Family, Path};
-use torture::oracle::{Truth, Verdict, judge};
+use torture::oracle::{Truth, Verdict};
 
 struct Arguments {
     cases: u64,
@@ -141,7 +141,7 @@ fn one(seed: u64, arguments: &Arguments, counts: &Mutex<Counts>) {
         let mut solver = BranchAndBound::new(options.with_threads(threads));
         let (verdict, nodes) = match solver.solve(&model) {
             Ok(solution) => (
-                judge(&case, &variables, solver.options(), &solution, &truth),
+                family.judge(&case, &variables, solver.options(), &solution, &truth),
                 solution.statistics().nodes,
             ),
             Err(error) => (Verdict::Wrong(error.to_string()), 0),

@@ -84,6 +84,8 @@ struct Parts<'a> {
     searches: usize,
     /// Whether any points will do, since the objective of a block falls forever.
     any_point: bool,
+    /// As in [`Found`].
+    is_widened: bool,
     /// Also over when the user has had enough.
     token: StopToken,
 }
@@ -112,6 +114,7 @@ impl Stage<'_> {
             statistics: Statistics { blocks: count as u64, ..Statistics::default() },
             searches: 0,
             any_point: false,
+            is_widened: false,
             token: self.token.child(None),
         };
         (count > 1).then(|| parts.run(control))?
@@ -189,6 +192,7 @@ impl Parts<'_> {
         let found = self.search_one(k, program, &options, &token, control);
 
         self.searches += 1;
+        self.is_widened |= found.is_widened;
         self.statistics.add(&found.statistics);
         self.statistics.threads = self.statistics.threads.max(found.statistics.threads);
         let Part { block, bound, best, ended, granted, .. } = &mut self.parts[k];
@@ -313,6 +317,7 @@ impl Parts<'_> {
                 bound,
                 points,
                 statistics,
+                is_widened: self.is_widened,
                 pool_complete: false,
                 ..Found::infeasible()
             })

@@ -20,6 +20,8 @@ struct Left {
     best: Option<Start>,
     /// Whether there was a look that found the search's own root.
     looked: bool,
+    /// As in [`Found`].
+    is_widened: bool,
     statistics: Statistics,
 }
 
@@ -61,6 +63,7 @@ impl<'a> Looks<'a> {
     fn take_in(&self, found: Found) -> Looked {
         let mut left = self.left.borrow_mut();
         left.looked = true;
+        left.is_widened |= found.is_widened;
         let is_closed = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let mut counts = found.statistics;
         counts.forget_incumbents();
@@ -100,9 +103,10 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// Adds what the looks have taken to the counts of the search.
-    pub(super) fn count(self, statistics: &mut Statistics) {
-        let left = self.left.into_inner().statistics;
-        statistics.add(&left);
+    /// Adds what the looks have taken, and noted, to what the search has found.
+    pub(super) fn add_to(self, found: &mut Found) {
+        let left = self.left.into_inner();
+        found.statistics.add(&left.statistics);
+        found.is_widened |= left.is_widened;
     }
 }

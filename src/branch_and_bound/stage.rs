@@ -189,7 +189,7 @@ impl Stage<'_> {
             found = search_unstrengthened(task, found, control);
         }
         spent.count(&mut found.statistics);
-        looks.count(&mut found.statistics);
+        looks.add_to(&mut found);
         // Columns of event windows come after the program's.
         let value = |x: &Vec<f64>| program.objective(&x[..program.column_count()]);
         let best = found.points.first().map_or(f64::INFINITY, value);

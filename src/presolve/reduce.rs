@@ -14,8 +14,7 @@ use crate::program::Program;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
-/// implied up to this margin count as implied.
+/// What counts as closed or implied at inner nodes, absolute.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.
@@ -42,6 +41,9 @@ pub(crate) struct Reducer {
     /// are loosened by that much.
     slack: Vec<f64>,
     alive: Vec<usize>,
+    /// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
+    /// implied up to this margin count as implied.
+    negligible: f64,
     row_lower: Vec<f64>,
     row_upper: Vec<f64>,
     /// By column of the program: its column in the reduced program.
@@ -63,6 +65,18 @@ fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
 impl Reducer {
     /// As [`reduce`](reduce()).
     pub(crate) fn reduce(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
+        self.negligible = NEGLIGIBLE;
+        self.reduce_to(program, domain)
+    }
+
+    /// As [`reduce`](Self::reduce), for a point that may become the answer: only rounding is dropped,
+    /// because other rows may multiply what a dropped row leaves open.
+    pub(crate) fn reduce_leaf(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
+        self.negligible = 0.0;
+        self.reduce_to(program, domain)
+    }
+
+    fn reduce_to(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
         self.start(program, domain).ok()?;
         let mut reduced = self.spare.pop().unwrap_or_default();
         match self.build(program, &mut reduced) {
@@ -117,7 +131,7 @@ impl Reducer {
         let (lower, upper) = (self.lower[j], self.upper[j]);
         let scale = lower.abs().max(upper.abs()).max(1.0);
         let bounded = scale.is_finite() && !program.integral[j];
-        let narrow = bounded && upper - lower <= NEGLIGIBLE.max(4.0 * f64::EPSILON * scale);
+        let narrow = bounded && upper - lower <= self.negligible.max(4.0 * f64::EPSILON * scale);
         if lower == upper {
             self.fixed[j] = true;
         } else if narrow {
@@ -156,7 +170,7 @@ impl Reducer {
             }
             // A dropped side may be missed by the margin, so it must not grow with a big-M that the
             // implied row does not have; rounding of the activity is all that grows.
-            let margin = NEGLIGIBLE.max(4.0 * f64::EPSILON * scale);
+            let margin = self.negligible.max(4.0 * f64::EPSILON * scale);
             if most <= self.row_upper[row] + margin {
                 self.row_upper[row] = f64::INFINITY;
             }
@@ -306,7 +320,7 @@ impl Reducer {
             let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
             // Of large terms that cancel, rounding is left.
             let rounding = 4.0 * f64::EPSILON * scale;
-            slack += if rounding > NEGLIGIBLE { rounding } else { 0.0 };
+            slack += if rounding > self.negligible { rounding } else { 0.0 };
             let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.
@@ -343,7 +357,7 @@ impl Reducer {
             if *lower - *upper > CROSSED * scale {
                 return Err(Contradiction);
             }
-            if *upper - *lower <= NEGLIGIBLE.max(4.0 * f64::EPSILON * scale) {
+            if *upper - *lower <= self.negligible.max(4.0 * f64::EPSILON * scale) {
                 let middle = 0.5 * (*lower + *upper);
                 (*lower, *upper) = (middle, middle);
             }

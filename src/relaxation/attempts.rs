@@ -48,8 +48,9 @@ pub(super) fn attempts(purpose: Purpose) -> &'static [Attempt] {
             (Last, 60, 1e-8, 1),
             (Last, 200, 1e-9, 10),
         ],
+        // Other rows may multiply what a corner misses of its bounds.
         Purpose::Leaf => &[
-            (Warm, 2000, 1e-9, 1),
+            (Warm, 2000, 1e-14, 1),
             (First, 60, 1e-11, 1),
             (Last, 60, 1e-8, 1),
             (Last, 200, 1e-9, 10),

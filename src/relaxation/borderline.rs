@@ -68,17 +68,31 @@ pub(super) fn is_blurred(program: &Reduced, x: &[f64], y: &[f64], bound: f64) ->
     bound.is_finite() && effect(program, x, y, tolerance::ROUNDING) > VISIBLE * bound.abs().max(1.0)
 }
 
-/// Whether what a point misses of the rows makes a visible part of its value: multipliers of 1e9 turn
-/// rounding into a gain.
+/// Whether what a point misses of rows and bounds makes a visible part of its value: multipliers of 1e9
+/// turn rounding into a gain.
 pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> bool {
-    let gain = |(row, y): (usize, &f64)| {
+    let miss = |value: f64, lower: f64, upper: f64| (lower - value).max(value - upper).max(0.0);
+    let mut slopes = program.linear.clone();
+    for (j, &xj) in x.iter().enumerate() {
+        let (rows, entries) = program.quadratic.vector(j);
+        for (&i, &p) in rows.iter().zip(entries) {
+            slopes[i] += p * xj;
+            slopes[j] += if i == j { 0.0 } else { p * x[i] };
+        }
+    }
+    let mut gain = 0.0;
+    for (row, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
         let (columns, values) = program.rows.vector(row);
         let mut sum = Sum::default();
-        columns.iter().zip(values).for_each(|(&j, &a)| sum.add_product(a, x[j]));
-        let miss = (program.row_lower[row] - sum.value()).max(sum.value() - program.row_upper[row]);
-        y.abs() * miss.max(0.0)
-    };
-    let gain: f64 = y.iter().enumerate().filter(|(_, y)| **y != 0.0).map(gain).sum();
+        for (&j, &a) in columns.iter().zip(values) {
+            sum.add_product(a, x[j]);
+            slopes[j] += a * y;
+        }
+        gain += y.abs() * miss(sum.value(), program.row_lower[row], program.row_upper[row]);
+    }
+    for (j, slope) in slopes.iter().enumerate() {
+        gain += slope.abs() * miss(x[j], program.lower[j], program.upper[j]);
+    }
     gain > VISIBLE * value.abs().max(1.0)
 }
 

@@ -25,7 +25,7 @@ const ACTIVE_SET: usize = 0;
 const SIMPLEX: usize = 1;
 
 /// The attempt at a corner of a program whose bound is blurred.
-const CORNER: Attempt = (Warm, 2000, 1e-9, 1);
+const CORNER: Attempt = (Warm, 2000, 1e-14, 1);
 
 /// A method, where it is counted, and for what it is given the parent's state.
 struct Entry {

@@ -35,7 +35,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         return false;
     }
     let program = ctx.shared.task.exact.unwrap_or(ctx.program());
-    let Some(reduced) = ctx.ladder.reducer().reduce(program, &ctx.node.domain) else {
+    let Some(reduced) = ctx.ladder.reducer().reduce_leaf(program, &ctx.node.domain) else {
         return false;
     };
     let verdict = relax(ctx, &reduced, Purpose::Node);
@@ -82,10 +82,15 @@ fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f
     let by = |widened: &[f64], k: usize| widened.get(k).copied().unwrap_or(0.0);
     let of_rows = y.iter().zip(&reduced.origin).map(|(y, &row)| y.abs() * by(rows, row));
     let mut gain = of_rows.sum::<f64>();
-    if !columns.is_empty() && y.len() == reduced.rows.len() {
+    if y.len() == reduced.rows.len() {
+        // A row may have become a bound.
+        let of_row = |(&row, a): (&usize, &f64)| by(rows, row) / a.abs();
         let (_, slopes) = ctx.ladder.prover().reduced_costs(reduced, x, y);
-        let of_columns = slopes.iter().zip(&reduced.columns);
-        gain += of_columns.map(|(slope, &j)| slope.abs() * by(columns, j)).sum::<f64>();
+        for (slope, &j) in slopes.iter().zip(&reduced.columns).filter(|(slope, _)| **slope != 0.0) {
+            let (uses, values) = program.column(j);
+            let widest = uses.iter().zip(values).map(of_row).fold(by(columns, j), f64::max);
+            gain += slope.abs() * widest;
+        }
     }
     let options = ctx.options();
     let value = reduced.objective(x).abs();

@@ -4,7 +4,7 @@ use carom::prelude::*;
 use carom::solver::{BranchingRule, PoolMode};
 
 use super::generator::{Random, large, program};
-use super::oracle::{Truth, truth};
+use super::oracle::{Truth, Verdict, judge, truth};
 use crate::common::case::{Case, Column, Line, Square};
 use crate::common::quadratic_program::dot;
 
@@ -20,11 +20,13 @@ pub(crate) enum Family {
     Open,
     /// A row that a corner of the box satisfies exactly, or would if decimals were doubles.
     Borderline,
+    /// Ten steps and fewer of an unstable system: what is missed at the start is amplified.
+    Chain,
 }
 
 impl Family {
-    pub(crate) const ALL: [Family; 4] =
-        [Family::Mixed, Family::Large, Family::Open, Family::Borderline];
+    pub(crate) const ALL: [Family; 5] =
+        [Family::Mixed, Family::Large, Family::Open, Family::Borderline, Family::Chain];
 
     pub(crate) fn named(name: &str) -> Option<Family> {
         Family::ALL.into_iter().find(|family| family.name() == name)
@@ -36,6 +38,7 @@ impl Family {
             Family::Large => "large",
             Family::Open => "open",
             Family::Borderline => "borderline",
+            Family::Chain => "chain",
         }
     }
 
@@ -46,7 +49,13 @@ impl Family {
             Family::Large => large(seed),
             Family::Open => open(seed),
             Family::Borderline => borderline(seed),
+            Family::Chain => chain(seed),
         }
+    }
+
+    /// Whether a point within the tolerance that is better than the exact optimum is wrong.
+    pub(crate) fn is_strict(self) -> bool {
+        self == Family::Chain
     }
 
     /// The exact answer.
@@ -55,6 +64,25 @@ impl Family {
             Family::Borderline => at_the_corner(case),
             _ => truth(case),
         }
+    }
+
+    /// What an answer is worth; `variables` are the model's, in the order of the columns.
+    pub(crate) fn judge(
+        self,
+        case: &Case,
+        variables: &[Variable],
+        options: &Options,
+        solution: &Solution,
+        truth: &Truth,
+    ) -> Verdict {
+        let verdict = judge(case, variables, options, solution, truth);
+        if let (Truth::Least { value, .. }, Verdict::Right) = (truth, &verdict)
+            && let Some(objective) = solution.objective().filter(|_| self.is_strict())
+            && case.sign() * objective < value - 1e-5 * value.abs().max(1.0)
+        {
+            return Verdict::Wrong(format!("{objective} is better than {value}"));
+        }
+        verdict
     }
 }
 
@@ -247,4 +275,56 @@ fn borderline(seed: u64) -> Case {
     let maximize = r.chance(0.5);
     let (switches, squares) = (Vec::new(), Vec::new());
     Case { columns, lines, switches, squares, linear, constant: 0.0, maximize }
+}
+
+/// `x+ = g x + b u` from a start that bounds or rows fix or limit, to an end with a limit; inputs are
+/// continuous or small integers.
+fn chain(seed: u64) -> Case {
+    let r = &mut Random::new(seed);
+    let steps = 3 + r.below(6);
+    let gain = [2.0, 3.0, 10.0, -10.0][r.below(4)];
+    let by_rows = r.chance(0.5);
+    let far = if r.chance(0.5) { 2.0_f64.powi(20) } else { f64::INFINITY };
+    let mut columns = Vec::new();
+    for k in 0..=steps {
+        let (lower, upper) = match k {
+            0 if by_rows => (f64::NEG_INFINITY, f64::INFINITY),
+            0 => (0.0, f64::from(r.within(0, 2))),
+            _ => (if r.chance(0.5) { f64::NEG_INFINITY } else { -far }, far),
+        };
+        columns.push(Column { kind: VariableKind::Continuous, lower, upper });
+    }
+    let mut assignments = 1;
+    for _ in 0..steps {
+        let upper = r.within(1, 3);
+        let whole = r.chance(0.3) && assignments * (upper + 1) <= 64;
+        assignments *= if whole { upper + 1 } else { 1 };
+        let kind = if whole { VariableKind::Integer } else { VariableKind::Continuous };
+        columns.push(Column { kind, lower: 0.0, upper: f64::from(upper) });
+    }
+    let n = columns.len();
+    let row = |terms: &[(usize, f64)], lower: f64, upper: f64| {
+        let mut coefficients = vec![0.0; n];
+        terms.iter().for_each(|&(j, a)| coefficients[j] = a);
+        Line { coefficients, lower, upper, scale: 1.0 }
+    };
+    let mut lines: Vec<Line> = (0..steps)
+        .map(|k| {
+            let input = f64::from(r.within(1, 3)) * if r.chance(0.8) { -1.0 } else { 1.0 };
+            row(&[(k + 1, 1.0), (k, -gain), (steps + 1 + k, input)], 0.0, 0.0)
+        })
+        .collect();
+    if by_rows {
+        lines.push(row(&[(0, 1.0)], 0.0, f64::INFINITY));
+        lines.push(row(&[(0, 1.0)], f64::NEG_INFINITY, f64::from(r.within(0, 2))));
+    }
+    let end = f64::from(r.within(-1, 2)) * f64::from(u8::from(r.chance(0.5)));
+    lines.push(row(&[(steps, 1.0)], f64::NEG_INFINITY, end));
+    let mut linear: Vec<f64> = (0..n).map(|_| 0.0).collect();
+    linear[steps] = 1.0;
+    for cost in linear.iter_mut().skip(steps + 1) {
+        *cost = f64::from(r.within(-3, 3));
+    }
+    let (switches, squares) = (Vec::new(), Vec::new());
+    Case { columns, lines, switches, squares, linear, constant: 0.0, maximize: r.chance(0.3) }
 }

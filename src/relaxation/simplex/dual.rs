@@ -5,8 +5,8 @@ use super::program::LinearProgram;
 use super::ratio::{Candidate, Rest, test};
 use crate::relaxation::sparse_vectors::SparseVectors;
 
-/// Bounds may be violated by this much (scaled, relative to the bound).
-const FEASIBLE: f64 = 1e-9;
+/// Bounds may be violated by this much at most (scaled, relative to the bound).
+pub(super) const FEASIBLE: f64 = 1e-9;
 
 /// The smallest pivot, and how far its two computations may differ, relatively.
 const PIVOT: f64 = 1e-7;
@@ -47,6 +47,8 @@ pub(super) struct Dual {
     /// Costs as they are used; some may have been shifted for the start.
     used: Vec<f64>,
     pub(super) is_shifted: bool,
+    /// By how much bounds may be violated.
+    pub(super) allowed: f64,
     // Work space.
     by_row: Vec<f64>,
     row: Vec<f64>,
@@ -82,6 +84,7 @@ impl Dual {
             weight,
             factors: Factors::default(),
             is_shifted: false,
+            allowed: FEASIBLE,
             by_row: vec![0.0; m],
             row: vec![0.0; m],
             entering: vec![0.0; m],
@@ -305,7 +308,7 @@ impl Dual {
             let (x, lower, upper) = (self.x[k], self.program.lower[k], self.program.upper[k]);
             let by = if x < lower { x - lower } else { x - upper };
             let limit = if x < lower { lower } else { upper };
-            if (x >= lower && x <= upper) || by.abs() <= FEASIBLE * limit.abs().max(1.0) {
+            if (x >= lower && x <= upper) || by.abs() <= self.allowed * limit.abs().max(1.0) {
                 continue;
             }
             let merit = by * by / self.weight[s];

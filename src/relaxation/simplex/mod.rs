@@ -15,7 +15,7 @@ mod ratio;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use dual::{Dual, NONE, Step};
+use dual::{Dual, FEASIBLE, NONE, Step};
 use program::LinearProgram;
 use ratio::Rest;
 
@@ -84,6 +84,7 @@ impl Relaxation for DualSimplex {
         let Some(mut dual) = Dual::new(linear, wanted, rest, &y) else {
             return nothing();
         };
+        dual.allowed = effort.tolerance.min(FEASIBLE);
         let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
         let unit = dual.program.objective_unit;
         let mut claim = Claim::Unknown;
