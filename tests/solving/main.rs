@@ -12,6 +12,7 @@ mod branching_rules;
 mod conformance;
 mod explain;
 mod free_shifts;
+mod gaps;
 mod guidance;
 mod invariance;
 mod limits;
