@@ -193,7 +193,8 @@ fn summary(solution: &Solution, seconds: f64) -> String {
         ),
         None => "no point".into(),
     };
-    format!("{}: {found}, after {effort}", solution.termination())
+    let hint = solution.hint().map_or(String::new(), |hint| format!("\n{hint}"));
+    format!("{}: {found}, after {effort}{hint}", solution.termination())
 }
 
 /// The text of a file. If it is not text, the error says where.

@@ -232,6 +232,19 @@ impl Solution {
         self.termination
     }
 
+    /// Why a solve has [stalled](Termination::Stalled) and what to do, if that is known.
+    pub fn hint(&self) -> Option<String> {
+        let is_far = self.termination == Termination::Stalled && self.statistics.beyond_radius > 0;
+        is_far.then(|| {
+            format!(
+                "the best points have variables without bounds that are farther than {:e} from 0, \
+                 where bounds are not proved; give all variables finite bounds, or measure them in \
+                 larger units",
+                tolerance::FREE_RADIUS
+            )
+        })
+    }
+
     /// Whether the solution holds a point.
     pub fn primal_status(&self) -> PrimalStatus {
         if self.point.is_some() { PrimalStatus::Feasible } else { PrimalStatus::None }

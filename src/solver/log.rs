@@ -91,6 +91,9 @@ impl<W: Write> Log<W> {
             statistics.time.as_secs_f64(),
             statistics.nodes_per_second(),
         ));
+        if let Some(hint) = solution.hint() {
+            self.write(format_args!("{hint}\n"));
+        }
         self.write(format_args!(
             "{} relaxations, {} iterations, depth {}, at most {} open, {} bytes\n",
             statistics.relaxations,

@@ -11,6 +11,7 @@ mod benchmark_programs;
 mod branching_rules;
 mod conformance;
 mod explain;
+mod far_optima;
 mod free_shifts;
 mod gaps;
 mod guidance;
