@@ -186,14 +186,15 @@ fn summary(solution: &Solution, seconds: f64) -> String {
     );
     let found = match solution.objective() {
         Some(objective) => format!(
-            "objective {}, proved bound {}, gap {:.4} %",
+            "objective {}, proved bound {}, gap {}",
             twelve_digits(objective),
             twelve_digits(solution.bound()),
-            100.0 * solution.relative_gap()
+            percent(solution.relative_gap())
         ),
         None => "no point".into(),
     };
-    format!("{}: {found}, after {effort}", solution.termination())
+    let hint = solution.hint().map_or(String::new(), |hint| format!("\n{hint}"));
+    format!("{}: {found}, after {effort}{hint}", solution.termination())
 }
 
 /// The text of a file. If it is not text, the error says where.
@@ -346,8 +347,24 @@ fn status(solution: &Solution) -> &'static str {
     }
 }
 
-/// A number rounded to twelve significant digits, without trailing zeros.
+/// A number rounded to twelve significant digits, without trailing zeros; below 1e-6 with an exponent.
+/// A zero has no sign, and less than all normal numbers is 0.
 fn twelve_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    format!("{}", rounded + 0.0) // no minus sign before a zero
+    match rounded.abs() {
+        size if size < f64::MIN_POSITIVE => "0".into(),
+        size if size < 1e-6 => format!("{rounded:e}"),
+        _ => format!("{rounded}"),
+    }
+}
+
+/// A gap in percent, or `none` without a bound.
+fn percent(gap: f64) -> String {
+    let percent = 100.0 * gap;
+    match percent {
+        _ if !percent.is_finite() => "none".into(),
+        _ if percent < f64::MIN_POSITIVE => "0 %".into(),
+        _ if percent < 1e-4 || percent >= 1e5 => format!("{percent:.1e} %"),
+        _ => format!("{percent:.4} %"),
+    }
 }

@@ -176,7 +176,7 @@ impl HighsSolver {
             Status::Optimal if open => (Termination::Unbounded, nothing, found.values),
             Status::Optimal => {
                 // A linear program has no gap of its own: proved is its objective up to ours.
-                let options = with_half_the_gap(&self.options, program.offset);
+                let options = with_half_the_gap(&self.options, constant(program));
                 let gap = options.relative_gap * found.objective.abs();
                 let proved = found.objective - gap.max(options.absolute_gap);
                 let bound = if program.integers.is_empty() { proved } else { found.bound };
@@ -226,7 +226,7 @@ impl HighsSolver {
         cost: &[f64],
         time_left: Option<Duration>,
     ) -> Result<Found, HighsStatus> {
-        let options = with_half_the_gap(&self.options, program.offset);
+        let options = with_half_the_gap(&self.options, constant(program));
         let mut problem = ColProblem::new();
         let limits = program.row_lower.iter().zip(&program.row_upper);
         let rows: Vec<library::Row> =
@@ -270,4 +270,9 @@ impl HighsSolver {
             iterations: u64::try_from(solved.simplex_iteration_count()).unwrap_or(0),
         })
     }
+}
+
+/// A constant of the objective, if there is any: stated, or of fixed columns.
+fn constant(program: &Program) -> f64 {
+    if program.offset == 0.0 { program.constant } else { program.offset }
 }

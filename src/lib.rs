@@ -15,6 +15,7 @@ pub mod hybrid;
 pub mod internals;
 pub mod interval;
 pub mod model;
+mod number;
 pub mod picture;
 pub mod prelude;
 mod presolve;

@@ -21,7 +21,8 @@ pub const FEASIBILITY: f64 = 1e-6;
 /// only decides which relaxations are tried as candidates.
 pub const INTEGRALITY: f64 = 1e-6;
 
-/// Default relative gap `(incumbent - bound) / |incumbent|` at which a search stops (no unit).
+/// Default relative gap `(incumbent - bound) / |incumbent|` at which a search stops (no unit). If the
+/// incumbent is smaller without the constant of the objective, that counts.
 pub const RELATIVE_GAP: f64 = 1e-6;
 
 /// Default absolute gap `incumbent - bound` at which a search stops, in the objective's unit.
@@ -111,6 +112,24 @@ pub const ROUNDING: f64 = 4.0 * f64::EPSILON;
 ///   row of integers with whole coefficients, which has no rounding.
 pub(crate) fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
     feasibility + ROUNDING * magnitude
+}
+
+/// What a relative gap is relative to: the magnitude of the objective with or without its constant,
+/// whichever is smaller, so that no constant hides a part of the program. At least a hundred millionth
+/// of the objective, below which digits end.
+///
+/// # Arguments
+///
+/// * `objective`, `constant`: in the objective's unit.
+pub(crate) fn gap_scale(objective: f64, constant: f64) -> f64 {
+    let size = objective.abs();
+    size.min((objective - constant).abs()).max(1e-8 * size)
+}
+
+/// A gap relative to the objective as [`gap_scale`] has it; below 0.1 relative to 0.1, so that an
+/// [`ABSOLUTE_GAP`] is the [`RELATIVE_GAP`] there.
+pub(crate) fn relative_gap(gap: f64, objective: f64, constant: f64) -> f64 {
+    gap / gap_scale(objective, constant).max(ABSOLUTE_GAP / RELATIVE_GAP)
 }
 
 /// The factor by which margins that only loosen something grow: one thousandth of the largest

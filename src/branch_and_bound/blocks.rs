@@ -51,6 +51,8 @@ struct Others {
     /// Their objective, where each of them has a point.
     value: Option<f64>,
     bound: f64,
+    /// The constant of the whole objective.
+    constant: f64,
 }
 
 impl Others {
@@ -62,6 +64,7 @@ impl Others {
             incumbent: own.incumbent.zip(self.value).map(|(own, others)| own + others),
             // Opposite infinities: the block is infeasible, and nothing is known of the others.
             bound: if bound.is_nan() { self.bound } else { bound },
+            constant: self.constant,
             ..*own
         }
     }
@@ -258,6 +261,7 @@ impl Parts<'_> {
             relaxations: self.statistics.relaxations,
             value: values.sum::<Option<f64>>().map(|value| sign * (offset + value)),
             bound: sign * (offset + others().map(|part| part.bound).sum::<f64>()),
+            constant: sign * self.stage.program.constant,
         }
     }
 
@@ -280,8 +284,7 @@ impl Parts<'_> {
 
     /// How far bound and objective of the whole may be apart.
     fn allowed(&self, value: f64) -> f64 {
-        let options = self.stage.options;
-        options.absolute_gap.max(options.relative_gap * value.abs())
+        self.stage.options.allowed_gap(value, self.stage.program.constant)
     }
 
     /// Where all blocks are solved and the whole is not: opens those again that are further from

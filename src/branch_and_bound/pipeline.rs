@@ -56,10 +56,11 @@ impl Pipeline<'_> {
     /// * `restore`: from values of the program's columns to values of the model's variables.
     pub(super) fn run_program(
         &self,
-        program: Program,
+        mut program: Program,
         restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         control: &mut Control<'_>,
     ) -> Result<(Found, Option<Derivatives>), Error> {
+        program.constant = program.sign * self.model.objective_constant();
         let rules: &[Rule] = match self.options.reductions && !self.is_about_columns() {
             false => &[],
             // Nothing that is known may be reduced away.
@@ -164,8 +165,8 @@ impl Pipeline<'_> {
         if let (Termination::Optimal, Some(values)) = (found.termination, found.points.first()) {
             let point = Point::new(self.model, values.clone())?;
             let value = self.model.sense().sign() * point.value(self.model.objective())?;
-            let allowed = self.options.relative_gap * value.abs();
-            if value - found.bound > allowed.max(self.options.absolute_gap) {
+            let constant = self.model.sense().sign() * self.model.objective_constant();
+            if value - found.bound > self.options.allowed_gap(value, constant) {
                 found.termination = Termination::Stalled;
             }
         }

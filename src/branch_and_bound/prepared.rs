@@ -202,6 +202,8 @@ impl ReducedProgram {
                 (program.lower[column], program.upper[column]) = (value, value);
             }
         }
+        program.constant = program.sign * pipeline.model.objective_constant();
+        self.tightened.program.constant = program.constant;
         let restore = |values: &[f64]| lowered.way_back.restore(&postsolve.point(values));
         let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() };
         let given = pipeline.seed.map(carried);

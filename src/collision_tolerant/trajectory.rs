@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::hybrid::simulate::continuous::advance;
 use crate::hybrid::{ContactLaw, Samples};
+use crate::number::{DIGITS, rounded};
 use crate::solution::Solution;
 
 /// One contact of a plan. Impulse and energy are per unit of mass.
@@ -166,12 +167,12 @@ impl Trajectory {
             let _ = writeln!(
                 text,
                 "{},{},{},{},{},{}",
-                self.time[t],
-                self.position[t],
-                self.velocity[t],
-                self.acceleration[t],
+                rounded(self.time[t], DIGITS),
+                rounded(self.position[t], DIGITS),
+                rounded(self.velocity[t], DIGITS),
+                rounded(self.acceleration[t], DIGITS),
                 u8::from(self.contact[t]),
-                self.damage[t]
+                rounded(self.damage[t], DIGITS)
             );
         }
         text

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::number::Exact;
+
 /// What went wrong; the kind of an [`Error`](super::Error).
 ///
 /// The text of a kind says what is wrong, and after a semicolon what to do.
@@ -9,7 +11,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum ErrorKind {
     /// A number that must be finite is NaN or infinite.
-    #[error("{what} of `{name}` is {value}; give a finite number")]
+    #[error("{what} of `{name}` is {}; give a finite number", Exact(*.value))]
     NotFinite {
         /// The variable or statement.
         name: String,
@@ -19,7 +21,10 @@ pub enum ErrorKind {
         value: f64,
     },
     /// Lower bound above upper bound.
-    #[error("bounds of `{name}` are crossed: {lower} > {upper}; swap or relax them")]
+    #[error(
+        "bounds of `{name}` are crossed: {} > {}; swap or relax them",
+        Exact(*.lower), Exact(*.upper)
+    )]
     CrossedBounds {
         /// The variable or statement.
         name: String,
@@ -213,9 +218,9 @@ pub enum ErrorKind {
     },
     /// A user's big-M that the bounds do not justify.
     #[error(
-        "the big-M {given} given for the {side} side of indicator `{indicator}` is too small: the \
-         bounds require at least {needed}; raise it, tighten the bounds of `{variable}`, or mark it \
-         `assume_valid`"
+        "the big-M {} given for the {side} side of indicator `{indicator}` is too small: the \
+         bounds require at least {}; raise it, tighten the bounds of `{variable}`, or mark it \
+         `assume_valid`", Exact(*.given), Exact(*.needed)
     )]
     UnsafeBigM {
         /// The indicator.
@@ -230,7 +235,7 @@ pub enum ErrorKind {
         variable: String,
     },
     /// A number outside its range.
-    #[error("{what} is {value}; it must be {range}")]
+    #[error("{what} is {}; it must be {range}", Exact(*.value))]
     OutOfRange {
         /// What the number is.
         what: String,

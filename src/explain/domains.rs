@@ -1,4 +1,8 @@
 //! Which domains a contradiction uses, if propagation can tell.
+//!
+//! Propagation sees a row at a time, so it may need bounds where rows alone contradict each other
+//! (`x + y <= 1`, `x + y >= 2`). A relaxation sees all rows together, so it is asked too before a
+//! domain is named.
 
 use std::collections::BTreeMap;
 
@@ -8,9 +12,14 @@ use crate::model::{Model, Name, VariableKind, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
+use crate::relaxation::{Ladder, Purpose, Question, Verdict};
+use crate::solver::Options;
 
 /// Limit on propagations; variables that are not reached count as used.
 const TRIALS: usize = 500;
+
+/// Limit on relaxations, each of which costs as much as many propagations.
+const RELAXATIONS: usize = 60;
 
 /// A part of a model that propagation refutes, while bounds are removed.
 struct Search<'a> {
@@ -19,10 +28,13 @@ struct Search<'a> {
     /// For each variable of the model, whether its bounds stay.
     used: Vec<bool>,
     trials: usize,
+    ladder: Ladder,
+    options: Options,
+    relaxations: usize,
 }
 
-/// The variables whose bounds are needed for propagation to refute the statements that are kept;
-/// empty if it does not refute them.
+/// The variables whose bounds are needed for propagation or a relaxation to refute the statements
+/// that are kept; empty if propagation does not refute them with all bounds.
 ///
 /// The big-Ms are not recomputed.
 pub(super) fn used_domains(
@@ -32,7 +44,8 @@ pub(super) fn used_domains(
 ) -> Result<Vec<Name>, Error> {
     let part = subset(model, |position| keep[position]);
     let lowered = reformulate::lower(&part)?;
-    let program = Program::assemble(lowered.model())?;
+    let mut program = Program::assemble(lowered.model())?;
+    program.make_feasibility_problem();
     let bounded = model.variables().map(|v| {
         let whole = v.kind() == VariableKind::Binary;
         !(whole && v.bounds().lower == 0.0 && v.bounds().upper == 1.0)
@@ -42,10 +55,14 @@ pub(super) fn used_domains(
         propagator: Propagator::new(&program),
         used: bounded.collect(),
         trials: TRIALS,
+        ladder: Ladder::new(Options::default().relaxation),
+        options: Options::default(),
+        relaxations: 0,
     };
     if !search.refutes(oracle, model) {
         return Ok(Vec::new());
     }
+    search.relaxations = RELAXATIONS;
     search.open((0, model.variable_count()), oracle, model);
     let used = model.variables().filter(|v| search.used[v.id().index()]);
     let mut names: Vec<Name> = used.map(|v| v.name().clone()).collect();
@@ -91,6 +108,25 @@ impl Search<'_> {
             domain.set_lower(variable.id().index(), low);
             domain.set_upper(variable.id().index(), high);
         }
-        self.propagator.propagate_all(self.program, &mut domain).is_err()
+        let refuted = self.propagator.propagate_all(self.program, &mut domain).is_err();
+        refuted || self.relaxation_refutes(&domain, oracle)
+    }
+
+    fn relaxation_refutes(&mut self, domain: &Domain, oracle: &Oracle<'_>) -> bool {
+        if self.relaxations == 0 {
+            return false;
+        }
+        self.relaxations -= 1;
+        let Some(reduced) = self.ladder.reducer().reduce(self.program, domain) else { return true };
+        let question = Question {
+            purpose: Purpose::Node,
+            cutoff: f64::INFINITY,
+            options: &self.options,
+            constant: 0.0,
+            look_for_descent: false,
+            token: oracle.token(),
+            warm: None,
+        };
+        matches!(self.ladder.solve(&reduced, &question), Verdict::Refuted(_))
     }
 }

@@ -75,7 +75,8 @@ impl Explanation {
     }
 
     /// The variables whose bounds contribute to the contradiction: with wider bounds, the set may
-    /// have a solution. Known only if propagation alone refutes the set, and empty otherwise.
+    /// have a solution. Known only if propagation alone refutes the set, and empty otherwise, or if
+    /// the statements contradict each other whatever the bounds are.
     pub fn domains(&self) -> &[Name] {
         &self.domains
     }

@@ -70,6 +70,11 @@ impl<'a> Oracle<'a> {
         Oracle { model, solver, token, solve_limit, places, known, solves, propagations }
     }
 
+    /// What ends the explanation.
+    pub(super) fn token(&self) -> &StopToken {
+        &self.token
+    }
+
     /// Whether the time is over, or the interrupt triggered.
     pub(super) fn is_stopped(&self) -> bool {
         self.token.is_over()

@@ -10,9 +10,10 @@ use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::model::{Model, Name, statements};
+use crate::number::rounded;
 use crate::reformulate::Side;
 use crate::setters::setters;
-use crate::solution::{Point, Termination, Verification, for_reading};
+use crate::solution::{Point, Termination, Verification};
 use crate::solver::{Interrupt, Solver, StopToken};
 use crate::tolerance;
 
@@ -219,8 +220,8 @@ pub fn relaxation(
 impl fmt::Display for Stretch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.side {
-            Some(Side::Lower) => write!(f, "lower `{}` by {}", self.name, for_reading(self.amount)),
-            Some(Side::Upper) => write!(f, "raise `{}` by {}", self.name, for_reading(self.amount)),
+            Some(Side::Lower) => write!(f, "lower `{}` by {}", self.name, rounded(self.amount, 6)),
+            Some(Side::Upper) => write!(f, "raise `{}` by {}", self.name, rounded(self.amount, 6)),
             None => write!(f, "drop `{}`", self.name),
         }
     }

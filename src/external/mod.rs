@@ -124,7 +124,9 @@ impl Solver for ExternalSolver {
             return Solution::new(model, outcome, self.options.feasibility);
         };
         // Certifying the point may use up the other half of the gap.
-        let options = with_half_the_gap(&self.options, translated.offset);
+        let constant =
+            if translated.offset == 0.0 { model.objective_constant() } else { translated.offset };
+        let options = with_half_the_gap(&self.options, constant);
         let ask = |text: &str| {
             let run = process::Run {
                 dialect: &*self.dialect,
@@ -207,7 +209,7 @@ pub(crate) fn settled(
         (_, Some(objective)) => {
             // A certified point is better than the bound by tolerances only.
             bound = sign * (sign * bound).min(sign * objective);
-            let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
+            let gap = options.allowed_gap(objective, model.objective_constant());
             if termination == Termination::Optimal && sign * (objective - bound) > gap {
                 termination = Termination::Stalled;
             }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::ids::Variable;
+use crate::number::Exact;
 use crate::sum::Sum;
 
 /// An affine expression `constant + sum a_j x_j`, in any unit you choose.
@@ -169,7 +170,7 @@ pub(crate) fn write_terms(
             (false, false) => f.write_str(" + ")?,
         }
         if a.abs() != 1.0 {
-            write!(f, "{} ", a.abs())?;
+            write!(f, "{} ", Exact(a.abs()))?;
         }
         f.write_str(&name(v))?;
     }

@@ -11,6 +11,7 @@ use super::store::Model;
 use super::stored::StoredTerm;
 use super::variable::VariableKind;
 use crate::interval::Interval;
+use crate::number::Exact;
 
 impl fmt::Display for Model {
     /// Objective, rows, indicators, disjunctions, logic, ordered sets, functions and bounds, with
@@ -73,7 +74,7 @@ impl fmt::Display for Model {
         for variable in self.variables() {
             let (name, bounds) = (variable.name().to_string(), variable.bounds());
             if let Some(range) = variable.parameter_range() {
-                let value = bounds.lower;
+                let value = Exact(bounds.lower);
                 writeln!(f, "  {name} = {value}, a parameter in {}", interval_text(range))?;
                 continue;
             }
@@ -135,7 +136,7 @@ impl Model {
     /// An ordered set as text, `sos2(x: 1, y: 2)`.
     fn set_text(&self, set: &SpecialOrderedSetRef<'_>) -> String {
         let members = set.members().iter();
-        let members = members.map(|&(v, weight)| format!("{}: {weight}", self.name_of(v)));
+        let members = members.map(|&(v, weight)| format!("{}: {}", self.name_of(v), Exact(weight)));
         format!("sos{}({})", set.most(), members.collect::<Vec<_>>().join(", "))
     }
 
@@ -150,10 +151,10 @@ impl Model {
             };
             text.push_str(sign);
             if what.is_empty() {
-                text.push_str(&coefficient.abs().to_string());
+                text.push_str(&Exact(coefficient.abs()).to_string());
             } else {
                 if coefficient.abs() != 1.0 {
-                    text.push_str(&format!("{} ", coefficient.abs()));
+                    text.push_str(&format!("{} ", Exact(coefficient.abs())));
                 }
                 text.push_str(what);
             }
@@ -178,13 +179,15 @@ impl Model {
 }
 
 fn interval_text(range: Interval) -> String {
-    format!("[{}, {}]", range.lower, range.upper)
+    format!("[{}, {}]", Exact(range.lower), Exact(range.upper))
 }
 
 fn limits_text(middle: &str, limits: Interval) -> String {
-    let Interval { lower, upper } = limits;
-    match (lower.is_finite(), upper.is_finite()) {
-        _ if lower == upper => format!("{middle} = {lower}"),
+    let (is_equal, finite) =
+        (limits.lower == limits.upper, (limits.lower.is_finite(), limits.upper.is_finite()));
+    let (lower, upper) = (Exact(limits.lower), Exact(limits.upper));
+    match finite {
+        _ if is_equal => format!("{middle} = {lower}"),
         (true, true) => format!("{lower} <= {middle} <= {upper}"),
         (true, false) => format!("{middle} >= {lower}"),
         (false, true) => format!("{middle} <= {upper}"),

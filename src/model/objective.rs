@@ -2,11 +2,13 @@
 
 use super::checks::finite;
 use super::convexity;
+use super::ids::Variable;
 use super::name::Name;
 use super::quadratic::Quadratic;
 use super::sense::Sense;
 use super::store::Model;
 use crate::error::{Error, ErrorKind};
+use crate::sum::Sum;
 
 impl Model {
     /// Minimises an affine or convex quadratic expression, replacing any earlier objective.
@@ -63,5 +65,25 @@ impl Model {
         }
         self.replace_objective(sense, expression);
         Ok(())
+    }
+
+    /// The part of the objective that all points have in common: its constant, and what variables with
+    /// equal bounds add, in the objective's unit.
+    pub(crate) fn objective_constant(&self) -> f64 {
+        let fixed = |variable: Variable| {
+            let bounds = self.variable_ref(variable).ok()?.bounds();
+            (bounds.lower == bounds.upper).then_some(bounds.lower)
+        };
+        let objective = self.objective();
+        let mut sum = Sum::new(objective.affine().offset());
+        for (variable, cost) in objective.affine().terms() {
+            sum.add_product(cost, fixed(variable).unwrap_or(0.0));
+        }
+        for (first, second, weight) in objective.products() {
+            if let (Some(a), Some(b)) = (fixed(first), fixed(second)) {
+                sum.add_product_of_three(a, b, weight);
+            }
+        }
+        sum.value()
     }
 }

@@ -71,7 +71,7 @@ impl Program {
         let n = self.column_count();
         let entries: Vec<_> = products.iter().map(|&(i, j, p)| Triplet::new(i, j, p)).collect();
         self.quadratic = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
-        (self.linear, self.offset) = (linear, 0.0);
+        (self.linear, self.offset, self.constant) = (linear, 0.0, 0.0);
         self.steepness = OnceLock::new();
         Some(())
     }

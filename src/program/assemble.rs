@@ -66,6 +66,7 @@ impl Program {
             quadratic: SparseColMat::try_new_from_triplets(n, n, &products).map_err(matrix)?,
             linear,
             offset: sign * model.objective().affine().offset(),
+            constant: sign * model.objective_constant(),
             sign,
             rows: SparseRowMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,
             columns: SparseColMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,

@@ -25,6 +25,9 @@ pub struct Program {
     pub linear: Vec<f64>,
     /// `r`.
     pub offset: f64,
+    /// The part of the objective that all points of the model have in common, which the relative gap
+    /// leaves out.
+    pub constant: f64,
     /// `+1` when the model minimises, `-1` when it maximises: model objective = sign * value.
     pub sign: f64,
     /// `A` by rows; shape rows x columns.
@@ -103,7 +106,7 @@ impl Program {
             self.quadratic = zero;
         }
         self.linear = vec![0.0; n];
-        self.offset = 0.0;
+        (self.offset, self.constant) = (0.0, 0.0);
         self.steepness = OnceLock::new();
     }
 

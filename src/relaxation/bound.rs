@@ -289,6 +289,16 @@ impl Pair<'_> {
             .fold(spread * tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
     }
 
+    /// The steepness of a column without the bound that its gradient points to; `None` if it has one or
+    /// is flat.
+    fn runs_uphill(&self, j: usize, g: f64, error: f64) -> Option<f64> {
+        let (lower, upper) = (self.program.lower[j], self.program.upper[j]);
+        let is_open =
+            (g + error > 0.0 && lower.is_infinite()) || (g - error < 0.0 && upper.is_infinite());
+        let steepness = self.program.steepness.get(j).copied().unwrap_or(0.0);
+        (self.objective && is_open && steepness > 0.0).then_some(steepness)
+    }
+
     /// The bound that the pair proves for points within the radius.
     fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
@@ -310,6 +320,14 @@ impl Pair<'_> {
         }
         for j in 0..self.x.len() {
             let (g, error) = (gradient.value[j], gradient.error(j));
+            if let Some(steepness) = self.runs_uphill(j, g.high, error) {
+                // As in `plain_bound`, whatever the radius is.
+                let missed = g.high.abs() * (1.0 + f64::EPSILON) + error;
+                sum.add(g, self.x[j]);
+                sum.add((-error).into(), self.x[j].high.abs().into());
+                sum.add((-missed).into(), (missed / (2.0 * steepness)).next_up().into());
+                continue;
+            }
             let reach = |bound: f64| {
                 if bound.is_finite() { bound } else { bound.signum() * radius }
             };

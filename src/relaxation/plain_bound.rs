@@ -56,7 +56,10 @@ impl PlainSums {
         self.clear(program);
         self.add_objective(program, x);
         self.add_rows(program, y);
-        self.add_columns(program, x, &program.steepness)
+        let bound = self.add_columns(program, x, &program.steepness)?;
+        // Apart, as the rounding of all sums would be charged to it, and it may be large.
+        let offset = program.offset;
+        Some(if offset == 0.0 { bound } else { (offset + bound).next_down() })
     }
 
     /// The bound that row multipliers prove if the objective is zero: the program has no feasible point
@@ -72,7 +75,7 @@ impl PlainSums {
         (self.constant, self.error) = (RoundedSum::default(), 0.0);
     }
 
-    /// `q + Px̂` and `offset - x̂'Px̂ / 2`.
+    /// `q + Px̂` and `-x̂'Px̂ / 2`.
     fn add_objective(&mut self, program: &Reduced, x: &[f64]) {
         let PlainSums { gradient, constant, error, .. } = self;
         for j in 0..x.len() {
@@ -84,7 +87,6 @@ impl PlainSums {
                 }
             }
         }
-        constant.add(program.offset);
         for ((g, &x), &q) in gradient.iter_mut().zip(x).zip(&program.linear) {
             if g.terms > 0.0 {
                 constant.add(-0.5 * x * g.value);

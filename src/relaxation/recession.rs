@@ -9,6 +9,10 @@ const ROW: f64 = 1e-8;
 /// Entries of a ray that are this small beside its largest one may be rounding (no unit).
 const NOISE: f64 = 1e-9;
 
+/// Curvature along a ray that may be rounding, relative to the terms it is the sum of (no unit). An
+/// error of the ray enters squared.
+const FLAT: f64 = 64.0 * f64::EPSILON;
+
 /// The program whose solutions are the steepest recession directions: the rows and bounds without
 /// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
 /// box leaves no direction.
@@ -81,8 +85,14 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     if cost.is_nan() || cost >= -1e-6 * cost_scale {
         return false;
     }
-    // Along the ray the objective falls at least as far as the radius that bounds are proved for.
-    let mut curved = vec![0.0; d.len()];
+    // The least curvature ends the fall somewhere, however far out.
+    let is_steep = |(s, &d): (&f64, &f64)| *s > 0.0 && moves(d) != 0.0;
+    if program.steepness.iter().zip(&d).any(is_steep) {
+        return false;
+    }
+    // Along the ray the objective falls at least as far as the radius that bounds are proved for, and
+    // what curvature there is, is rounding.
+    let (mut curved, mut bent, mut bends) = (vec![0.0; d.len()], 0.0, 0.0);
     for j in 0..d.len() {
         let (rows, entries) = program.quadratic.vector(j);
         for (&i, &p) in rows.iter().zip(entries) {
@@ -90,10 +100,14 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
             if i != j {
                 curved[j] += p * d[i];
             }
+            let term = p * moves(d[i]) * moves(d[j]);
+            bent += if i == j { term } else { 2.0 * term };
+            bends += term.abs();
         }
     }
     let bend: f64 = curved.iter().zip(&d).map(|(c, d)| c * d).sum();
-    let flat = bend * tolerance::FREE_RADIUS <= -cost
+    let flat = bent <= FLAT * bends
+        && bend * tolerance::FREE_RADIUS <= -cost
         && curved.iter().all(|c| c.abs() <= MARGIN * cost_scale.max(1.0));
     let rows = (0..program.rows.len()).all(|i| {
         let (columns, values) = program.rows.vector(i);

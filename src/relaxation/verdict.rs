@@ -18,6 +18,8 @@ pub struct Question<'a> {
     pub cutoff: f64,
     /// The gaps that a leaf has to meet.
     pub options: &'a Options,
+    /// The constant of the objective, which gaps leave out.
+    pub constant: f64,
     /// Whether to look for a direction in which the objective falls without limit.
     pub look_for_descent: bool,
     /// Ends the attempts when it is over.
@@ -150,9 +152,9 @@ impl<'a> Known<'a> {
     /// How far a point of this value and its bound may be apart. Methods take the gap relative to an
     /// objective without the constant, which may be large. For a leaf the gap asked for counts.
     fn close(&self, value: f64) -> f64 {
-        let options = self.question.options;
-        let wanted = 0.1 * options.absolute_gap.max(options.relative_gap * value.abs());
-        let enough = 1e-6 * value.abs().max(1.0);
+        let Question { options, constant, .. } = *self.question;
+        let wanted = 0.1 * options.allowed_gap(value, constant);
+        let enough = 1e-6 * tolerance::gap_scale(value, constant).max(1.0);
         if self.question.purpose == Purpose::Leaf { enough.min(wanted) } else { enough }
     }
 

@@ -92,19 +92,23 @@ fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f
             gain += slope.abs() * widest;
         }
     }
-    let options = ctx.options();
-    let value = reduced.objective(x).abs();
-    gain > 0.5 * options.absolute_gap.max(options.relative_gap * value)
+    let value = reduced.objective(x);
+    gain > 0.5 * ctx.options().allowed_gap(value, program.constant)
 }
 
 fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
     let mut polished = x.to_vec();
     polish(reduced, &mut polished, &ctx.token);
-    // Bounds are proved inside a radius only; a point outside must not be measured by them.
-    let open = |j: usize| reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite();
+    // For columns without bounds and curvature, bounds are proved inside a radius only; a point outside
+    // must not be measured by them.
+    let open = |j: usize| {
+        let steepness = reduced.steepness.get(j).copied().unwrap_or(0.0);
+        steepness <= 0.0 && (reduced.lower[j].is_infinite() || reduced.upper[j].is_infinite())
+    };
     for candidate in [&polished[..], x] {
         let far = |(j, v): (usize, &f64)| v.abs() > tolerance::FREE_RADIUS && open(j);
         if candidate.iter().enumerate().any(far) {
+            ctx.tree.count(|s| s.beyond_radius += 1);
             continue;
         }
         let mut point = ctx.complete_point(reduced.lift(candidate));

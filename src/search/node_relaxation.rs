@@ -54,6 +54,7 @@ pub(super) fn relax(ctx: &mut Context<'_>, reduced: &Reduced, purpose: Purpose) 
         purpose: if is_leaf { Purpose::Leaf } else { purpose },
         cutoff: ctx.tree.cutoff(),
         options: ctx.options(),
+        constant: ctx.program().constant,
         look_for_descent: purpose == Purpose::Root,
         token: &ctx.token,
         warm: ctx.node.warm.as_ref(),

@@ -60,6 +60,7 @@ impl RootPoint {
             purpose: Purpose::Separation,
             cutoff: f64::INFINITY,
             options,
+            constant: program.constant,
             look_for_descent: false,
             token,
             warm,

@@ -177,7 +177,7 @@ impl<'a> Tree<'a> {
     /// cutoff still proves it.
     pub(super) fn cutoff_at(&self, value: f64) -> f64 {
         let options = self.task.options;
-        let gap = options.absolute_gap.max(options.relative_gap * value.abs());
+        let gap = options.allowed_gap(value, self.task.program.constant);
         value - (0.9 * gap).max(0.99 * self.granularity)
     }
 
@@ -318,6 +318,7 @@ impl<'a> Tree<'a> {
             sign * bound(&state),
             self.task.token.elapsed(),
         );
+        progress.constant = sign * self.task.program.constant;
         progress.depth = counts.depth;
         progress.found_by = incumbent.map(|best| best.found_by);
         progress
@@ -332,7 +333,7 @@ impl<'a> Tree<'a> {
         let options = self.task.options;
         let best = state.points.incumbent().map(|best| best.value);
         let within_gap = best.is_some_and(|value| {
-            value - bound <= options.absolute_gap.max(options.relative_gap * value.abs())
+            value - bound <= options.allowed_gap(value, self.task.program.constant)
         });
         let termination = match state.stop {
             _ if is_contradicted => Termination::Stalled,

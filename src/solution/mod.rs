@@ -22,7 +22,6 @@ pub use statistics::{
     Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,
 };
 pub use status::{PrimalStatus, Termination};
-pub(crate) use verification::for_reading;
 pub use verification::{Checked, Verification, Violation, ViolationKind};
 
 use crate::error::{Error, ErrorKind};
@@ -39,6 +38,8 @@ pub struct Solution {
     objective: Option<f64>,
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     bound: f64,
+    #[cfg_attr(feature = "serde", serde(default))]
+    constant: f64,
     sense: Sense,
     verification: Option<Verification>,
     rounding: f64,
@@ -126,6 +127,7 @@ impl Solution {
             point,
             objective,
             bound,
+            constant: model.objective_constant(),
             sense,
             verification,
             rounding,
@@ -230,6 +232,19 @@ impl Solution {
         self.termination
     }
 
+    /// Why a solve has [stalled](Termination::Stalled) and what to do, if that is known.
+    pub fn hint(&self) -> Option<String> {
+        let is_far = self.termination == Termination::Stalled && self.statistics.beyond_radius > 0;
+        is_far.then(|| {
+            format!(
+                "the best points have variables without bounds that are farther than {:e} from 0, \
+                 where bounds are not proved; give all variables finite bounds, or measure them in \
+                 larger units",
+                tolerance::FREE_RADIUS
+            )
+        })
+    }
+
     /// Whether the solution holds a point.
     pub fn primal_status(&self) -> PrimalStatus {
         if self.point.is_some() { PrimalStatus::Feasible } else { PrimalStatus::None }
@@ -282,9 +297,13 @@ impl Solution {
     }
 
     /// Gap relative to the objective's magnitude (no unit); infinite if there is no point.
+    ///
+    /// If the objective is smaller without its constant (with what variables of equal bounds add), the
+    /// gap is relative to that, so that no constant hides what the program is about. Below 0.1 it is
+    /// relative to 0.1: an absolute gap of 1e-7 is a relative one of 1e-6 there.
     pub fn relative_gap(&self) -> f64 {
-        let scale = self.objective.map_or(1.0, f64::abs);
-        if self.gap() == 0.0 { 0.0 } else { self.gap() / scale.max(f64::MIN_POSITIVE) }
+        let gap = |objective| tolerance::relative_gap(self.gap(), objective, self.constant);
+        self.objective.map_or(f64::INFINITY, gap)
     }
 
     /// The independent check of the point, made from the model. It is also

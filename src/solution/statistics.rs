@@ -35,6 +35,9 @@ pub struct Statistics {
     /// Nodes returned unfinished at a limit, or that could be neither finished nor split for
     /// numerical reasons.
     pub unfinished: u64,
+    /// Points that were not taken because a variable without bounds is farther than
+    /// [`FREE_RADIUS`](crate::tolerance::FREE_RADIUS) from 0 there, where bounds are not proved.
+    pub beyond_radius: u64,
     /// Children closed by trial branching, which never became nodes.
     pub closed_by_trials: u64,
     /// Nodes and children closed by multipliers of an earlier solve, proved again, without a relaxation;
@@ -342,6 +345,7 @@ impl Statistics {
             ($($count:ident),*) => { $(self.$count += part.$count;)* };
         }
         sum!(nodes, nested_nodes, relaxations, iterations, leaves, split, unfinished, incumbents);
+        sum!(beyond_radius);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
         sum!(closed_by_proofs);
         sum!(user_splits, refused_splits, contradictions);

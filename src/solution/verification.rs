@@ -9,6 +9,7 @@ use std::fmt;
 
 use crate::interval::Interval;
 use crate::model::{Affine, BigM, Function, Model, Name, TermRef, Variable};
+use crate::number::rounded;
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -112,7 +113,7 @@ impl fmt::Display for Violation {
             ViolationKind::OrderedSet => "the ordered set",
             ViolationKind::Function => "the function",
         };
-        write!(f, "{what} `{}` by {}", self.name, for_reading(self.amount))
+        write!(f, "{what} `{}` by {}", self.name, rounded(self.amount, 6))
     }
 }
 
@@ -261,11 +262,6 @@ impl Verification {
             self.largest_residual = amount;
         }
     }
-}
-
-/// A number for reports: rounded to six significant digits.
-pub(crate) fn for_reading(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// By how much a statement is missed, the largest number in it, and how much may be missed.

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use web_time::{Duration, Instant};
 
 use super::progress::{Event, Progress};
+use crate::number::{percent, rounded};
 use crate::solution::{RelaxationCounts, Solution};
 
 /// Lines between two headings.
@@ -70,10 +71,7 @@ impl<W: Write> Log<W> {
         self.lines += 1;
         let Progress { nodes, open, depth, bound, .. } = *progress;
         let incumbent = progress.incumbent.map_or("-".to_owned(), number);
-        let gap = match 100.0 * progress.relative_gap() {
-            gap if gap.is_finite() && gap < 1e5 => format!("{gap:.4}"),
-            _ => "-".to_owned(),
-        };
+        let gap = percent(progress.relative_gap());
         let (bound, seconds) = (number(bound), progress.elapsed.as_secs_f64());
         self.write(format_args!(
             "{mark} {nodes:>9} {open:>8} {depth:>6} {incumbent:>16} {bound:>16} {gap:>9} \
@@ -93,6 +91,9 @@ impl<W: Write> Log<W> {
             statistics.time.as_secs_f64(),
             statistics.nodes_per_second(),
         ));
+        if let Some(hint) = solution.hint() {
+            self.write(format_args!("{hint}\n"));
+        }
         self.write(format_args!(
             "{} relaxations, {} iterations, depth {}, at most {} open, {} bytes\n",
             statistics.relaxations,
@@ -158,9 +159,8 @@ impl<W: Write> fmt::Debug for Log<W> {
     }
 }
 
-/// Ten significant digits, without trailing zeros.
+/// Ten significant digits, or eight where that is too long for a column.
 fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
-    let plain = format!("{}", rounded + 0.0);
-    if plain.len() <= 14 { plain } else { format!("{value:.7e}") }
+    let plain = rounded(value, 10);
+    if plain.len() <= 16 { plain } else { format!("{value:.7e}") }
 }

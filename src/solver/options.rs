@@ -45,7 +45,8 @@ use crate::tolerance;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Options {
     /// Relative gap at which to stop (no unit, `>= 0`); default
-    /// [`tolerance::RELATIVE_GAP`]. The search stops when this or the absolute gap is met.
+    /// [`tolerance::RELATIVE_GAP`]. The search stops when this or the absolute gap is met. It is
+    /// relative to the objective with or without its constant, whichever is smaller.
     pub relative_gap: f64,
     /// Absolute gap at which to stop (objective's unit, `>= 0`); default
     /// [`tolerance::ABSOLUTE_GAP`].
@@ -248,6 +249,15 @@ impl Options {
         self.with_reductions(presolve)
             .with_disjunctive_tightening(presolve)
             .with_big_m_tightening(presolve)
+    }
+
+    /// How far the bound may be from an objective, in the objective's unit.
+    ///
+    /// # Arguments
+    ///
+    /// * `constant`: the constant of the objective.
+    pub(crate) fn allowed_gap(&self, objective: f64, constant: f64) -> f64 {
+        self.absolute_gap.max(self.relative_gap * tolerance::gap_scale(objective, constant))
     }
 
     /// Refuses values outside their ranges; every backend calls it first.

@@ -3,6 +3,7 @@
 use web_time::Duration;
 
 use crate::solution::{Heuristic, Point};
+use crate::tolerance::relative_gap;
 
 /// A progress event of a solve. Objective values are in the model's own sense.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +46,8 @@ pub struct Progress {
     pub depth: u64,
     /// What found the best point so far, if that is known.
     pub found_by: Option<Heuristic>,
+    /// The part of the objective that all points have in common; 0 if it is not known.
+    pub constant: f64,
 }
 
 impl Progress {
@@ -57,17 +60,15 @@ impl Progress {
         bound: f64,
         elapsed: Duration,
     ) -> Self {
-        let (depth, found_by) = (0, None);
-        Progress { nodes, open, relaxations, incumbent, bound, elapsed, depth, found_by }
+        let (depth, found_by, constant) = (0, None, 0.0);
+        Progress { nodes, open, relaxations, incumbent, bound, elapsed, depth, found_by, constant }
     }
 
-    /// Gap between incumbent and bound, relative to the incumbent's magnitude (no unit); infinite
-    /// without an incumbent.
+    /// Gap between incumbent and bound, relative as in
+    /// [`Solution::relative_gap`](crate::solution::Solution::relative_gap) (no unit); infinite without an
+    /// incumbent.
     pub fn relative_gap(&self) -> f64 {
-        let gap = |value: f64| {
-            let gap = (value - self.bound).abs();
-            if gap == 0.0 { 0.0 } else { gap / value.abs().max(f64::MIN_POSITIVE) }
-        };
+        let gap = |value: f64| relative_gap((value - self.bound).abs(), value, self.constant);
         self.incumbent.map_or(f64::INFINITY, gap)
     }
 }

@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 use circles::{File, circles};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 10] = [
+const GROUND: [&str; 11] = [
     "setters",
+    "number",
     "error",
     "tolerance",
     "wire",

@@ -173,7 +173,7 @@ fn what_is_refused() {
     }
     assert_eq!(
         text(model.add("near", z.on().reify(x.le(4.0), 1e-18)).unwrap_err()),
-        "the margin of `near` is 0.000000000000000001; it must be large enough to tell apart from \
+        "the margin of `near` is 1e-18; it must be large enough to tell apart from \
          the row's limit in double precision"
     );
     // Errors leave nothing behind: the third name is taken, and a row is bad.

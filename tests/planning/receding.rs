@@ -63,7 +63,10 @@ fn every_plan_costs_what_a_cold_one_does() {
         assert_eq!(next.states[0].len(), 2);
         assert_eq!((next.inputs.len(), next.is_admissible), (10, Some(true)));
     }
-    assert_eq!(run.to_csv().lines().count(), 13);
+    let csv = run.to_csv();
+    assert_eq!(csv.lines().count(), 13);
+    let mut cells = csv.lines().skip(1).flat_map(|line| line.split(','));
+    assert!(cells.all(|cell| cell != "-0" && cell.len() <= 19), "{csv}");
     let picture = run.to_svg("a cart");
     assert!(["a cart", "x0", "x1", "u0"].iter().all(|word| picture.contains(word)));
     assert!(!picture.contains("u1") && !picture.contains("NaN"));

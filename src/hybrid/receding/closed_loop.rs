@@ -7,6 +7,7 @@ use web_time::Duration;
 use super::RecedingHorizon;
 use super::step::{Move, MoveSource};
 use crate::error::{Error, check_finite, check_length};
+use crate::number::{DIGITS, rounded};
 use crate::picture::{COLOURS, Chart};
 
 /// The record of a controller in a loop with a plant.
@@ -85,10 +86,12 @@ impl ClosedLoop {
         text.push_str(",source,objective,nodes,relaxations,seconds\n");
         for next in &self.moves {
             _ = write!(text, "{}", next.step);
-            next.state.iter().chain(&next.input).for_each(|v| _ = write!(text, ",{v}"));
-            let objective = next.objective.map(|v| v.to_string()).unwrap_or_default();
+            next.state.iter().chain(&next.input).for_each(|&v| {
+                _ = write!(text, ",{}", rounded(v, DIGITS));
+            });
+            let objective = next.objective.map(|v| rounded(v, DIGITS)).unwrap_or_default();
             let (nodes, relaxations) = (next.nodes, next.relaxations);
-            let seconds = next.time.as_secs_f64();
+            let seconds = rounded(next.time.as_secs_f64(), DIGITS);
             _ = writeln!(text, ",{},{objective},{nodes},{relaxations},{seconds}", next.source);
         }
         text

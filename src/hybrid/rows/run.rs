@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::program::{HybridProgram, OneOf, find};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::model::Variable;
+use crate::number::{DIGITS, rounded};
 use crate::solution::{Point, Solution};
 
 /// A run of a hybrid system over a horizon, in numbers and names.
@@ -92,10 +93,10 @@ impl HybridRun {
         let samples = self.states.first().map_or(0, |(_, values)| values.len());
         for t in 0..samples {
             // Writing into a string cannot fail.
-            let _ = write!(table, "{}", t as f64 * self.time_step);
+            let _ = write!(table, "{}", rounded(t as f64 * self.time_step, DIGITS));
             for (_, values) in numbers.clone() {
                 let _ = match values.get(t) {
-                    Some(value) => write!(table, ",{value}"),
+                    Some(&value) => write!(table, ",{}", rounded(value, DIGITS)),
                     None => write!(table, ","),
                 };
             }

@@ -19,6 +19,7 @@ use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
+use crate::number::Exact;
 
 /// Makes the model that a file describes.
 pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
@@ -177,8 +178,10 @@ fn semicontinuous(
     }
     if lower < 0.0 {
         warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {lower} and {upper}; some solvers refuse negative values of \
-             semi-continuous variables"
+            "`{name}` is 0 or between {} and {}; some solvers refuse negative values of \
+             semi-continuous variables",
+            Exact(lower),
+            Exact(upper)
         )));
     }
     match column.integer {
@@ -206,13 +209,17 @@ fn bounds(
             Some(_) if lower <= upper => " (it is a binary)",
             Some(_) => "",
         };
-        let message = format!("bounds of `{name}` are crossed: {} > {}{help}", cut.0, cut.1);
+        let message =
+            format!("bounds of `{name}` are crossed: {} > {}{help}", Exact(cut.0), Exact(cut.1));
         return Err(place.error(message));
     }
     if cut != (lower, upper) {
         warnings.push(place.warning(format!(
-            "`{name}` is binary, so its bounds {lower} and {upper} are cut to {} and {}",
-            cut.0, cut.1
+            "`{name}` is binary, so its bounds {} and {} are cut to {} and {}",
+            Exact(lower),
+            Exact(upper),
+            cut.0,
+            cut.1
         )));
     }
     Ok(cut)

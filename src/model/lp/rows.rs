@@ -5,6 +5,7 @@ use super::lexer::Kind;
 use super::read::File;
 use crate::error::Error;
 use crate::model::text::token::Token;
+use crate::number::Exact;
 
 /// A row as the file has it.
 #[derive(Debug)]
@@ -78,9 +79,11 @@ impl<'a> File<'a> {
             return Err(place.error("no point can satisfy this row"));
         }
         if lower > upper {
-            return Err(
-                place.error(format!("the limits of this row are crossed: {lower} > {upper}"))
-            );
+            return Err(place.error(format!(
+                "the limits of this row are crossed: {} > {}",
+                Exact(lower),
+                Exact(upper)
+            )));
         }
         Ok(Row { label, place, terms: expression.terms, lower, upper, condition })
     }

@@ -5,6 +5,7 @@ use crate::model::text::ends::{self, Ends, Repeated};
 use crate::model::text::read::Warning;
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
+use crate::number::Exact;
 
 /// The bounds of one column in a file.
 #[derive(Debug, Clone, Copy, Default)]
@@ -91,7 +92,8 @@ impl<'a> Bounds<'a> {
         }
         let lower = self.ends.lower.unwrap_or(default);
         if lower > upper {
-            return Err(last.error(format!("bounds of `{name}` are crossed: {lower} > {upper}")));
+            let (low, high) = (Exact(lower), Exact(upper));
+            return Err(last.error(format!("bounds of `{name}` are crossed: {low} > {high}")));
         }
         Ok((lower, upper))
     }

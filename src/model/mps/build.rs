@@ -19,6 +19,7 @@ use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
+use crate::number::Exact;
 
 /// Makes the model that a file describes.
 pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
@@ -104,8 +105,10 @@ fn semicontinuous(
     let (lower, upper) = column.bounds.resolve(integer, warnings)?;
     if lower < 0.0 {
         warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {lower} and {upper}; some solvers refuse negative values of \
-             semi-continuous columns"
+            "`{name}` is 0 or between {} and {}; some solvers refuse negative values of \
+             semi-continuous columns",
+            Exact(lower),
+            Exact(upper)
         )));
     }
     match integer {

@@ -3,6 +3,7 @@
 use super::read::Warning;
 use super::token::Token;
 use crate::error::Error;
+use crate::number::Exact;
 
 /// Which of two different values of a bound counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +37,7 @@ impl<'a> Ends<'a> {
                 && old != new
             {
                 let (name, first) = (column.text, counts == Repeated::First);
+                let (old, new) = (Exact(old), Exact(new));
                 let counts = if first { "first" } else { "last" };
                 warnings.push(column.warning(format!(
                     "the {which} bound of `{name}` was {old} before and is {new} now; the {counts} \
@@ -75,8 +77,9 @@ pub(crate) fn upper(value: f64, token: &Token<'_>) -> Result<f64, Error> {
 /// What is said about a semi-continuous variable with crossed bounds: only 0 is left, as most solvers
 /// take it.
 pub(crate) fn only_zero(name: &str, (lower, upper): (f64, f64)) -> String {
+    let (low, high) = (Exact(lower), Exact(upper));
     let doubt = if upper < 0.0 { "; some solvers take the program as infeasible" } else { "" };
     format!(
-        "the bounds of the semi-continuous `{name}` are crossed, {lower} > {upper}, so it is 0{doubt}"
+        "the bounds of the semi-continuous `{name}` are crossed, {low} > {high}, so it is 0{doubt}"
     )
 }

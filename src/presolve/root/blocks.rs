@@ -130,6 +130,7 @@ fn extract(
         quadratic: SparseColMat::try_new_from_triplets(n, n, &products).ok()?,
         linear: pick(&program.linear, &columns),
         offset: 0.0,
+        constant: 0.0,
         sign: program.sign,
         rows: SparseRowMat::try_new_from_triplets(m, n, &entries).ok()?,
         columns: SparseColMat::try_new_from_triplets(m, n, &entries).ok()?,

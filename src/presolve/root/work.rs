@@ -59,6 +59,7 @@ pub(super) struct Work {
     /// `P`, both triangles.
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
     pub(super) offset: f64,
+    constant: f64,
     /// How far rounding may have moved the constant of the objective.
     rounding: f64,
     pub(super) undos: Vec<Box<dyn Undo>>,
@@ -131,6 +132,7 @@ impl Work {
             linear: program.linear.clone(),
             quadratic: (0..n).map(|j| pairs(program.quadratic_column(j)).collect()).collect(),
             offset: program.offset,
+            constant: program.constant,
             rounding: 0.0,
             undos: Vec::new(),
             step: program.step.clone(),
@@ -421,6 +423,7 @@ impl Work {
             quadratic: SparseColMat::try_new_from_triplets(n, n, &products).map_err(matrix)?,
             linear: pick(&self.linear, &columns),
             offset: self.offset,
+            constant: self.constant,
             sign: self.sign,
             rows: SparseRowMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,
             columns: SparseColMat::try_new_from_triplets(m, n, &entries).map_err(matrix)?,

@@ -211,6 +211,35 @@ fn domains_that_play_a_part_are_named() {
     assert_eq!(domains, ["x[0]", "x[20]"]);
 }
 
+/// Propagation needs the bounds of `x` and `y` here, the contradiction does not.
+#[test]
+fn domains_that_play_no_part_are_not_named() {
+    let text = |lower: f64, upper: f64, least: f64| {
+        let mut model = Model::new("m");
+        let x = model.continuous("x", lower, upper).unwrap();
+        let y = model.continuous("y", lower, upper).unwrap();
+        let n = model.integer("n", 0.0, 9.0).unwrap();
+        model.add("few", (x + y).le(0.5)).unwrap();
+        model.add("many", (x + y + n).ge(least)).unwrap();
+        model.add("none", n.le(0.0)).unwrap();
+        let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+        assert!(why.is_irreducible());
+        why.to_string().split(". ").next().unwrap().to_owned()
+    };
+    let free = "these cannot hold together: few; many; none";
+    assert_eq!(text(0.0, 10.0, 2.0), free);
+    assert_eq!(text(-1e6, 1e6, 2.0), free);
+    assert_eq!(text(f64::NEG_INFINITY, f64::INFINITY, 2.0), free);
+    // Without these bounds there are points.
+    let mut model = Model::new("m");
+    let x = model.continuous_family("x", 3, 0.0, 1.0).unwrap();
+    model.add("few", (x[0] + x[1]).le(0.5)).unwrap();
+    model.add("many", (x[0] + x[2]).ge(2.0)).unwrap();
+    let why = infeasibility(&model, &mut solver(), &ExplainOptions::default()).unwrap();
+    let domains: Vec<String> = why.domains().iter().map(Name::to_string).collect();
+    assert_eq!(domains, ["x[1]", "x[2]"]);
+}
+
 /// A row on a parameter alone narrows nothing: parameters have values, not bounds.
 #[test]
 fn rows_on_parameters_can_be_asked_about() {

@@ -1,0 +1,49 @@
+//! Numbers in texts for people and in tables.
+
+use std::fmt;
+
+/// Magnitudes below this are shown with an exponent (no unit).
+const SMALL: f64 = 1e-6;
+
+/// Rounded numbers of at least this magnitude are shown with an exponent (no unit).
+const LARGE: f64 = 1e15;
+
+/// Significant digits of numbers in tables: all that a solve can have right, without the noise behind.
+pub(crate) const DIGITS: usize = 12;
+
+/// A number in full: its shortest exact text, with an exponent if it is small. A zero has no sign.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Exact(pub(crate) f64);
+
+impl fmt::Display for Exact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            0.0 => f.write_str("0"),
+            small if small.abs() < SMALL => write!(f, "{small:e}"),
+            value => write!(f, "{value}"),
+        }
+    }
+}
+
+/// A number rounded to significant digits, without trailing zeros, and with an exponent if it is
+/// small or large. A zero has no sign; less than all normal numbers is 0.
+pub(crate) fn rounded(value: f64, digits: usize) -> String {
+    if value.abs() < f64::MIN_POSITIVE {
+        return "0".into();
+    }
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value);
+    match rounded.abs() {
+        size if size.is_finite() && size >= LARGE => format!("{rounded:e}"),
+        _ => Exact(rounded).to_string(),
+    }
+}
+
+/// A share as a percentage with four digits after the point. Infinite and senseless ones are a dash.
+pub(crate) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        0.0 => "0.0000".into(),
+        tiny if tiny.abs() < 1e-4 => rounded(tiny, 2),
+        fine if fine.abs() < 1e5 => format!("{fine:.4}"),
+        _ => "-".into(),
+    }
+}

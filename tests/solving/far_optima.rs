@@ -1,0 +1,100 @@
+//! Optima far from 0 along variables without bounds.
+
+use carom::prelude::*;
+use proptest::prelude::*;
+
+const FREE: f64 = f64::INFINITY;
+
+fn solved(model: &Model, presolve: bool) -> Solution {
+    let options = Options::default().with_presolve(presolve);
+    BranchAndBound::new(options).solve(model).unwrap()
+}
+
+fn close(found: f64, wanted: f64) -> bool {
+    (found - wanted).abs() <= 1e-5 * wanted.abs().max(1.0)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    /// Curvature ends the fall of an objective, however slight it is, and then proofs need no radius.
+    #[test]
+    fn slight_curvature_is_curvature(
+        exponents in prop::collection::vec(-13_i32..8, 1..4),
+        costs in prop::collection::vec(1_u8..9, 4),
+        with_binary in any::<bool>(),
+        presolve in any::<bool>(),
+    ) {
+        let mut model = Model::new("far");
+        let x = model.continuous_family("x", exponents.len(), -FREE, FREE).unwrap();
+        let mut cost = Quadratic::from(0.0);
+        let mut optimum = 0.0;
+        for (k, x) in x.iter().enumerate() {
+            let (curvature, slope) = (10_f64.powi(exponents[k]), f64::from(costs[k]));
+            cost += 0.5 * curvature * x.square() - slope * x;
+            optimum -= 0.5 * slope * slope / curvature;
+        }
+        if with_binary {
+            let z = model.binary("z").unwrap();
+            model.add("row", (x[0] + z).ge(-0.5)).unwrap();
+            cost += Quadratic::from(f64::from(costs[3]) * z);
+        }
+        model.minimize(cost).unwrap();
+        let solution = solved(&model, presolve);
+        prop_assert!(solution.is_optimal(), "{}: {:?}", solution.termination(), solution.hint());
+        prop_assert!(close(solution.objective().unwrap(), optimum), "{}", solution.objective().unwrap());
+    }
+
+    /// Along a valley the curvature is slight beside what it is the sum of.
+    #[test]
+    fn valleys_are_never_called_unbounded_unless_they_are(
+        exponent in -13_i32..1,
+        ratio in prop::sample::select(vec![1.0, 3.0, 0.7]),
+        steep in prop::sample::select(vec![1.0, 1e3, 1e6]),
+        falls in any::<bool>(),
+        presolve in any::<bool>(),
+    ) {
+        let mut model = Model::new("valley");
+        let x = model.continuous("x", -FREE, FREE).unwrap();
+        let y = model.continuous("y", -FREE, FREE).unwrap();
+        let valley = steep * (x - ratio * y).square() - x - y;
+        // Less than this beside the other coefficients is lost as soon as it is written down.
+        let curvature = 10_f64.powi(exponent).max(1e-12 * steep);
+        model.minimize(if falls { valley } else { valley + curvature * y.square() }).unwrap();
+        let solution = solved(&model, presolve);
+        match solution.termination() {
+            Termination::Unbounded => prop_assert!(falls),
+            Termination::Optimal => {
+                // x = ratio y + 1 / (2 steep), and y minimises what is left.
+                let optimum = -0.25 / steep - 0.25 * (1.0 + ratio).powi(2) / curvature;
+                prop_assert!(!falls && close(solution.objective().unwrap(), optimum));
+            }
+            _ => prop_assert!(!falls, "{}", solution.termination()),
+        }
+    }
+}
+
+/// Rows hold the optimum, but no proof for variables without bounds reaches that far.
+#[test]
+fn an_optimum_beyond_the_radius_of_proofs_says_so() {
+    let mut model = Model::new("far");
+    let x = model.continuous("x", -FREE, FREE).unwrap();
+    let y = model.continuous("y", -FREE, FREE).unwrap();
+    model.add("sum", (x + y).ge(2e10)).unwrap();
+    model.add("first", (x - y).ge(0.0)).unwrap();
+    model.minimize(x).unwrap();
+    let mut log = Log::new(Vec::new());
+    let solution = solved(&model, true);
+    log.finish(&solution);
+    let hint = "the best points have variables without bounds that are farther than 1e9 from 0, where \
+                bounds are not proved; give all variables finite bounds, or measure them in larger units";
+    assert_eq!(solution.termination(), Termination::Stalled);
+    assert_eq!(solution.hint().as_deref(), Some(hint));
+    assert!(String::from_utf8(log.into_inner().unwrap()).unwrap().contains(hint));
+    for variable in [x, y] {
+        model.set_bounds(variable, -1e12, 1e12).unwrap();
+    }
+    let solution = solved(&model, true);
+    assert!(solution.is_optimal() && close(solution.objective().unwrap(), 1e10));
+    assert_eq!(solution.hint(), None);
+}
