@@ -31,7 +31,10 @@ pub(super) fn used_domains(
     oracle: &Oracle<'_>,
 ) -> Result<Vec<Name>, Error> {
     let part = subset(model, |position| keep[position]);
-    let lowered = reformulate::lower(&part)?;
+    let lowered = match reformulate::lower(&part) {
+        Err(error) if reformulate::is_missing_bound(&error) => return Ok(Vec::new()),
+        other => other?,
+    };
     let program = Program::assemble(lowered.model())?;
     let bounded = model.variables().map(|v| {
         let whole = v.kind() == VariableKind::Binary;

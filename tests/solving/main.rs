@@ -13,6 +13,7 @@ mod conformance;
 mod explain;
 mod free_shifts;
 mod guidance;
+mod implied_bounds;
 mod invariance;
 mod limits;
 mod multipliers;
