@@ -3,13 +3,15 @@
 //! They come from propagation over everything that holds in every case: the rows of the model, what
 //! functions say of their variables, and the bounds that all cases of a statement share
 //! (`reformulate/cases.rs`). A sum of rows may bound what no row alone does, which takes a linear
-//! program. Ms and the bounds of copies are computed from them; no variable gets them.
+//! program. Flows are bounded by what enters the network, once they circulate no more than they must
+//! (`reformulate/circulations.rs`). Ms and the bounds of copies are computed from them; no variable gets them.
 //!
 //! An accepted point may miss rows and bounds by a tolerance, and a chain of rows may multiply that:
 //! after `x1 = 10 x0`, a miss of 1e-6 is one of 1e-5. So every row and every bound is loosened by
 //! the tolerance *before* propagation, and the bounds hold for all points that are accepted.
 
 use super::cases::{Bounds, Cases};
+use super::circulations::flows;
 use super::linear_program::Maximizer;
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
@@ -74,6 +76,11 @@ impl<'a> ImpliedBounds<'a> {
             maximizer.narrow(|program, domain, propagator| {
                 go_through(&cases, program, domain, propagator, token)
             });
+        }
+        if !token.is_over() && !maximizer.is_empty() {
+            for (variable, most) in flows(model, &maximizer) {
+                maximizer.bound(variable, true, most);
+            }
         }
         Ok((!token.is_over()).then_some(ImpliedBounds { rows, maximizer }))
     }

@@ -23,6 +23,7 @@ mod audit;
 mod big_m;
 mod bounds;
 mod cases;
+mod circulations;
 mod clauses;
 mod compare;
 mod direction;

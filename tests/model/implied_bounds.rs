@@ -310,6 +310,29 @@ fn integers_are_rounded() {
     assert_eq!(values, [3.0, 4.0]);
 }
 
+/// Two units from `a` to `c`, by `b` or directly; flow may circulate between `a` and `b`.
+#[test]
+fn flows_circulate_no_more_than_they_must() {
+    let mut model = Model::new("flow");
+    let [ab, ba, bc, ac] = ["ab", "ba", "bc", "ac"].map(|n| model.continuous(n, 0.0, INF).unwrap());
+    model.add("a", (ba - ab - ac).equals(-2.0)).unwrap();
+    model.add("b", (ab - ba - bc).equals(0.0)).unwrap();
+    model.add("c", (bc + ac).equals(2.0)).unwrap();
+    let [wide, direct] = ["wide", "direct"].map(|name| model.binary(name).unwrap());
+    model.add("narrow", wide.off().implies((ab + ba).le(1.0))).unwrap();
+    model.add("closed", direct.off().implies(ac.le(0.5))).unwrap();
+    model.minimize(3.0 * wide + 2.0 * direct + 0.5 * ac).unwrap();
+    close(optimum(&model), 2.5);
+    // The direct flow has bounds anyway, those of the circle come from what enters.
+    close(largest(&model), 3.0);
+    // Where more flow is asked for or pays, nothing bounds the circle.
+    let mut asked = model.clone();
+    asked.add("busy", wide.on().implies(ab.ge(5.0))).unwrap();
+    assert!(message(&asked).contains("`ab` has no upper bound"), "{}", message(&asked));
+    model.minimize(3.0 * wide + 2.0 * direct - 0.1 * ab).unwrap();
+    assert!(message(&model).contains("`ab` has no upper bound"), "{}", message(&model));
+}
+
 #[test]
 fn refusals_name_the_chain() {
     let mut model = Model::new("m");

@@ -100,6 +100,52 @@ proptest! {
         }
     }
 
+    /// Networks in which flow may circulate, with indicators that limit sums of flows: the answer is
+    /// that of the network with capacities that no plan needs.
+    #[test]
+    fn circulations_are_not_needed(
+        arcs in prop::collection::vec((0usize..5, 0usize..5, 0i32..3), 3..10),
+        supplies in prop::array::uniform4(-3i32..=3),
+        limits in prop::collection::vec((prop::collection::vec(0usize..10, 1..4), 0i32..4), 1..4),
+        slack in prop::array::uniform4(0i32..2),
+    ) {
+        let mut answers = Vec::new();
+        for capacity in [INF, 40.0] {
+            let mut model = Model::new("flow");
+            let x = model.continuous_family("x", arcs.len(), 0.0, capacity).unwrap();
+            // Node 4 is outside: nothing balances it.
+            for (node, &supply) in supplies.iter().enumerate() {
+                let mut sum = Affine::zero();
+                for (k, &(from, to, _)) in arcs.iter().enumerate().filter(|(_, a)| a.0 != a.1) {
+                    sum += if to == node { x[k].into() } else { Affine::zero() };
+                    sum -= if from == node { x[k].into() } else { Affine::zero() };
+                }
+                if !sum.terms().is_empty() {
+                    let supply = f64::from(supply);
+                    let row = sum.within(supply, supply + f64::from(slack[node]));
+                    model.add(("node", node), row).unwrap();
+                }
+            }
+            let mut cost: Affine = arcs.iter().enumerate().map(|(k, a)| f64::from(a.2) * x[k]).sum();
+            for (k, (of, most)) in limits.iter().enumerate() {
+                let over = model.binary(("over", k)).unwrap();
+                let sum: Affine = of.iter().map(|&v| Affine::from(x[v % arcs.len()])).sum();
+                let row = sum.le(f64::from(*most));
+                model.add(("limit", k), over.off().implies(row)).unwrap();
+                cost += 1.5 * over;
+            }
+            model.minimize(cost).unwrap();
+            let solution = BranchAndBound::default().solve(&model).unwrap();
+            prop_assert!(solution.is_optimal() || solution.is_infeasible(), "{solution:?}");
+            answers.push(solution.objective());
+        }
+        match (answers[0], answers[1]) {
+            (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-5 * b.abs().max(1.0), "{a} {b}"),
+            (None, None) => {}
+            _ => prop_assert!(false, "{answers:?}"),
+        }
+    }
+
     #[test]
     fn given_bounds_agree(
         case in case(Shape::BOUNDED),
