@@ -132,8 +132,8 @@ pub enum ErrorKind {
     /// A function, a disjunction, an ordered set or a semi-continuous variable needs a bound that a
     /// variable does not have.
     #[error(
-        "`{function}` cannot be written as rows, because `{variable}` has no {bound} bound; \
-         give `{variable}` a finite one"
+        "`{function}` cannot be written as rows, because `{variable}` has no {bound} bound{chain}; \
+         give {remedy} a finite one"
     )]
     UnboundedFunction {
         /// The variable that is the function, or the statement.
@@ -142,6 +142,10 @@ pub enum ErrorKind {
         variable: String,
         /// `lower` or `upper`: the missing bound.
         bound: &'static str,
+        /// Why rows do not imply the bound, in words; empty if no row holds the variable.
+        chain: String,
+        /// The variables whose bounds would help, in words.
+        remedy: String,
     },
     /// A logic formula that contains no variable.
     #[error(
@@ -204,7 +208,7 @@ pub enum ErrorKind {
     /// An indicator's row has no finite big-M because a variable has no bound.
     #[error(
         "indicator `{indicator}` needs a big-M for its {side} side, but `{variable}` has no \
-         {bound} bound; give `{variable}` a finite one"
+         {bound} bound{chain}; give {remedy} a finite one"
     )]
     UnboundedIndicator {
         /// The indicator.
@@ -215,6 +219,10 @@ pub enum ErrorKind {
         variable: String,
         /// `lower` or `upper`: the missing bound.
         bound: &'static str,
+        /// Why rows do not imply the bound, in words; empty if no row holds the variable.
+        chain: String,
+        /// The variables whose bounds would help, in words.
+        remedy: String,
     },
     /// A user's big-M that the bounds do not justify.
     #[error(

@@ -43,7 +43,10 @@ pub(super) fn used_domains(
     oracle: &Oracle<'_>,
 ) -> Result<Vec<Name>, Error> {
     let part = subset(model, |position| keep[position]);
-    let lowered = reformulate::lower(&part)?;
+    let lowered = match reformulate::lower(&part) {
+        Err(error) if reformulate::is_missing_bound(&error) => return Ok(Vec::new()),
+        other => other?,
+    };
     let mut program = Program::assemble(lowered.model())?;
     program.make_feasibility_problem();
     let bounded = model.variables().map(|v| {

@@ -44,6 +44,16 @@ impl<'a> Elastic<'a> {
         Ok(elastic)
     }
 
+    /// Gives the original's variables wide bounds where they have none.
+    pub(super) fn within(&mut self, wide: &[Interval]) -> Result<(), Error> {
+        for (variable, wide) in self.original.variables().zip(wide) {
+            if variable.parameter_range().is_none() {
+                self.model.set_bounds(variable.id(), wide.lower, wide.upper)?;
+            }
+        }
+        Ok(())
+    }
+
     fn add(
         &mut self,
         statement: AnyStatement<'_>,

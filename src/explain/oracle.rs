@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 
 use crate::error::Error;
+use crate::interval::Interval;
 use crate::model::{AnyStatement, Model, VariableKind, statements, subset};
 use crate::presolve::{Domain, Propagator, probe};
 use crate::program::Program;
@@ -15,6 +16,9 @@ use crate::solver::{Solver, StopToken};
 
 /// Trials of probing before a solve; see `search/root.rs`.
 const TRIALS: usize = 4000;
+
+/// How far to search where neither bounds nor rows limit a variable of a part, in its unit.
+const FAR: f64 = 1e5;
 
 /// What is known about a part of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +52,8 @@ pub(super) struct Oracle<'a> {
     solve_limit: usize,
     /// Statements by the names that verifications use.
     places: HashMap<String, Vec<usize>>,
+    /// Bounds for parts that lack the rows that bound a variable, once such a part was met.
+    wide: Option<Vec<Interval>>,
     pub(super) known: Vec<Known>,
     pub(super) solves: usize,
     /// Parts refuted by propagation and probing alone.
@@ -66,8 +72,8 @@ impl<'a> Oracle<'a> {
             places.entry(statement.name().to_string()).or_default().push(position);
         }
         let solve_limit = solve_limit.unwrap_or(usize::MAX);
-        let (known, solves, propagations) = (Vec::new(), 0, 0);
-        Oracle { model, solver, token, solve_limit, places, known, solves, propagations }
+        let (wide, known, solves, propagations) = (None, Vec::new(), 0, 0);
+        Oracle { model, solver, token, solve_limit, places, wide, known, solves, propagations }
     }
 
     /// What ends the explanation.
@@ -99,15 +105,46 @@ impl<'a> Oracle<'a> {
             return Ok(Answer::Open);
         }
         self.solves += 1;
-        let solution = self.token.solve(self.solver, &part, &mut |_| {})?;
+        let (solution, is_whole) = match self.token.solve(self.solver, &part, &mut |_| {}) {
+            // Rows that bound a variable are left out. A point may be found all the same.
+            Err(error) if reformulate::is_missing_bound(&error) && !keep.iter().all(|k| *k) => {
+                let Some(part) = self.bounded(part)? else { return Ok(Answer::Open) };
+                match self.token.solve(self.solver, &part, &mut |_| {}) {
+                    Err(error) if reformulate::is_missing_bound(&error) => return Ok(Answer::Open),
+                    other => (other?, false),
+                }
+            }
+            other => (other?, true),
+        };
         match solution.point() {
             Some(point) => {
                 self.learn(point.clone());
                 Ok(Answer::Feasible(self.known.len() - 1))
             }
-            None if solution.is_infeasible() => Ok(Answer::Infeasible),
+            None if is_whole && solution.is_infeasible() => Ok(Answer::Infeasible),
             None => Ok(Answer::Open),
         }
+    }
+
+    /// A part with wide bounds for variables that have none; `None` if the time is over.
+    fn bounded(&mut self, mut part: Model) -> Result<Option<Model>, Error> {
+        if self.wide.is_none() {
+            self.wide = reformulate::wide_bounds(self.model, &self.token)?;
+        }
+        let Some(wide) = &self.wide else { return Ok(None) };
+        for (variable, bounds) in self.model.variables().zip(wide) {
+            if variable.bounds().is_bounded() || variable.parameter_range().is_some() {
+                continue;
+            }
+            let own = part.variable_ref(variable.id())?.bounds();
+            let or_far = |end: f64| if end.is_finite() { end } else { end.signum() * FAR };
+            let wide = Interval::new(or_far(bounds.lower), or_far(bounds.upper));
+            let bounds = own.intersection(wide);
+            if !bounds.is_empty() {
+                part.set_bounds(variable.id(), bounds.lower, bounds.upper)?;
+            }
+        }
+        Ok(Some(part))
     }
 
     /// Whether propagation alone proves that the statements that are kept contradict each other.
@@ -141,9 +178,11 @@ impl<'a> Oracle<'a> {
     }
 
     fn refutes(&self, part: &Model) -> Result<bool, Error> {
-        let Some(lowered) = reformulate::lower_until(part, None, &self.token)? else {
-            return Ok(false);
+        let lowered = match reformulate::lower_until(part, None, &self.token) {
+            Err(error) if reformulate::is_missing_bound(&error) => return Ok(false),
+            other => other?,
         };
+        let Some(lowered) = lowered else { return Ok(false) };
         let program = Program::assemble(lowered.model())?;
         let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
         let late_first: Vec<usize> = program.integers.iter().rev().copied().collect();

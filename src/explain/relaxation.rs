@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::error::ErrorKind;
 use crate::model::{Model, Name, statements};
 use crate::number::rounded;
-use crate::reformulate::Side;
+use crate::reformulate::{self, Side};
 use crate::setters::setters;
 use crate::solution::{Point, Termination, Verification};
 use crate::solver::{Interrupt, Solver, StopToken};
@@ -182,9 +182,19 @@ pub fn relaxation(
     options: &ElasticOptions,
 ) -> Result<Relaxed, Error> {
     let weights = options.resolve(model)?;
-    let elastic = Elastic::of(model, &weights)?;
+    let mut elastic = Elastic::of(model, &weights)?;
     let token = StopToken::new(options.time_limit, &options.interrupt);
-    let solution = token.solve(solver, &elastic.model, &mut |_| {})?;
+    let solution = match token.solve(solver, &elastic.model, &mut |_| {}) {
+        // Rows that may give bound nothing.
+        Err(error) if reformulate::is_missing_bound(&error) => {
+            match reformulate::wide_bounds(model, &token)? {
+                Some(wide) => elastic.within(&wide)?,
+                None => return Err(error),
+            }
+            token.solve(solver, &elastic.model, &mut |_| {})?
+        }
+        other => other?,
+    };
     let mut relaxed = Relaxed {
         termination: solution.termination(),
         stretches: Vec::new(),

@@ -6,6 +6,7 @@
 //! before the search, with its postsolve, is in [`root`].
 
 mod big_m_tightening;
+mod case_row;
 mod change_log;
 mod coefficients;
 mod disjunctive_tightening;
@@ -23,6 +24,7 @@ mod tightening;
 mod worklist;
 
 pub use big_m_tightening::tighten_big_ms;
+pub(crate) use case_row::CaseRow;
 pub use coefficients::tighten_coefficients;
 pub(crate) use disjunctive_tightening::covering_rows;
 pub use disjunctive_tightening::tighten_by_disjunctions;

@@ -374,7 +374,11 @@ impl Propagator {
 
 /// Brings slightly crossed bounds of a column back together (`true` when it did), or reports the
 /// conflict.
-fn settle(program: &Program, domain: &mut Domain, column: usize) -> Result<bool, Conflict> {
+pub(super) fn settle(
+    program: &Program,
+    domain: &mut Domain,
+    column: usize,
+) -> Result<bool, Conflict> {
     let [lower, upper] = domain.bounds(column);
     if lower <= upper {
         return Ok(false);

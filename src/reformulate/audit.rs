@@ -184,6 +184,14 @@ fn advice(model: &Model, entry: &BigMEntry, most: f64) -> String {
     {
         let name = &share.variable;
         return match share.bound {
+            bound_side if share.implied => {
+                let (side, most) = match bound_side {
+                    Side::Lower => ("a lower", "least"),
+                    Side::Upper => ("an upper", "most"),
+                };
+                let implied = share.value;
+                format!("give `{name}` {side} bound of at {most} {bound} (rows imply {implied})")
+            }
             Side::Lower => {
                 format!(
                     "raise the lower bound of `{name}` from {} to at least {bound}",

@@ -3,18 +3,20 @@
 //! For `z = 1 => a'x <= u` and any `M >= max a'x - u` over the bounds, the row `a'x + M z <= u + M`
 //! is equivalent for `z` in {0, 1}; for `z = 0 => a'x <= u` it is `a'x - M z <= u`. Lower sides
 //! mirror this. M comes from interval arithmetic over the current bounds, rounded outward,
-//! separately for each side.
+//! separately for each side; bounds that a variable does not have come from the rows, see
+//! `reformulate/implied_bounds.rs`.
 //!
 //! A compound condition becomes clauses of which at least one is false if the condition holds, see
 //! `reformulate/logic.rs`. For each clause `g1 or g2 or ...` there is one row per side,
 //! `a'x <= u + M (g1 + g2 + ...)`; a plain condition is one clause with one literal.
 
+use super::implied_bounds::LARGE;
 use super::linear_program::tidy;
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
 use crate::error::{Error, ErrorKind};
 use crate::interval::{Interval, add_down, add_up};
-use crate::model::{BigM, IndicatorRef, Literal, Model, Name, Variable};
+use crate::model::{BigM, IndicatorRef, Literal, Name, Variable};
 use crate::tolerance;
 
 /// A row that must hold if its condition does.
@@ -77,11 +79,12 @@ pub(super) fn apply_unless(
         if limit.is_infinite() {
             continue;
         }
-        let mut need = need(&lowering.model, &terms, limit, side)?;
+        let mut need = need(lowering, &terms, limit, side)?;
         let mut entry = BigMEntry::new(row.name, side, BigMSource::Bounds);
         entry.needed = need.value.max(0.0);
-        entry.note_shares(&lowering.model, &terms, side)?;
-        if need.value <= 0.0 {
+        entry.note_shares(lowering, &terms, side)?;
+        // An implied bound may come from this statement, so it does not make the row needless.
+        if need.value <= 0.0 && !need.by_rows {
             entry.source = BigMSource::Implied;
         } else if fails {
             entry.source = BigMSource::ConditionFails;
@@ -93,7 +96,7 @@ pub(super) fn apply_unless(
             // A row without variables keeps its guard, because a fixed binary costs nothing.
             let guard = if terms.is_empty() { guard } else { &open };
             need.tighten(&terms, limit, side, guard, lowering);
-            (entry.value, entry.source) = choose(row, &lowering.model, side, &need)?;
+            (entry.value, entry.source) = choose(row, lowering, side, &need)?;
             let (row, limit) = switched(&terms, limit, entry.value, guard, side);
             push(lowering, side, row, limit)?;
             entry.row = lowering.newest_row();
@@ -109,18 +112,28 @@ struct Need {
     value: f64,
     /// Whether a linear program proved a smaller value than the bounds.
     by_program: bool,
+    /// Whether one of the bounds is implied by rows.
+    by_rows: bool,
     /// The variable that contributes most.
     largest: Option<Variable>,
     /// The variable whose bound is missing, and which bound.
     unbounded: Option<(Variable, &'static str)>,
 }
 
-fn need(model: &Model, terms: &[(Variable, f64)], limit: f64, side: Side) -> Result<Need, Error> {
+fn need(
+    lowering: &Lowering<'_>,
+    terms: &[(Variable, f64)],
+    limit: f64,
+    side: Side,
+) -> Result<Need, Error> {
     let sign = if side == Side::Upper { 1.0 } else { -1.0 };
     let mut total = Interval::point(-sign * limit);
     let (mut largest, mut unbounded, mut share) = (None, None, -1.0);
+    let mut by_rows = false;
     for &(variable, coefficient) in terms {
-        let part = model.variable_ref(variable)?.bounds() * (sign * coefficient);
+        let part = lowering.bounds(variable)? * (sign * coefficient);
+        let own = lowering.model.variable_ref(variable)?.bounds() * (sign * coefficient);
+        by_rows |= part.upper < own.upper;
         let bound = (variable, if sign * coefficient > 0.0 { "upper" } else { "lower" });
         if part.upper.is_infinite() && unbounded.is_none() {
             unbounded = Some(bound);
@@ -131,12 +144,15 @@ fn need(model: &Model, terms: &[(Variable, f64)], limit: f64, side: Side) -> Res
         }
         total = total + part;
     }
+    if by_rows {
+        total.upper = total.upper.max(0.0);
+    }
     // Bounds whose M is treated as infinite are as good as none.
     if total.upper >= tolerance::INFINITE {
         unbounded = unbounded.or(largest);
     }
     let largest = largest.map(|(variable, _)| variable);
-    Ok(Need { value: total.upper, by_program: false, largest, unbounded })
+    Ok(Need { value: total.upper, by_program: false, by_rows, largest, unbounded })
 }
 
 impl Need {
@@ -150,12 +166,19 @@ impl Need {
         lowering: &mut Lowering<'_>,
     ) {
         let original = lowering.original;
+        let sign = if side == Side::Upper { 1.0 } else { -1.0 };
+        let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
+        // Rows together may bound what no bound does, or better than large bounds.
+        if self.unbounded.is_some() || self.by_rows && self.value > LARGE {
+            let most = tidy(add_up(lowering.most_by_rows(&up), -sign * limit)).max(0.0);
+            if most < self.value && most < tolerance::INFINITE {
+                (self.value, self.by_program, self.unbounded) = (most, true, None);
+            }
+        }
         let Some(maximizer) = &mut lowering.maximizer else { return };
         if self.unbounded.is_some() {
             return;
         }
-        let sign = if side == Side::Upper { 1.0 } else { -1.0 };
-        let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
         // The M is used only if the guard is true.
         let when = match guard {
             [only] if only.variable().index() < original => guard,
@@ -171,7 +194,7 @@ impl Need {
 /// The M of a side, or why there is none.
 fn choose(
     row: &Implied<'_>,
-    model: &Model,
+    lowering: &Lowering<'_>,
     side: Side,
     need: &Need,
 ) -> Result<(f64, BigMSource), Error> {
@@ -179,11 +202,14 @@ fn choose(
         return Ok((value, BigMSource::Assumed));
     }
     if let Some((variable, bound)) = need.unbounded {
+        let (chain, remedy) = lowering.missing(variable, bound);
         return Err(ErrorKind::UnboundedIndicator {
             indicator: row.name.to_string(),
             side: side.word(),
-            variable: model.name_of(variable),
+            variable: lowering.model.name_of(variable),
             bound,
+            chain,
+            remedy,
         }
         .into());
     }
@@ -196,13 +222,14 @@ fn choose(
                     side: side.word(),
                     given: value,
                     needed: need.value,
-                    variable: need.largest.map_or_else(String::new, |v| model.name_of(v)),
+                    variable: need.largest.map_or_else(String::new, |v| lowering.model.name_of(v)),
                 }
                 .into());
             }
             Ok((value.max(need.value), BigMSource::Given))
         }
         _ if need.by_program => Ok((need.value, BigMSource::LinearProgram)),
+        _ if need.by_rows => Ok((need.value, BigMSource::ImpliedBounds)),
         _ => Ok((need.value, BigMSource::Bounds)),
     }
 }

@@ -23,13 +23,34 @@ pub(super) enum Tie {
 }
 
 /// Whether moving a variable alone can violate a statement or worsen the objective.
-struct Harm {
-    lowering: Vec<bool>,
+pub(super) struct Harm {
+    pub(super) lowering: Vec<bool>,
     raising: Vec<bool>,
 }
 
 impl Harm {
-    fn any(&mut self, variable: Variable) {
+    /// What the objective and all statements but rows and functions require.
+    pub(super) fn without_rows(model: &Model) -> Harm {
+        let count = model.variable_count();
+        let mut harm = Harm { lowering: vec![false; count], raising: vec![false; count] };
+        let objective = model.objective();
+        for (variable, coefficient) in objective.affine().terms() {
+            harm.rise(variable, model.sense().sign() * coefficient);
+        }
+        for (first, second, _) in objective.products() {
+            harm.any(first);
+            harm.any(second);
+        }
+        model.indicators().for_each(|row| harm.row(row.terms(), row.limits()));
+        for term in model.disjunctions().flat_map(|disjunction| disjunction.stored_terms()) {
+            term.for_each_row(&mut |row| harm.row(&row.terms, Interval::new(row.lower, row.upper)));
+        }
+        let sets = model.special_ordered_sets();
+        sets.flat_map(|set| set.members()).for_each(|&(member, _)| harm.any(member));
+        harm
+    }
+
+    pub(super) fn any(&mut self, variable: Variable) {
         self.lowering[variable.index()] = true;
         self.raising[variable.index()] = true;
     }
@@ -57,23 +78,8 @@ pub(super) fn ties(model: &Model) -> Result<Vec<Tie>, Error> {
     if model.function_count() == 0 {
         return Ok(Vec::new());
     }
-    let count = model.variable_count();
-    let mut harm = Harm { lowering: vec![false; count], raising: vec![false; count] };
-    let objective = model.objective();
-    for (variable, coefficient) in objective.affine().terms() {
-        harm.rise(variable, model.sense().sign() * coefficient);
-    }
-    for (first, second, _) in objective.products() {
-        harm.any(first);
-        harm.any(second);
-    }
+    let mut harm = Harm::without_rows(model);
     model.constraints().for_each(|row| harm.row(row.terms(), row.limits()));
-    model.indicators().for_each(|row| harm.row(row.terms(), row.limits()));
-    for term in model.disjunctions().flat_map(|disjunction| disjunction.stored_terms()) {
-        term.for_each_row(&mut |row| harm.row(&row.terms, Interval::new(row.lower, row.upper)));
-    }
-    let sets = model.special_ordered_sets();
-    sets.flat_map(|set| set.members()).for_each(|&(member, _)| harm.any(member));
     // A function's variable occurs only in functions added later.
     let functions: Vec<FunctionRef<'_>> = model.functions().collect();
     let mut ties = vec![Tie::Exact; functions.len()];

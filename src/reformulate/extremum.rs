@@ -66,7 +66,8 @@ pub(super) fn apply(
     Ok(())
 }
 
-/// The expressions that can be the largest (times `sign`); among equal ones, the first.
+/// The expressions that can be the largest (times `sign`); among equal ones, the first. Implied
+/// bounds do not count, because they may come from the function itself.
 fn undominated<'a>(
     of: &'a [Affine],
     sign: f64,
@@ -100,20 +101,27 @@ fn miss(
     let mut entry = BigMEntry::new(lowering.statement(), side, BigMSource::Bounds);
     for &other in kept {
         let ahead = sign * (other - expression);
-        let upper = lowering.model.range(&ahead)?.upper;
+        let mut upper = lowering.range(&ahead)?.upper;
+        if upper >= tolerance::INFINITE {
+            upper = add_up(lowering.most_by_rows(&ahead.terms()), ahead.offset());
+            entry.source = BigMSource::ImpliedBounds;
+        }
         if upper >= tolerance::INFINITE {
             return Err(lowering.unbounded(&ahead, 1.0)?);
         }
         if upper > most {
             most = upper;
             entry.shares.clear();
-            entry.note_shares(&lowering.model, &ahead.terms(), Side::Upper)?;
+            entry.note_shares(lowering, &ahead.terms(), Side::Upper)?;
         }
         let program = lowering.maximizer.as_mut().map(|m| m.most(&ahead.terms(), &[]));
         let program = program.map_or(f64::INFINITY, |most| add_up(most, ahead.offset()));
         proved = upper.min(program).max(proved);
     }
     (entry.needed, entry.value) = (add_up(most, 0.0), add_up(proved, 0.0));
+    if entry.shares.iter().any(|share| share.implied) {
+        entry.source = BigMSource::ImpliedBounds;
+    }
     if entry.value < entry.needed {
         entry.source = BigMSource::LinearProgram;
     }

@@ -4,10 +4,9 @@
 use super::direction::{self, Tie};
 use super::lowering::Lowering;
 use super::{extremum, piecewise, product};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Variable};
-use crate::tolerance;
 
 /// Adds the rows of one function and the bounds that follow for its variable.
 pub(super) fn apply(
@@ -40,42 +39,6 @@ impl Lowering<'_> {
             () => (own.upper, own.upper),
         };
         self.model.set_bounds(variable, lower, upper)
-    }
-
-    /// The range of an expression, or an error that names a variable without a bound.
-    pub(super) fn bounded_range(&self, of: &Affine) -> Result<Interval, Error> {
-        let range = self.model.range(of)?;
-        for (missing, sign) in [(range.upper, 1.0), (range.lower, -1.0)] {
-            if missing.abs() >= tolerance::INFINITE {
-                return Err(self.unbounded(of, sign)?);
-            }
-        }
-        Ok(range)
-    }
-
-    /// The error that names the variable that makes `sign * of` unbounded above.
-    pub(super) fn unbounded(&self, of: &Affine, sign: f64) -> Result<Error, Error> {
-        for (variable, coefficient) in of.terms() {
-            let bounds = self.model.variable_ref(variable)?.bounds();
-            let (end, bound) = match sign * coefficient > 0.0 {
-                true => (bounds.upper, "upper"),
-                false => (bounds.lower, "lower"),
-            };
-            if end.is_infinite() {
-                return Ok(self.unbounded_function(variable, bound));
-            }
-        }
-        let name = self.statement().to_string();
-        Ok(Error::from(ErrorKind::NotFinite {
-            name,
-            what: "the range",
-            value: sign * f64::INFINITY,
-        }))
-    }
-
-    pub(super) fn unbounded_function(&self, variable: Variable, bound: &'static str) -> Error {
-        let (function, variable) = (self.statement().to_string(), self.model.name_of(variable));
-        Error::from(ErrorKind::UnboundedFunction { function, variable, bound })
     }
 
     /// Adds the row `lower <= expression <= upper`.

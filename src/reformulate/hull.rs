@@ -13,6 +13,7 @@ use super::disjunction::{nested_name, row_name, value};
 use super::linear_program::Maximizer;
 use super::lowering::Lowering;
 use crate::error::Error;
+use crate::interval::Interval;
 use crate::model::{Affine, Literal, Name, StoredRow, StoredTerm, Variable, VariableKind};
 
 /// The column of each variable of the model at the current level.
@@ -56,7 +57,8 @@ fn split(
     let mut ranges = Vec::with_capacity(terms.len());
     for (term, rows) in terms.iter().zip(&inside) {
         let all: Vec<(Variable, f64)> = own.keys().map(|&variable| (variable, 0.0)).collect();
-        let range = Maximizer::of_rows(&lowering.model, rows, &all, lowering.token)?;
+        let bounds = |variable| lowering.bounds(variable);
+        let range = Maximizer::of_rows(&lowering.model, rows, &all, &bounds, lowering.token)?;
         if range.0.is_empty() {
             lowering.affine_row(value(term.selector), 0.0, 0.0)?;
         }
@@ -67,14 +69,13 @@ fn split(
         for ((term, copies), (range, renamed)) in terms.iter().zip(&mut copies).zip(&ranges) {
             // The bounds of the variable itself, tightened by the rows of the term. Bounds of an
             // outer copy hold only if that copy is selected.
-            let mut bounds = lowering.model.variable_ref(variable)?.bounds();
-            if !range.is_empty() {
-                bounds = bounds.intersection(range.bounds(renamed[&variable]));
-            }
-            for (end, bound) in [(bounds.lower, "lower"), (bounds.upper, "upper")] {
-                if end.is_infinite() {
-                    return Err(lowering.unbounded_function(variable, bound));
-                }
+            let within = match range.is_empty() {
+                true => Interval::REALS,
+                false => range.bounds(renamed[&variable]),
+            };
+            let mut bounds = lowering.bounds(variable)?.intersection(within);
+            if !bounds.is_bounded() {
+                bounds = lowering.finite_bounds(variable)?.intersection(within);
             }
             let (low, high) = (bounds.lower.min(0.0), bounds.upper.max(0.0));
             let copy = lowering.column("copy", VariableKind::Continuous, low, high)?;

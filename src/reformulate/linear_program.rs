@@ -14,6 +14,7 @@ use crate::presolve::{Domain, Propagator, reduce};
 use crate::program::Program;
 use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::{RelaxationMethod, StopToken};
+use crate::tolerance;
 
 /// How much a bound on an expression is raised, relative to its size (at least 1), to cover
 /// rounding in propagation and reduction.
@@ -46,18 +47,25 @@ impl<'a> Maximizer<'a> {
     pub(super) fn of(model: &Model, token: &'a StopToken) -> Result<Self, Error> {
         let mut program = Program::assemble(model)?;
         program.make_feasibility_problem();
-        let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
-        let empty = propagator.propagate_all(&program, &mut domain).is_err();
-        let ladder = Ladder::new(RelaxationMethod::default());
-        Ok(Maximizer { token, program, domain, propagator, ladder, empty })
+        Ok(Maximizer::over(program, token))
     }
 
-    /// Over some rows and their variables' bounds in a model. Variables are renumbered; the second
-    /// part maps them.
+    /// Over a program without an objective.
+    pub(super) fn over(program: Program, token: &'a StopToken) -> Self {
+        let (mut domain, mut propagator) = (Domain::new(&program), Propagator::new(&program));
+        propagator.set_stop_token(token);
+        let empty = propagator.propagate_all(&program, &mut domain).is_err();
+        let ladder = Ladder::new(RelaxationMethod::default());
+        Maximizer { token, program, domain, propagator, ladder, empty }
+    }
+
+    /// Over some rows and given bounds of their variables. Variables are renumbered; the second part
+    /// maps them.
     pub(super) fn of_rows(
         model: &Model,
         rows: &[&StoredRow],
         terms: &[(Variable, f64)],
+        bounds: &dyn Fn(Variable) -> Result<Interval, Error>,
         token: &'a StopToken,
     ) -> Result<(Self, BTreeMap<Variable, Variable>), Error> {
         let mut small = Model::new("term");
@@ -66,9 +74,9 @@ impl<'a> Maximizer<'a> {
         for &(variable, _) in all {
             if let Entry::Vacant(entry) = renamed.entry(variable) {
                 let name = format!("v{}", variable.index());
-                let variable = model.variable_ref(variable)?;
-                let Interval { lower, upper } = variable.bounds();
-                entry.insert(small.variable(name, variable.kind(), lower, upper)?);
+                let Interval { lower, upper } = bounds(variable)?;
+                let kind = model.variable_ref(variable)?.kind();
+                entry.insert(small.variable(name, kind, lower, upper)?);
             }
         }
         for (k, row) in rows.iter().enumerate() {
@@ -88,6 +96,34 @@ impl<'a> Maximizer<'a> {
     pub(super) fn bounds(&self, variable: Variable) -> Interval {
         let column = variable.index();
         Interval::new(self.domain.lower(column), self.domain.upper(column))
+    }
+
+    /// The domain after propagation.
+    pub(super) fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Narrows the domain; `narrow` returns `false` if it proves that no point is left.
+    pub(super) fn narrow(
+        &mut self,
+        narrow: impl FnOnce(&Program, &mut Domain, &mut Propagator) -> bool,
+    ) {
+        let Maximizer { program, domain, propagator, .. } = self;
+        self.empty |= !narrow(program, domain, propagator);
+    }
+
+    /// Takes over a proved bound of a variable.
+    pub(super) fn bound(&mut self, variable: Variable, is_upper: bool, value: f64) {
+        let column = variable.index();
+        let value = match (self.program.integral[column], is_upper) {
+            (false, _) => value,
+            (true, true) => (value + tolerance::INTEGRALITY).floor(),
+            (true, false) => (value - tolerance::INTEGRALITY).ceil(),
+        };
+        let mark = self.domain.mark();
+        self.domain.apply(column, is_upper, value);
+        let Maximizer { program, domain, propagator, .. } = self;
+        self.empty |= propagator.propagate_since(program, domain, mark).is_err();
     }
 
     /// A proved upper bound on `terms` if all of `when` are true: `-inf` if that is proved
@@ -142,7 +178,7 @@ impl<'a> Maximizer<'a> {
                 f64::NEG_INFINITY
             }
             // A bound that relies on the radius of free columns does not prove an M.
-            _ if !range.is_bounded() => range.upper,
+            _ if !range.is_bounded() && program.spread <= 1.0 => range.upper,
             _ => range.upper.min(-ladder.prover().lower_bound(&reduced, &answer.x, &answer.y)),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::implied_bounds::ImpliedBounds;
 use super::linear_program::Maximizer;
 use super::logic::Part;
 use super::report::BigMReport;
@@ -17,6 +18,8 @@ pub(super) struct Lowering<'a> {
     pub(super) report: BigMReport,
     /// Bounds expressions by linear programs, if requested.
     pub(super) maximizer: Option<Maximizer<'a>>,
+    /// What rows imply, once a bound was missing.
+    pub(super) implied: Option<ImpliedBounds<'a>>,
     /// Ends the linear programs.
     pub(super) token: &'a StopToken,
     /// Number of variables of the original model.
@@ -34,12 +37,14 @@ impl<'a> Lowering<'a> {
     pub(super) fn new(
         model: &Model,
         maximizer: Option<Maximizer<'a>>,
+        implied: Option<ImpliedBounds<'a>>,
         token: &'a StopToken,
     ) -> Self {
         Lowering {
             model: model.with_rows_only(),
             report: BigMReport::default(),
             maximizer,
+            implied,
             token,
             original: model.variable_count(),
             parts: BTreeMap::new(),

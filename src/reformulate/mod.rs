@@ -21,6 +21,9 @@
 
 mod audit;
 mod big_m;
+mod bounds;
+mod cases;
+mod circulations;
 mod clauses;
 mod compare;
 mod direction;
@@ -28,9 +31,11 @@ mod disjunction;
 mod extremum;
 mod functions;
 mod hull;
+mod implied_bounds;
 mod linear_program;
 mod logic;
 mod lowering;
+mod missing_bound;
 mod multi_m;
 mod piecewise;
 mod product;
@@ -43,10 +48,12 @@ pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::{Error, ErrorKind};
+use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{Outcome, Solution};
 use crate::solver::{Solver, StopToken};
 use direction::Tie;
+use implied_bounds::ImpliedBounds;
 use linear_program::Maximizer;
 use lowering::Lowering;
 
@@ -156,7 +163,7 @@ fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64
 }
 
 /// Replaces every indicator by big-M rows, with each M from the *current* bounds (of parameters:
-/// from their declared ranges), and every disjunction, logic statement, function, ordered set and
+/// from their declared ranges) or, for variables without bounds, from those that rows imply, and every disjunction, logic statement, function, ordered set and
 /// semi-continuous variable by its rows, as the model's
 /// [`Reformulation`](crate::model::Reformulation) asks for.
 ///
@@ -196,10 +203,19 @@ pub(crate) fn lower_until(
 ) -> Result<Option<Lowered>, Error> {
     let open = model.parameters().next().is_some().then(|| model.with_open_parameters());
     let open = open.as_ref().unwrap_or(model);
-    let Some(mut lowered) = lower_with(open, method, None, token)? else { return Ok(None) };
+    // Bounds that rows imply are looked for where the variables' own do not suffice.
+    let first = match lower_with(open, method, (None, None), token) {
+        Err(error) if is_missing_bound(&error) => {
+            let Some(implied) = ImpliedBounds::of(open, token)? else { return Ok(None) };
+            lower_with(open, method, (None, Some(implied)), token)?
+        }
+        other => other?,
+    };
+    let Some((mut lowered, implied)) = first else { return Ok(None) };
     if model.reformulation().linear_programs() && !lowered.report.entries.is_empty() {
         let maximizer = Maximizer::of(&lowered.model, token)?;
-        let Some(tighter) = lower_with(open, method, Some(maximizer), token)? else {
+        let Some((tighter, _)) = lower_with(open, method, (Some(maximizer), implied), token)?
+        else {
             return Ok(None);
         };
         lowered = tighter;
@@ -209,16 +225,37 @@ pub(crate) fn lower_until(
     Ok(Some(lowered))
 }
 
+/// For each variable, its bounds, or bounds well beyond those that rows imply; some may be infinite.
+/// They need not hold where statements are dropped or give. `None` if the token is over first.
+pub(crate) fn wide_bounds(
+    model: &Model,
+    token: &StopToken,
+) -> Result<Option<Vec<Interval>>, Error> {
+    Ok(ImpliedBounds::of(model, token)?.map(|implied| implied.wide(model)))
+}
+
+/// Whether the bounds of variables did not suffice.
+pub(crate) fn is_missing_bound(error: &Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::UnboundedIndicator { .. } | ErrorKind::UnboundedFunction { .. }
+    )
+}
+
 /// The cost of lowering a statement, in visited entries.
 const STATEMENT: usize = 500;
+
+/// A lowered model, and what its rows imply if that was needed.
+type Made<'a> = (Lowered, Option<ImpliedBounds<'a>>);
 
 fn lower_with<'a>(
     model: &Model,
     method: Option<Method>,
-    maximizer: Option<Maximizer<'a>>,
+    (maximizer, implied): (Option<Maximizer<'a>>, Option<ImpliedBounds<'a>>),
     token: &'a StopToken,
-) -> Result<Option<Lowered>, Error> {
-    let mut lowering = Lowering::new(model, maximizer, token);
+) -> Result<Option<Made<'a>>, Error> {
+    let mut lowering = Lowering::new(model, maximizer, implied, token);
+    lowering.refute_if_empty()?;
     let mut relaxed = Vec::new();
     for variable in model.variables() {
         let Some(values) = variable.semicontinuous() else { continue };
@@ -263,7 +300,8 @@ fn lower_with<'a>(
         }
         sos::apply(&set, &mut lowering)?;
     }
-    let Lowering { model: lowered, report, original, .. } = lowering;
+    let Lowering { model: lowered, report, original, implied, .. } = lowering;
     let (written, revision) = (model.constraint_count(), model.revision());
-    Ok(Some(Lowered { model: lowered, report, original, written, relaxed, revision }))
+    let lowered = Lowered { model: lowered, report, original, written, relaxed, revision };
+    Ok(Some((lowered, implied)))
 }

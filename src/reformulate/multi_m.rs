@@ -80,10 +80,10 @@ fn relaxed(
     let limit = sign * limit;
     let mut row = Affine::zero();
     up.iter().for_each(|&(variable, a)| row.add_term(a, variable));
-    let from_bounds = add_up(lowering.model.range(&row)?.upper, -limit);
+    let from_bounds = add_up(lowering.range(&row)?.upper, -limit);
     let mut entry = BigMEntry::new(name, side, BigMSource::LinearProgram);
     entry.needed = from_bounds.max(0.0);
-    entry.note_shares(&lowering.model, terms, side)?;
+    entry.note_shares(lowering, terms, side)?;
     let mut slack = Affine::zero();
     for other in others {
         let most = most(&up, other, lowering)?;
@@ -111,10 +111,14 @@ fn most(
     other: &Other<'_>,
     lowering: &mut Lowering<'_>,
 ) -> Result<f64, Error> {
+    let bounds = |variable| lowering.bounds(variable);
     let (mut small, renamed) =
-        Maximizer::of_rows(&lowering.model, &other.rows, up, lowering.token)?;
+        Maximizer::of_rows(&lowering.model, &other.rows, up, &bounds, lowering.token)?;
     let terms: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (renamed[&v], a)).collect();
-    let most = small.most(&terms, &[]);
+    let mut most = small.most(&terms, &[]);
+    if most >= tolerance::INFINITE {
+        most = lowering.most_by_rows(up);
+    }
     Ok(match &mut lowering.maximizer {
         Some(whole) => most.min(whole.most(up, &[other.selector])),
         None => most,

@@ -20,15 +20,15 @@ pub(super) fn apply(
     of: &Affine,
     lowering: &mut Lowering<'_>,
 ) -> Result<(), Error> {
-    let bounds = lowering.model.variable_ref(factor)?.bounds();
-    let (low, high) = (bounds.lower.ceil(), bounds.upper.floor());
     if of.terms().is_empty() {
         return lowering.affine_row(result - of.offset() * factor, 0.0, 0.0);
     }
-    for (end, bound) in [(low, "lower"), (high, "upper")] {
-        if end.is_infinite() {
-            return Err(lowering.unbounded_function(factor, bound));
-        }
+    let bounds = lowering.finite_bounds(factor)?;
+    let (low, high) = (bounds.lower.ceil(), bounds.upper.floor());
+    let own = lowering.model.variable_ref(factor)?.bounds();
+    if own.lower.ceil() < low || high < own.upper.floor() {
+        // Implied bounds may come from this very function.
+        lowering.affine_row(factor.into(), low, high)?;
     }
     if low == high {
         return lowering.affine_row(result - low * of, 0.0, 0.0);

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use super::lowering::Lowering;
 use crate::error::Error;
-use crate::model::{Model, Name, Variable};
+use crate::model::{Name, Variable};
 
 /// Which side of an indicator's row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -31,6 +32,9 @@ impl Side {
 pub enum BigMSource {
     /// M from interval arithmetic over the current bounds.
     Bounds,
+    /// M from bounds of which at least one is implied by rows, because a variable has none of its
+    /// own: see [`Share::implied`].
+    ImpliedBounds,
     /// M from linear programs: with [`Method::MultiM`](crate::model::Method::MultiM) the largest
     /// of the row's Ms.
     LinearProgram,
@@ -62,6 +66,9 @@ pub struct Share {
     /// it increases the violation of this side.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub part: f64,
+    /// Whether rows imply the bound, because the variable has none of its own.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub implied: bool,
 }
 
 /// One side of one indicator or row of a disjunction, one expression of a function, or one side of
@@ -110,18 +117,19 @@ impl BigMEntry {
     /// most.
     pub(super) fn note_shares(
         &mut self,
-        model: &Model,
+        lowering: &Lowering<'_>,
         terms: &[(Variable, f64)],
         side: Side,
     ) -> Result<(), Error> {
         let sign = if side == Side::Upper { 1.0 } else { -1.0 };
         let mut widest = -1.0;
         for &(variable, coefficient) in terms {
-            let variable = model.variable_ref(variable)?;
-            let (bounds, slope) = (variable.bounds(), sign * coefficient);
-            let (bound, value) = match slope > 0.0 {
-                true => (Side::Upper, bounds.upper),
-                false => (Side::Lower, bounds.lower),
+            let bounds = lowering.bounds(variable)?;
+            let variable = lowering.model.variable_ref(variable)?;
+            let (own, slope) = (variable.bounds(), sign * coefficient);
+            let (bound, value, implied) = match slope > 0.0 {
+                true => (Side::Upper, bounds.upper, bounds.upper < own.upper),
+                false => (Side::Lower, bounds.lower, bounds.lower > own.lower),
             };
             let name = variable.name().to_string();
             let spread = (bounds * slope).width();
@@ -131,7 +139,7 @@ impl BigMEntry {
                 widest = spread;
                 self.largest = Some(name.clone());
             }
-            self.shares.push(Share { variable: name, bound, value, part: slope * value });
+            self.shares.push(Share { variable: name, bound, value, part: slope * value, implied });
         }
         Ok(())
     }
@@ -190,6 +198,9 @@ impl fmt::Display for BigMReport {
             write!(f, "{} {}: ", entry.indicator, entry.side.word())?;
             match entry.source {
                 BigMSource::Bounds => write!(f, "M = {} from bounds", entry.value)?,
+                BigMSource::ImpliedBounds => {
+                    write!(f, "M = {} from bounds that rows imply", entry.value)?;
+                }
                 BigMSource::LinearProgram => {
                     write!(
                         f,

@@ -11,7 +11,6 @@ use super::lowering::Lowering;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{BigM, Literal, Variable, VariableKind, VariableRef};
-use crate::tolerance;
 
 /// Adds the rows of a variable that is 0 or within `values`.
 pub(super) fn apply(
@@ -37,7 +36,7 @@ pub(super) fn apply(
     if !zero || near <= 0.0 || dense {
         return Ok(());
     }
-    lowering.check_bounded(x)?;
+    lowering.finite_bounds(x)?;
     let nonzero = lowering.nonzero(x)?;
     let (name, terms) = (variable.name(), &[(x, 1.0)]);
     let row = Implied { name, terms, limits: inside, big_m: BigM::Automatic };
@@ -62,16 +61,5 @@ impl Lowering<'_> {
         apply_unless(&[switch], &row, self)?;
         self.nonzero.insert(variable, switch);
         Ok(switch)
-    }
-
-    /// An error if a variable lacks a finite bound.
-    pub(super) fn check_bounded(&self, variable: Variable) -> Result<(), Error> {
-        let bounds = self.model.variable_ref(variable)?.bounds();
-        for (end, bound) in [(bounds.lower, "lower"), (bounds.upper, "upper")] {
-            if end.abs() >= tolerance::INFINITE {
-                return Err(self.unbounded_function(variable, bound));
-            }
-        }
-        Ok(())
     }
 }

@@ -20,7 +20,7 @@ pub(super) fn apply(
 ) -> Result<(), Error> {
     lowering.begin(set.name());
     for &(member, _) in set.members() {
-        lowering.check_bounded(member)?;
+        lowering.finite_bounds(member)?;
     }
     match set.most() {
         1 => first_kind(set, lowering),

@@ -414,15 +414,21 @@ fn no_binary_where_convexity_decides() {
     assert!((at(low) - (at(x) + at(y)).min(2.0 * at(x))).abs() < 1e-6);
     assert!(solution.verification().unwrap().holds());
 
-    // The other direction needs binaries, and bounds.
+    // The other direction needs binaries, and bounds: those of the breakpoints.
     model.add("hold", (a - y).ge(0.0)).unwrap();
+    assert_eq!(extra_integers(&model), 1);
+    let entries = reformulate::lower(&model).unwrap().report().entries().to_vec();
+    assert_eq!(entries.len(), 2);
+    assert!(entries.iter().all(|entry| entry.source == BigMSource::ImpliedBounds));
+    // Without them, there are none.
+    let b = model.absolute("b", y - 1.0).unwrap();
+    model.add("push", (b + y).ge(0.0)).unwrap();
     assert_eq!(
         reformulate::lower(&model).unwrap_err().to_string(),
-        "`a` cannot be written as rows, because `x` has no lower bound; give `x` a finite one"
+        "`b` cannot be written as rows, because `y` has no lower bound and rows imply none (row \
+         `push` needs an upper bound of `b`, which no row bounds from above); give `y` or `b` a \
+         finite one"
     );
-    model.set_bounds(x, -4.0, 4.0).unwrap();
-    assert_eq!(extra_integers(&model), 1);
-    assert_eq!(reformulate::lower(&model).unwrap().report().entries().len(), 2);
 }
 
 /// A variable without any cost is brought back to its function.

@@ -8,6 +8,7 @@ mod bad_input;
 mod big_m;
 mod disjunctions;
 mod functions;
+mod implied_bounds;
 mod logic;
 mod ordered_sets;
 mod reify;

@@ -15,6 +15,7 @@ mod far_optima;
 mod free_shifts;
 mod gaps;
 mod guidance;
+mod implied_bounds;
 mod invariance;
 mod limits;
 mod multipliers;

@@ -2,6 +2,7 @@
 
 mod elastic;
 mod groups;
+mod implied_bounds;
 mod limits;
 mod random;
 mod violations;

@@ -1,0 +1,134 @@
+//! The bounds that Ms are computed from: a variable's own, or implied by rows where it has none.
+
+use super::implied_bounds::ImpliedBounds;
+use super::lowering::Lowering;
+use super::missing_bound::{Reason, reason};
+use crate::error::{Error, ErrorKind};
+use crate::interval::{Interval, add_down, add_up};
+use crate::model::{Affine, Name, Variable, VariableKind};
+use crate::tolerance;
+
+impl Lowering<'_> {
+    /// Adds a row that cannot hold if the search for implied bounds has found that no point exists,
+    /// because bounds mean nothing then.
+    pub(super) fn refute_if_empty(&mut self) -> Result<(), Error> {
+        if self.implied.as_ref().is_some_and(ImpliedBounds::is_empty) {
+            self.begin(&Name::from("contradiction"));
+            let zero = self.column("zero", VariableKind::Continuous, 0.0, 0.0)?;
+            self.affine_row(zero.into(), 1.0, f64::INFINITY)?;
+        }
+        Ok(())
+    }
+
+    /// The bounds of a variable, with implied ones where its own are missing.
+    pub(super) fn bounds(&self, variable: Variable) -> Result<Interval, Error> {
+        let own = self.model.variable_ref(variable)?.bounds();
+        Ok(match &self.implied {
+            // Rows say nothing of auxiliary columns.
+            Some(implied) if variable.index() < self.original => implied.complete(variable, own),
+            _ => own,
+        })
+    }
+
+    /// The values of an expression over these bounds, rounded outward.
+    pub(super) fn range(&self, of: &Affine) -> Result<Interval, Error> {
+        let mut range = Interval::point(of.offset());
+        for (variable, coefficient) in of.terms() {
+            range = range + self.bounds(variable)? * coefficient;
+        }
+        Ok(range)
+    }
+
+    /// The largest value of a sum, without its constant, that rows prove together; infinite if they
+    /// prove none.
+    pub(super) fn most_by_rows(&mut self, terms: &[(Variable, f64)]) -> f64 {
+        let original = self.original;
+        match &mut self.implied {
+            Some(implied) if terms.iter().all(|(v, _)| v.index() < original) => implied.most(terms),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The range of an expression, or an error that names a variable without a bound.
+    pub(super) fn bounded_range(&mut self, of: &Affine) -> Result<Interval, Error> {
+        let mut range = self.range(of)?;
+        let up = of.terms();
+        let down: Vec<(Variable, f64)> = up.iter().map(|&(v, a)| (v, -a)).collect();
+        if range.upper >= tolerance::INFINITE {
+            range.upper = add_up(self.most_by_rows(&up), of.offset());
+        }
+        if range.lower <= -tolerance::INFINITE {
+            range.lower = add_down(-self.most_by_rows(&down), of.offset());
+        }
+        for (missing, sign) in [(range.upper, 1.0), (range.lower, -1.0)] {
+            if missing.abs() >= tolerance::INFINITE {
+                return Err(self.unbounded(of, sign)?);
+            }
+        }
+        Ok(range)
+    }
+
+    /// The finite bounds of a variable, or an error.
+    pub(super) fn finite_bounds(&mut self, variable: Variable) -> Result<Interval, Error> {
+        let own = self.model.variable_ref(variable)?.bounds();
+        let known = self.bounds(variable)?;
+        let is_missing = |end: f64| end.abs() >= tolerance::INFINITE;
+        if variable.index() < self.original
+            && (is_missing(known.lower) || is_missing(known.upper))
+            && let Some(implied) = &mut self.implied
+        {
+            implied.find(variable, own);
+        }
+        let bounds = self.bounds(variable)?;
+        for (end, bound) in [(bounds.lower, "lower"), (bounds.upper, "upper")] {
+            if is_missing(end) {
+                return Err(self.unbounded_function(variable, bound));
+            }
+        }
+        Ok(bounds)
+    }
+
+    /// The error that names the variable that makes `sign * of` unbounded above.
+    pub(super) fn unbounded(&self, of: &Affine, sign: f64) -> Result<Error, Error> {
+        for (variable, coefficient) in of.terms() {
+            let bounds = self.bounds(variable)?;
+            let (end, bound) = match sign * coefficient > 0.0 {
+                true => (bounds.upper, "upper"),
+                false => (bounds.lower, "lower"),
+            };
+            if end.is_infinite() {
+                return Ok(self.unbounded_function(variable, bound));
+            }
+        }
+        let name = self.statement().to_string();
+        Ok(Error::from(ErrorKind::NotFinite {
+            name,
+            what: "the range",
+            value: sign * f64::INFINITY,
+        }))
+    }
+
+    pub(super) fn unbounded_function(&self, variable: Variable, bound: &'static str) -> Error {
+        let (function, variable_name) =
+            (self.statement().to_string(), self.model.name_of(variable));
+        let (chain, remedy) = self.missing(variable, bound);
+        let variable = variable_name;
+        Error::from(ErrorKind::UnboundedFunction { function, variable, bound, chain, remedy })
+    }
+
+    /// Why rows do not give a missing bound, in words, and which variables to bound.
+    pub(super) fn missing(&self, variable: Variable, bound: &str) -> (String, String) {
+        let own = format!("`{}`", self.model.name_of(variable));
+        let reason = match &self.implied {
+            Some(implied) if variable.index() < self.original => {
+                reason(implied, variable, bound == "upper")
+            }
+            _ => Reason { chain: String::new(), root: None },
+        };
+        let remedy = match reason.root {
+            Some(root) => format!("{own} or `{}`", self.model.name_of(root)),
+            None => own,
+        };
+        (reason.chain, remedy)
+    }
+}

@@ -1,0 +1,170 @@
+//! Bounds of flows in networks, whose rows alone leave them unbounded because flow may circulate.
+//!
+//! If less flow never harms (it costs nothing less, and no statement but the balances of the nodes
+//! asks for more), every point has another one that is at least as good, with the same values of all
+//! other variables, in which no flow runs in a circle. Its flows are sums of paths from where
+//! something enters to where something leaves, so none is larger than all that enters and leaves.
+//! The bounds hold for that point, not for all. They are taken only for continuous variables, so
+//! that none of the values of integers is lost.
+
+use super::direction::Harm;
+use super::implied_bounds::{LARGEST, loosened};
+use super::linear_program::Maximizer;
+use crate::interval::{Interval, add_up};
+use crate::model::{ConstraintRef, Model, Variable, VariableKind};
+use crate::tolerance;
+
+/// A node of a network: a row that needs its flows, as `sum of flows in - sum of flows out`.
+struct Node {
+    /// How much may enter and leave here, in the flows' unit; infinite if nothing limits it.
+    enters: f64,
+    leaves: f64,
+}
+
+/// The nodes that a flow comes from and goes to; `None` is outside.
+#[derive(Clone, Copy, Default)]
+struct Arc {
+    from: Option<usize>,
+    to: Option<usize>,
+}
+
+/// Upper bounds of flows that have none.
+pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)> {
+    let candidates = candidates(model, known);
+    if !candidates.contains(&true) {
+        return Vec::new();
+    }
+    let is_flow = |v: Variable| candidates[v.index()];
+    // Balances: rows in which less of some flow may harm.
+    let harms = |a: f64, limits: Interval| match a > 0.0 {
+        true => limits.lower.is_finite(),
+        false => limits.upper.is_finite(),
+    };
+    let is_balance = |row: &ConstraintRef<'_>| {
+        row.terms().iter().any(|&(v, a)| is_flow(v) && harms(a, row.limits()))
+    };
+    let balances: Vec<ConstraintRef<'_>> = model.constraints().filter(is_balance).collect();
+    let (arcs, is_arc) = arcs(&balances, &candidates);
+    let nodes: Vec<Node> = balances.iter().map(|row| node(model, row, &is_arc, known)).collect();
+    let mut networks = Networks::new(nodes.len());
+    let variables: Vec<Variable> =
+        model.variables().map(|v| v.id()).filter(|v| is_arc[v.index()]).collect();
+    for &v in &variables {
+        if let Arc { from: Some(from), to: Some(to) } = arcs[v.index()] {
+            networks.join(from, to);
+        }
+    }
+    // Networks with flows from or to outside.
+    let mut is_open = vec![false; nodes.len()];
+    for &v in &variables {
+        if let Arc { from: Some(node), to: None } | Arc { from: None, to: Some(node) } =
+            arcs[v.index()]
+        {
+            is_open[networks.of(node)] = true;
+        }
+    }
+    let (mut enters, mut leaves) = (vec![0.0; nodes.len()], vec![0.0; nodes.len()]);
+    for (k, node) in nodes.iter().enumerate() {
+        let network = networks.of(k);
+        enters[network] = add_up(enters[network], node.enters);
+        leaves[network] = add_up(leaves[network], node.leaves);
+    }
+    let mut found = Vec::new();
+    for v in variables {
+        let lower = known.bounds(v).lower;
+        let Arc { from, to } = arcs[v.index()];
+        // Paths may begin or end outside, but not both. A flow from outside to outside is needless.
+        let total = match from.or(to) {
+            Some(node) => {
+                let network = networks.of(node);
+                match is_open[network] {
+                    true => add_up(enters[network], leaves[network]),
+                    false => enters[network].min(leaves[network]),
+                }
+            }
+            None => 0.0,
+        };
+        let most = add_up(lower, total * (1.0 + tolerance::PROPAGATION_SLACK));
+        let most = most + tolerance::FEASIBILITY;
+        if most <= LARGEST {
+            found.push((v, most));
+        }
+    }
+    found
+}
+
+/// Which variables may be flows: continuous, at least some value, without a largest one, and never
+/// asked to be more by anything but rows.
+fn candidates(model: &Model, known: &Maximizer<'_>) -> Vec<bool> {
+    let mut harm = Harm::without_rows(model);
+    for function in model.functions() {
+        harm.any(function.result());
+        function.function().factor().into_iter().for_each(|v| harm.any(v));
+        let expressions = function.function().expressions();
+        expressions.iter().flat_map(|e| e.terms()).for_each(|(v, _)| harm.any(v));
+    }
+    let candidate = model.variables().map(|variable| {
+        let bounds = known.bounds(variable.id());
+        variable.kind() == VariableKind::Continuous
+            && variable.semicontinuous().is_none()
+            && !harm.lowering[variable.id().index()]
+            && variable.bounds().lower.abs() < LARGEST
+            && bounds.upper.is_infinite()
+    });
+    candidate.collect()
+}
+
+/// The ends of all candidates, and which of them are flows: in at most two balances, with opposite
+/// signs and coefficients as large as those of all others.
+fn arcs(balances: &[ConstraintRef<'_>], candidates: &[bool]) -> (Vec<Arc>, Vec<bool>) {
+    let mut arcs = vec![Arc::default(); candidates.len()];
+    let mut is_arc = candidates.to_vec();
+    for (k, row) in balances.iter().enumerate() {
+        for &(v, a) in row.terms().iter().filter(|(v, _)| candidates[v.index()]) {
+            let arc = &mut arcs[v.index()];
+            let end = if a > 0.0 { &mut arc.to } else { &mut arc.from };
+            is_arc[v.index()] &= a.abs() == 1.0 && end.replace(k).is_none();
+        }
+    }
+    (arcs, is_arc)
+}
+
+/// What may enter and leave at a balance: its limits less all terms that are no flows.
+fn node(model: &Model, row: &ConstraintRef<'_>, is_arc: &[bool], known: &Maximizer<'_>) -> Node {
+    let [lower, upper] = loosened(model, row.terms(), row.limits());
+    let mut net = Interval::new(lower, upper);
+    for &(v, a) in row.terms() {
+        let bounds = known.bounds(v);
+        let other = match is_arc[v.index()] {
+            true => Interval::point(bounds.lower),
+            false => bounds,
+        };
+        net = net + other * -a;
+    }
+    let positive = |end: f64| if end.is_nan() { f64::INFINITY } else { end.max(0.0) };
+    Node { enters: positive(-net.lower), leaves: positive(net.upper) }
+}
+
+/// Which nodes are connected: each points towards one of its network.
+struct Networks {
+    towards: Vec<usize>,
+}
+
+impl Networks {
+    fn new(nodes: usize) -> Self {
+        Networks { towards: (0..nodes).collect() }
+    }
+
+    fn of(&mut self, mut node: usize) -> usize {
+        while self.towards[node] != node {
+            self.towards[node] = self.towards[self.towards[node]];
+            node = self.towards[node];
+        }
+        node
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.of(a), self.of(b));
+        self.towards[a] = b;
+    }
+}

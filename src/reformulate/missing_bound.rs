@@ -1,0 +1,114 @@
+//! Why a bound is missing: which row would give it, and what that row lacks.
+
+use super::implied_bounds::{ImpliedBounds, LARGEST};
+use crate::model::{ConstraintRef, Variable};
+
+/// The largest number of rows that are named before and after those that are not.
+const NAMED: usize = 2;
+
+/// The longest chain that is followed.
+const LONGEST: usize = 100;
+
+/// One of the two bounds of a variable.
+type End = (Variable, bool);
+
+/// A missing bound, in words.
+pub(super) struct Reason {
+    /// The chain of rows; empty if no row holds the variable.
+    pub(super) chain: String,
+    /// The variable at the end of the chain, if it is another one.
+    pub(super) root: Option<Variable>,
+}
+
+/// Why rows give a variable no bound.
+pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: bool) -> Reason {
+    let bounds = implied.implied(variable);
+    let end = if is_upper { bounds.upper } else { bounds.lower };
+    if end.is_finite() && end.abs() > LARGEST {
+        let chain = format!(
+            " and rows bound it only by {end:.1e}, which is too large for a big-M (at most \
+             {LARGEST:.0e})"
+        );
+        return Reason { chain, root: None };
+    }
+    let name = |v: Variable| format!("`{}`", implied.rows().name_of(v));
+    let mut seen = vec![(variable, is_upper)];
+    let mut links: Vec<String> = Vec::new();
+    let mut at = (variable, is_upper);
+    let ending = loop {
+        let Some((row, lacks)) = nearest(implied, at, &seen) else { break "which no row bounds" };
+        let fresh = lacks.iter().copied().find(|end| !seen.contains(end));
+        let (other, upper) = fresh.unwrap_or(lacks[0]);
+        let side = if upper { "an upper" } else { "a lower" };
+        let others = match lacks.len() - 1 {
+            0 => String::new(),
+            1 => " and of another variable".to_owned(),
+            n => format!(" and of {n} other variables"),
+        };
+        links.push(format!("row `{}` needs {side} bound of {}{others}", row.name(), name(other)));
+        at = (other, upper);
+        if fresh.is_none() {
+            break "which is where it began";
+        }
+        seen.push(at);
+        if links.len() == LONGEST {
+            break "and so on";
+        }
+    };
+    if links.is_empty() {
+        return Reason { chain: String::new(), root: None };
+    }
+    if links.len() > 2 * NAMED {
+        let between = NAMED..links.len() - NAMED + 1;
+        let skipped = format!("and so on over {} rows", between.len());
+        links.splice(between, [skipped]);
+    }
+    let is_root = ending == "which no row bounds" && at.0 != variable;
+    let ending = match (is_root, at.1) {
+        (true, true) => "which no row bounds from above",
+        (true, false) => "which no row bounds from below",
+        _ => ending,
+    };
+    let chain = format!(" and rows imply none ({}, {ending})", links.join(", "));
+    Reason { chain, root: is_root.then_some(at.0) }
+}
+
+/// The row that would give a bound with the fewest other bounds, and those that it lacks. Rows that
+/// lack bounds already seen come last.
+fn nearest<'a>(
+    implied: &'a ImpliedBounds<'_>,
+    end: End,
+    seen: &[End],
+) -> Option<(ConstraintRef<'a>, Vec<End>)> {
+    let found = implied.rows().constraints().filter_map(|row| {
+        let lacks = lacking(implied, &row, end)?;
+        Some((row, lacks))
+    });
+    found
+        .filter(|(_, lacks)| !lacks.is_empty())
+        .min_by_key(|(_, lacks)| (lacks.iter().any(|end| seen.contains(end)), lacks.len()))
+}
+
+/// The bounds that a row lacks to give one; `None` if it cannot give it at all.
+fn lacking(
+    implied: &ImpliedBounds<'_>,
+    row: &ConstraintRef<'_>,
+    (variable, is_upper): End,
+) -> Option<Vec<End>> {
+    let place = row.terms().binary_search_by_key(&variable, |&(v, _)| v).ok()?;
+    // An upper bound comes from the upper limit if the coefficient is positive.
+    let by_upper = (row.terms()[place].1 > 0.0) == is_upper;
+    let limit = if by_upper { row.limits().upper } else { row.limits().lower };
+    if limit.is_infinite() {
+        return None;
+    }
+    let others = row.terms().iter().filter(|(v, _)| *v != variable);
+    let lacks = others.filter_map(|&(other, a)| {
+        // The others' terms must be bounded from below for an upper limit.
+        let upper = (a > 0.0) != by_upper;
+        let bounds = implied.implied(other);
+        let end = if upper { bounds.upper } else { bounds.lower };
+        end.is_infinite().then_some((other, upper))
+    });
+    Some(lacks.collect())
+}

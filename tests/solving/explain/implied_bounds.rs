@@ -1,0 +1,40 @@
+//! Explanations of models whose variables only rows bound: a part without these rows is no error.
+
+use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation};
+use carom::prelude::*;
+
+/// A walk from 0 by at most 1 a step, past an obstacle, to a goal that is too far.
+fn walk() -> Model {
+    let mut model = Model::new("walk");
+    let x = model.continuous_family("x", 6, -f64::INFINITY, f64::INFINITY).unwrap();
+    let left = model.binary_family("left", 6).unwrap();
+    model.add("start", x[0].equals(0.0)).unwrap();
+    for k in 0..5 {
+        model.add(("speed", k), (x[k + 1] - x[k]).within(-1.0, 1.0)).unwrap();
+    }
+    for k in 1..6 {
+        model.add(("below", k), left[k].on().implies(x[k].le(1.5))).unwrap();
+        model.add(("above", k), left[k].off().implies(x[k].ge(1.75))).unwrap();
+    }
+    model.add("goal", x[5].ge(6.5)).unwrap();
+    model
+}
+
+#[test]
+fn the_rows_that_bound_are_part_of_the_reason() {
+    let model = walk();
+    let mut solver = BranchAndBound::default();
+    assert!(solver.solve(&model).unwrap().is_infeasible());
+    let why = infeasibility(&model, &mut solver, &ExplainOptions::default()).unwrap();
+    let names: Vec<String> = why.groups().iter().map(|group| group.name().to_string()).collect();
+    assert_eq!(names, ["start", "speed", "goal"]);
+    assert!(why.is_irreducible());
+}
+
+#[test]
+fn rows_that_give_bound_less() {
+    let relaxed =
+        relaxation(&walk(), &mut BranchAndBound::default(), &ElasticOptions::default()).unwrap();
+    assert!(relaxed.is_optimal());
+    assert!((relaxed.cost().unwrap() - 1.5).abs() < 1e-5, "{relaxed}");
+}
