@@ -8,6 +8,7 @@
 mod big_m_tightening;
 mod change_log;
 mod coefficients;
+mod congruence;
 mod disjunctive_tightening;
 mod domain;
 mod implication_probing;
