@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use circles::{File, circles};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 10] = [
+const GROUND: [&str; 11] = [
     "setters",
     "error",
     "tolerance",
@@ -19,6 +19,7 @@ const GROUND: [&str; 10] = [
     "interval",
     "picture",
     "sum",
+    "semidefinite",
     "model",
     "solution",
     "solver",
