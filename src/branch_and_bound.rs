@@ -1,6 +1,7 @@
 //! The default backend: the whole pipeline, one function per step.
 
 mod blocks;
+mod curvature;
 mod history;
 mod looks;
 mod multipliers;

@@ -95,6 +95,10 @@ pub mod search {
     }
 }
 
+pub mod semidefinite {
+    pub use crate::semidefinite::{Direction, Product, negative_direction};
+}
+
 pub mod simulate {
     pub use crate::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
 }

@@ -23,6 +23,7 @@ mod program;
 pub mod reformulate;
 mod relaxation;
 mod search;
+mod semidefinite;
 mod setters;
 pub mod solution;
 pub mod solver;

@@ -59,9 +59,10 @@ pub const FREE_RADIUS: f64 = 1e9;
 /// proof, so the larger radius does not weaken proofs.
 pub const INFEASIBILITY_RADIUS: f64 = 1e15;
 
-/// Relative tolerance of the eigenvalue test of a quadratic objective (no unit): the smallest
-/// eigenvalue may be below zero by this fraction of the largest magnitude.
-pub const CONVEXITY: f64 = 1e-9;
+/// How far an accepted quadratic objective may be below its tangents within the bounds of the variables, in
+/// the objective's unit, beside the rounding of its coefficients. Bounds of relaxations are as far off at
+/// most.
+pub const CONVEXITY: f64 = 1e-7;
 
 /// Relative difference up to which two slopes of a piecewise-affine function are equal (no unit).
 /// The breakpoint between them is dropped.

@@ -1,5 +1,6 @@
 //! One solve: lower, assemble, presolve, search, restore.
 
+use super::curvature::check_curvature;
 use super::multipliers::{Derivatives, derivatives};
 use super::stage::Stage;
 use crate::error::Error;
@@ -45,6 +46,7 @@ impl Pipeline<'_> {
             };
             (Program::assemble(lowered.model())?, lowered.into_way_back())
         };
+        check_curvature(self.model, &program, false)?;
         self.run_program(program, &|values| way_back.restore(values), control)
     }
 

@@ -6,6 +6,7 @@
 //! assembled program instead, as solves from nothing do.
 
 use super::answer;
+use super::curvature::check_curvature;
 use super::history::History;
 use super::pipeline::Pipeline;
 use super::seeding::{report, seed_of};
@@ -71,6 +72,7 @@ impl<'a> PreparedProgram<'a> {
         options.check()?;
         let lowered = reformulate::lower(model)?;
         let program = Program::assemble(lowered.model())?;
+        check_curvature(model, &program, true)?;
         let parameters: Vec<Variable> = model.parameters().collect();
         let reduced = match options.reductions && !program.integers.is_empty() {
             true => ReducedProgram::of(options, model, lowered.model(), &program, &parameters)?,

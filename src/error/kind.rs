@@ -192,16 +192,17 @@ pub enum ErrorKind {
     /// An objective that is not convex in the direction of optimisation.
     #[error(
         "the objective is not convex: in the {sense} direction its quadratic part has curvature \
-         {curvature:.3e} along a direction that involves `{name}`; {help}"
+         {curvature:.3e} along the direction {direction}; {help}"
     )]
     NotConvex {
         /// `minimize` or `maximize`.
         sense: &'static str,
-        /// The offending eigenvalue of the quadratic part, in the objective's unit per unit of
-        /// the variable squared.
+        /// The curvature along the direction, in the objective's unit per unit of length squared.
         curvature: f64,
-        /// A variable with a large share in the offending direction.
+        /// The variable with the largest step in the direction.
         name: String,
+        /// The variables of the direction with their steps, the largest ones first.
+        direction: String,
         /// What to do.
         help: &'static str,
     },

@@ -1,96 +1,119 @@
-//! The convexity check of quadratic objectives.
-
-use std::collections::BTreeMap;
-
-use faer::{Mat, Side};
+//! The check that a quadratic objective is convex; see `semidefinite` for the proof.
 
 use super::ids::Variable;
+use super::sense::Sense;
+use super::store::Model;
+use crate::error::{Error, ErrorKind};
+use crate::semidefinite::{Direction, Product, negative_direction};
 use crate::tolerance;
 
-/// A direction of negative curvature, by its smallest eigenvalue and a variable with the largest
-/// share in it.
-pub(super) struct NegativeCurvature {
-    pub(super) curvature: f64,
-    pub(super) variable: Variable,
+/// Entries of a direction that an error names.
+const NAMED: usize = 6;
+
+/// What the square of a variable without bounds may lack until bounds are looked for, as a part of its
+/// coefficient (no unit).
+const UNDECIDED: f64 = 1e-9;
+
+/// What is known of an objective that may be set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Convexity {
+    Proved,
+    /// It is not convex, and the difference is within the tolerance over bounds, which may change, or may
+    /// follow from rows.
+    WithinBounds,
 }
 
-/// Looks for negative curvature of `sign * sum q_jk x_j x_k`.
-///
-/// The quadratic form splits into blocks of variables that are linked by products; each block's
-/// symmetric matrix is tested by its eigenvalues.
-///
-/// # Complexity
-///
-/// Cubic in the largest block; linear for separable costs.
-pub(super) fn find_negative_curvature(
-    products: &[(Variable, Variable, f64)],
-    sign: f64,
-) -> Option<NegativeCurvature> {
-    if products.iter().all(|(a, b, _)| a == b) {
-        // Only squares: separable.
-        let bad = products.iter().find(|(.., q)| sign * q < 0.0);
-        return bad
-            .map(|&(variable, _, q)| NegativeCurvature { curvature: 2.0 * sign * q, variable });
-    }
-    // Position of every variable that occurs, and blocks by union-find.
-    let mut position = BTreeMap::new();
-    for &(a, b, _) in products {
-        for v in [a, b] {
-            let next = position.len();
-            position.entry(v).or_insert(next);
+impl Model {
+    /// Checks an objective that is to be set: that it is convex, or within the tolerance of one that is.
+    pub(super) fn convexity(
+        &self,
+        sense: Sense,
+        products: &[(Variable, Variable, f64)],
+    ) -> Result<Convexity, Error> {
+        let products = indexed(sense, products);
+        let Some(direction) = negative_direction(&products, &|_| 0.0) else {
+            return Ok(Convexity::Proved);
+        };
+        let count = variables(&products);
+        let squares = squares(&products);
+        let allowed = |j: usize| {
+            let data = &self.stored.variables[j];
+            let ends = match data.range {
+                Some(range) => range,
+                None => (data.lower, data.upper),
+            };
+            let width = ends.1 - ends.0;
+            if width.is_finite() { slack(width, count) } else { UNDECIDED * squares(j) }
+        };
+        match negative_direction(&products, &allowed) {
+            None => Ok(Convexity::WithinBounds),
+            Some(worse) => {
+                Err(self.not_convex(sense, if worse.curvature < 0.0 { worse } else { direction }))
+            }
         }
     }
-    let mut parent: Vec<usize> = (0..position.len()).collect();
-    for (a, b, _) in products {
-        let (a, b) = (root(&mut parent, position[a]), root(&mut parent, position[b]));
-        parent[a.max(b)] = a.min(b);
+
+    /// Checks the objective with what is known of bounds before a solve; needed only where the objective is
+    /// convex only as far as they tell.
+    ///
+    /// # Arguments
+    ///
+    /// * `width`: by variable, the distance of its bounds.
+    pub(crate) fn check_convexity(&self, width: impl Fn(usize) -> f64) -> Result<(), Error> {
+        let sense = self.sense();
+        let products = indexed(sense, &self.objective().products());
+        let count = variables(&products);
+        match negative_direction(&products, &|j| slack(width(j), count)) {
+            None => Ok(()),
+            Some(direction) => Err(self.not_convex(sense, direction)),
+        }
     }
-    let mut blocks: BTreeMap<usize, Vec<Variable>> = BTreeMap::new();
-    for (&v, &p) in &position {
-        blocks.entry(root(&mut parent, p)).or_default().push(v);
+
+    fn not_convex(&self, sense: Sense, direction: Direction) -> Error {
+        let name = |j: usize| self.stored.variables[j].name.to_string();
+        let mut steps = direction.steps;
+        steps.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
+        let largest = steps.first().map_or(String::new(), |&(j, _)| name(j));
+        let named = steps.iter().take(NAMED);
+        let mut text: Vec<String> =
+            named.map(|&(j, step)| format!("`{}` {step}", name(j))).collect();
+        if steps.len() > NAMED {
+            text.push(format!("{} more", steps.len() - NAMED));
+        }
+        ErrorKind::NotConvex {
+            sense: sense.word(),
+            curvature: direction.curvature,
+            name: largest,
+            direction: text.join(", "),
+            help: "only convex costs to minimise (concave ones to maximise) have a proof of \
+                   optimality here; write squares, or linearise products with a binary",
+        }
+        .into()
     }
-    let mut entries: BTreeMap<usize, Vec<(Variable, Variable, f64)>> = BTreeMap::new();
-    for &(a, b, q) in products {
-        entries.entry(root(&mut parent, position[&a])).or_default().push((a, b, sign * q));
-    }
-    blocks.iter().find_map(|(block, members)| test_block(members, &entries[block]))
 }
 
-fn test_block(
-    members: &[Variable],
-    entries: &[(Variable, Variable, f64)],
-) -> Option<NegativeCurvature> {
-    if let [variable] = *members {
-        let curvature: f64 = 2.0 * entries.iter().map(|e| e.2).sum::<f64>();
-        return (curvature < 0.0).then_some(NegativeCurvature { curvature, variable });
-    }
-    let local: BTreeMap<Variable, usize> = members.iter().copied().zip(0..).collect();
-    let mut matrix = Mat::<f64>::zeros(members.len(), members.len());
-    for (a, b, q) in entries {
-        let (i, j) = (local[a], local[b]);
-        matrix[(i, j)] += q;
-        matrix[(j, i)] += q;
-    }
-    let Ok(eigen) = matrix.self_adjoint_eigen(Side::Lower) else {
-        // No eigenvalues, no proof of convexity.
-        return Some(NegativeCurvature { curvature: f64::NAN, variable: members[0] });
-    };
-    let values = eigen.S().column_vector();
-    let largest = (0..members.len()).map(|k| values[k].abs()).fold(0.0, f64::max);
-    let smallest = (0..members.len()).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
-    if values[smallest] >= -tolerance::CONVEXITY * largest {
-        return None;
-    }
-    let direction = eigen.U().col(smallest);
-    let share = |k: usize| direction[k].abs();
-    let worst = (0..members.len()).max_by(|&a, &b| share(a).total_cmp(&share(b)))?;
-    Some(NegativeCurvature { curvature: values[smallest], variable: members[worst] })
+/// What the square of a variable may lack so that, with as much for each of the others, the objective is
+/// nowhere below its tangents by more than the tolerance.
+fn slack(width: f64, count: usize) -> f64 {
+    if width > 0.0 { tolerance::CONVEXITY / (count as f64 * width * width) } else { f64::MAX }
 }
 
-fn root(parent: &mut [usize], mut node: usize) -> usize {
-    while parent[node] != node {
-        parent[node] = parent[parent[node]];
-        node = parent[node];
-    }
-    node
+fn indexed(sense: Sense, products: &[(Variable, Variable, f64)]) -> Vec<Product> {
+    let product = |&(a, b, q): &(Variable, Variable, f64)| (a.index(), b.index(), sense.sign() * q);
+    products.iter().map(product).collect()
+}
+
+/// The number of variables with a square or product.
+fn variables(products: &[Product]) -> usize {
+    let mut all: Vec<usize> = products.iter().flat_map(|&(a, b, _)| [a, b]).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.len()
+}
+
+/// By variable, the coefficient of its square if that is positive.
+fn squares(products: &[Product]) -> impl Fn(usize) -> f64 {
+    let squares = products.iter().filter(|(a, b, q)| a == b && *q > 0.0);
+    let squares: Vec<(usize, f64)> = squares.map(|&(a, _, q)| (a, q)).collect();
+    move |j| squares.binary_search_by_key(&j, |entry| entry.0).map_or(0.0, |at| squares[at].1)
 }

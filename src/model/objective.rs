@@ -1,13 +1,15 @@
 //! The objective: setting it, and the check that it is convex in its sense.
 
 use super::checks::finite;
-use super::convexity;
+use super::convexity::Convexity;
 use super::ids::Variable;
 use super::name::Name;
 use super::quadratic::Quadratic;
 use super::sense::Sense;
 use super::store::Model;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
 use crate::sum::Sum;
 
 impl Model {
@@ -15,8 +17,12 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NotConvex`] if the quadratic part has negative curvature; the error names a
-    /// variable of that direction; [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
+    /// [`ErrorKind::NotConvex`] if the quadratic part has negative curvature, which is proved; the error
+    /// names the direction. Some units in the last place of its squares are no curvature, because the
+    /// coefficients of a sum of squares are rounded. Neither is so little that the objective is nowhere
+    /// within the bounds below a tangent by more than [`CONVEXITY`](crate::tolerance::CONVEXITY); a solve
+    /// then looks at the bounds of its time, and at those that rows imply, and may return this error.
+    /// Also [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotFinite`].
     pub fn minimize(&mut self, expression: impl Into<Quadratic>) -> Result<(), Error> {
         self.set_objective(Sense::Minimize, expression)
     }
@@ -53,17 +59,9 @@ impl Model {
             self.check_variable(second, &place)?;
             finite(coefficient, "a quadratic coefficient", &place)?;
         }
-        if let Some(bad) = convexity::find_negative_curvature(&products, sense.sign()) {
-            return Err(ErrorKind::NotConvex {
-                sense: sense.word(),
-                curvature: bad.curvature,
-                name: self.variable_ref(bad.variable)?.name().to_string(),
-                help: "only convex costs to minimise (concave ones to maximise) have a proof of \
-                       optimality here; write squares, or linearise products with a binary",
-            }
-            .into());
-        }
+        let convexity = self.convexity(sense, &products)?;
         self.replace_objective(sense, expression);
+        self.is_convex_within_bounds = convexity == Convexity::WithinBounds;
         Ok(())
     }
 

@@ -29,6 +29,8 @@ pub struct Model {
     pub(super) statement_names: NameTable<StatementIndex>,
     /// Changes with every modification except values of parameters, and is never used twice.
     pub(super) revision: u64,
+    /// Whether the objective is convex only as far as bounds tell.
+    pub(super) is_convex_within_bounds: bool,
 }
 
 /// The part of a model that is written to files; the look-up tables are derived from it.
@@ -165,7 +167,13 @@ impl Model {
             background: BTreeSet::new(),
         };
         let (variable_names, statement_names) = (NameTable::default(), NameTable::default());
-        Model { stored, variable_names, statement_names, revision: fresh_revision() }
+        Model {
+            stored,
+            variable_names,
+            statement_names,
+            revision: fresh_revision(),
+            is_convex_within_bounds: false,
+        }
     }
 
     /// The model's name.
@@ -291,6 +299,11 @@ impl Model {
         Ok(id)
     }
 
+    /// Whether the objective is convex only as far as the bounds of a solve tell.
+    pub(crate) fn is_convex_within_bounds(&self) -> bool {
+        self.is_convex_within_bounds
+    }
+
     /// Whether there is nothing to reformulate.
     pub(crate) fn has_only_rows(&self) -> bool {
         let Stored { variables, indicators, disjunctions, logic, functions, sets, .. } =
@@ -317,7 +330,13 @@ impl Model {
             statement_names.claim(&row.name, (StatementKind::Constraint, k));
         }
         let variable_names = self.variable_names.clone();
-        Model { stored, variable_names, statement_names, revision: fresh_revision() }
+        Model {
+            stored,
+            variable_names,
+            statement_names,
+            revision: fresh_revision(),
+            is_convex_within_bounds: self.is_convex_within_bounds,
+        }
     }
 
     /// The model with every variable continuous. If it has only rows, this is its relaxation.

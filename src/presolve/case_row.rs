@@ -17,7 +17,9 @@ impl CaseRow {
     /// From terms and limits.
     pub(crate) fn new(terms: impl Iterator<Item = (usize, f64)>, limits: [f64; 2]) -> Self {
         let entries = terms.filter(|(_, a)| *a != 0.0);
-        CaseRow { entries: entries.map(|(column, a)| Entry::new(column, a)).collect(), limits }
+        // Its limits are loosened, so that nothing in it is exact.
+        let entries = entries.map(|(column, a)| Entry::new(column, a, false)).collect();
+        CaseRow { entries, limits }
     }
 
     /// Tightens the bounds of its columns.

@@ -9,6 +9,7 @@ mod big_m_tightening;
 mod case_row;
 mod change_log;
 mod coefficients;
+mod congruence;
 mod disjunctive_tightening;
 mod domain;
 mod implication_probing;

@@ -5,6 +5,7 @@
 //! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`.
 
 use super::change_log::{Blocks, ChangeLog};
+use super::congruence::{is_whole_equality, tighten_residues};
 use super::domain::Domain;
 use super::implications::Implications;
 use super::tightening::{Entry, Line, RowState, Tightening, tighten};
@@ -153,7 +154,10 @@ impl Propagator {
         let start = self.entries.len();
         let entries = terms.filter(|(_, a)| *a != 0.0);
         self.entries.extend(entries.map(|(column, a)| Entry::new(column, a, integral[column])));
-        self.rows.push(Line { range: [start, self.entries.len()], limits });
+        let range = [start, self.entries.len()];
+        let mut line = Line { range, limits, whole_equality: false };
+        line.whole_equality = is_whole_equality(&line, &self.entries[start..]);
+        self.rows.push(line);
     }
 
     /// The table of implications that propagation follows.
@@ -338,7 +342,7 @@ impl Propagator {
         let mut budget = 50 * (program.row_count() + 100);
         while let Some(row) = self.queue.pop() {
             self.status[row] = Status::Idle;
-            let Line { range: [start, end], limits } = self.rows[row];
+            let Line { range: [start, end], limits, whole_equality } = self.rows[row];
             if budget == 0 || self.token.spend(1 + end - start) {
                 self.clear();
                 break;
@@ -355,17 +359,37 @@ impl Propagator {
                 }
                 RowState::Implied | RowState::Open => {}
             }
-            for Tightening { column, is_upper, value } in found.drain(..) {
-                domain.apply(column, is_upper, value);
-                let settled = settle(program, domain, column)?;
-                self.enqueue_uses(column, is_upper, row);
-                if settled {
-                    self.enqueue_uses(column, !is_upper, row);
+            self.apply(program, domain, found, row)?;
+            if whole_equality {
+                let entries = &self.entries[start..end];
+                if !tighten_residues(domain.all(), entries, limits[0], found) {
+                    return Err(Conflict::Row(row));
                 }
-                if program.integral[column] && !self.implications.is_empty() {
-                    self.unfollowed.push(column);
-                    self.follow(program, domain)?;
-                }
+                // The row itself may say more then.
+                self.apply(program, domain, found, usize::MAX)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Applies what was found of a row, and what follows from implications.
+    fn apply(
+        &mut self,
+        program: &Program,
+        domain: &mut Domain,
+        found: &mut Vec<Tightening>,
+        changed_by: usize,
+    ) -> Result<(), Conflict> {
+        for Tightening { column, is_upper, value } in found.drain(..) {
+            domain.apply(column, is_upper, value);
+            let settled = settle(program, domain, column)?;
+            self.enqueue_uses(column, is_upper, changed_by);
+            if settled {
+                self.enqueue_uses(column, !is_upper, changed_by);
+            }
+            if program.integral[column] && !self.implications.is_empty() {
+                self.unfollowed.push(column);
+                self.follow(program, domain)?;
             }
         }
         Ok(())

@@ -22,7 +22,7 @@ pub(super) struct Entry {
     /// smallest.
     least: u32,
     /// Whether the term is a whole number, so that nothing of it was rounded.
-    whole: bool,
+    pub(super) whole: bool,
     pub(super) coefficient: f64,
 }
 
@@ -57,6 +57,8 @@ impl Entry {
 pub(super) struct Line {
     pub(super) range: [usize; 2],
     pub(super) limits: [f64; 2],
+    /// Whether it is an equality over whole numbers.
+    pub(super) whole_equality: bool,
 }
 
 /// One tightened bound of a row.

@@ -72,7 +72,14 @@ fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<
             matrix[(position[i], c)] += p * scale(i) * scale(j);
         }
     }
-    let factor = |matrix: &Mat<f64>| matrix.llt(Side::Lower).ok();
+    // What left the range of floats proves nothing.
+    if matrix.col_iter().any(|column| column.iter().any(|entry| !entry.is_finite())) {
+        return None;
+    }
+    let factor = |matrix: &Mat<f64>| {
+        let factor = matrix.llt(Side::Lower).ok()?;
+        (0..k).all(|r| factor.L()[(r, r)].is_normal()).then_some(factor)
+    };
     let whole = factor(&matrix)?;
     let least = (0..k).map(|r| whole.L()[(r, r)].powi(2)).fold(f64::INFINITY, f64::min);
     // A factor in floats is that of a matrix whose entries differ by this much, relative to the diagonal

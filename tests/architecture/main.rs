@@ -20,6 +20,7 @@ const GROUND: [&str; 11] = [
     "interval",
     "picture",
     "sum",
+    "semidefinite",
     "model",
     "solution",
     "solver",

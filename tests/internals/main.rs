@@ -13,6 +13,7 @@ mod presolve;
 mod propagation;
 mod relaxation;
 mod search;
+mod semidefinite;
 mod simplex;
 mod strengthening;
 mod subset;

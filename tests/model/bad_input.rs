@@ -240,9 +240,9 @@ fn objectives_that_are_not_convex() {
     let bent = |sense: &str, curvature: &str, name: &str| {
         format!(
             "the objective is not convex: in the {sense} direction its quadratic part has \
-             curvature {curvature} along a direction that involves `{name}`; only convex costs to \
-             minimise (concave ones to maximise) have a proof of optimality here; write squares, \
-             or linearise products with a binary"
+             curvature {curvature} along the direction `{name}` 1; only convex costs to minimise \
+             (concave ones to maximise) have a proof of optimality here; write squares, or \
+             linearise products with a binary"
         )
     };
     assert_eq!(text(model.minimize(-1.0 * x.square())), bent("minimize", "-2.000e0", "x"));

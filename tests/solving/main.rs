@@ -10,6 +10,7 @@ mod torture;
 mod benchmark_programs;
 mod branching_rules;
 mod conformance;
+mod convexity;
 mod explain;
 mod far_optima;
 mod free_shifts;

@@ -175,8 +175,8 @@ fn quadratic_objectives() {
     assert_eq!(
         error(&with("QUADOBJ\n x x -2\n")),
         "the objective is not convex: in the minimize direction its quadratic part has curvature \
-         -2.000e0 along a direction that involves `x`; only convex costs to minimise (concave ones \
-         to maximise) have a proof of optimality here; write squares, or linearise products with a \
+         -2.000e0 along the direction `x` 1; only convex costs to minimise (concave ones to \
+         maximise) have a proof of optimality here; write squares, or linearise products with a \
          binary"
     );
 }

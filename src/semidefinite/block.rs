@@ -1,0 +1,209 @@
+//! One block of a quadratic form: scaling, cheap tests, and the verdict of a factor.
+
+use std::collections::BTreeMap;
+
+use super::direction::Direction;
+use super::{Product, dense, sparse};
+
+/// How many units in the last place of its coefficient each square may lack, for each entry of the longest
+/// row: the rounding of the products and sums that the coefficients come from.
+const UNITS: f64 = 8.0;
+
+/// The same where neither a proof nor a direction is found otherwise, as a multiple of [`UNITS`].
+const MORE: f64 = 16.0;
+
+/// Entries beyond this in a matrix whose diagonal is within `1..4` leave a negative minor.
+const BEYOND: f64 = 8.0;
+
+/// The part of what is allowed that is left for what a factor misses (no unit).
+const FOR_FACTOR: f64 = 1.0 / 64.0;
+
+/// The most that is added to a diagonal entry: fixed variables may lack anything.
+const MOST: f64 = 1e300;
+
+/// The symmetric matrix of a block; variables are numbered within it.
+pub(super) struct Block {
+    /// By variable: its number in the whole form.
+    pub(super) names: Vec<usize>,
+    pub(super) diagonal: Vec<f64>,
+    /// Twice the entries above the diagonal, as the form has them.
+    pub(super) pairs: Vec<Product>,
+    allowed: Vec<f64>,
+    /// The entries of the longest row.
+    longest: usize,
+}
+
+/// A matrix in units in which its diagonal is within `1..4`.
+pub(super) struct Scaled {
+    pub(super) diagonal: Vec<f64>,
+    /// The entries off the diagonal, the smaller position first.
+    pub(super) pairs: Vec<Product>,
+}
+
+/// What a factorisation has found.
+pub(super) enum Factored {
+    /// The factor misses no more of the matrix than there is room for.
+    Covered,
+    /// A vector that the matrix makes short, or turns back.
+    Weak(Vec<f64>),
+}
+
+/// What is known of a block.
+enum Verdict {
+    Proved,
+    Negative(Direction),
+    /// Neither, with the most promising direction.
+    Open(Direction),
+}
+
+impl Block {
+    pub(super) fn new(products: &[Product], allowed: &dyn Fn(usize) -> f64) -> Self {
+        let members = products.iter().flat_map(|&(a, b, _)| [a, b]);
+        let mut position: BTreeMap<usize, usize> = members.map(|name| (name, 0)).collect();
+        position.values_mut().enumerate().for_each(|(k, place)| *place = k);
+        let names: Vec<usize> = position.keys().copied().collect();
+        let (mut diagonal, mut pairs) = (vec![0.0; names.len()], Vec::new());
+        let mut count = vec![1; names.len()];
+        for &(a, b, q) in products {
+            let (i, j) = (position[&a], position[&b]);
+            if i == j {
+                diagonal[i] += q;
+            } else {
+                pairs.push((i, j, q));
+                (count[i], count[j]) = (count[i] + 1, count[j] + 1);
+            }
+        }
+        let allowed = names.iter().map(|&name| allowed(name)).collect();
+        let longest = count.into_iter().max().unwrap_or(0);
+        Block { names, diagonal, pairs, allowed, longest }
+    }
+
+    /// A direction of negative curvature; `None` if there is none but for what is allowed.
+    pub(super) fn refute(&self) -> Option<Direction> {
+        let mut open = None;
+        for part in [UNITS, UNITS * MORE] {
+            match self.verdict(part * f64::EPSILON * (self.longest + 2) as f64) {
+                Verdict::Proved => return None,
+                Verdict::Negative(direction) => return Some(direction),
+                Verdict::Open(direction) => open = Some(direction),
+            }
+        }
+        open
+    }
+
+    fn verdict(&self, rounding: f64) -> Verdict {
+        let n = self.names.len();
+        // Half of the rounding, and some of what is allowed, is for what the factor misses.
+        let shares = |of_rounding: f64, of_allowed: f64| -> Vec<f64> {
+            let share = |j: usize| {
+                let rounding = of_rounding * rounding * self.diagonal[j].abs();
+                (rounding + of_allowed * self.allowed[j]).min(MOST)
+            };
+            (0..n).map(share).collect()
+        };
+        let (added, room) = (shares(0.5, 1.0 - FOR_FACTOR), shares(0.5, FOR_FACTOR));
+        let raised: Vec<f64> = (0..n).map(|j| self.diagonal[j] + added[j]).collect();
+        if self.pairs.is_empty() {
+            let negative = |j: &usize| raised[*j] + room[*j] < 0.0;
+            return match (0..n).find(negative) {
+                Some(j) => Verdict::Negative(Direction::axis(self, j)),
+                None => Verdict::Proved,
+            };
+        }
+        if let Some(j) = (0..n).find(|&j| raised[j].is_nan() || raised[j] <= 0.0) {
+            return self.judge(Direction::at_flat(self, j));
+        }
+        if self.is_dominant(&raised) {
+            return Verdict::Proved;
+        }
+        let powers: Vec<i32> = raised.iter().map(|&entry| -exponent(entry).div_euclid(2)).collect();
+        let mut pairs = Vec::with_capacity(self.pairs.len());
+        for &(i, j, q) in &self.pairs {
+            let entry = times_power(q, powers[i] + powers[j] - 1);
+            if entry.abs() >= BEYOND {
+                return self.judge(Direction::of_pair(self, i, j, q));
+            }
+            pairs.push((i, j, entry));
+        }
+        let scaled = |entries: &[f64]| -> Vec<f64> {
+            let entries = entries.iter().zip(&powers);
+            entries.map(|(&entry, &power)| times_power(entry, 2 * power)).collect()
+        };
+        let (matrix, room) = (Scaled { diagonal: scaled(&raised), pairs }, scaled(&room));
+        let weak = match factor(&matrix, &room) {
+            Factored::Covered => return Verdict::Proved,
+            Factored::Weak(vector) => vector,
+        };
+        self.judge(Direction::from_scaled(self, weak.into_iter().zip(powers).collect()))
+    }
+
+    fn judge(&self, (direction, is_proved): (Direction, bool)) -> Verdict {
+        if is_proved { Verdict::Negative(direction) } else { Verdict::Open(direction) }
+    }
+
+    /// Whether each diagonal entry is at least the sum of the other ones of its row.
+    fn is_dominant(&self, diagonal: &[f64]) -> bool {
+        let mut sums = vec![0.0_f64; diagonal.len()];
+        for &(i, j, q) in &self.pairs {
+            sums[i] += q.abs();
+            sums[j] += q.abs();
+        }
+        // The entries are half as large. Sums are rounded.
+        let part = 0.5 * (1.0 + f64::EPSILON * (self.longest + 2) as f64);
+        diagonal.iter().zip(&sums).all(|(entry, sum)| *entry >= sum * part)
+    }
+}
+
+/// Factors of which this many products are summed up, at least, are computed as dense ones if their matrix
+/// is not larger than the other number.
+const MANY: f64 = 2e7;
+const LARGE: usize = 8192;
+
+/// Factorises a matrix.
+///
+/// # Arguments
+///
+/// * `room`: by row, what the magnitudes that the factor misses may sum up to.
+fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
+    let n = matrix.diagonal.len();
+    let order = sparse::order(matrix);
+    match order {
+        Some((order, work)) if work < MANY || n > LARGE => sparse::factor(matrix, &order, room),
+        None if n > LARGE => sparse::factor(matrix, &(0..n).collect::<Vec<_>>(), room),
+        _ => dense::factor(matrix, room),
+    }
+}
+
+/// Whether what a factor misses is within the room that there is, row by row.
+///
+/// # Arguments
+///
+/// * `missed`: the sum of the magnitudes in each row of the residual.
+pub(super) fn is_covered(matrix: &Scaled, missed: &[f64], room: &[f64]) -> bool {
+    // The sum on the diagonal was rounded as well.
+    let is_covered = |j: usize| {
+        missed[j].is_finite() && missed[j] + f64::EPSILON * matrix.diagonal[j] <= room[j]
+    };
+    (0..missed.len()).all(is_covered)
+}
+
+/// The largest `k` with `2^k <= value`, of a positive value.
+pub(super) fn exponent(value: f64) -> i32 {
+    let field = |value: f64| (value.to_bits() >> 52 & 0x7ff) as i32;
+    match field(value) {
+        0 => field(value * 2.0_f64.powi(100)) - 1123,
+        field => field - 1023,
+    }
+}
+
+/// `value * 2^power`, rounded only if it leaves the range of floats.
+pub(super) fn times_power(value: f64, power: i32) -> f64 {
+    let mut value = value;
+    let mut left = power;
+    while left != 0 {
+        let step = left.clamp(-1000, 1000);
+        value *= 2.0_f64.powi(step);
+        left -= step;
+    }
+    value
+}
