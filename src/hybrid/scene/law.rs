@@ -42,7 +42,7 @@ pub(super) struct Writer<'a> {
 }
 
 /// Values at the samples that begin steps.
-fn at_start(values: &[f64]) -> Schedule<f64> {
+pub(super) fn at_start(values: &[f64]) -> Schedule<f64> {
     match values.len() {
         0 | 1 => at(values, 0).into(),
         n => values[..n - 1].to_vec().into(),
@@ -50,7 +50,7 @@ fn at_start(values: &[f64]) -> Schedule<f64> {
 }
 
 /// Values at the samples that end steps.
-fn at_end(values: &[f64]) -> Schedule<f64> {
+pub(super) fn at_end(values: &[f64]) -> Schedule<f64> {
     match values.len() {
         0 | 1 => at(values, 0).into(),
         _ => values[1..].to_vec().into(),
@@ -114,7 +114,7 @@ impl Writer<'_> {
         (transitions, modes)
     }
 
-    fn is_convex(&self) -> bool {
+    pub(super) fn is_convex(&self) -> bool {
         self.contact.faces.len() > 1
     }
 
@@ -152,7 +152,7 @@ impl Writer<'_> {
 
     /// `direction . c <= limit` at the middle control point `c = x + Δt/2 v` of the step's parabola,
     /// in the middle between the limits at both ends.
-    fn middle(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
+    pub(super) fn middle(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
         let dt = self.scene.time_step;
         let mut factors = self.position(direction);
         let rates = self.velocity(direction);
@@ -164,7 +164,7 @@ impl Writer<'_> {
     }
 
     /// The largest rate of change of the relative acceleration in a direction, in m/s³.
-    fn jerk(&self, direction: &[f64]) -> f64 {
+    pub(super) fn jerk(&self, direction: &[f64]) -> f64 {
         let bodies = [Some(self.contact.body), self.contact.other];
         let of = |b: usize| self.scene.bodies[b].largest_jerk(direction, self.scene.time_step);
         bodies.into_iter().flatten().map(of).sum()
@@ -174,23 +174,7 @@ impl Writer<'_> {
     fn hit(&self, face: usize, e: f64, law: Law) -> Transition {
         let own = &self.contact.faces[face];
         let mut hit = Transition::event(self.name(&law.name, face), self.flow.clone());
-        if self.is_convex() {
-            let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
-            let limits: Vec<f64> = own.limit.iter().map(|b| -b).collect();
-            let starts = Halfspace::new("starts in front", self.position(&back), at_start(&limits));
-            hit = hit.with_guard(starts);
-        }
-        for (k, (normal, limits)) in own.extent.iter().enumerate() {
-            let factors = self.position(normal);
-            let start =
-                Halfspace::new(format!("starts within end {k}"), factors.clone(), at_start(limits));
-            let end = Halfspace::new(format!("ends within end {k}"), factors, at_end(limits));
-            hit = hit.with_guard(start).with_prediction_guard(end);
-            if self.scene.estimate == ImpactEstimate::Sound {
-                // No other face is entered first.
-                hit = hit.with_guard(self.middle(format!("stays within end {k}"), normal, limits));
-            }
-        }
+        hit = self.entering(hit, own);
         let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&own.limit));
         hit = hit.with_prediction_guard(ends);
         let towards = self.velocity(&own.normal);

@@ -1,6 +1,8 @@
 //! Scenes: bodies among obstacles, in one to three axes.
 
 mod broken;
+mod corners;
+mod edges;
 mod extreme;
 mod moving;
 mod numbers;

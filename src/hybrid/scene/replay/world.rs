@@ -6,6 +6,7 @@ use crate::hybrid::scene::body::Body;
 use crate::hybrid::scene::geometry::dot;
 use crate::hybrid::scene::statement::Scene;
 use crate::hybrid::scene::surface::{Surface, Tangential};
+use crate::tolerance::margin_scale;
 
 /// Number of Runge-Kutta steps in a step of a body with springs or drag, while that is short beside
 /// the times of its motion.
@@ -250,12 +251,17 @@ impl World<'_> {
                 let ways = directions_along(n, directions);
                 let shares: Vec<f64> = ways.iter().map(|d| dot(d, r)).collect();
                 let largest = shares.iter().copied().fold(0.0, f64::max);
+                // Rows compare neighbouring directions, which are closer to each other the more
+                // there are.
+                let slack = slack * margin_scale(dot(r, r).sqrt(), 0.0);
+                let nearest = 2.0 * (std::f64::consts::PI / directions as f64).sin();
+                let sector = slack / nearest.min(1.0);
                 let mut all = Vec::new();
                 if largest <= most + slack {
                     all.push(with(-1.0, &sliding));
                 }
                 for (way, share) in ways.iter().zip(&shares) {
-                    if *share >= largest - slack && largest >= most - slack {
+                    if *share >= largest - sector && *share >= most - slack {
                         all.push(with(-most, way));
                     }
                 }
