@@ -138,6 +138,8 @@ impl Writer<'_> {
             }
             flight = flight.with_guard(self.no_dip(own));
         }
+        let margin = if own.surface.restitution.is_some() { self.scene.margin } else { 0.0 };
+        let limits: Vec<f64> = limits.iter().map(|limit| limit - margin).collect();
         let ends = Halfspace::new("ends in front", self.position(&back), at_end(&limits));
         flight.with_prediction_guard(ends)
     }
@@ -175,7 +177,8 @@ impl Writer<'_> {
         let own = &self.contact.faces[face];
         let mut hit = Transition::event(self.name(&law.name, face), self.flow.clone());
         hit = self.entering(hit, own);
-        let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&own.limit));
+        let behind: Vec<f64> = own.limit.iter().map(|limit| limit - self.scene.margin).collect();
+        let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&behind));
         hit = hit.with_prediction_guard(ends);
         let towards = self.velocity(&own.normal);
         hit = hit.with_prediction_guard(Halfspace::new(

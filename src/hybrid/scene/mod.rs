@@ -3,6 +3,7 @@
 mod body;
 mod contact;
 mod damage_rows;
+mod ends;
 mod entry;
 mod error;
 mod geometry;

@@ -11,7 +11,6 @@ use events::Span;
 use world::{State, Touch, World};
 
 use super::error::SceneError;
-use super::geometry::dot;
 use super::plan::{BodyPath, SceneHit};
 use super::statement::Scene;
 use crate::hybrid::damage::ImpactEstimate;
