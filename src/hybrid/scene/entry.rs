@@ -58,22 +58,30 @@ impl Writer<'_> {
 
     /// `direction . p <= limit` at the end of free flight, as a guard on the start and the input.
     fn predicted(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
+        self.before(&Halfspace::new(name, self.position(direction), at_end(limits)))
+    }
+
+    /// A guard on the end of free flight as a guard on the start and the input.
+    pub(super) fn before(&self, guard: &Halfspace) -> Halfspace {
+        let (factors, constant) = self.through(&guard.normal);
+        let limit = guard.limit.map(|limit| limit - constant);
+        Halfspace { normal: factors, limit, ..guard.clone() }
+    }
+
+    /// A function of the end of free flight as one of the start and the input: its factors and its
+    /// constant.
+    pub(super) fn through(&self, factors: &[f64]) -> (Vec<f64>, f64) {
         let (a, b, c) = (self.flow.a(), self.flow.b(), self.flow.c());
-        let place = self.position(direction);
         let states = self.flow.states();
-        let sum = |of: &dyn Fn(usize) -> f64| (0..states).map(|i| place[i] * of(i)).sum::<f64>();
+        let sum = |of: &dyn Fn(usize) -> f64| (0..states).map(|i| factors[i] * of(i)).sum::<f64>();
         let of_states = (0..states).map(|j| sum(&|i| a[(i, j)]));
         let of_inputs = (0..b.ncols()).map(|j| sum(&|i| b[(i, j)]));
-        let factors: Vec<f64> = of_states.chain(of_inputs).collect();
-        let constant = sum(&|i| c[i]);
-        let steps = limits.len().saturating_sub(1).max(1);
-        let limits: Vec<f64> = (0..steps).map(|t| at(limits, t + 1) - constant).collect();
-        Halfspace::new(name, factors, limits)
+        (of_states.chain(of_inputs).collect(), sum(&|i| c[i]))
     }
 }
 
 /// The sum of a half-space and a multiple of another one, with the name of the first.
-fn plus(first: Halfspace, factor: f64, second: &Halfspace) -> Halfspace {
+pub(super) fn plus(first: Halfspace, factor: f64, second: &Halfspace) -> Halfspace {
     let width = first.normal.len().max(second.normal.len());
     let entry = |normal: &[f64], i: usize| normal.get(i).copied().unwrap_or(0.0);
     let normal: Vec<f64> =

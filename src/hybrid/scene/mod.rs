@@ -13,6 +13,7 @@ mod picture;
 mod plan;
 mod program;
 mod replay;
+mod resting;
 mod rule;
 mod shortest;
 mod solid;

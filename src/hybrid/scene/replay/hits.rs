@@ -11,41 +11,84 @@ use crate::hybrid::scene::surface::Tangential;
 /// The most combinations of directions of friction that are compared.
 const MOST_COMBINATIONS: usize = 1 << 16;
 
-/// A hit that a plan claims: what touches, the face, the number of the hit.
-type Claim = (Touch, usize, usize);
+/// What touches, the face, and the number of the hit; `None` if the body rests there.
+pub(super) type Claim = (Touch, usize, Option<usize>);
+
+/// What a contact does: by how many gaps it moves the body, and the change of the relative velocity.
+#[derive(Clone)]
+struct Effect {
+    lift: f64,
+    change: Vec<f64>,
+}
 
 impl Played<'_> {
     /// Where a step leads from a state, with the plan's inputs and hits.
     pub(super) fn lead(&self, step: usize, start: &State) -> State {
         let world = &self.world;
         let flown = world.fly(start, &self.inputs[step], world.scene.time_step);
-        let claimed = self.claimed(step);
-        let changes = self.changes_made(step, &flown, &claimed);
+        let touching = self.touching(step);
+        let effects = self.effects(step, start, &flown, &touching);
         let mut next = flown.clone();
-        for (&(touch, face, _), change) in claimed.iter().zip(&changes) {
+        for (&(touch, face, _), effect) in touching.iter().zip(&effects) {
             let n = world.normal(touch, face);
-            let e = world.surface(touch, face).restitution.map_or(0.0, |e| e.value());
             let gap = world.gap(touch, face, &flown.x, step, 1.0);
             for (body, share) in world.shares(touch) {
                 for i in 0..n.len() {
-                    next.x[body][i] -= share * (1.0 + e) * gap * n[i];
-                    next.v[body][i] += share * change[i];
+                    next.x[body][i] -= share * effect.lift * gap * n[i];
+                    next.v[body][i] += share * effect.change[i];
                 }
             }
         }
         next
     }
 
-    /// The change of the relative velocity in each of a step's hits: where laws allow several, those
-    /// that together come nearest to the plan, because what hits of a body do adds.
-    fn changes_made(&self, step: usize, flown: &State, claimed: &[Claim]) -> Vec<Vec<f64>> {
+    /// The hits that a plan claims in a step, and where bodies rest in it.
+    fn touching(&self, step: usize) -> Vec<Claim> {
+        let claimed = self.claimed(step);
+        let rests = self.rests(step);
+        let rests = rests.into_iter().filter(|(touch, _)| claimed.iter().all(|c| c.0 != *touch));
+        let rests = rests.map(|(touch, face)| (touch, face, None));
+        claimed.iter().map(|&(touch, face, k)| (touch, face, Some(k))).chain(rests).collect()
+    }
+
+    /// The faces at which bodies start a step at rest, and behind which its flight would end.
+    pub(super) fn rests(&self, step: usize) -> Vec<(Touch, usize)> {
         let world = &self.world;
-        let allowed = |&(touch, face, _): &Claim| {
-            let r = world.relative(touch, &flown.v, step);
-            let changes = world.changes(touch, face, &r, MISS);
-            if changes.is_empty() { vec![vec![0.0; r.len()]] } else { changes }
+        let start = &self.samples[step];
+        let flown = world.fly(start, &self.inputs[step], world.scene.time_step);
+        let faces = world.touches().into_iter();
+        let faces = faces.flat_map(|touch| (0..world.faces(touch)).map(move |face| (touch, face)));
+        faces
+            .filter(|&(touch, face)| {
+                let n = world.normal(touch, face);
+                let rate = |state: &State| dot(n, &world.relative(touch, &state.v, step));
+                let gap = |state: &State, part| world.gap(touch, face, &state.x, step, part);
+                world.surface(touch, face).rests
+                    && gap(start, 0.0).abs() <= 10.0 * MISS
+                    && rate(start).abs() <= 10.0 * MISS
+                    && gap(&flown, 1.0) <= MISS
+                    && rate(&flown) <= MISS
+            })
+            .collect()
+    }
+
+    /// What each contact of a step does: where laws allow several changes, those that together come
+    /// nearest to the plan, because what the contacts of a body do adds.
+    fn effects(&self, step: usize, start: &State, flown: &State, claimed: &[Claim]) -> Vec<Effect> {
+        let world = &self.world;
+        let allowed = |&(touch, face, number): &Claim| {
+            let [before, r] = [start, flown].map(|s| world.relative(touch, &s.v, step));
+            let lift = world.lift(touch, face);
+            let changes = world.changes(touch, face, [&before, &r], MISS).into_iter();
+            let mut all: Vec<Effect> = changes.map(|change| Effect { lift, change }).collect();
+            // It may fly on, over an edge for example.
+            let grazes = number.is_none() && world.clearance(touch, &flown.x, step, 1.0).0 >= -MISS;
+            if all.is_empty() || grazes {
+                all.push(Effect { lift: 0.0, change: vec![0.0; r.len()] });
+            }
+            all
         };
-        let allowed: Vec<Vec<Vec<f64>>> = claimed.iter().map(allowed).collect();
+        let allowed: Vec<Vec<Effect>> = claimed.iter().map(allowed).collect();
         let mut picks = vec![0; claimed.len()];
         for group in self.groups(claimed) {
             let counts = group.iter().map(|&k| allowed[k].len());
@@ -115,7 +158,7 @@ impl Played<'_> {
         flown: &State,
         claimed: &[Claim],
         group: &[usize],
-        allowed: &[Vec<Vec<f64>>],
+        allowed: &[Vec<Effect>],
         picks: &[usize],
     ) -> f64 {
         let planned = &self.samples[step + 1];
@@ -127,7 +170,7 @@ impl Played<'_> {
                     next.push((body, flown.v[body].clone()));
                     next.len() - 1
                 });
-                let change = &allowed[k][picks[k]];
+                let change = &allowed[k][picks[k]].change;
                 next[place].1.iter_mut().zip(change).for_each(|(v, c)| *v += share * c);
             }
         }
@@ -141,17 +184,27 @@ impl Played<'_> {
     pub(super) fn account(&mut self, step: usize) -> Result<(), SceneError> {
         let world = &self.world;
         let dt = world.scene.time_step;
-        let claimed = self.claimed(step);
+        let touching = self.touching(step);
         let start = &self.samples[step];
         let inputs = &self.inputs[step];
         let flown = world.fly(start, inputs, dt);
         let mut worst = self.certificate.clone();
-        let made = self.changes_made(step, &flown, &claimed);
+        let made = self.effects(step, start, &flown, &touching);
+        // Hits change what bodies at rest keep.
+        let mut before = flown.clone();
         let mut pushes: Vec<(Touch, Vec<f64>)> = Vec::new();
-        for (place, &(touch, face, number)) in claimed.iter().enumerate() {
+        for (&(touch, face, number), effect) in touching.iter().zip(&made) {
+            let Some(number) = number else {
+                for (body, share) in world.shares(touch) {
+                    let v = before.v[body].iter_mut().zip(&effect.change);
+                    v.for_each(|(v, c)| *v += share * c);
+                }
+                pushes.push((touch, vec![0.0; effect.change.len()]));
+                continue;
+            };
             let n = world.normal(touch, face);
-            let [before, r] = [start, &flown].map(|s| world.relative(touch, &s.v, step));
-            let (at_start, at_end) = (-dot(n, &before), -dot(n, &r));
+            let [first, r] = [start, &flown].map(|s| world.relative(touch, &s.v, step));
+            let (at_start, at_end) = (-dot(n, &first), -dot(n, &r));
             let shares = world.shares(touch);
             let jerk: f64 =
                 shares.iter().map(|(b, _)| world.scene.bodies[*b].largest_jerk(n, dt)).sum();
@@ -173,14 +226,14 @@ impl Played<'_> {
             let at = world.fly(start, inputs, (hit.time - step as f64 * dt).clamp(0.0, dt));
             hit.place = at.x[shares[0].0].clone();
             let planned = &self.samples[step + 1];
-            let single = claimed.len() == 1;
+            let single = touching.len() == 1;
             let (body, share) = shares[0];
             // What the plan does, if it can be told apart from other hits.
             let change: Vec<f64> = match single {
                 true => {
                     (0..n.len()).map(|i| (planned.v[body][i] - flown.v[body][i]) / share).collect()
                 }
-                false => made[place].clone(),
+                false => effect.change.clone(),
             };
             let mass = world.mass(touch);
             hit.impulse = change.iter().map(|c| mass * c).collect();
@@ -202,9 +255,9 @@ impl Played<'_> {
                 worst.momentum_error = sums.fold(worst.momentum_error, f64::max);
             }
         }
-        for group in self.groups(&claimed) {
+        for group in self.groups(&touching) {
             let own = group.iter().filter_map(|&k| pushes.get(k));
-            worst.energy_gain = worst.energy_gain.max(self.energy_added(step, &flown, own));
+            worst.energy_gain = worst.energy_gain.max(self.energy_added(step, &before, own));
         }
         let excess = worst.unreported;
         self.certificate = worst;
@@ -240,5 +293,24 @@ impl Played<'_> {
             0.5 * world.scene.bodies[b].mass * dot(&state.v[b], &state.v[b])
         };
         bodies.iter().map(|&b| energy(planned, b) - energy(flown, b)).sum::<f64>() - work
+    }
+
+    /// By how much the energy of the bodies that hit something in a step, with the potential of
+    /// their inputs and of gravity, is above that of the step with located impacts, in J.
+    pub(super) fn stepped_gain(&self, step: usize, located: &State) -> f64 {
+        let world = &self.world;
+        let claimed = self.claimed(step);
+        let mut bodies: Vec<usize> =
+            claimed.iter().flat_map(|c| world.shares(c.0)).map(|(body, _)| body).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        let energy = |state: &State, b: usize| {
+            let body = &world.scene.bodies[b];
+            let pushes = self.inputs[step][b].iter().zip(&body.gravity).map(|(u, g)| u + g);
+            let potential: f64 = pushes.zip(&state.x[b]).map(|(a, x)| -a * x).sum();
+            body.mass * (0.5 * dot(&state.v[b], &state.v[b]) + potential)
+        };
+        let planned = &self.samples[step + 1];
+        bodies.iter().map(|&b| energy(planned, b) - energy(located, b)).sum()
     }
 }

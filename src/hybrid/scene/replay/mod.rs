@@ -25,6 +25,9 @@ const MISS: f64 = FEASIBILITY + REPLAY;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneCertificate {
+    /// Δt of the time-stepped law that the plan follows, in s.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub time_step: f64,
     /// Largest difference between a sample and where the step before leads, in m and m/s.
     pub largest_residual: f64,
     /// Largest difference between a sample and where the inputs and hits lead from the first sample
@@ -46,6 +49,10 @@ pub struct SceneCertificate {
     /// a body in one step, all together. What counting a hit at the end of its step adds is in
     /// `stepped_gain`.
     pub energy_gain: f64,
+    /// Largest energy by which a step with hits ends above the same step with its impacts where they
+    /// are located, in J: what the time-stepped law adds. It shrinks with Δt.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub stepped_gain: f64,
     /// Largest excess of a friction impulse over its cone, in N s.
     pub cone_excess: f64,
     /// Largest distance between a sample and where its step leads if impacts happen when they are
@@ -82,10 +89,10 @@ pub(super) fn certify(
         samples: (0..samples).map(state).collect(),
         inputs: (0..steps).map(input).collect(),
         hits,
-        certificate: SceneCertificate::default(),
+        certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
     };
     let Some(first) = played.samples.first().cloned() else {
-        return Ok(SceneCertificate::default());
+        return Ok(played.certificate);
     };
     let late = played.hits.iter().filter(|hit| hit.step >= steps).count() as f64;
     played.refuse(steps, "hits after the last step", late, 0.0)?;
@@ -107,9 +114,11 @@ pub(super) fn certify(
         played.account(step)?;
         let inputs = played.inputs[step].clone();
         let located = played.world.advance(&start, step, &inputs);
+        let gain = played.stepped_gain(step, &located);
         continuous = played.world.advance(&continuous, step, &inputs);
         let certificate = &mut played.certificate;
         certificate.drift = certificate.drift.max(apart(&open, &end));
+        certificate.stepped_gain = certificate.stepped_gain.max(gain);
         certificate.step_error = certificate.step_error.max(apart_in_place(&located, &end));
         let drift = apart_in_place(&continuous, &end);
         certificate.continuous_drift = certificate.continuous_drift.max(drift);
@@ -186,6 +195,7 @@ impl Played<'_> {
         let (start, inputs) = (&self.samples[step], &self.inputs[step]);
         let flown = world.fly(start, inputs, world.scene.time_step);
         let claimed = self.claimed(step);
+        let rests = self.rests(step);
         let mut worst = self.certificate.clone();
         for touch in world.touches() {
             let name = world.name(touch);
@@ -207,6 +217,10 @@ impl Played<'_> {
                 continue;
             }
             let end = -world.clearance(touch, &flown.x, step, 1.0).0;
+            if let Some(&(_, face)) = rests.iter().find(|(own, _)| *own == touch && end > MISS) {
+                self.entry(step, touch, face, &flown)?;
+                continue;
+            }
             self.refuse(step, &format!("{name}: enters without a hit (m)"), end, MISS)?;
             let span = Span { step, inputs, from: 0.0 };
             let parts = (0..=16).map(|k| {
