@@ -19,6 +19,28 @@ pub enum When {
     OnceIn(RangeInclusive<usize>),
 }
 
+/// Refuses samples beyond the horizon and empty windows.
+fn check_window(
+    name: &str,
+    when: &When,
+    window: &RangeInclusive<usize>,
+    steps: usize,
+) -> Result<(), Error> {
+    let (first, last) = (*window.start(), *window.end());
+    let horizon = format!("at most {steps}, the last sample of the horizon");
+    let (what, sample, range) = match when {
+        When::At(_) if last > steps => ("sample", last, horizon),
+        When::At(_) => return Ok(()),
+        _ if first > steps => ("first sample", first, horizon),
+        _ if window.is_empty() => {
+            ("last sample", last, format!("at least {first}, the first sample"))
+        }
+        _ if last > steps => ("last sample", last, horizon),
+        _ => return Ok(()),
+    };
+    Err(Error::out_of_range(format!("the {what} of `{name}`"), sample as f64, range))
+}
+
 impl HybridProgram {
     /// Requires the run to be in a region, in one of its modes, at given samples.
     ///
@@ -69,12 +91,7 @@ impl HybridProgram {
             When::Throughout(window) | When::OnceIn(window) => window.clone(),
         };
         let steps = self.horizon().steps();
-        if window.is_empty() || *window.end() > steps {
-            let what = format!("the last sample of `{name}`");
-            let range =
-                format!("from {} to the last sample of the horizon, {steps}", window.start());
-            return Err(Error::out_of_range(what, *window.end() as f64, range));
-        }
+        check_window(name, &when, &window, steps)?;
         model.all_or_nothing(|model| {
             if let When::OnceIn(_) = when {
                 let terms = window.map(|sample| self.rows_of(region, sample));

@@ -42,10 +42,9 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Length`](crate::ErrorKind::Length) and
     /// [`ErrorKind::NotFinite`](crate::ErrorKind::NotFinite);
-    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a negative price, and if both
-    /// are 0; [`ErrorKind::DuplicateName`](crate::ErrorKind::DuplicateName). The model then stays
+    /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for a normal of another length, for a
+    /// negative price, and if both are 0; [`ErrorKind::DuplicateName`](crate::ErrorKind::DuplicateName). The model then stays
     /// as it was.
     pub fn soften(
         &self,

@@ -13,7 +13,7 @@ use super::options::SetOptions;
 use super::rounding::EPSILON;
 use super::shape::{Map, Matrix, Shape};
 use super::template::Template;
-use crate::hybrid::system::{HybridSystem, Region};
+use crate::hybrid::system::{HybridSystem, MODE, Region};
 use crate::interval::Interval;
 use crate::tolerance::margin_scale;
 
@@ -94,6 +94,7 @@ pub(super) struct Compiled {
     pub(super) transitions: Vec<(String, bool)>,
     /// Numbers of the transitions of each choice.
     pub(super) choices: Vec<Range<usize>>,
+    pub(super) choice_names: Vec<String>,
     pub(super) moves: Vec<CompiledMove>,
     /// Numbers of transitions of choices that are not followed.
     pub(super) relaxed: Vec<usize>,
@@ -162,6 +163,7 @@ impl Compiled {
             }
         });
         Compiled {
+            choice_names: system.choices.iter().map(|choice| choice.name.clone()).collect(),
             choices: system
                 .choices
                 .iter()
@@ -179,10 +181,17 @@ impl Compiled {
         }
     }
 
-    /// The names of a move's transitions.
+    /// The names of a move's transitions, with the choices that they are of if choices are named.
     pub(super) fn name(&self, number: usize) -> String {
-        let names = self.moves[number].members.iter().map(|&m| self.transitions[m].0.as_str());
-        names.collect::<Vec<_>>().join(" and ")
+        let name = |&m: &usize| {
+            let name = &self.transitions[m].0;
+            let own = self.choices.iter().position(|numbers| numbers.contains(&m));
+            match own.map(|c| self.choice_names[c].as_str()) {
+                Some(choice) if choice != MODE => format!("{name} of {choice}"),
+                _ => name.clone(),
+            }
+        };
+        self.moves[number].members.iter().map(name).collect::<Vec<_>>().join(" and ")
     }
 }
 

@@ -128,10 +128,18 @@ fn variables(
         program.states.push(family);
     }
     for (u, (name, _)) in system.inputs.iter().enumerate() {
+        let [above, below] = ["above", "below"].map(|end| names.family(&[name, end, "ranges"]));
         let name = names.family(&[name]);
         let member = |t: usize| {
-            let range = input_ranges(system, t)[u];
-            model.continuous((name.as_str(), t), range.lower, range.upper)
+            let Interval { lower, upper } = input_ranges(system, t)[u];
+            // Ranges of different choices may have nothing in common.
+            let variable =
+                model.continuous((name.as_str(), t), lower.min(upper), lower.max(upper))?;
+            if lower > upper {
+                model.add((above.as_str(), t), variable.ge(lower))?;
+                model.add((below.as_str(), t), variable.le(upper))?;
+            }
+            Ok(variable)
         };
         program.inputs.push((0..steps).map(member).collect::<Result<Family, Error>>()?);
     }

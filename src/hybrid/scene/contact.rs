@@ -16,6 +16,8 @@ pub(super) struct ContactFace {
     pub(super) surface: Surface,
     /// Where the face ends: `normal . x <= limit`, by sample.
     pub(super) extent: Vec<(Vec<f64>, Vec<f64>)>,
+    /// The faces that it meets at an acute angle: solid where `normal . x <= limit`, by sample.
+    pub(super) sharp: Vec<(Vec<f64>, Vec<f64>)>,
     /// The largest rate of change of the acceleration along the normal, in m/s³.
     pub(super) jerk: f64,
 }
@@ -151,16 +153,19 @@ fn faces(
     // The limits of all sides at every sample.
     let limits: Vec<Vec<f64>> =
         places.iter().map(|place| sides.iter().map(|(n, b)| b + dot(n, place)).collect()).collect();
+    let sharp = geometry::sharp(sides);
     let face = |(k, (normal, _)): (usize, &Side)| {
+        let by_sample = |other: usize| limits.iter().map(|limits| limits[other]).collect();
         let extent = |side: Across| {
             let by_sample = limits.iter().map(|limits| side.limit(k, limits)).collect();
             (side.normal, by_sample)
         };
         ContactFace {
             normal: normal.clone(),
-            limit: limits.iter().map(|limits| limits[k]).collect(),
+            limit: by_sample(k),
             surface: surfaces[k],
             extent: geometry::across(sides, k).into_iter().map(extent).collect(),
+            sharp: sharp[k].iter().map(|&k| (sides[k].0.clone(), by_sample(k))).collect(),
             jerk: jerk(normal),
         }
     };

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::interval::Interval;
+
 /// A scene that contradicts itself, found before any planning.
 ///
 /// In a [`carom::Error`](crate::Error) it is the [`source`](std::error::Error::source) of an error
@@ -10,13 +12,17 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum SceneError {
     /// A body, a normal or a course has another number of axes than the scene.
-    #[error("`{name}` has {found} axes and the scene has {expected}; give one entry per axis")]
+    #[error(
+        "`{name}` has {found} entries and the scene needs {expected}; give one per axis, and in \
+         starts and goals one per position and one per velocity"
+    )]
     Axes {
         /// The body or the obstacle.
         name: String,
         /// Its number of axes.
         found: usize,
-        /// The number of axes of the scene: those of its first body, from 1 to 3.
+        /// The number of axes of the scene, those of its first body, from 1 to 3; twice as many in
+        /// starts and goals.
         expected: usize,
     },
     /// A face of an obstacle has no direction.
@@ -53,6 +59,40 @@ pub enum SceneError {
         end: &'static str,
         /// The obstacle, or the other body.
         obstacle: String,
+    },
+    /// A start or a goal that its body's own limits exclude.
+    #[error(
+        "`{body}` {end} with {what} {}, outside its {limit}; move it, or widen the limit",
+        span(*range)
+    )]
+    Limits {
+        /// The body.
+        body: String,
+        /// `starts` or `ends`.
+        end: &'static str,
+        /// `x`, `vy`, ...
+        what: String,
+        /// What the start or the goal says of it, in m or m/s.
+        range: Interval,
+        /// The limit in words, with its range and unit.
+        limit: String,
+    },
+    /// A start or a goal with a half-space that none of its states satisfies.
+    #[error(
+        "`{body}` {end} where the half-space `{halfspace}` does not allow it: {nearest} at least, \
+         and {limit} at most; move one of them"
+    )]
+    Cut {
+        /// The body.
+        body: String,
+        /// `starts` or `ends`.
+        end: &'static str,
+        /// The half-space.
+        halfspace: String,
+        /// The least value of its `normal . (x, v)` within the ranges and the body's limits.
+        nearest: f64,
+        /// Its limit.
+        limit: f64,
     },
     /// A course is shorter than the plan.
     #[error(
@@ -97,6 +137,14 @@ pub enum SceneError {
         /// The allowed disagreement.
         allowed: f64,
     },
+}
+
+/// "0.3", or "from 0.2 to 0.4".
+pub(super) fn span(range: Interval) -> String {
+    match range.lower == range.upper {
+        true => format!("{}", range.lower),
+        false => format!("from {} to {}", range.lower, range.upper),
+    }
 }
 
 impl From<SceneError> for crate::Error {

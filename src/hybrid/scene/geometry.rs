@@ -139,6 +139,30 @@ pub(super) fn across(sides: &[Side], face: usize) -> Vec<Across> {
     kept
 }
 
+/// The faces that each face meets at an acute angle, in an edge or a corner.
+pub(super) fn sharp(sides: &[Side]) -> Vec<Vec<usize>> {
+    let is_acute = |a: usize, b: usize| {
+        let across = dot(&sides[a].0, &sides[b].0);
+        across < -1e-9 && across > -1.0 + 1e-12
+    };
+    let count = sides.len();
+    let acute: Vec<(usize, usize)> = (0..count)
+        .flat_map(|a| (0..count).map(move |b| (a, b)))
+        .filter(|&(a, b)| is_acute(a, b))
+        .collect();
+    let mut found = vec![Vec::new(); count];
+    let Some((normal, _)) = sides.first().filter(|_| !acute.is_empty()) else { return found };
+    let axes = normal.len();
+    let framed: Vec<Side> = sides.iter().cloned().chain(frame(sides, axes)).collect();
+    let corners = corners(&framed, axes);
+    for (a, b) in acute {
+        if corners.iter().any(|(_, on)| on.contains(&a) && on.contains(&b)) {
+            found[a].push(b);
+        }
+    }
+    found
+}
+
 /// Unit vectors along a face of a normal: one in the plane, the normal turned left; two in space.
 pub(super) fn tangents(normal: &[f64]) -> Vec<Vec<f64>> {
     match normal {

@@ -13,6 +13,7 @@ use super::contact::{Contact, ContactFace, Mode, at};
 use super::geometry::{dot, tangents};
 use super::statement::Scene;
 use super::surface::Tangential;
+use crate::error::Error;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, Schedule, Transition};
@@ -21,17 +22,21 @@ use crate::hybrid::system::{Halfspace, Schedule, Transition};
 pub(super) const IMPACT_SPEED: &str = "impact speed";
 
 /// A linear function of the relative velocity that must be at most 0: its factors, and a name.
-struct Guard {
-    name: &'static str,
-    factors: Vec<f64>,
+pub(super) struct Guard {
+    pub(super) name: &'static str,
+    pub(super) factors: Vec<f64>,
+    /// The same of the relative velocity at the start of the step; 0 in mirrored hits.
+    pub(super) at_start: Vec<f64>,
 }
 
 /// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies.
-struct Law {
-    name: String,
+pub(super) struct Law {
+    pub(super) name: String,
     /// M - 1, by rows.
-    change: Vec<Vec<f64>>,
-    guards: Vec<Guard>,
+    pub(super) change: Vec<Vec<f64>>,
+    /// What the relative velocity at the start of the step adds to the change; 0 in mirrored hits.
+    pub(super) at_start: Vec<Vec<f64>>,
+    pub(super) guards: Vec<Guard>,
 }
 
 /// Writes the transitions of one contact.
@@ -42,7 +47,7 @@ pub(super) struct Writer<'a> {
 }
 
 /// Values at the samples that begin steps.
-fn at_start(values: &[f64]) -> Schedule<f64> {
+pub(super) fn at_start(values: &[f64]) -> Schedule<f64> {
     match values.len() {
         0 | 1 => at(values, 0).into(),
         n => values[..n - 1].to_vec().into(),
@@ -50,7 +55,7 @@ fn at_start(values: &[f64]) -> Schedule<f64> {
 }
 
 /// Values at the samples that end steps.
-fn at_end(values: &[f64]) -> Schedule<f64> {
+pub(super) fn at_end(values: &[f64]) -> Schedule<f64> {
     match values.len() {
         0 | 1 => at(values, 0).into(),
         _ => values[1..].to_vec().into(),
@@ -58,7 +63,7 @@ fn at_end(values: &[f64]) -> Schedule<f64> {
 }
 
 impl Writer<'_> {
-    fn axes(&self) -> usize {
+    pub(super) fn axes(&self) -> usize {
         self.scene.axes()
     }
 
@@ -85,7 +90,7 @@ impl Writer<'_> {
     }
 
     /// `direction` times the velocity of the surface, by step.
-    fn speed(&self, direction: &[f64]) -> Schedule<f64> {
+    pub(super) fn speed(&self, direction: &[f64]) -> Schedule<f64> {
         match self.contact.velocity.is_empty() {
             true => 0.0.into(),
             false => {
@@ -96,7 +101,7 @@ impl Writer<'_> {
     }
 
     /// All transitions, and what they are.
-    pub(super) fn transitions(&self) -> (Vec<Transition>, Vec<Mode>) {
+    pub(super) fn transitions(&self) -> Result<(Vec<Transition>, Vec<Mode>), Error> {
         let (mut transitions, mut modes) = (Vec::new(), Vec::new());
         for face in 0..self.contact.faces.len() {
             transitions.push(self.flight(face));
@@ -105,20 +110,33 @@ impl Writer<'_> {
         }
         for (face, own) in self.contact.faces.iter().enumerate() {
             let Some(restitution) = own.surface.restitution else { continue };
-            for law in laws(own, restitution.value()) {
-                let transition = self.hit(face, restitution.value(), law);
+            if own.surface.rests {
+                for (transition, is_hit) in self.resting(face, restitution.value())? {
+                    modes.push(Mode { name: transition.name.clone(), face, is_hit });
+                    transitions.push(transition);
+                }
+                continue;
+            }
+            let bounce = 1.0 + restitution.value();
+            for law in laws(own, bounce, 0.0) {
+                let mut hit = self.hit(face, &law);
+                for guard in &law.guards {
+                    hit = hit.with_prediction_guard(self.guard(guard));
+                }
+                let (matrix, offset) = self.reset(own, bounce, &law);
+                let transition = hit.with_reset_by_step(matrix, offset);
                 modes.push(Mode { name: transition.name.clone(), face, is_hit: true });
                 transitions.push(transition);
             }
         }
-        (transitions, modes)
+        Ok((transitions, modes))
     }
 
-    fn is_convex(&self) -> bool {
+    pub(super) fn is_convex(&self) -> bool {
         self.contact.faces.len() > 1
     }
 
-    fn name(&self, word: &str, face: usize) -> String {
+    pub(super) fn name(&self, word: &str, face: usize) -> String {
         if self.is_convex() { format!("{word} {face}") } else { word.to_owned() }
     }
 
@@ -138,6 +156,8 @@ impl Writer<'_> {
             }
             flight = flight.with_guard(self.no_dip(own));
         }
+        let margin = if own.surface.restitution.is_some() { self.scene.margin } else { 0.0 };
+        let limits: Vec<f64> = limits.iter().map(|limit| limit - margin).collect();
         let ends = Halfspace::new("ends in front", self.position(&back), at_end(&limits));
         flight.with_prediction_guard(ends)
     }
@@ -152,7 +172,7 @@ impl Writer<'_> {
 
     /// `direction . c <= limit` at the middle control point `c = x + Δt/2 v` of the step's parabola,
     /// in the middle between the limits at both ends.
-    fn middle(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
+    pub(super) fn middle(&self, name: String, direction: &[f64], limits: &[f64]) -> Halfspace {
         let dt = self.scene.time_step;
         let mut factors = self.position(direction);
         let rates = self.velocity(direction);
@@ -164,54 +184,31 @@ impl Writer<'_> {
     }
 
     /// The largest rate of change of the relative acceleration in a direction, in m/s³.
-    fn jerk(&self, direction: &[f64]) -> f64 {
+    pub(super) fn jerk(&self, direction: &[f64]) -> f64 {
         let bodies = [Some(self.contact.body), self.contact.other];
         let of = |b: usize| self.scene.bodies[b].largest_jerk(direction, self.scene.time_step);
         bodies.into_iter().flatten().map(of).sum()
     }
 
-    /// The step hits a face.
-    fn hit(&self, face: usize, e: f64, law: Law) -> Transition {
+    /// A guard of a law, of the velocities at the end of free flight.
+    pub(super) fn guard(&self, guard: &Guard) -> Halfspace {
+        let limit = self.speed(&guard.factors);
+        Halfspace::new(guard.name, self.velocity(&guard.factors), limit)
+    }
+
+    /// The step hits a face: everything but the guards of its law and what it does.
+    pub(super) fn hit(&self, face: usize, law: &Law) -> Transition {
         let own = &self.contact.faces[face];
         let mut hit = Transition::event(self.name(&law.name, face), self.flow.clone());
-        if self.is_convex() {
-            let back: Vec<f64> = own.normal.iter().map(|n| -n).collect();
-            let limits: Vec<f64> = own.limit.iter().map(|b| -b).collect();
-            let starts = Halfspace::new("starts in front", self.position(&back), at_start(&limits));
-            hit = hit.with_guard(starts);
-        }
-        for (k, (normal, limits)) in own.extent.iter().enumerate() {
-            let factors = self.position(normal);
-            let start =
-                Halfspace::new(format!("starts within end {k}"), factors.clone(), at_start(limits));
-            let end = Halfspace::new(format!("ends within end {k}"), factors, at_end(limits));
-            hit = hit.with_guard(start).with_prediction_guard(end);
-            if self.scene.estimate == ImpactEstimate::Sound {
-                // No other face is entered first.
-                hit = hit.with_guard(self.middle(format!("stays within end {k}"), normal, limits));
-            }
-        }
-        let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&own.limit));
+        hit = self.entering(hit, own);
+        let behind: Vec<f64> = own.limit.iter().map(|limit| limit - self.scene.margin).collect();
+        let ends = Halfspace::new("ends behind", self.position(&own.normal), at_end(&behind));
         hit = hit.with_prediction_guard(ends);
         let towards = self.velocity(&own.normal);
-        hit = hit.with_prediction_guard(Halfspace::new(
-            "moves towards it",
-            towards.clone(),
-            self.speed(&own.normal),
-        ));
-        for guard in &law.guards {
-            let limit = self.speed(&guard.factors);
-            let factors = self.velocity(&guard.factors);
-            hit = hit.with_prediction_guard(Halfspace::new(guard.name, factors, limit));
-        }
-        hit = self.limited(hit, face);
-        let (matrix, offset) = self.reset(own, e, &law);
+        let moves = Halfspace::new("moves towards it", towards.clone(), self.speed(&own.normal));
+        hit = self.limited(hit.with_prediction_guard(moves), face);
         let away: Vec<f64> = towards.iter().map(|n| -n).collect();
-        hit.with_reset_by_step(matrix, offset).with_output(
-            IMPACT_SPEED,
-            away,
-            self.speed(&own.normal),
-        )
+        hit.with_output(IMPACT_SPEED, away, self.speed(&own.normal))
     }
 
     /// The limits of the rules on a single hit.
@@ -259,8 +256,14 @@ impl Writer<'_> {
         hit
     }
 
-    /// The reset of a hit: a matrix and an offset by step.
-    fn reset(&self, face: &ContactFace, e: f64, law: &Law) -> (Mat<f64>, Schedule<Vec<f64>>) {
+    /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times
+    /// `bounce`.
+    pub(super) fn reset(
+        &self,
+        face: &ContactFace,
+        bounce: f64,
+        law: &Law,
+    ) -> (Mat<f64>, Schedule<Vec<f64>>) {
         let (axes, width) = (self.axes(), self.flow.states());
         let n = &face.normal;
         let mut matrix = Mat::<f64>::identity(width, width);
@@ -275,7 +278,7 @@ impl Writer<'_> {
             let Some(body) = body else { continue };
             let first = 2 * axes * body;
             for i in 0..axes {
-                let lift = -share * (1.0 + e) * n[i];
+                let lift = -share * bounce * n[i];
                 for (j, g) in gap.iter().enumerate() {
                     matrix[(first + i, j)] += lift * g;
                 }
@@ -286,7 +289,8 @@ impl Writer<'_> {
                 for (t, offset) in offsets.iter_mut().enumerate() {
                     offset[first + i] -= lift * at(&face.limit, t + 1);
                     let surface = self.contact.velocity_in(t, axes);
-                    offset[first + axes + i] -= share * dot(&law.change[i], &surface);
+                    let moved = dot(&law.change[i], &surface) + dot(&law.at_start[i], &surface);
+                    offset[first + axes + i] -= share * moved;
                 }
             }
         }
@@ -317,9 +321,9 @@ fn around(normal: &[f64], count: usize) -> impl Iterator<Item = Vec<f64>> {
     all.into_iter()
 }
 
-/// `-(1+e) n n'`, as rows.
-fn rebound(n: &[f64], e: f64) -> Vec<Vec<f64>> {
-    n.iter().map(|a| n.iter().map(|b| -(1.0 + e) * a * b).collect()).collect()
+/// `-factor n n'`, as rows.
+fn rebound(n: &[f64], factor: f64) -> Vec<Vec<f64>> {
+    n.iter().map(|a| n.iter().map(|b| -factor * a * b).collect()).collect()
 }
 
 /// Adds `factor a b'`.
@@ -329,10 +333,16 @@ fn add(change: &mut [Vec<f64>], factor: f64, a: &[f64], b: &[f64]) {
     }
 }
 
-/// The laws of a face: one, or those of sticking and slipping.
-fn laws(face: &ContactFace, e: f64) -> Vec<Law> {
+/// The laws of a face: one, or those of sticking and slipping. The velocity along the normal changes
+/// by `end` times the approach at the end of the step and `start` times that at its start.
+pub(super) fn laws(face: &ContactFace, end: f64, start: f64) -> Vec<Law> {
     let n = &face.normal;
-    let plain = || Law { name: "hit".into(), change: rebound(n, e), guards: Vec::new() };
+    let plain = || Law {
+        name: "hit".into(),
+        change: rebound(n, end),
+        at_start: rebound(n, start),
+        guards: Vec::new(),
+    };
     let tangents = tangents(n);
     match face.surface.tangential {
         _ if tangents.is_empty() || face.surface.is_frictionless() => vec![plain()],
@@ -350,17 +360,19 @@ fn laws(face: &ContactFace, e: f64) -> Vec<Law> {
             let in_plane = tangents.len() == 1;
             // The pyramid lies inside the cone.
             let inside = if in_plane { 1.0 } else { (PI / directions as f64).cos() };
-            let bound = coefficient * inside * (1.0 + e);
+            let bound = coefficient * inside;
             let ways: Vec<Vec<f64>> = around(n, directions).collect();
             let mut stick = Law { name: "stick".into(), ..plain() };
             for tangent in &tangents {
                 add(&mut stick.change, -1.0, tangent, tangent);
             }
-            // d . r <= bound f, with f = -n . r.
-            let exceeds = |d: &[f64], sign: f64| -> Vec<f64> {
-                d.iter().zip(n).map(|(d, n)| sign * (d + bound * n)).collect()
+            // d . r <= bound j, where the normal impulse is j = -end n . r - start n . r(start).
+            let exceeds = |name: &'static str, d: &[f64], sign: f64| -> Guard {
+                let factors = d.iter().zip(n).map(|(d, n)| sign * (d + bound * end * n));
+                let at_start = n.iter().map(|n| sign * bound * start * n);
+                Guard { name, factors: factors.collect(), at_start: at_start.collect() }
             };
-            let guards = ways.iter().map(|d| Guard { name: "sticks", factors: exceeds(d, 1.0) });
+            let guards = ways.iter().map(|d| exceeds("sticks", d, 1.0));
             stick.guards = guards.collect();
             let mut laws = vec![stick];
             for (k, d) in ways.iter().enumerate() {
@@ -370,15 +382,17 @@ fn laws(face: &ContactFace, e: f64) -> Vec<Law> {
                     (false, k) => format!("slip {k} at"),
                 };
                 let mut law = Law { name, ..plain() };
-                // The impulse -bound f d, with f = -n . r.
-                add(&mut law.change, bound, d, n);
-                law.guards.push(Guard { name: "slips", factors: exceeds(d, -1.0) });
+                // The impulse -bound j d.
+                add(&mut law.change, bound * end, d, n);
+                add(&mut law.at_start, bound * start, d, n);
+                law.guards.push(exceeds("slips", d, -1.0));
                 if !in_plane {
                     // Within the sector: nearer to d than to its neighbours.
                     for other in [k + 1, k + ways.len() - 1] {
                         let other = &ways[other % ways.len()];
                         let factors = other.iter().zip(d).map(|(o, d)| o - d).collect();
-                        law.guards.push(Guard { name: "sector", factors });
+                        let at_start = vec![0.0; n.len()];
+                        law.guards.push(Guard { name: "sector", factors, at_start });
                     }
                 }
                 laws.push(law);

@@ -3,6 +3,8 @@
 mod body;
 mod contact;
 mod damage_rows;
+mod ends;
+mod entry;
 mod error;
 mod geometry;
 mod law;
@@ -11,6 +13,7 @@ mod picture;
 mod plan;
 mod program;
 mod replay;
+mod resting;
 mod rule;
 mod shortest;
 mod solid;

@@ -1,7 +1,6 @@
 //! A scene: bodies, obstacles, pairs of bodies.
 
 use super::body::{Body, Shape};
-use super::contact::{Contact, ContactFace, contacts};
 use super::error::SceneError;
 use super::geometry::{self, Side, dot};
 use super::rule::DamageRule;
@@ -10,11 +9,10 @@ use super::surface::Surface;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
-use crate::hybrid::system::{Region, check_ends};
 use crate::interval::Interval;
 use crate::setters::setters;
 
-/// Number of normals of two discs in the plane that meet.
+/// Number of normals of two bodies in the plane that meet, if one of them is a disc.
 const NORMALS: usize = 8;
 
 /// How far a start or a goal may be inside an obstacle, in m.
@@ -73,6 +71,9 @@ pub struct Scene {
     pub estimate: ImpactEstimate,
     /// Whether a body may hit several faces in one step, as in a corner; default no.
     pub corners: bool,
+    /// By how much every step of a plan is on one side of a surface to bounce off, in m: it ends at
+    /// least this far in front of it, or hits at least this far behind it; default 0.
+    pub margin: f64,
     pub(super) pairs: Vec<Pair>,
 }
 
@@ -90,6 +91,7 @@ impl Scene {
             rules: Vec::new(),
             estimate: ImpactEstimate::Sound,
             corners: false,
+            margin: 0.0,
             pairs: Vec::new(),
         }
     }
@@ -100,6 +102,11 @@ impl Scene {
         /// Lets bodies hit several faces in one step. The effects add, which is the law of a corner
         /// whose faces are at right angles.
         with_corners(wanted: bool) => corners = wanted;
+        /// Keeps every step of a plan away from ties, in m: a step that ends exactly at a surface to
+        /// bounce off may hit it or fly, so that what really happens is left to chance. With a
+        /// margin, free flight ends at least this far in front of every such surface, or at least
+        /// this far behind the one that is hit. A body can then not lie at a surface.
+        with_margin(margin: f64) => margin = margin;
     }
 
     /// Adds a body.
@@ -141,8 +148,9 @@ impl Scene {
     /// Lets two bodies avoid each other, or hit, by their names. Bodies without such a statement
     /// pass through each other.
     ///
-    /// The direction of a hit is one of a few normals: along the axes if both are boxes and on a
-    /// line or in space, otherwise 8 around the circle.
+    /// The direction of a hit is one of a few normals: in the plane, if one of the two is a disc, 8
+    /// around the circle; otherwise two along each axis, so that points and boxes in the plane
+    /// have 4.
     #[must_use]
     pub fn with_pair(self, first: &str, second: &str, surface: Surface) -> Self {
         let normals: &[[f64; 0]] = &[];
@@ -185,6 +193,10 @@ impl Scene {
     /// Refuses scenes that contradict themselves; returns the scene with normals of length 1.
     pub(super) fn checked(&self) -> Result<Scene, Error> {
         Horizon::new(1, self.time_step)?;
+        if !(self.margin >= 0.0 && self.margin.is_finite()) {
+            let range = "finite and at least 0 m";
+            return Err(Error::out_of_range("the margin of the scene", self.margin, range));
+        }
         let axes = self.axes();
         if !(1..=3).contains(&axes) {
             let what = "the number of axes of the scene's first body";
@@ -204,9 +216,7 @@ impl Scene {
         }
         for body in &self.bodies {
             body.check(axes)?;
-            for region in body.start.iter().chain(&body.goal) {
-                check_region(&body.name, region, axes)?;
-            }
+            body.check_regions()?;
         }
         let mut own = self.clone();
         for obstacle in &mut own.obstacles {
@@ -252,96 +262,10 @@ impl Scene {
         }
         Ok(pair)
     }
-
-    /// The largest `direction . x` of a contact, over the boxes of a region of its body and of the
-    /// other body.
-    fn farthest(
-        &self,
-        contact: &Contact,
-        direction: &[f64],
-        own: &Option<Region>,
-        its: Option<&Option<Region>>,
-    ) -> f64 {
-        let of = |body: usize, region: &Option<Region>, direction: &[f64]| match region {
-            Some(region) => farthest(&region.ranges, direction),
-            None => farthest(&self.bodies[body].domain, direction),
-        };
-        let back: Vec<f64> = direction.iter().map(|n| -n).collect();
-        let other = contact.other.zip(its).map_or(0.0, |(body, its)| of(body, its, &back));
-        of(contact.body, own, direction) + other
-    }
-
-    /// The least `normal . x` at which a contact may start.
-    pub(super) fn nearest_start(&self, contact: &Contact, face: &ContactFace) -> f64 {
-        let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
-        let own = &self.bodies[contact.body].start;
-        let its = contact.other.map(|b| &self.bodies[b].start);
-        -self.farthest(contact, &back, own, its)
-    }
-
-    /// Refuses bodies that start or end inside something.
-    fn check_ends(&self) -> Result<(), Error> {
-        for contact in contacts(self) {
-            let (body, other) =
-                (&self.bodies[contact.body], contact.other.map(|b| &self.bodies[b]));
-            let ends = [
-                ("starts", &body.start, other.map(|o| &o.start)),
-                ("ends", &body.goal, other.map(|o| &o.goal)),
-            ];
-            for (end, own, its) in ends {
-                if end == "ends" && !contact.velocity.is_empty() {
-                    continue;
-                }
-                if own.is_none() || its == Some(&None) {
-                    continue;
-                }
-                let inside = |face: &ContactFace| {
-                    let most = self.farthest(&contact, &face.normal, own, its);
-                    most < face.limit_at(0) - INSIDE
-                };
-                if contact.faces.iter().all(inside) {
-                    let obstacle = match (contact.obstacle, other) {
-                        (Some(o), _) => self.obstacles[o].name.clone(),
-                        (None, other) => other.map_or(String::new(), |other| other.name.clone()),
-                    };
-                    let body = body.name.clone();
-                    return Err(SceneError::Inside { body, end, obstacle }.into());
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The largest `direction . x` over a box.
-fn farthest(ranges: &[Interval], direction: &[f64]) -> f64 {
-    let ends = direction.iter().zip(ranges).map(|(n, range)| match *n {
-        0.0 => 0.0,
-        n if n > 0.0 => n * range.upper,
-        n => n * range.lower,
-    });
-    ends.sum()
 }
 
 fn unknown(name: &str, kind: &'static str) -> Error {
     ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
-}
-
-fn check_region(body: &str, region: &Region, axes: usize) -> Result<(), Error> {
-    let found = region.ranges.len();
-    if found != 2 * axes {
-        let name = format!("the start or goal of {body}");
-        return Err(SceneError::Axes { name, found, expected: 2 * axes }.into());
-    }
-    for side in &region.halfspaces {
-        let found = side.normal.len();
-        if found != 2 * axes {
-            let name = format!("a half-space of the start or goal of {body}");
-            return Err(SceneError::Axes { name, found, expected: 2 * axes }.into());
-        }
-    }
-    let finite = |range: &&Interval| range.lower.is_finite() && range.upper.is_finite();
-    region.ranges.iter().filter(finite).try_for_each(|range| check_ends(body, *range))
 }
 
 /// Refuses obstacles without inside and faces without extent.

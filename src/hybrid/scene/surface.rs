@@ -32,12 +32,15 @@ pub(super) enum Tangential {
 pub struct Surface {
     pub(super) restitution: Option<Restitution>,
     pub(super) tangential: Tangential,
+    /// Whether bodies come to rest at it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) rests: bool,
 }
 
 impl Surface {
     /// A surface that no body may reach; touching it at a sample is allowed.
     pub fn avoid() -> Self {
-        Surface { restitution: None, tangential: Tangential::Frictionless }
+        Surface { restitution: None, tangential: Tangential::Frictionless, rests: false }
     }
 
     /// A surface off which bodies may bounce, without friction.
@@ -61,6 +64,18 @@ impl Surface {
             tangential = Tangential::Linear { keep, from_normal };
     }
 
+    /// Lets bodies come to rest at it. A hit then ends its step at the surface, and rebounds with e
+    /// times the approach at the *start* of the step; a body that does not approach at the start and
+    /// would end behind the surface settles there; and one that is at rest there stays as long as
+    /// the net acceleration points into it, which is no hit. Bounces die out, as those of a real
+    /// ball do, instead of settling at a height that the step makes; the law errs on the side of
+    /// slower rebounds. See the [module](super).
+    #[must_use]
+    pub fn with_rest(mut self) -> Self {
+        self.rests = true;
+        self
+    }
+
     /// The coefficient of restitution; `None` if the surface is to be avoided.
     pub fn restitution(&self) -> Option<Restitution> {
         self.restitution
@@ -82,6 +97,17 @@ impl Surface {
         };
         if self.restitution.is_none() && self.tangential != Tangential::Frictionless {
             return wrong("it is avoided, so nothing rubs there; let bodies bounce, or drop it");
+        }
+        if self.rests && self.restitution.is_none() {
+            return wrong("it is avoided, so nothing rests there; let bodies bounce, or drop it");
+        }
+        if let (true, Tangential::Linear { .. }, false) =
+            (self.rests, self.tangential, self.is_frictionless())
+        {
+            return wrong(
+                "its linear map says what one hit does, not what rest does in every step; use \
+                 friction, or drop `with_rest`",
+            );
         }
         match self.tangential {
             Tangential::Frictionless => Ok(()),

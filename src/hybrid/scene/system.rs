@@ -64,7 +64,7 @@ impl Scene {
         system = limits.into_iter().fold(system, HybridSystem::with_limit);
         for contact in &mut contacts {
             let writer = Writer { scene: &scene, contact, flow: &flow };
-            let (transitions, modes) = writer.transitions();
+            let (transitions, modes) = writer.transitions()?;
             let choice = Choice::new(contact.name.clone());
             system =
                 system.with_choice(transitions.into_iter().fold(choice, Choice::with_transition));

@@ -188,11 +188,16 @@ pub(crate) fn check_halfspace(
     states: usize,
     inputs: usize,
 ) -> Result<(), Error> {
-    let length = halfspace.normal.len();
-    if length != states + inputs {
-        check_length("the normal of a half-space", length, states)?;
-    }
     let name = &halfspace.name;
+    let length = halfspace.normal.len();
+    if length != states && length != states + inputs {
+        let range = match inputs {
+            0 => format!("{states}, one entry per state"),
+            _ => format!("{states}, one entry per state, or {}, with the inputs", states + inputs),
+        };
+        let what = format!("the length of the normal of the half-space `{name}`");
+        return Err(Error::out_of_range(what, length as f64, range));
+    }
     check_numbers(name, "a number", halfspace.normal.iter().copied())?;
     halfspace.limit.check(&format!("the limit of `{name}`"))?;
     let limits = halfspace.limit.values().copied();

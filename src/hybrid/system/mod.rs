@@ -34,6 +34,7 @@ pub use choice::Choice;
 pub use halfspace::Halfspace;
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub use region::Region;
+pub(crate) use region::check_cut;
 pub use schedule::Schedule;
 pub use transition::Transition;
 
@@ -46,7 +47,7 @@ use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
 
 /// The name of the choice to which [`HybridSystem::with_transition`] adds.
-const MODE: &str = "mode";
+pub(crate) const MODE: &str = "mode";
 
 /// A discrete-time hybrid system with bounded states and inputs.
 ///

@@ -139,7 +139,8 @@ impl Region {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Length`]; the errors of [`Model::add`].
+    /// [`ErrorKind::Length`]; [`ErrorKind::OutOfRange`] for a half-space of another length, or whose
+    /// normal is 0; the errors of [`Model::add`].
     pub fn add<X>(
         &self,
         model: &mut Model,
@@ -169,7 +170,7 @@ impl Region {
             }
         }
         for halfspace in &self.halfspaces {
-            check_length("the normal of a half-space", halfspace.normal.len(), states.len())?;
+            check_cut(halfspace, states.len())?;
             let terms = halfspace.normal.iter().zip(states).filter(|(n, _)| **n != 0.0);
             let sum: Affine = terms.map(|(n, state)| *n * Affine::from(state)).sum();
             rows.push(sum.le(halfspace.limit_at(0)));
@@ -197,7 +198,7 @@ impl Region {
             }
         }
         for halfspace in &self.halfspaces {
-            check_halfspace(halfspace, system.states.len(), 0)?;
+            check_cut(halfspace, system.states.len())?;
             if !halfspace.limit.is_constant() {
                 let what = format!("the number of limits of `{}` in {what}", halfspace.name);
                 let count = halfspace.limit.values().count() as f64;
@@ -213,6 +214,17 @@ impl Region {
         }
         Ok(())
     }
+}
+
+/// The half-space of a region has a normal with an entry per state, not all of them 0.
+pub(crate) fn check_cut(halfspace: &Halfspace, states: usize) -> Result<(), Error> {
+    check_halfspace(halfspace, states, 0)?;
+    if halfspace.normal.iter().all(|n| *n == 0.0) {
+        let what =
+            format!("the largest entry of the normal of the half-space `{}`", halfspace.name);
+        return Err(Error::out_of_range(what, 0.0, "another number than 0; give a direction"));
+    }
+    Ok(())
 }
 
 fn unknown(name: &str, kind: &'static str) -> Error {

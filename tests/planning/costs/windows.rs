@@ -106,6 +106,37 @@ fn bad_windows_are_refused_and_change_nothing() {
         let error = program.require(&mut model, "way", &rest, when).unwrap_err();
         assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }), "{error}");
     }
+    #[allow(clippy::reversed_empty_ranges)]
+    let texts = [
+        (
+            When::At(7),
+            "the sample of `way` is 7; it must be at most 6, the last sample of the horizon",
+        ),
+        (
+            When::Throughout(3..=7),
+            "the last sample of `way` is 7; it must be at most 6, the last sample of the horizon",
+        ),
+        (
+            When::OnceIn(8..=9),
+            "the first sample of `way` is 8; it must be at most 6, the last sample of the horizon",
+        ),
+        (
+            When::OnceIn(4..=3),
+            "the last sample of `way` is 3; it must be at least 4, the first sample",
+        ),
+    ];
+    for (when, text) in texts {
+        let error = program.require(&mut model, "way", &rest, when).unwrap_err();
+        assert_eq!(error.to_string(), text);
+    }
+    // A half-space without a direction is named, not the row that it would have become.
+    let flat = rest.clone().with_halfspace(Halfspace::new("flat", [0.0, 0.0], 1.0));
+    let error = program.require(&mut model, "way", &flat, When::At(1)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the largest entry of the normal of the half-space `flat` is 0; it must be another number \
+         than 0; give a direction"
+    );
     let error = program.require(&mut model, "way", &Region::point([1.0]), When::At(1)).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Length { .. }));
     // The name `start_1[0]` is taken.

@@ -54,7 +54,8 @@ fn systems_whose_parts_do_not_fit() {
     let short = Halfspace::new("short", [1.0], 0.0);
     assert_eq!(
         refused(push().with_limit(short)),
-        "the length of the normal of a half-space is 1; it must be 2"
+        "the length of the normal of the half-space `short` is 1; it must be 2, one entry per state, or \
+         3, with the inputs"
     );
     let odd = Halfspace::new("odd", [1.0, f64::NAN], 0.0);
     assert_eq!(refused(push().with_limit(odd)), "a number of `odd` is NaN; give a finite number");
@@ -216,7 +217,7 @@ fn regions_that_do_not_fit() {
     let joint = Halfspace::new("joint", [1.0, 0.0, 1.0], 0.0);
     assert_eq!(
         refused(rest().with_halfspace(joint)),
-        "the length of the normal of a half-space is 3; it must be 2"
+        "the length of the normal of the half-space `joint` is 3; it must be 2, one entry per state"
     );
     let late = Halfspace::new("late", [1.0, 0.0], vec![0.0, 1.0]);
     assert_eq!(

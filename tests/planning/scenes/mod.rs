@@ -1,7 +1,10 @@
 //! Scenes: bodies among obstacles, in one to three axes.
 
 mod broken;
+mod corners;
+mod edges;
 mod extreme;
+mod limits;
 mod moving;
 mod numbers;
 mod paper;

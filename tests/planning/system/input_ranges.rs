@@ -3,8 +3,8 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
-    Choice, Horizon, HybridRun, HybridSystem, LinearSystem, Lqr, Region, TerminalOptions,
-    TerminalSet, Transition, Waiting,
+    Choice, Horizon, HybridRun, HybridSystem, LinearSystem, Lqr, Region, ShortestOptions,
+    TerminalOptions, TerminalSet, Transition, Waiting,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -137,6 +137,31 @@ fn waiting_and_terminal_sets_have_the_same_ranges() {
             let most = other.unwrap_or(3.0);
             assert!(inside.clone().count() > 3);
             assert!(inside.map(|x| set.feedback(&x).unwrap()[0].abs()).all(|u| u <= most));
+        }
+    }
+}
+
+#[test]
+fn an_input_without_any_value_at_a_step_is_infeasible_with_and_without_sets() {
+    // Both choices limit the input, and from step 1 on their ranges have nothing in common.
+    let flow = || LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap();
+    let only = |name: &str, ranges: Vec<Interval>| {
+        Choice::new(name)
+            .with_transition(Transition::new("go", flow()).with_input_range("u", ranges))
+    };
+    let system = HybridSystem::new()
+        .with_state("x", Interval::new(-9.0, 9.0))
+        .with_input("u", Interval::new(-1.0, 1.0))
+        .with_flow(flow())
+        .with_choice(only("a", vec![Interval::new(0.0, 1.0), Interval::new(0.5, 1.0)]))
+        .with_choice(only("b", vec![Interval::new(0.0, 1.0), Interval::new(-1.0, 0.25)]));
+    for (goal, found) in [(0.75, Some(1)), (1.5, None)] {
+        for sets in [true, false] {
+            let (start, goal) = (Region::point([0.0]), Region::point([goal]));
+            let options = ShortestOptions::default().with_max_steps(4).with_reach_sets(sets);
+            let mut solver = BranchAndBound::default();
+            let run = system.shortest_run(&start, &goal, 1.0, &options, &mut solver).unwrap();
+            assert_eq!(run.search.steps, found, "{sets}");
         }
     }
 }

@@ -127,19 +127,28 @@ impl World<'_> {
             from += impact.time;
             let face = impact.face;
             let r = self.relative(touch, &state.v, step);
-            let Some(change) = self.changes(touch, face, &r, 0.0).into_iter().next() else { break };
+            let Some(change) = self.changes(touch, face, [&r, &r], 0.0).into_iter().next() else {
+                break;
+            };
             for (body, share) in self.shares(touch) {
                 state.v[body].iter_mut().zip(&change).for_each(|(v, c)| *v += share * c);
             }
             let n = self.normal(touch, face);
             let rebound = dot(n, &self.relative(touch, &state.v, step));
-            if rebound <= REST_SPEED {
+            let push = |inputs: &[Vec<f64>], body: usize, share: f64| {
+                let gravity = &self.scene.bodies[body].gravity;
+                let total: Vec<f64> =
+                    inputs[body].iter().zip(gravity).map(|(u, g)| u + g).collect();
+                (share.signum() * dot(n, &total)).min(0.0)
+            };
+            let shares = self.shares(touch);
+            let pull: f64 = shares.iter().map(|&(body, share)| push(&inputs, body, share)).sum();
+            // At a surface with rest, hops that are lower than a micrometre are none.
+            let is_still = self.surface(touch, face).rests && rebound * rebound <= -2e-6 * pull;
+            if rebound <= REST_SPEED || is_still {
                 // It rests: nothing pushes it into the surface.
-                for (body, share) in self.shares(touch) {
-                    let gravity = &self.scene.bodies[body].gravity;
-                    let total: Vec<f64> =
-                        inputs[body].iter().zip(gravity).map(|(u, g)| u + g).collect();
-                    let push = (share.signum() * dot(n, &total)).min(0.0);
+                for (body, share) in shares {
+                    let push = push(&inputs, body, share);
                     inputs[body]
                         .iter_mut()
                         .zip(n)

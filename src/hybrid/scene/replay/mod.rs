@@ -1,7 +1,9 @@
 //! The replay of a plan through its scene. It evaluates gaps, flights and laws of hits itself, and
 //! reads no rows, transitions or sets.
 
+mod entry;
 mod events;
+mod hits;
 mod rules;
 mod world;
 
@@ -9,10 +11,8 @@ use events::Span;
 use world::{State, Touch, World};
 
 use super::error::SceneError;
-use super::geometry::dot;
 use super::plan::{BodyPath, SceneHit};
 use super::statement::Scene;
-use super::surface::Tangential;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 
@@ -25,6 +25,9 @@ const MISS: f64 = FEASIBILITY + REPLAY;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneCertificate {
+    /// Δt of the time-stepped law that the plan follows, in s.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub time_step: f64,
     /// Largest difference between a sample and where the step before leads, in m and m/s.
     pub largest_residual: f64,
     /// Largest difference between a sample and where the inputs and hits lead from the first sample
@@ -42,8 +45,14 @@ pub struct SceneCertificate {
     pub missed: usize,
     /// Largest change of the momentum of two bodies in their hits, in kg m/s.
     pub momentum_error: f64,
-    /// Largest energy that a hit adds, in J.
+    /// Largest kinetic energy that the law of a hit adds to that of the flight's end, in J; of hits of
+    /// a body in one step, all together. What counting a hit at the end of its step adds is in
+    /// `stepped_gain`.
     pub energy_gain: f64,
+    /// Largest energy by which a step with hits ends above the same step with its impacts where they
+    /// are located, in J: what the time-stepped law adds. It shrinks with Δt.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub stepped_gain: f64,
     /// Largest excess of a friction impulse over its cone, in N s.
     pub cone_excess: f64,
     /// Largest distance between a sample and where its step leads if impacts happen when they are
@@ -80,10 +89,10 @@ pub(super) fn certify(
         samples: (0..samples).map(state).collect(),
         inputs: (0..steps).map(input).collect(),
         hits,
-        certificate: SceneCertificate::default(),
+        certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
     };
     let Some(first) = played.samples.first().cloned() else {
-        return Ok(SceneCertificate::default());
+        return Ok(played.certificate);
     };
     let late = played.hits.iter().filter(|hit| hit.step >= steps).count() as f64;
     played.refuse(steps, "hits after the last step", late, 0.0)?;
@@ -93,7 +102,7 @@ pub(super) fn certify(
         played.one_hit(step)?;
         played.flights(step)?;
         let start = played.samples[step].clone();
-        let next = played.lead(step, &start)?;
+        let next = played.lead(step, &start);
         let end = played.samples[step + 1].clone();
         let residual = apart(&next, &end);
         let size = next.x.iter().chain(&next.v).flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -101,13 +110,15 @@ pub(super) fn certify(
         played.refuse(step, "the next sample differs (m, m/s)", residual, allowed)?;
         let certificate = &mut played.certificate;
         certificate.largest_residual = certificate.largest_residual.max(residual);
-        open = played.lead(step, &open)?;
+        open = played.lead(step, &open);
         played.account(step)?;
         let inputs = played.inputs[step].clone();
         let located = played.world.advance(&start, step, &inputs);
+        let gain = played.stepped_gain(step, &located);
         continuous = played.world.advance(&continuous, step, &inputs);
         let certificate = &mut played.certificate;
         certificate.drift = certificate.drift.max(apart(&open, &end));
+        certificate.stepped_gain = certificate.stepped_gain.max(gain);
         certificate.step_error = certificate.step_error.max(apart_in_place(&located, &end));
         let drift = apart_in_place(&continuous, &end);
         certificate.continuous_drift = certificate.continuous_drift.max(drift);
@@ -184,6 +195,7 @@ impl Played<'_> {
         let (start, inputs) = (&self.samples[step], &self.inputs[step]);
         let flown = world.fly(start, inputs, world.scene.time_step);
         let claimed = self.claimed(step);
+        let rests = self.rests(step);
         let mut worst = self.certificate.clone();
         for touch in world.touches() {
             let name = world.name(touch);
@@ -205,6 +217,10 @@ impl Played<'_> {
                 continue;
             }
             let end = -world.clearance(touch, &flown.x, step, 1.0).0;
+            if let Some(&(_, face)) = rests.iter().find(|(own, _)| *own == touch && end > MISS) {
+                self.entry(step, touch, face, &flown)?;
+                continue;
+            }
             self.refuse(step, &format!("{name}: enters without a hit (m)"), end, MISS)?;
             let span = Span { step, inputs, from: 0.0 };
             let parts = (0..=16).map(|k| {
@@ -222,144 +238,6 @@ impl Played<'_> {
             }
         }
         self.certificate = worst;
-        Ok(())
-    }
-
-    /// A hit begins in front of the face, ends behind it moving inward, and both within its extent.
-    fn entry(
-        &self,
-        step: usize,
-        touch: Touch,
-        face: usize,
-        flown: &State,
-    ) -> Result<(), SceneError> {
-        let world = &self.world;
-        let name = world.name(touch);
-        let start = &self.samples[step];
-        let n = world.normal(touch, face);
-        let before = world.gap(touch, face, &start.x, step, 0.0);
-        let after = world.gap(touch, face, &flown.x, step, 1.0);
-        let rate = dot(n, &world.relative(touch, &flown.v, step));
-        self.refuse(step, &format!("{name}: hits from behind (m)"), -before, MISS)?;
-        self.refuse(step, &format!("{name}: hits without reaching it (m)"), after, MISS)?;
-        self.refuse(step, &format!("{name}: hits while moving away (m/s)"), rate, MISS)?;
-        for (state, part, gap) in [(start, 0.0, before), (flown, 1.0, after)] {
-            // The point of the face nearest to the body must be in no other face's front.
-            let (body, _) = world.shares(touch)[0];
-            let mut x = state.x.clone();
-            x[body].iter_mut().zip(n).for_each(|(x, n)| *x -= gap * n);
-            for other in (0..world.faces(touch)).filter(|&k| k != face) {
-                let beside = world.gap(touch, other, &x, step, part);
-                let across = dot(world.normal(touch, other), n);
-                if across.abs() < 1.0 - 1e-12 {
-                    let what = format!("{name}: hits beside face {face} (m)");
-                    self.refuse(step, &what, beside, 10.0 * MISS)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Where a step leads from a state, with the plan's inputs and hits.
-    fn lead(&self, step: usize, start: &State) -> Result<State, SceneError> {
-        let world = &self.world;
-        let mut next = world.fly(start, &self.inputs[step], world.scene.time_step);
-        let flown = next.clone();
-        let claimed = self.claimed(step);
-        let planned = &self.samples[step + 1];
-        for &(touch, face, _) in &claimed {
-            let n = world.normal(touch, face);
-            let e = world.surface(touch, face).restitution.map_or(0.0, |e| e.value());
-            let gap = world.gap(touch, face, &flown.x, step, 1.0);
-            let r = world.relative(touch, &flown.v, step);
-            let (body, share) = world.shares(touch)[0];
-            let miss = |change: &Vec<f64>| -> f64 {
-                let parts = (0..change.len())
-                    .map(|i| (flown.v[body][i] + share * change[i] - planned.v[body][i]).abs());
-                parts.fold(0.0, f64::max)
-            };
-            let changes = world.changes(touch, face, &r, MISS);
-            let best = changes.iter().min_by(|a, b| miss(a).total_cmp(&miss(b)));
-            let Some(change) = best else { continue };
-            for (body, share) in world.shares(touch) {
-                for i in 0..n.len() {
-                    next.x[body][i] -= share * (1.0 + e) * gap * n[i];
-                    next.v[body][i] += share * change[i];
-                }
-            }
-        }
-        Ok(next)
-    }
-
-    /// Completes the hits of a step: speeds, impulse, energy, the located impact.
-    fn account(&mut self, step: usize) -> Result<(), SceneError> {
-        let world = &self.world;
-        let dt = world.scene.time_step;
-        let claimed = self.claimed(step);
-        let start = &self.samples[step];
-        let inputs = &self.inputs[step];
-        let flown = world.fly(start, inputs, dt);
-        let mut worst = self.certificate.clone();
-        for &(touch, face, number) in &claimed {
-            let n = world.normal(touch, face);
-            let [before, r] = [start, &flown].map(|s| world.relative(touch, &s.v, step));
-            let (at_start, at_end) = (-dot(n, &before), -dot(n, &r));
-            let shares = world.shares(touch);
-            let jerk: f64 =
-                shares.iter().map(|(b, _)| world.scene.bodies[*b].largest_jerk(n, dt)).sum();
-            let counted = match world.scene.estimate {
-                ImpactEstimate::Sound => at_start.max(at_end) + jerk * dt * dt / 8.0,
-                ImpactEstimate::EndOfStep => at_end,
-            };
-            let span = Span { step, inputs, from: 0.0 };
-            let impact = world.first_impact(touch, start, span);
-            let hit = &mut self.hits[number];
-            (hit.start_speed, hit.end_speed, hit.damage) = (at_start, at_end, counted.max(0.0));
-            (hit.time, hit.speed) = (step as f64 * dt + dt, at_end.max(0.0));
-            if let Some(impact) = impact {
-                (hit.time, hit.speed) = (step as f64 * dt + impact.time, impact.speed);
-                if impact.face == face {
-                    worst.unreported = worst.unreported.max(impact.speed - counted);
-                }
-            }
-            let at = world.fly(start, inputs, (hit.time - step as f64 * dt).clamp(0.0, dt));
-            hit.place = at.x[shares[0].0].clone();
-            let changes = world.changes(touch, face, &r, MISS);
-            let planned = &self.samples[step + 1];
-            let single = claimed.len() == 1;
-            let (body, share) = shares[0];
-            // What the plan does, if it can be told apart from other hits.
-            let change: Vec<f64> = match single {
-                true => {
-                    (0..n.len()).map(|i| (planned.v[body][i] - flown.v[body][i]) / share).collect()
-                }
-                false => changes.first().cloned().unwrap_or_default(),
-            };
-            let mass = world.mass(touch);
-            hit.impulse = change.iter().map(|c| mass * c).collect();
-            let after: Vec<f64> = r.iter().zip(&change).map(|(r, c)| r + c).collect();
-            hit.energy = 0.5 * mass * (dot(&r, &r) - dot(&after, &after));
-            worst.energy_gain = worst.energy_gain.max(-hit.energy);
-            let normal = dot(&hit.impulse, n);
-            let along: Vec<f64> = hit.impulse.iter().zip(n).map(|(j, n)| j - normal * n).collect();
-            if let Tangential::Coulomb { coefficient, .. } = world.surface(touch, face).tangential {
-                let excess = dot(&along, &along).sqrt() - coefficient * normal;
-                worst.cone_excess = worst.cone_excess.max(excess);
-            }
-            if let (true, [(a, _), (b, _)]) = (single, &shares[..]) {
-                let [a, b] = [*a, *b];
-                let of = |b: usize, i: usize| {
-                    world.scene.bodies[b].mass * (planned.v[b][i] - flown.v[b][i])
-                };
-                let sums = (0..n.len()).map(|i| (of(a, i) + of(b, i)).abs());
-                worst.momentum_error = sums.fold(worst.momentum_error, f64::max);
-            }
-        }
-        let excess = worst.unreported;
-        self.certificate = worst;
-        if self.world.scene.estimate == ImpactEstimate::Sound {
-            self.refuse(step, "an impact is faster than its damage (m/s)", excess, MISS)?;
-        }
         Ok(())
     }
 }

@@ -6,6 +6,7 @@ use crate::hybrid::scene::body::Body;
 use crate::hybrid::scene::geometry::dot;
 use crate::hybrid::scene::statement::Scene;
 use crate::hybrid::scene::surface::{Surface, Tangential};
+use crate::tolerance::margin_scale;
 
 /// Number of Runge-Kutta steps in a step of a body with springs or drag, while that is short beside
 /// the times of its motion.
@@ -211,20 +212,32 @@ impl World<'_> {
         (x, v)
     }
 
-    /// What a hit may change about the relative velocity: one possibility, or, where friction may
-    /// act in several directions, one for each that its law allows up to `slack` (m/s).
+    /// By how many times the gap at the end of a step a hit moves the body.
+    pub(super) fn lift(&self, touch: Touch, face: usize) -> f64 {
+        let surface = self.surface(touch, face);
+        if surface.rests { 1.0 } else { 1.0 + surface.restitution.map_or(0.0, |e| e.value()) }
+    }
+
+    /// What a hit may change about the relative velocity `r` at the end of its step: one possibility,
+    /// or, where friction may act in several directions, one for each that its law allows up to
+    /// `slack` (m/s). At a surface with rest the relative velocity `before`, at the start of the
+    /// step, decides about the rebound.
     pub(super) fn changes(
         &self,
         touch: Touch,
         face: usize,
-        r: &[f64],
+        [before, r]: [&[f64]; 2],
         slack: f64,
     ) -> Vec<Vec<f64>> {
         let surface = self.surface(touch, face);
         let n = self.normal(touch, face);
         let e = surface.restitution.map_or(0.0, |e| e.value());
         let along_normal = dot(n, r);
-        let normal: Vec<f64> = n.iter().map(|n| -(1.0 + e) * along_normal * n).collect();
+        let total = match surface.rests {
+            true => -along_normal + e * (-dot(n, before)).max(0.0),
+            false => -(1.0 + e) * along_normal,
+        };
+        let normal: Vec<f64> = n.iter().map(|n| total * n).collect();
         let sliding: Vec<f64> = r.iter().zip(n).map(|(r, n)| r - along_normal * n).collect();
         let speed = dot(&sliding, &sliding).sqrt();
         let with = |factor: f64, direction: &[f64]| -> Vec<f64> {
@@ -241,7 +254,7 @@ impl World<'_> {
                 vec![change]
             }
             Tangential::Coulomb { coefficient, directions } => {
-                let most = coefficient * (1.0 + e) * (-along_normal).max(0.0);
+                let most = coefficient * total.max(0.0);
                 if n.len() < 3 {
                     let part = if speed > most { most / speed } else { 1.0 };
                     return vec![with(-part, &sliding)];
@@ -250,12 +263,17 @@ impl World<'_> {
                 let ways = directions_along(n, directions);
                 let shares: Vec<f64> = ways.iter().map(|d| dot(d, r)).collect();
                 let largest = shares.iter().copied().fold(0.0, f64::max);
+                // Rows compare neighbouring directions, which are closer to each other the more
+                // there are.
+                let slack = slack * margin_scale(dot(r, r).sqrt(), 0.0);
+                let nearest = 2.0 * (std::f64::consts::PI / directions as f64).sin();
+                let sector = slack / nearest.min(1.0);
                 let mut all = Vec::new();
                 if largest <= most + slack {
                     all.push(with(-1.0, &sliding));
                 }
                 for (way, share) in ways.iter().zip(&shares) {
-                    if *share >= largest - slack && largest >= most - slack {
+                    if *share >= largest - sector && *share >= most - slack {
                         all.push(with(-most, way));
                     }
                 }
