@@ -6,6 +6,7 @@ mod damage_rows;
 mod error;
 mod geometry;
 mod law;
+mod loose;
 mod mitigate;
 mod picture;
 mod plan;
