@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use circles::{File, circles};
 
 /// What everything stands on, from the bottom up; each module sees those before it.
-const GROUND: [&str; 11] = [
+const GROUND: [&str; 12] = [
     "setters",
     "number",
     "error",

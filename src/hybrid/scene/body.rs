@@ -151,6 +151,15 @@ impl Body {
         self.domain.len()
     }
 
+    /// Whether free flight moves each axis by itself.
+    pub(super) fn is_apart(&self) -> bool {
+        let is_diagonal = |m: &Mat<f64>| {
+            let mut pairs = (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| (i, j)));
+            pairs.all(|(i, j)| i == j || m[(i, j)] == 0.0)
+        };
+        self.dynamics.iter().all(|(k, damping)| is_diagonal(k) && is_diagonal(damping))
+    }
+
     /// A step of `[x, v]` under u.
     pub(super) fn flow(&self, time_step: f64) -> Result<LinearSystem, Error> {
         let (d, dt) = (self.axes(), time_step);

@@ -8,6 +8,7 @@ mod entry;
 mod error;
 mod geometry;
 mod law;
+mod loose;
 mod mitigate;
 mod picture;
 mod plan;

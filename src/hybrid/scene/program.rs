@@ -47,10 +47,10 @@ impl Scene {
     /// The program of the scene over a horizon, from starts to goals. Bodies without a start or a
     /// goal may begin or end anywhere.
     ///
-    /// Where bodies may bounce and axes are independent, [sets](Scene::reach_sets) of each axis fix
-    /// hits that no plan makes and narrow bounds. No plan is lost. If they prove that there is none,
-    /// the row `no_plan_by_reach_sets` contradicts the bounds, and
-    /// [`ReachSets::explain`](crate::hybrid::reach::ReachSets::explain) says why.
+    /// [Sets](Scene::reach_sets) of each axis fix transitions that no plan takes and narrow bounds. No
+    /// plan is lost. If they prove that there is none, the row `no_plan_by_reach_sets` contradicts the
+    /// bounds, and [`ReachSets::explain`](crate::hybrid::reach::ReachSets::explain) says why. Where hits
+    /// couple axes, by friction, slanted faces or pairs of bodies, there are no such sets.
     ///
     /// ```
     /// use carom::hybrid::Region;
@@ -89,7 +89,7 @@ impl Scene {
     pub fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let stated = self.stated()?;
         let mut program = stated.program(steps)?;
-        if stated.contacts.iter().any(Contact::bounces) && !program.tighten(&stated)? {
+        if !program.tighten(&stated)? {
             program.contradict()?;
         }
         Ok(program)

@@ -1,6 +1,8 @@
 //! The shortest plan of a scene.
 
-use super::contact::Contact;
+use super::body::Body;
+use super::contact::{Contact, ContactFace};
+use super::loose::loose;
 use super::plan::ScenePlan;
 use super::program::{SceneProgram, exclusive};
 use super::statement::Scene;
@@ -10,7 +12,7 @@ use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use crate::hybrid::shortest_horizon::{
     HorizonModel, ShortestHorizon, ShortestOptions, Waiting, shortest_horizon,
 };
-use crate::hybrid::system::Region;
+use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
 use crate::solver::Solver;
 
@@ -38,9 +40,10 @@ impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
     /// and refutes all smaller numbers.
     ///
-    /// Where axes are independent, [sets](Scene::reach_sets) are kept for each axis of each body, and
-    /// refute most horizons. With many convex obstacles, the last of them are left to the search;
-    /// with friction, slanted faces or pairs of bodies, all of it is.
+    /// [Sets](Scene::reach_sets) are kept for each axis of each body, and refute most horizons. With many
+    /// convex obstacles, the last of them are left to the search. Where slanted faces or pairs of bodies
+    /// avoid each other, sets know only what that says about each axis. Where hits couple axes, by
+    /// friction, slanted faces or pairs, all of it is left to the search.
     ///
     /// # Errors
     ///
@@ -79,13 +82,11 @@ impl Scene {
 }
 
 impl SceneProgram {
-    /// Fixes hits and narrows bounds by sets, where these are quick to compute: where axes are
-    /// independent. `false` if the sets prove that there is no plan.
+    /// Fixes transitions and narrows bounds by [quick sets](Stated::quick_sets). `false` if they prove
+    /// that there is no plan.
     pub(super) fn tighten(&mut self, stated: &Stated) -> Result<bool, Error> {
-        if !stated.is_separable() {
-            return Ok(true);
-        }
-        let tube = stated.sets()?.tube(self.steps())?;
+        let Some(mut sets) = stated.quick_sets()? else { return Ok(true) };
+        let tube = sets.tube(self.steps())?;
         if tube.is_empty() {
             return Ok(false);
         }
@@ -98,10 +99,14 @@ impl SceneProgram {
 
 impl Stated {
     pub(super) fn sets(&self) -> Result<ReachSets, Error> {
+        self.sets_of(&self.system)
+    }
+
+    fn sets_of(&self, system: &HybridSystem) -> Result<ReachSets, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
         let exclusive = exclusive(&self.scene, &self.contacts);
         let options = SetOptions { exclusive, ..SetOptions::default() };
-        let sets = ReachSets::new(&self.system, start, goal, options)?;
+        let sets = ReachSets::new(system, start, goal, options)?;
         let bodies = &self.scene.bodies;
         if bodies.iter().all(|body| body.first.is_none()) {
             return Ok(sets);
@@ -113,18 +118,28 @@ impl Stated {
         sets.with_first_inputs(&first.collect::<Vec<_>>())
     }
 
-    /// Whether sets pay: axes are independent of each other, or few moves couple them.
-    pub(super) fn is_separable(&self) -> bool {
-        let alone = |contact: &Contact| {
-            contact.other.is_none()
-                && contact.faces.iter().all(|face| {
-                    let along_axis = face.normal.iter().any(|n| n.abs() == 1.0);
-                    let bounces = face.surface.restitution.is_some();
-                    along_axis && (!bounces || face.surface.is_frictionless())
-                })
+    /// Sets that take no longer than a few nodes of a search: of the scene where few moves couple its
+    /// axes or none does, and otherwise of the scene with [looser conditions](loose), if hits keep axes
+    /// apart.
+    pub(super) fn quick_sets(&self) -> Result<Option<ReachSets>, Error> {
+        let is_aligned = |contact: &Contact| {
+            let along_axis = |face: &ContactFace| face.normal.iter().any(|n| n.abs() == 1.0);
+            contact.other.is_none() && contact.faces.iter().all(along_axis)
         };
-        let modes = self.contacts.iter().map(|contact| contact.modes.len());
-        self.contacts.iter().all(alone) || modes.fold(1, usize::saturating_mul) <= MOST_MOVES
+        let hits_apart = |contact: &Contact| {
+            !contact.bounces()
+                || is_aligned(contact)
+                    && contact.faces.iter().all(|face| face.surface.is_frictionless())
+        };
+        let moves = self.contacts.iter().map(|contact| contact.modes.len());
+        let few = moves.fold(1, usize::saturating_mul) <= MOST_MOVES;
+        let apart =
+            self.contacts.iter().all(hits_apart) && self.scene.bodies.iter().all(Body::is_apart);
+        match (few || apart && self.contacts.iter().all(is_aligned), apart) {
+            (true, _) => self.sets_of(&self.system).map(Some),
+            (false, true) => self.sets_of(&loose(self)).map(Some),
+            (false, false) => Ok(None),
+        }
     }
 
     fn ends(&self, is_start: bool) -> Region {
@@ -173,7 +188,7 @@ impl HorizonModel for Task {
     }
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
-        self.stated.is_separable().then(|| self.stated.sets()).transpose()
+        self.stated.quick_sets()
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {

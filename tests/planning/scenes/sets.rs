@@ -1,6 +1,6 @@
 //! Programs that sets have tightened have the optimum of those that they have not.
 
-use carom::hybrid::scene::{Body, Scene, Solid, Surface};
+use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -39,6 +39,31 @@ fn random(numbers: &mut Numbers) -> Scene {
     }
 }
 
+/// Whether there is a plan, with sets and without.
+fn has_same_optimum(scene: &Scene, steps: usize) -> bool {
+    let mut found = Vec::new();
+    for mut program in [scene.program(steps).unwrap(), scene.plain_program(steps).unwrap()] {
+        let effort = program.effort().unwrap();
+        program.model.minimize(effort).unwrap();
+        let solution = BranchAndBound::default().solve(&program.model).unwrap();
+        if solution.point().is_some() {
+            program.certified(&solution).unwrap();
+        }
+        found.push((solution.termination(), solution.objective()));
+    }
+    match (found[0], found[1]) {
+        ((_, Some(a)), (_, Some(b))) => {
+            assert!((a - b).abs() <= 1e-4 * (1.0 + b.abs()), "{a} and {b}");
+            true
+        }
+        (a, b) => {
+            assert_eq!(a, (Termination::Infeasible, None), "{a:?} and {b:?}");
+            assert_eq!(a, b);
+            false
+        }
+    }
+}
+
 #[test]
 fn no_plan_is_lost() {
     let mut numbers = Numbers(17);
@@ -46,26 +71,9 @@ fn no_plan_is_lost() {
     for _ in 0..12 {
         let scene = random(&mut numbers);
         let steps = 5 + (numbers.within(0.0, 3.0) as usize);
-        let mut found = Vec::new();
-        for mut program in [scene.program(steps).unwrap(), scene.plain_program(steps).unwrap()] {
-            let effort = program.effort().unwrap();
-            program.model.minimize(effort).unwrap();
-            let solution = BranchAndBound::default().solve(&program.model).unwrap();
-            if solution.point().is_some() {
-                program.certified(&solution).unwrap();
-            }
-            found.push((solution.termination(), solution.objective()));
-        }
-        match (found[0], found[1]) {
-            ((_, Some(a)), (_, Some(b))) => {
-                assert!((a - b).abs() <= 1e-4 * (1.0 + b.abs()), "{a} and {b}");
-                feasible += 1;
-            }
-            (a, b) => {
-                assert_eq!(a, (Termination::Infeasible, None), "{a:?} and {b:?}");
-                assert_eq!(a, b);
-                refuted += 1;
-            }
+        match has_same_optimum(&scene, steps) {
+            true => feasible += 1,
+            false => refuted += 1,
         }
     }
     assert!(feasible > 2 && refuted > 2, "{feasible} feasible, {refuted} refuted");
@@ -133,4 +141,85 @@ fn a_pillar_to_bounce_off_is_followed_by_the_sets_of_a_room() {
     let (avoid, bouncing) = (steps(Surface::avoid()), steps(bounce(0.6)));
     assert!(avoid.1.is_empty() && bouncing.0 < avoid.0);
     assert_eq!(bouncing.1, ["robot at pillar"]);
+}
+
+/// A quadrotor among three boxes, none of which it may touch.
+fn quadrotor() -> Scene {
+    let room = [Interval::new(0.0, 6.0), Interval::new(0.0, 4.0)];
+    let quadrotor = Body::new("quadrotor", room, 1.2, 2.0)
+        .with_start(Region::point([0.4, 0.5, 1.2, 0.0]))
+        .with_goal(Region::point([5.5, 3.5, 0.0, 0.0]));
+    let boxes = [[1.2, 1.9, 0.0, 2.2], [2.8, 3.4, 1.4, 4.0], [4.3, 4.9, 0.6, 2.6]];
+    boxes.iter().enumerate().fold(Scene::new(0.2).with_body(quadrotor), |scene, (k, sides)| {
+        let sides = [Interval::new(sides[0], sides[1]), Interval::new(sides[2], sides[3])];
+        scene.with_obstacle(Solid::cuboid(format!("box {k}"), &sides, Surface::avoid()))
+    })
+}
+
+/// Without sets, a step less than the shortest takes thousands of nodes.
+#[test]
+fn programs_in_which_all_is_avoided_know_what_sets_say() {
+    let scene = quadrotor();
+    let (too_few, enough) = (scene.program(28).unwrap(), scene.program(29).unwrap());
+    let mut solver = BranchAndBound::default();
+    solver.options_mut().node_limit = Some(100);
+    let solution = solver.solve(&too_few.model).unwrap();
+    assert_eq!(solution.termination(), Termination::Infeasible);
+    assert!(solution.statistics().nodes <= 20, "{}", solution.statistics().nodes);
+    let solution = solver.solve(&enough.model).unwrap();
+    enough.certified(&solution).unwrap();
+    // Sets fix binaries of faces that lie behind.
+    let open = |model: &Model| model.variables().filter(|v| v.bounds().width() > 0.0).count();
+    let plain = scene.plain_program(29).unwrap();
+    assert!(open(&enough.model) + 100 < open(&plain.model));
+}
+
+/// A drone or two that avoid slanted faces and each other.
+fn random_avoiding(numbers: &mut Numbers) -> Scene {
+    let room = [Interval::new(0.0, 3.0), Interval::new(0.0, 2.0)];
+    let slanted = numbers.within(0.0, 1.0) < 0.6;
+    let pair = !slanted || numbers.within(0.0, 1.0) < 0.4;
+    let mut place = |low: f64| vec![numbers.within(low, low + 0.4), numbers.within(0.2, 1.8)];
+    let [from, to] = [[place(0.1), vec![0.0, 0.0]].concat(), [place(2.5), vec![0.0, 0.0]].concat()];
+    let drone = |name: &str, from: &[f64], to: &[f64]| {
+        Body::new(name, room, 1.5 + 0.5 * from[1], 2.0)
+            .with_shape(Shape::Ball(0.08))
+            .with_start(Region::point(from))
+            .with_goal(Region::point(to))
+    };
+    let mut scene = Scene::new(0.25).with_body(drone("a", &from, &to));
+    if pair {
+        scene = scene.with_body(drone("b", &to, &from)).with_pair("a", "b", Surface::avoid());
+    }
+    let (x, y) = (numbers.within(1.2, 1.8), numbers.within(0.5, 1.5));
+    let mut faces = |count: usize| {
+        let turn = numbers.within(0.1, 1.0);
+        (0..count).map(move |k| {
+            let angle = turn + std::f64::consts::TAU * k as f64 / count as f64;
+            let normal = [angle.cos(), angle.sin()];
+            (normal, normal[0] * x + normal[1] * y + 0.3)
+        })
+    };
+    match slanted {
+        true => scene.with_obstacle(Solid::polytope("pillar", faces(5), Surface::avoid())),
+        false => {
+            let sides = [Interval::new(x - 0.2, x + 0.2), Interval::new(y - 0.3, y + 0.3)];
+            scene.with_obstacle(Solid::cuboid("pillar", &sides, Surface::avoid()))
+        }
+    }
+}
+
+#[test]
+fn no_plan_is_lost_where_all_is_avoided() {
+    let mut numbers = Numbers(5);
+    let (mut feasible, mut refuted) = (0, 0);
+    for _ in 0..14 {
+        let scene = random_avoiding(&mut numbers);
+        let steps = 6 + (numbers.within(0.0, 5.0) as usize);
+        match has_same_optimum(&scene, steps) {
+            true => feasible += 1,
+            false => refuted += 1,
+        }
+    }
+    assert!(feasible > 2 && refuted > 2, "{feasible} feasible, {refuted} refuted");
 }
