@@ -87,7 +87,7 @@ pub mod search {
     }
 
     pub mod seed {
-        pub use crate::search::{Part, SeedBox, divide};
+        pub use crate::search::{Part, Seed, SeedBox, Start, divide};
     }
 
     pub mod time_order {

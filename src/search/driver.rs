@@ -74,7 +74,7 @@ pub fn search_unstrengthened(task: Task<'_>, before: Found, control: &mut Contro
         values.truncate(program.column_count());
         Start { values, found_by: before.found_by.unwrap_or(Heuristic::Leaf) }
     });
-    let mut found = search(task, control, Some(&Seed { point, ..Seed::default() }));
+    let mut found = search(task, control, Some(&Seed::from_point(point)));
     found.statistics.add(&before.statistics);
     found
 }

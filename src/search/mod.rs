@@ -106,8 +106,8 @@ pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
 pub(crate) use root_point::{Looked, Strengthened};
-pub use seed::SeedBox;
-pub(crate) use seed::{GuessEnd, Seed, Start};
+pub(crate) use seed::GuessEnd;
+pub use seed::{Seed, SeedBox, Start};
 pub use task::{Accept, Task};
 
 // For `internals` only.

@@ -84,3 +84,44 @@ pub(super) fn relax_and_keep(
     });
     (verdict, multipliers)
 }
+
+/// What the exact program says of the node of the domain.
+pub(super) struct Exact {
+    /// A proved bound; infinite if there is no point.
+    pub(super) bound: f64,
+    /// The relaxed point.
+    pub(super) point: Option<Vec<f64>>,
+}
+
+/// Relaxes the exact program at the node of the domain; `None` if the node was relaxed exactly before.
+///
+/// Tighter costs and rows are those of whole integers. Where a relaxed point is whole up to a tolerance
+/// only, the cost may be a little too low: by what a steep slope makes of `1e-7`. Splitting such a node
+/// further and further would not lift its bound.
+pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<Exact> {
+    let exact = ctx.shared.task.exact?;
+    if std::ptr::eq(exact, ctx.base()) || exact.quadratic.compute_nnz() == 0 {
+        return None;
+    }
+    let activity = ctx.clock.switch(Activity::Reduction);
+    let reduced = ctx.ladder.reducer().reduce(exact, &ctx.node.domain);
+    ctx.clock.switch(activity);
+    // Nothing below the cutoff that the domain was propagated with.
+    let refuted = Exact { bound: ctx.tree.strengthen(ctx.node.cutoff), point: None };
+    let Some(reduced) = reduced else { return Some(refuted) };
+    let warm = ctx.node.warm.take();
+    let projection = project_reduced(ctx, reduced);
+    let verdict = relax(ctx, &projection.reduced, Purpose::Node);
+    ctx.node.warm = warm;
+    let found = match &verdict {
+        Verdict::Refuted(_) => Some(refuted),
+        Verdict::Relaxed { bound, x, converged, .. } => {
+            let point = converged.then(|| ctx.complete_point(projection.lift(x)));
+            Some(Exact { bound: ctx.tree.strengthen(bound.min(ctx.node.cutoff)), point })
+        }
+        _ => None,
+    };
+    ctx.ladder.reuse(verdict);
+    ctx.ladder.reducer().reuse_projection(projection);
+    found
+}

@@ -33,10 +33,18 @@ pub struct Seed {
 
 /// A verified point that a search begins with.
 #[derive(Debug, Clone)]
-pub(crate) struct Start {
+pub struct Start {
     /// A value a column.
-    pub(crate) values: Vec<f64>,
-    pub(crate) found_by: Heuristic,
+    pub values: Vec<f64>,
+    /// What found it.
+    pub found_by: Heuristic,
+}
+
+impl Seed {
+    /// Nothing but a point to beat.
+    pub fn from_point(point: Option<Start>) -> Self {
+        Seed { point, ..Seed::default() }
+    }
 }
 
 /// A box over some integral columns, and how promising it is: the smaller, the more.

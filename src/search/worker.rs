@@ -9,7 +9,7 @@ use super::indifferent_binaries::{settle_groups, settle_lone};
 use super::leaf::offer_leaf;
 use super::node::{Decision, Known, Node};
 use super::node_probing::NodeProbing;
-use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
+use super::node_relaxation::{Exact, project_reduced, reduce_node, relax_and_keep, relax_exactly};
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
 use super::replay::replay;
@@ -104,32 +104,48 @@ impl<'a> Worker<'a> {
             try_guess(ctx);
         }
         let known = node.known.take().filter(|k| !ctx.is_leaf() && may_reuse(ctx, k, node.bound));
-        let (bound, mut x) = match known {
+        let (mut bound, mut x) = match known {
             Some(known) => (node.bound, known.point),
             None => relax_node(ctx, &mut self.branching.pseudocosts, &node)?,
         };
-        let is_cut_off = |ctx: &Context<'_>| {
+        let is_cut_off = |ctx: &Context<'_>, bound: f64| {
             let beyond = bound >= ctx.tree.cutoff();
             if beyond {
                 cut_off(ctx, &node.path, bound);
             }
             beyond
         };
-        if is_cut_off(ctx) {
+        if is_cut_off(ctx, bound) {
             return None;
         }
         let (program, root, options) = (ctx.program(), ctx.shared.root, ctx.options());
         settle_groups(program, &ctx.node.domain, &root.groups, options.integrality, &mut x);
         let pseudocosts = &self.branching.pseudocosts;
         look_for_points(ctx, &mut self.heuristics, pseudocosts, &x, bound, at_root);
-        if is_cut_off(ctx) {
+        if is_cut_off(ctx, bound) {
             return None;
         }
-        let raw = x.clone();
+        let mut raw = x.clone();
         settle_lone(program, &ctx.node.domain, &root.lone, options.integrality, &mut x);
         look_for_settled_point(ctx, &raw, &x);
-        if is_cut_off(ctx) {
+        if is_cut_off(ctx, bound) {
             return None;
+        }
+        if ctx.is_integral(&raw)
+            && let Some(exact) = relax_exactly(ctx)
+        {
+            let Exact { bound: proved, point } = exact;
+            bound = bound.max(proved);
+            if is_cut_off(ctx, bound) {
+                return None;
+            }
+            if let Some(point) = point {
+                (raw, x) = (point.clone(), point);
+                look_for_settled_point(ctx, &[], &x);
+                if is_cut_off(ctx, bound) {
+                    return None;
+                }
+            }
         }
         if let Some(reason) = ctx.token.ended() {
             // What splits a node takes as long as relaxing it.

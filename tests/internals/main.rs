@@ -9,6 +9,7 @@ mod exponential;
 mod extended;
 mod lp_names;
 mod name_table;
+mod open_columns;
 mod presolve;
 mod propagation;
 mod relaxation;

@@ -2,6 +2,7 @@
 
 mod allowance;
 mod best_points;
+mod comparison;
 mod growth;
 mod indifferent_binaries;
 mod node;
