@@ -7,6 +7,8 @@ mod hits;
 mod rules;
 mod world;
 
+use std::fmt;
+
 use events::Span;
 use world::{State, Touch, World};
 
@@ -60,6 +62,18 @@ pub struct SceneCertificate {
     pub step_error: f64,
     /// The same from the first sample alone, in m. Later impacts amplify it.
     pub continuous_drift: f64,
+}
+
+impl fmt::Display for SceneCertificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { time_step, largest_residual, step_error, stepped_gain, .. } = self;
+        write!(
+            f,
+            "samples follow the time-stepped law with Δt = {time_step} s to {largest_residual:.1e}; \
+             beside impacts where they are located, a step is off by up to {step_error:.3} m and \
+             adds up to {stepped_gain:.3} J"
+        )
+    }
 }
 
 /// A plan in numbers.
