@@ -178,6 +178,9 @@ pub(crate) fn least_of(
     Ok(found)
 }
 
+/// The program of a horizon and its solution, if it was solved.
+type Solved<M> = Option<(<M as HorizonModel>::Program, Solution)>;
+
 /// Decides one horizon, by sets or by a solve.
 pub(crate) fn decide<M: HorizonModel>(
     task: &M,
@@ -185,7 +188,7 @@ pub(crate) fn decide<M: HorizonModel>(
     options: &ShortestOptions,
     token: &StopToken,
     solver: &mut dyn Solver,
-) -> Result<(Attempt, Option<(M::Program, Solution)>), Error> {
+) -> Result<(Attempt, Solved<M>), Error> {
     let mut program = task.build(steps)?;
     if let Some(mut sets) = if options.reach_sets { task.reach_sets()? } else { None }
         && let Some(tube) = sets.tube_until(steps, token)?

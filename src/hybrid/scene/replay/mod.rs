@@ -81,15 +81,15 @@ struct Played<'a> {
     world: World<'a>,
     samples: Vec<State>,
     inputs: Vec<Vec<Vec<f64>>>,
-    hits: &'a mut [SceneHit],
+    hits: &'a mut Vec<SceneHit>,
     certificate: SceneCertificate,
 }
 
-/// Replays a plan; completes its hits.
+/// Replays a plan; completes its hits, and drops those that are rest.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
-    hits: &mut [SceneHit],
+    hits: &mut Vec<SceneHit>,
 ) -> Result<SceneCertificate, SceneError> {
     let samples = bodies.first().map_or(0, |body| body.position.len());
     let state = |t: usize| State {
@@ -111,6 +111,7 @@ pub(super) fn certify(
     let late = played.hits.iter().filter(|hit| hit.step >= steps).count() as f64;
     played.refuse(steps, "hits after the last step", late, 0.0)?;
     played.limits()?;
+    played.drop_rests(steps);
     let (mut open, mut continuous) = (first.clone(), first);
     for step in 0..steps {
         played.one_hit(step)?;
