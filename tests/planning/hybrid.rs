@@ -557,7 +557,8 @@ fn no_horizon_up_to_the_limit_is_an_answer() {
         let found = shortest_horizon(&builder, &options, &mut solver).unwrap();
         assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 37 });
         assert_eq!((found.steps, found.refuted_steps), (None, Some(37)));
-        assert_eq!(found.status.to_string(), "no feasible horizon up to 37 steps");
+        let text = "no feasible horizon up to 37 steps of the time-stepped law";
+        assert_eq!(found.status.to_string(), text);
     }
 }
 

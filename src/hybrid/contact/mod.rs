@@ -7,9 +7,11 @@
 //! | --- | --- | --- |
 //! | [`ContactLaw::Reflecting`] | `contact/reflecting.rs` | replaces (8)-(13) |
 //! | [`ContactLaw::Literal`] | `contact/literal.rs` | (8)-(13), errata applied |
+//! | [`Contact::transitions_with_rest`] | `contact/resting.rs` | |
 
 mod literal;
 mod reflecting;
+mod resting;
 mod roll_out;
 
 pub use roll_out::RollOut;
@@ -198,5 +200,54 @@ impl Contact {
                 literal::transitions(self.wall, self.restitution, time_step, max_speed)
             }
         }
+    }
+
+    /// A contact that may come to rest, as transitions of the same vehicle: flight, impact, settling
+    /// and rest. It is a law of its own, whatever [`law`](Contact::law) says.
+    ///
+    /// A step in contact ends at the wall. An impact rebounds with e times the approach at the
+    /// *start* of its step, so that bounces die out. A vehicle that does not approach at the start, and
+    /// would end behind the wall, settles there. One at rest at the wall stays as long as its
+    /// acceleration does not point away, which is no event.
+    ///
+    /// Under the reflecting law bounces may go on for ever: what the acceleration adds between the
+    /// impact and the end of its step is reflected too.
+    ///
+    /// # Arguments
+    ///
+    /// As for [`transitions`](Contact::transitions).
+    ///
+    /// ```
+    /// use carom::hybrid::{
+    ///     Contact, HybridSystem, Region, Restitution, ShortestOptions, Wall,
+    /// };
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.8)?);
+    /// let mut ball = HybridSystem::new()
+    ///     .with_state("x", Interval::new(0.0, 2.0))
+    ///     .with_state("v", Interval::new(-10.0, 10.0))
+    ///     .with_input("a", Interval::point(-9.81));
+    /// for transition in floor.transitions_with_rest(0.05, None)? {
+    ///     ball = ball.with_transition(transition);
+    /// }
+    /// let (start, rest) = (Region::point([1.0, 0.0]), Region::point([0.0, 0.0]));
+    /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
+    /// let found = ball.shortest_run(&start, &rest, 0.05, &options, &mut solver)?;
+    /// assert!(found.run.is_some());
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
+    pub fn transitions_with_rest(
+        &self,
+        time_step: f64,
+        max_speed: Option<f64>,
+    ) -> Result<[Transition; 4], Error> {
+        let e = self.restitution.value();
+        resting::transitions(self.wall, e, time_step, max_speed, IMPACT_SPEED)
     }
 }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../../../docs/modules/scene.md")]
 
 mod body;
+mod compare;
 mod contact;
 mod damage_rows;
 mod ends;
@@ -23,6 +24,7 @@ mod surface;
 mod system;
 
 pub use body::{Body, Shape};
+pub use compare::StepComparison;
 pub use error::SceneError;
 pub use mitigate::{Avoidable, Mitigation};
 pub use plan::{BodyPath, SceneHit, ScenePlan};

@@ -1,5 +1,7 @@
 //! The shortest plan of a scene.
 
+use std::fmt;
+
 use super::body::Body;
 use super::contact::{Contact, ContactFace};
 use super::loose::loose;
@@ -28,12 +30,20 @@ const MOST_MOVES: usize = 4;
 #[non_exhaustive]
 #[must_use]
 pub struct ShortestScenePlan {
+    /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it.
+    pub time_step: f64,
     /// How the search ended, its horizons, its sets and its attempts.
     pub search: ShortestHorizon<SceneProgram>,
     /// Whether waiting is free, and why.
     pub waiting: Waiting,
     /// The plan of `search.steps` steps.
     pub plan: Option<ScenePlan>,
+}
+
+impl fmt::Display for ShortestScenePlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.search.claim(self.time_step, f)
+    }
 }
 
 impl Scene {
@@ -66,7 +76,8 @@ impl Scene {
             (Some(program), Some(solution)) => Some(program.certified(solution)?),
             _ => None,
         };
-        Ok(ShortestScenePlan { search, waiting: task.waiting, plan })
+        let time_step = self.time_step;
+        Ok(ShortestScenePlan { time_step, search, waiting: task.waiting, plan })
     }
 
     /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in
@@ -169,9 +180,9 @@ impl Stated {
 }
 
 /// From starts to goals, in any number of steps.
-struct Task {
-    stated: Stated,
-    waiting: Waiting,
+pub(super) struct Task {
+    pub(super) stated: Stated,
+    pub(super) waiting: Waiting,
 }
 
 impl HorizonModel for Task {

@@ -11,6 +11,7 @@ pub use outcome::{Attempt, Refutation, ShortestHorizon, ShortestStatus, Verdict}
 pub use run::{RunProgram, ShortestRun};
 pub use search::{HorizonEvent, ShortestOptions, shortest_horizon, shortest_horizon_with};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
+pub(crate) use time_step::{decide, least_of};
 
 use std::borrow::BorrowMut;
 

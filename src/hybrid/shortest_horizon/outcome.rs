@@ -99,11 +99,17 @@ impl fmt::Display for ShortestStatus {
         match self {
             ShortestStatus::Found => f.write_str("found"),
             ShortestStatus::NoneWithin { max_steps } => {
-                write!(f, "no feasible horizon up to {max_steps} steps")
+                write!(f, "no feasible horizon up to {max_steps} steps of the time-stepped law")
             }
             ShortestStatus::Stopped(termination) => write!(f, "stopped ({termination})"),
         }
     }
+}
+
+/// The length of a horizon, without the digits that only rounding makes.
+fn seconds(steps: usize, time_step: f64) -> String {
+    let text = format!("{:.6}", steps as f64 * time_step);
+    format!("{} s", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// The outcome of a shortest-horizon search.
@@ -135,6 +141,38 @@ pub struct ShortestHorizon<P> {
 }
 
 impl<P> ShortestHorizon<P> {
+    /// What was found, in words, with the law and the time step that it is about.
+    pub(crate) fn claim(&self, time_step: f64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let law = format!("the time-stepped law with Δt = {time_step} s");
+        let steps = |count: usize| match count {
+            1 => "1 step".to_owned(),
+            _ => format!("{count} steps"),
+        };
+        match (self.status, self.steps) {
+            (ShortestStatus::Found, Some(found)) => {
+                write!(f, "{} at least, {}", steps(found), seconds(found, time_step))?;
+                match found {
+                    1 => write!(f, ", under {law}"),
+                    _ => write!(f, ": fewer are refuted for {law}"),
+                }
+            }
+            (ShortestStatus::NoneWithin { max_steps }, _) => write!(
+                f,
+                "no plan of up to {}, {}, under {law}; a smaller Δt, or a law with rest at its \
+                 contacts, may have one",
+                steps(max_steps),
+                seconds(max_steps, time_step)
+            ),
+            (status, found) => {
+                write!(f, "{status}, under {law}")?;
+                match found {
+                    Some(found) => write!(f, ": {} are enough", steps(found)),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
     /// Whether the shortest horizon was found and proved.
     pub fn is_found(&self) -> bool {
         self.status == ShortestStatus::Found

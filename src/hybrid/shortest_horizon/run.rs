@@ -1,6 +1,7 @@
 //! The shortest run of a hybrid system, from its statement alone.
 
 use std::borrow::{Borrow, BorrowMut};
+use std::fmt;
 
 use super::outcome::ShortestHorizon;
 use super::search::{ShortestOptions, shortest_horizon};
@@ -44,6 +45,8 @@ impl BorrowMut<Model> for RunProgram {
 #[non_exhaustive]
 #[must_use]
 pub struct ShortestRun {
+    /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it.
+    pub time_step: f64,
     /// How the search ended, its horizons, its sets and its attempts.
     pub search: ShortestHorizon<RunProgram>,
     /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or
@@ -53,6 +56,12 @@ pub struct ShortestRun {
     pub run: Option<HybridRun>,
     /// How the run agrees with the system as it is stated, replayed without the program's rows.
     pub certificate: Option<RunCertificate>,
+}
+
+impl fmt::Display for ShortestRun {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.search.claim(self.time_step, f)
+    }
 }
 
 impl HybridSystem {
@@ -108,7 +117,7 @@ impl HybridSystem {
             }
             _ => (None, None),
         };
-        Ok(ShortestRun { search, waiting: task.waiting, run, certificate })
+        Ok(ShortestRun { time_step, search, waiting: task.waiting, run, certificate })
     }
 }
 

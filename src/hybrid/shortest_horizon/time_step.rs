@@ -1,9 +1,11 @@
 //! The least time step for a fixed number of steps.
 
+use std::borrow::{Borrow, BorrowMut};
+
 use super::HorizonModel;
 use super::Waiting;
 use super::outcome::{Attempt, Verdict};
-use super::run::{RunProgram, Task};
+use super::run::Task;
 use super::search::ShortestOptions;
 use crate::error::Error;
 use crate::hybrid::linear::check_time_step;
@@ -121,6 +123,25 @@ pub fn least_time_step(
     options: &ShortestOptions,
     solver: &mut dyn Solver,
 ) -> Result<LeastTimeStep, Error> {
+    least_of(grid, options, |time_step, token| {
+        let system = system(time_step)?;
+        let waiting = Waiting::NotFree("the number of steps is fixed".into());
+        let task = Task { system: &system, start, goal, time_step, waiting };
+        let (attempt, solved) = decide(&task, grid.steps, options, token, solver)?;
+        let run = match solved.filter(|_| attempt.verdict == Verdict::Feasible) {
+            Some((program, solution)) => Some(program.program.certified(&solution)?.0),
+            None => None,
+        };
+        Ok((attempt, run))
+    })
+}
+
+/// The least time step of a grid, by decisions on one of them each, with the run if there is one.
+pub(crate) fn least_of(
+    grid: &TimeStepGrid,
+    options: &ShortestOptions,
+    mut decide: impl FnMut(f64, &StopToken) -> Result<(Attempt, Option<HybridRun>), Error>,
+) -> Result<LeastTimeStep, Error> {
     grid.check()?;
     let token = StopToken::new(options.time_limit, &options.interrupt);
     let mut found = LeastTimeStep {
@@ -135,14 +156,10 @@ pub fn least_time_step(
     while low < high && !token.is_over() {
         let middle = if grid.monotone.is_some() { low + (high - low) / 2 } else { low };
         let time_step = grid.time_steps[middle];
-        let system = system(time_step)?;
-        let waiting = Waiting::NotFree("the number of steps is fixed".into());
-        let task = Task { system: &system, start, goal, time_step, waiting };
-        let (attempt, solved) = decide(&task, grid.steps, options, &token, solver)?;
+        let (attempt, run) = decide(time_step, &token)?;
         found.attempts.push((time_step, attempt));
-        match (attempt.verdict, solved) {
-            (Verdict::Feasible, Some((program, solution))) => {
-                let (run, _) = program.program.certified(&solution)?;
+        match (attempt.verdict, run) {
+            (Verdict::Feasible, Some(run)) => {
                 found.run = Some(run);
                 found.time_step = Some(time_step);
                 high = middle;
@@ -161,23 +178,26 @@ pub fn least_time_step(
     Ok(found)
 }
 
+/// The program of a horizon and its solution, if it was solved.
+type Solved<M> = Option<(<M as HorizonModel>::Program, Solution)>;
+
 /// Decides one horizon, by sets or by a solve.
-fn decide(
-    task: &Task<'_>,
+pub(crate) fn decide<M: HorizonModel>(
+    task: &M,
     steps: usize,
     options: &ShortestOptions,
     token: &StopToken,
     solver: &mut dyn Solver,
-) -> Result<(Attempt, Option<(RunProgram, Solution)>), Error> {
+) -> Result<(Attempt, Solved<M>), Error> {
     let mut program = task.build(steps)?;
     if let Some(mut sets) = if options.reach_sets { task.reach_sets()? } else { None }
         && let Some(tube) = sets.tube_until(steps, token)?
     {
         let variables = task.variables(&program);
-        if tube.is_empty() || tube.tighten(&mut program.model, &variables)?.infeasible {
+        if tube.is_empty() || tube.tighten(program.borrow_mut(), &variables)?.infeasible {
             return Ok((Attempt::by_sets(steps), None));
         }
     }
-    let solution = token.solve(solver, &program.model, &mut |_| {})?;
+    let solution = token.solve(solver, program.borrow(), &mut |_| {})?;
     Ok((Attempt::of(steps, &solution), Some((program, solution))))
 }

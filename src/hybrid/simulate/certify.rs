@@ -22,6 +22,9 @@ const MISS: f64 = FEASIBILITY + REPLAY;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RunCertificate {
+    /// Δt of the time-stepped law that the run follows, in s.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub time_step: f64,
     /// Largest difference between a sample and where the step before leads, in the states' units.
     pub largest_residual: f64,
     /// Largest violation of a condition, in its unit; 0 if none is violated.
@@ -56,6 +59,7 @@ impl HybridSystem {
         self.check()?;
         let plan = Plan::new(self, run)?;
         let mut certificate = RunCertificate {
+            time_step: run.time_step,
             largest_residual: 0.0,
             largest_violation: 0.0,
             drift: 0.0,

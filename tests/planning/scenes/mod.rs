@@ -13,6 +13,7 @@ mod plane;
 mod properties;
 mod random;
 mod refusals;
+mod rest;
 mod rules;
 mod sets;
 mod steps;

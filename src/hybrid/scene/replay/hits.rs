@@ -33,10 +33,10 @@ impl Played<'_> {
             let n = world.normal(touch, face);
             let gap = world.gap(touch, face, &flown.x, step, 1.0);
             for (body, share) in world.shares(touch) {
-                for i in 0..n.len() {
-                    next.x[body][i] -= share * effect.lift * gap * n[i];
-                    next.v[body][i] += share * effect.change[i];
-                }
+                let x = next.x[body].iter_mut().zip(n);
+                x.for_each(|(x, n)| *x -= share * effect.lift * gap * n);
+                let v = next.v[body].iter_mut().zip(&effect.change);
+                v.for_each(|(v, change)| *v += share * change);
             }
         }
         next
@@ -70,6 +70,20 @@ impl Played<'_> {
                     && rate(&flown) <= MISS
             })
             .collect()
+    }
+
+    /// Drops hits of bodies that start the step at rest at the face: they lie there, and may settle once
+    /// more without a change.
+    pub(super) fn drop_rests(&mut self, steps: usize) {
+        let rests: Vec<(usize, String, usize)> = (0..steps)
+            .flat_map(|step| self.rests(step).into_iter().map(move |rest| (step, rest)))
+            .map(|(step, (touch, face))| (step, self.world.name(touch), face))
+            .collect();
+        self.hits.retain(|hit| {
+            rests.iter().all(|(step, name, face)| {
+                (*step, name, *face) != (hit.step, &hit.contact, hit.face)
+            })
+        });
     }
 
     /// What each contact of a step does: where laws allow several changes, those that together come
@@ -190,15 +204,9 @@ impl Played<'_> {
         let flown = world.fly(start, inputs, dt);
         let mut worst = self.certificate.clone();
         let made = self.effects(step, start, &flown, &touching);
-        // Hits change what bodies at rest keep.
-        let mut before = flown.clone();
         let mut pushes: Vec<(Touch, Vec<f64>)> = Vec::new();
         for (&(touch, face, number), effect) in touching.iter().zip(&made) {
             let Some(number) = number else {
-                for (body, share) in world.shares(touch) {
-                    let v = before.v[body].iter_mut().zip(&effect.change);
-                    v.for_each(|(v, c)| *v += share * c);
-                }
                 pushes.push((touch, vec![0.0; effect.change.len()]));
                 continue;
             };
@@ -255,6 +263,7 @@ impl Played<'_> {
                 worst.momentum_error = sums.fold(worst.momentum_error, f64::max);
             }
         }
+        let before = self.kept(&flown, &touching, &made);
         for group in self.groups(&touching) {
             let own = group.iter().filter_map(|&k| pushes.get(k));
             worst.energy_gain = worst.energy_gain.max(self.energy_added(step, &before, own));
@@ -265,6 +274,18 @@ impl Played<'_> {
             self.refuse(step, "an impact is faster than its damage (m/s)", excess, MISS)?;
         }
         Ok(())
+    }
+
+    /// The end of free flight with what rest does to it, which hits change.
+    fn kept(&self, flown: &State, touching: &[Claim], made: &[Effect]) -> State {
+        let mut kept = flown.clone();
+        for (&(touch, ..), effect) in touching.iter().zip(made).filter(|(c, _)| c.2.is_none()) {
+            for (body, share) in self.world.shares(touch) {
+                let v = kept.v[body].iter_mut().zip(&effect.change);
+                v.for_each(|(v, change)| *v += share * change);
+            }
+        }
+        kept
     }
 
     /// The kinetic energy that hits of the same bodies add, beside the work of moving surfaces, in J.

@@ -7,6 +7,8 @@ mod hits;
 mod rules;
 mod world;
 
+use std::fmt;
+
 use events::Span;
 use world::{State, Touch, World};
 
@@ -62,20 +64,32 @@ pub struct SceneCertificate {
     pub continuous_drift: f64,
 }
 
+impl fmt::Display for SceneCertificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { time_step, largest_residual, step_error, stepped_gain, .. } = self;
+        write!(
+            f,
+            "samples follow the time-stepped law with Δt = {time_step} s to {largest_residual:.1e}; \
+             beside impacts where they are located, a step is off by up to {step_error:.3} m and \
+             adds up to {stepped_gain:.3} J"
+        )
+    }
+}
+
 /// A plan in numbers.
 struct Played<'a> {
     world: World<'a>,
     samples: Vec<State>,
     inputs: Vec<Vec<Vec<f64>>>,
-    hits: &'a mut [SceneHit],
+    hits: &'a mut Vec<SceneHit>,
     certificate: SceneCertificate,
 }
 
-/// Replays a plan; completes its hits.
+/// Replays a plan; completes its hits, and drops those that are rest.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
-    hits: &mut [SceneHit],
+    hits: &mut Vec<SceneHit>,
 ) -> Result<SceneCertificate, SceneError> {
     let samples = bodies.first().map_or(0, |body| body.position.len());
     let state = |t: usize| State {
@@ -97,6 +111,7 @@ pub(super) fn certify(
     let late = played.hits.iter().filter(|hit| hit.step >= steps).count() as f64;
     played.refuse(steps, "hits after the last step", late, 0.0)?;
     played.limits()?;
+    played.drop_rests(steps);
     let (mut open, mut continuous) = (first.clone(), first);
     for step in 0..steps {
         played.one_hit(step)?;
