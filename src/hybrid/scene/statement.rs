@@ -12,6 +12,7 @@ use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Region, check_ends};
 use crate::interval::Interval;
+use crate::model::is_name;
 use crate::setters::setters;
 
 /// Number of normals of two discs in the plane that meet.
@@ -193,7 +194,7 @@ impl Scene {
         let mut names: Vec<&str> = Vec::new();
         let all = self.bodies.iter().map(|body| &body.name);
         for name in all.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)) {
-            if name.is_empty() {
+            if !is_name(name) {
                 return Err(ErrorKind::InvalidName { name: name.clone() }.into());
             }
             if names.contains(&name.as_str()) {
