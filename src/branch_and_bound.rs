@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::relaxation::LadderPool;
 use crate::search::{ColumnGuidance, Found};
 use crate::solution::{Multipliers, Outcome, SeedReport, Solution};
-use crate::solver::{Control, Options, Prepared, Solver, StopToken, TreeSeed};
+use crate::solver::{Control, Options, PoolMode, Prepared, Solver, StopToken, TreeSeed};
 use multipliers::Derivatives;
 use pipeline::Pipeline;
 use prepared::PreparedProgram;
@@ -130,6 +130,10 @@ fn solution(model: &Model, options: &Options, found: Found) -> Result<Solution, 
     };
     let leaves = found.leaves.iter().map(|leaf| leaf_of(model, leaf, sign)).collect();
     let solution = Solution::new(model, outcome, feasibility)?;
-    let solution = solution.with_pool(model, points, found.pool_complete, feasibility)?;
+    // A proof of the answer is one of a pool that holds nothing else.
+    let is_proved = solution.is_optimal() || solution.is_infeasible();
+    let is_alone = options.pool == 1 && options.pool_mode == PoolMode::Best;
+    let complete = found.pool_complete || (is_alone && is_proved);
+    let solution = solution.with_pool(model, points, complete, feasibility)?;
     Ok(solution.with_leaves(leaves))
 }

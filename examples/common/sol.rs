@@ -29,5 +29,12 @@ fn entry(model: &Model, line: &str) -> Option<(Variable, f64)> {
             words.get(first + 1)?.parse().ok().filter(|value: &f64| value.is_finite())?,
         ))
     };
-    at(0).or_else(|| words.first()?.parse::<usize>().ok().and_then(|_| at(1)))
+    // Names may have blanks.
+    let whole = || {
+        let (value, name) = words.split_last()?;
+        let value = value.parse().ok().filter(|value: &f64| value.is_finite())?;
+        Some((model.variable_by_name(name.join(" ")).ok()?, value))
+    };
+    let numbered = || words.first()?.parse::<usize>().ok().and_then(|_| at(1));
+    at(0).or_else(numbered).or_else(whole)
 }

@@ -56,8 +56,10 @@ pub enum ErrorKind {
         /// `variable` or `statement`.
         kind: &'static str,
     },
-    /// A name that is empty or contains white space.
-    #[error("`{name}` cannot be a name: it is empty or contains white space or control characters")]
+    /// A name that is not one or several words with single blanks between them.
+    #[error(
+        "`{name}` cannot be a name: it must be one or several words with single blanks between them"
+    )]
     InvalidName {
         /// The name.
         name: String,

@@ -40,7 +40,8 @@ impl Term {
         self
     }
 
-    /// Adds a disjunction that must hold if this term is selected.
+    /// Adds a disjunction that must hold if this term is selected. If it is not, all selectors of the
+    /// disjunction are off.
     pub fn and_either(mut self, inner: Either) -> Self {
         self.nested.push(inner);
         self

@@ -64,5 +64,6 @@ pub use variable::{Family, VariableKind};
 pub(crate) use affine::merge;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
+pub(crate) use name::is_name;
 pub(crate) use stored::{StoredRow, StoredTerm};
 pub(crate) use subset::{AnyStatement, statements, subset};

@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind};
 
 /// The name of a variable or statement: `goal`, or `x[17]` for step 17 of the family `x`.
 ///
-/// Made from a `&str`, a `String` or a pair `(family, step)`; the text `"x[17]"` and the pair
+/// A family is one or several words with single blanks between them. Made from a `&str`, a `String` or a pair `(family, step)`; the text `"x[17]"` and the pair
 /// `("x", 17)` are the same name.
 ///
 /// ```
@@ -57,12 +57,20 @@ impl Name {
         Name { family: format!("{}{suffix}", self.family), step: self.step }
     }
 
-    /// Refuses names that no file format can hold.
+    /// Refuses names that are not words with single blanks between them.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let bad = self.family.is_empty()
-            || self.family.chars().any(|c| c.is_whitespace() || c.is_control());
-        if bad { Err(ErrorKind::InvalidName { name: self.to_string() }.into()) } else { Ok(()) }
+        match is_name(&self.family) {
+            true => Ok(()),
+            false => Err(ErrorKind::InvalidName { name: self.to_string() }.into()),
+        }
     }
+}
+
+/// Whether a text can be a name, of whatever: words with single blanks between them.
+pub(crate) fn is_name(text: &str) -> bool {
+    let is_word =
+        |word: &str| !word.is_empty() && !word.chars().any(|c| c.is_whitespace() || c.is_control());
+    text.split(' ').all(is_word)
 }
 
 impl fmt::Display for Name {

@@ -9,6 +9,7 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::affine::Affine;
 use super::ids::Variable;
+use super::literal::Literal;
 use super::quadratic::Quadratic;
 
 /// `left op right` for one pair of operand types, through the common type `$via`.
@@ -43,6 +44,9 @@ sums!(Affine:
     Affine, Variable; Affine, &Variable; &Affine, Variable; &Affine, &Variable;
     Affine, f64; &Affine, f64; f64, Affine; f64, &Affine;
     Affine, Affine; Affine, &Affine; &Affine, Affine; &Affine, &Affine;
+    Literal, Literal; Literal, f64; f64, Literal;
+    Literal, Variable; Literal, &Variable; Variable, Literal; &Variable, Literal;
+    Literal, Affine; Literal, &Affine; Affine, Literal; &Affine, Literal;
 );
 sums!(Quadratic:
     Quadratic, Quadratic; Quadratic, &Quadratic; &Quadratic, Quadratic; &Quadratic, &Quadratic;
@@ -50,6 +54,7 @@ sums!(Quadratic:
     Affine, Quadratic; Affine, &Quadratic; &Affine, Quadratic; &Affine, &Quadratic;
     Quadratic, Variable; &Quadratic, Variable; Variable, Quadratic; Variable, &Quadratic;
     Quadratic, f64; &Quadratic, f64; f64, Quadratic; f64, &Quadratic;
+    Quadratic, Literal; &Quadratic, Literal; Literal, Quadratic; Literal, &Quadratic;
 );
 
 /// Negation and multiplication by a number.
@@ -85,7 +90,7 @@ macro_rules! scaling {
 
 scaling!(
     Variable => Affine; &Variable => Affine; Affine => Affine; &Affine => Affine;
-    Quadratic => Quadratic; &Quadratic => Quadratic;
+    Quadratic => Quadratic; &Quadratic => Quadratic; Literal => Affine;
 );
 
 /// Products of affine operands.
@@ -142,6 +147,12 @@ macro_rules! assigning {
 impl From<&Variable> for Quadratic {
     fn from(variable: &Variable) -> Self {
         Quadratic::from(*variable)
+    }
+}
+
+impl From<Literal> for Quadratic {
+    fn from(literal: Literal) -> Self {
+        Quadratic::from(Affine::from(literal))
     }
 }
 

@@ -12,6 +12,13 @@ use crate::error::{Error, ErrorKind};
 /// [`Reification`](super::Reification), a disjunction ([`Either`](super::Either)), a
 /// [`Logic`](super::Logic) formula, a [`Literal`](super::Literal) or a special ordered set
 /// ([`Sos`](super::Sos)). Sealed.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no statement that a model can hold",
+    label = "not a row, an implication, a disjunction, a formula or an ordered set",
+    note = "an expression becomes a row by a comparison: `.le(1.0)`, `.ge(1.0)`, `.equals(1.0)`, \
+            `.within(0.0, 1.0)`",
+    note = "`<=` and `==` of Rust give a `bool` at once, so they are no rows"
+)]
 pub trait Statement: Sealed {
     /// The handle that adding returns.
     type Handle;

@@ -159,7 +159,7 @@ impl Verification {
         }
         let on = |variable: Variable| at.is_on(variable);
         for logical in model.logical_constraints() {
-            let amount = f64::from(u8::from(!logical.logic().evaluate(on)));
+            let amount = f64::from(u8::from(!logical.logic().is_true(on)));
             let name = || logical.name().to_string();
             check.note(ViolationKind::Logic, Miss::beyond(amount, 0.0), name);
         }
@@ -168,7 +168,7 @@ impl Verification {
             if let BigM::Assumed(_) = indicator.big_m() {
                 check.assumed.push(name());
             }
-            if indicator.condition().evaluate(on) {
+            if indicator.condition().is_true(on) {
                 check.checked.active_implications += 1;
                 let miss = at.row(indicator.terms(), indicator.limits());
                 check.note(ViolationKind::Implication, miss, name);

@@ -81,7 +81,7 @@ fn name() -> impl Strategy<Value = String> {
         2 => "[a-z]\\[[0-9]{1,3}\\]",
         1 => prop::sample::select(vec![
             "RHS", "BOUND", "RANGE", "obj", "obj_", "'MARKER'", "'INTORG'", "*", "$", "1", "-1e5",
-            "IF", "Constant", "S1", "s2", "SOS", "semis", "MAX", "ENDATA", "NAME", "höhe", "UP", "FR", "MARKER0",
+            "IF", "Constant", "air temperature", "a b[3]", "a%20b", "%2 5", "% 2", "%25 20", "a%20", "S1", "s2", "SOS", "semis", "MAX", "ENDATA", "NAME", "höhe", "UP", "FR", "MARKER0",
             "a-b", "x[01]", "1st", "free", "St", "END", "%", "a%41", "r%ge", "r%le", "x{3}", "[3]",
             ".5", "(a", "Subject", "e1", "inf", "nan", "a:b", "\\x", "<=", "x]", "general", "x[1][2]",
         ]).prop_map(str::to_owned),

@@ -86,15 +86,20 @@ fn names_of_variables() {
         text(model.binary_family("y", 2)),
         "the name `y[1]` is already taken by another variable; choose another one"
     );
-    for name in ["", "two words", "tab\t", "line\n", "bell\u{7}", "no\u{a0}break"] {
+    for name in
+        ["", " ", "two  blanks", " first", "last ", "tab\t", "line\n", "bell\u{7}", "no\u{a0}break"]
+    {
         assert_eq!(
             text(model.binary(name)),
             format!(
-                "`{name}` cannot be a name: it is empty or contains white space or control \
-                 characters"
+                "`{name}` cannot be a name: it must be one or several words with single blanks between them"
             )
         );
     }
+    // The same rule as in systems.
+    let air = model.continuous("air temperature", 0.0, 30.0).unwrap();
+    model.add("too hot", air.le(25.0)).unwrap();
+    assert_eq!(model.variable_by_name("air temperature"), Ok(air));
     assert_eq!(text(model.variable_by_name("nobody")), "the model has no variable named `nobody`");
 }
 
@@ -156,7 +161,7 @@ fn names_of_statements() {
     assert_eq!(text(model.add("r", z.on().implies(x.le(3.0)))), taken);
     assert_eq!(
         text(model.add("", x.le(3.0))),
-        "`` cannot be a name: it is empty or contains white space or control characters"
+        "`` cannot be a name: it must be one or several words with single blanks between them"
     );
     assert_eq!(text(model.constraint_by_name("q")), "the model has no linear row named `q`");
     assert_eq!(text(model.indicator_by_name("r")), "the model has no indicator named `r`");

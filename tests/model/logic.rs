@@ -37,7 +37,7 @@ fn assert_table(
         let bits: Vec<bool> = values.iter().map(|v| *v == 1.0).collect();
         let logic = model.logical_constraints().next().unwrap().logic();
         let expected = truth(&bits);
-        assert_eq!(logic.evaluate(|v| bits[v.index()]), expected, "{model} at {bits:?}");
+        assert_eq!(logic.evaluate(|v| bits[v.index()]), Ok(expected), "{model} at {bits:?}");
         assert_eq!(extends(lowered.model(), &values), expected, "{model}{}", lowered.model());
         let verification = Verification::of(&model, &Point::new(&model, values).unwrap(), 1e-6);
         assert_eq!(verification.holds(), expected);
@@ -303,6 +303,16 @@ fn chains_stay_flat_and_deep_formulas_are_refused() {
         let error = model.add("deep", nested(&logic, limit - depth + 1, &b)).unwrap_err();
         assert_eq!(error, Error::from(ErrorKind::TooDeep { name: "deep".into(), limit }));
     }
+    // What cannot be added has no value either: a tautology is not false.
+    let always = b[0] | !b[0];
+    let fine = nested(&always, limit - 2, &b);
+    assert_eq!(fine.evaluate(|_| true), Ok(true));
+    for levels in [limit - 1, 40_000] {
+        let error = nested(&always, levels, &b).evaluate(|_| true).unwrap_err();
+        let text = "the logic of `the formula` is nested more than 100 levels deep; define parts of it \
+                    with binaries of their own (`part.iff(...)`)";
+        assert_eq!(error.to_string(), text);
+    }
     let error = model.add("deep", nested(&b[0].into(), 40_000, &b)).unwrap_err();
     assert_eq!(error, Error::from(ErrorKind::TooDeep { name: "deep".into(), limit }));
 }
@@ -445,7 +455,7 @@ proptest! {
                 prop_assert_eq!(again.to_string(), lowered.model().to_string());
                 for values in assignments(BINARIES) {
                     let expected = tree.truth(&bits(&values));
-                    prop_assert_eq!(logic.evaluate(|v| values[v.index()] == 1.0), expected);
+                    prop_assert_eq!(logic.evaluate(|v| values[v.index()] == 1.0), Ok(expected));
                     let found = extends(lowered.model(), &values);
                     prop_assert_eq!(found, expected, "{:?}\n{}{}", values, model, lowered.model());
                 }
@@ -476,4 +486,23 @@ proptest! {
             }
         }
     }
+}
+
+/// In expressions a condition is 1 where it holds.
+#[test]
+fn conditions_are_numbers() {
+    let (mut model, b) = binaries(3);
+    let first = 3.0 * b[0].on() + b[1].off() - 2.0 * b[2].off();
+    let same = 3.0 * b[0] + (1.0 - b[1]) - 2.0 * (1.0 - b[2]);
+    assert_eq!(first, same);
+    assert_eq!(b.iter().map(|b| b.off()).sum::<Affine>(), 3.0 - b[0] - b[1] - b[2]);
+    assert_eq!(b[0].off().le(b[1].on()), (1.0 - b[0]).le(b[1]));
+    assert_eq!(-b[0].off(), b[0] - 1.0);
+    let mut total = b[0] * b[1];
+    total += b[2].off();
+    assert_eq!(total, b[0] * b[1] + 1.0 - b[2]);
+    model.add("most", (b[0].on() + b[1].off()).le(1.0)).unwrap();
+    model.maximize(b[0].on() + 0.5 * b[1].off()).unwrap();
+    let solution = BranchAndBound::default().solve(&model).unwrap();
+    assert_eq!(solution.objective(), Some(1.0));
 }

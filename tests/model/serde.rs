@@ -208,7 +208,7 @@ fn inconsistent_models_are_errors() {
         ("/objective/products/0/2", (-1.0).into(), "the objective is not convex"),
         // Names.
         ("/variables/0/name/family", "".into(), "cannot be a name"),
-        ("/constraints/0/name/family", "a b".into(), "`a b` cannot be a name"),
+        ("/constraints/0/name/family", "a\tb".into(), "`a\tb` cannot be a name"),
         ("/constraints/1/name/family", "sum".into(), "`sum` is already taken"),
         ("/indicators/0/name/family", "sum".into(), "`sum` is already taken"),
         ("/variables/2/name/family", "x[3]".into(), "`x[3]` is already taken"),

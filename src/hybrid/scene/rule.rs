@@ -4,6 +4,7 @@ use super::contact::Contact;
 use super::error::SceneError;
 use super::statement::Scene;
 use crate::error::{Error, ErrorKind};
+use crate::model::is_name;
 use crate::setters::setters;
 
 /// Number of chords of the energy between 0 and its largest value.
@@ -203,7 +204,7 @@ impl DamageRule {
     }
 
     pub(super) fn check(&self, scene: &Scene) -> Result<(), Error> {
-        if self.name.is_empty() || self.name.contains(char::is_whitespace) {
+        if !is_name(&self.name) {
             return Err(ErrorKind::InvalidName { name: self.name.clone() }.into());
         }
         let unknown = |name: &String, kind| -> Error {

@@ -10,6 +10,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::interval::Interval;
+use crate::model::is_name;
 use crate::setters::setters;
 
 /// Number of normals of two bodies in the plane that meet, if one of them is a disc.
@@ -205,7 +206,7 @@ impl Scene {
         let mut names: Vec<&str> = Vec::new();
         let all = self.bodies.iter().map(|body| &body.name);
         for name in all.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)) {
-            if name.is_empty() {
+            if !is_name(name) {
                 return Err(ErrorKind::InvalidName { name: name.clone() }.into());
             }
             if names.contains(&name.as_str()) {

@@ -8,6 +8,7 @@ use super::{Choice, HybridSystem};
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
+use crate::model::is_name;
 use crate::tolerance::INFINITE;
 
 impl HybridSystem {
@@ -132,14 +133,14 @@ fn unknown(name: &str, kind: &'static str) -> Error {
     ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
 }
 
-/// Refuses names that are used twice, and empty ones.
+/// Refuses names that are used twice, and what cannot be a name.
 fn check_names<'a>(
     kind: &'static str,
     names: impl Iterator<Item = &'a String>,
 ) -> Result<(), Error> {
     let mut seen: Vec<&String> = Vec::new();
     for name in names {
-        if name.is_empty() {
+        if !is_name(name) {
             return Err(ErrorKind::InvalidName { name: name.clone() }.into());
         }
         if seen.contains(&name) {

@@ -24,6 +24,7 @@ pub(crate) use normal::Formula;
 
 use super::ids::Variable;
 use super::literal::Literal;
+use crate::error::{Error, ErrorKind};
 
 /// Formulas nested deeper than this are refused.
 const DEEPEST: u32 = 100;
@@ -139,7 +140,8 @@ impl Logic {
         }
     }
 
-    /// The variables that occur, sorted, each once.
+    /// The variables that occur, sorted, each once; fewer if the formula is
+    /// [too deep](Self::evaluate).
     pub fn variables(&self) -> Vec<Variable> {
         let mut found = Vec::new();
         self.collect(&mut found);
@@ -160,7 +162,20 @@ impl Logic {
     }
 
     /// Whether the formula is true, with `value` telling which binaries are 1.
-    pub fn evaluate(&self, value: impl Fn(Variable) -> bool) -> bool {
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::TooDeep`] if the formula is nested more than 100 levels deep: parts of such a
+    /// formula are not kept, and no model accepts it.
+    pub fn evaluate(&self, value: impl Fn(Variable) -> bool) -> Result<bool, Error> {
+        match self.is_too_deep() {
+            true => Err(ErrorKind::TooDeep { name: "the formula".into(), limit: DEEPEST }.into()),
+            false => Ok(self.is_true(value)),
+        }
+    }
+
+    /// The same for a formula of a model.
+    pub(crate) fn is_true(&self, value: impl Fn(Variable) -> bool) -> bool {
         self.truth(&value)
     }
 

@@ -25,7 +25,7 @@ pub fn write(name: &Name) -> String {
 /// The name of a text in a file.
 pub fn read(text: &str) -> Name {
     let name = decoded(text);
-    if write(&name) == text { name } else { Name::from(text) }
+    if write(&name) == text && name.check().is_ok() { name } else { Name::from(text) }
 }
 
 /// Encodes the characters that the format reserves; `all` also encodes those that codes consist of.
@@ -36,7 +36,7 @@ fn coded(name: &Name, all: bool) -> String {
     for (place, letter) in family.chars().enumerate() {
         let first = place == 0
             && (keyword || letter.is_ascii_digit() || ['.', '(', ')', ','].contains(&letter));
-        let inside = OPERATORS.contains(&letter) || ['[', ']'].contains(&letter);
+        let inside = OPERATORS.contains(&letter) || ['[', ']', ' '].contains(&letter);
         if first && letter.is_ascii() || inside || all && ['%', '{'].contains(&letter) {
             text.push_str(&format!("%{:02X}", u32::from(letter)));
         } else {

@@ -4,12 +4,12 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use super::decimal::Decimal;
+use super::names;
 use super::read::{Column, File, Row, RowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
-use crate::model::name::Name;
 use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::sense::Sense;
@@ -36,7 +36,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
         }
         let terms = row.terms.iter().map(|&(column, value)| (variables[column], value)).collect();
         let stored = StoredRow { terms, lower, upper };
-        let name = Name::from(row.name.text);
+        let name = names::read(row.name.text);
         match &row.condition {
             None => {
                 model.push_constraint(name, stored)?;
@@ -50,8 +50,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
         }
     }
     for (set, position) in file.sets.iter().zip(1..) {
-        let name = |text: &str| Name::from(text);
-        set.add(&mut model, &variables, position, name, &mut warnings)?;
+        set.add(&mut model, &variables, position, names::read, &mut warnings)?;
     }
     let objective = objective(&file, &variables, &mut warnings)?;
     model.set_objective(file.sense.unwrap_or(Sense::Minimize), objective)?;
@@ -84,7 +83,7 @@ fn variables(
             _ if within => VariableKind::Binary,
             _ => VariableKind::Integer,
         };
-        variables.push(model.variable(column.name.text, kind, lower, upper)?);
+        variables.push(model.variable(names::read(column.name.text), kind, lower, upper)?);
     }
     Ok(variables)
 }
@@ -100,7 +99,7 @@ fn semicontinuous(
     if let Some((place, crossed)) = column.bounds.crossed() {
         warnings.push(place.warning(ends::only_zero(name, crossed)));
         let kind = if integer { VariableKind::Integer } else { VariableKind::Continuous };
-        return model.variable(name, kind, 0.0, 0.0);
+        return model.variable(names::read(name), kind, 0.0, 0.0);
     }
     let (lower, upper) = column.bounds.resolve(integer, warnings)?;
     if lower < 0.0 {
@@ -112,8 +111,8 @@ fn semicontinuous(
         )));
     }
     match integer {
-        true => model.semiinteger(name, lower, upper),
-        false => model.semicontinuous(name, lower, upper),
+        true => model.semiinteger(names::read(name), lower, upper),
+        false => model.semicontinuous(names::read(name), lower, upper),
     }
 }
 

@@ -5,6 +5,7 @@ mod build;
 pub(crate) mod decimal;
 mod fixed;
 mod limits;
+mod names;
 mod read;
 mod section;
 mod sets;

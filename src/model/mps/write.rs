@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::decimal::Decimal;
+use super::names;
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::ids::Variable;
@@ -31,13 +32,13 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
     let lines = lines(model, "MPS")?;
     let objective = objective_name(&lines);
     let lines = lines.into_iter().map(|line| Line {
-        name: line.name.to_string(),
+        name: names::write(line.name),
         terms: line.terms,
         form: form(line.limits),
         condition: line.condition,
     });
     let lines: Vec<Line<'_>> = lines.collect();
-    let columns: Vec<String> = model.variables().map(|v| v.name().to_string()).collect();
+    let columns: Vec<String> = model.variables().map(|v| names::write(v.name())).collect();
     let mut text = String::new();
     write_rows(&mut text, model, &lines, &objective);
     write_columns(&mut text, model, &lines, &columns, &objective);
@@ -181,7 +182,7 @@ fn write_sets(text: &mut String, model: &Model, columns: &[String]) {
     for (k, set) in model.special_ordered_sets().enumerate() {
         section(text, k, "SOS");
         let (before, after) = if doubtful { ("SOS ", " 1") } else { ("", "") };
-        put(text, format_args!(" S{} {before}{}{after}\n", set.most(), set.name()));
+        put(text, format_args!(" S{} {before}{}{after}\n", set.most(), names::write(set.name())));
         for &(member, weight) in set.members() {
             let name = &columns[member.index()];
             let word = if is_kind(name) { "SOS" } else { "" };

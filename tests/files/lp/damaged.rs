@@ -37,8 +37,7 @@ fn errors_name_line_and_column() {
         ("min x end x", ""),
         (
             "min a\u{7} end",
-            "line 1, column 5: `a\u{7}` cannot be a name: it is empty or contains white space or \
-             control characters",
+            "line 1, column 5: `a\u{7}` cannot be a name: it must be one or several words with single blanks between them",
         ),
         (
             "min x ]\nend",

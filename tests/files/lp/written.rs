@@ -96,7 +96,7 @@ fn what_cannot_be_written() {
     let error = |model: &Model| lp::write(model).unwrap_err().to_string();
     assert_eq!(
         error(&Model::new("two\nlines")),
-        "`two\nlines` cannot be a name: it is empty or contains white space or control characters"
+        "`two\nlines` cannot be a name: it must be one or several words with single blanks between them"
     );
     let mut model = Model::new("logic");
     let z = model.binary_family("z", 3).unwrap();

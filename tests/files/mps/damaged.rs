@@ -49,8 +49,7 @@ fn errors_name_line_and_column() {
         ("ROWS\n L r\n G  r\n", "line 3, column 5: row `r` was already declared in line 2"),
         (
             "ROWS\n L a\u{7}\n",
-            "line 2, column 4: `a\u{7}` cannot be a name: it is empty or contains white space or \
-             control characters",
+            "line 2, column 4: `a\u{7}` cannot be a name: it must be one or several words with single blanks between them",
         ),
     ];
     for (text, expected) in cases {

@@ -85,7 +85,7 @@ fn names_that_cannot_be_written() {
     let text = mps::write(&Model::new("two\nlines"));
     assert_eq!(
         text.unwrap_err().to_string(),
-        "`two\nlines` cannot be a name: it is empty or contains white space or control characters"
+        "`two\nlines` cannot be a name: it must be one or several words with single blanks between them"
     );
 }
 

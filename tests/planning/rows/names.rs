@@ -81,6 +81,23 @@ fn several_systems_share_a_model() {
     );
 }
 
+/// The rule for names in models: words with single blanks between them.
+#[test]
+fn names_are_words() {
+    for name in ["", " air", "air  temperature", "air\ttemperature", "air\n"] {
+        let system = HybridSystem::new()
+            .with_state(name, Interval::new(0.0, 30.0))
+            .with_input("window", Interval::new(-1.0, 1.0))
+            .with_flow(flow(0.1, 0.0))
+            .with_choice(
+                Choice::new("fan").with_transition(Transition::new("slow", flow(0.1, 0.0))),
+            );
+        let error = system.write(&mut Model::new("house"), "", &horizon(2)).unwrap_err();
+        let text = "it must be one or several words with single blanks between them";
+        assert_eq!(error.to_string(), format!("`{name}` cannot be a name: {text}"));
+    }
+}
+
 #[test]
 fn runs_are_read_by_name() {
     let mut model = Model::new("house");

@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::prelude::*;
-use carom::solver::PoolMode;
+use carom::solver::{Heuristics, PoolMode};
 use proptest::prelude::*;
 
 use super::knapsack;
@@ -36,7 +36,7 @@ proptest! {
         let wanted = all_optima(&case);
         let pool = solution.pool();
         prop_assert_eq!(pool.len(), size.min(wanted.len()), "{:?}", wanted);
-        prop_assert!(pool.is_complete() || size == 1);
+        prop_assert!(pool.is_complete());
         let mut seen = Vec::new();
         for (found, (_, value)) in pool.iter().zip(&wanted) {
             prop_assert!(found.verification().holds());
@@ -94,6 +94,24 @@ fn the_gap_of_a_pool_is_kept() {
     assert_eq!(near.pool().len(), wanted);
     assert!(near.pool().is_complete());
     assert!(near.statistics().nodes < all.statistics().nodes);
+}
+
+/// The proof of the optimum is the proof of the best point, and that of a pool of one point.
+#[test]
+fn a_pool_of_one_point_is_proved_with_the_optimum() {
+    let one = |mode| Options::default().with_pool(1, mode);
+    let best = BranchAndBound::new(one(PoolMode::Best)).solve(&knapsack(10, 5)).unwrap();
+    assert!(best.is_optimal() && best.pool().is_complete() && best.pool().len() == 1);
+    let stopped = one(PoolMode::Best).with_node_limit(1).with_heuristics(Heuristics::none());
+    let stopped = BranchAndBound::new(stopped).solve(&knapsack(20, 2)).unwrap();
+    assert!(!stopped.is_optimal() && !stopped.pool().is_complete());
+    let found = BranchAndBound::new(one(PoolMode::Found)).solve(&knapsack(10, 5)).unwrap();
+    assert!(!found.pool().is_complete());
+    let mut none = knapsack(10, 5);
+    let x = none.binary("never").unwrap();
+    none.add("no", x.ge(2.0)).unwrap();
+    let none = BranchAndBound::new(one(PoolMode::Best)).solve(&none).unwrap();
+    assert!(none.is_infeasible() && none.pool().is_complete() && none.pool().is_empty());
 }
 
 #[test]
