@@ -69,10 +69,12 @@ impl Reducer {
         self.reduce_to(program, domain)
     }
 
-    /// As [`reduce`](Self::reduce), for a point that may become the answer: only rounding is dropped,
-    /// because other rows may multiply what a dropped row leaves open.
+    /// As [`reduce`](Self::reduce), for a point that may become the answer: under linear costs only
+    /// rounding is dropped, because other rows may multiply what a dropped row leaves open. Corners need no
+    /// interior, and interior-point methods, which curved costs need, do.
     pub(crate) fn reduce_leaf(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
-        self.negligible = 0.0;
+        let is_linear = program.quadratic.compute_nnz() == 0 && !program.is_feasibility_problem();
+        self.negligible = if is_linear { 0.0 } else { NEGLIGIBLE };
         self.reduce_to(program, domain)
     }
 

@@ -106,8 +106,9 @@ impl Activity {
     }
 }
 
-/// Finds the bounds that one row tightens by more than `least_gain` of their width.
-#[inline]
+/// Finds the bounds that one row tightens by more than `least_gain` of their width. Inlined, because a
+/// search spends much of its time here.
+#[inline(always)]
 pub(super) fn tighten(
     integral: &[bool],
     bounds: &[[f64; 2]],
@@ -154,6 +155,7 @@ fn count_infinite(bounds: &[[f64; 2]], entries: &[Entry]) -> [Activity; 2] {
 }
 
 /// As [`tighten`], for rows that may bind or have infinite activities.
+#[inline]
 fn tighten_binding(
     integral: &[bool],
     bounds: &[[f64; 2]],
