@@ -2,7 +2,9 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod corpus;
 mod lp;
 mod models;
 mod mps;
 mod round_trips;
+mod there_and_back;

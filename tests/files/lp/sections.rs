@@ -5,7 +5,7 @@ use carom::model::{lp, mps};
 use carom::prelude::*;
 
 use super::{error, read};
-use crate::models::assert_same;
+use crate::there_and_back::assert_same;
 
 /// The text form of a model with one objective and the sections given.
 fn text(sections: &str) -> String {

@@ -7,7 +7,8 @@ use proptest::prelude::*;
 
 use super::{read, with};
 use crate::common::config;
-use crate::models::{assert_same, build, pair, plan, warnings_are_expected};
+use crate::models::{build, pair, plan, warnings_are_expected};
+use crate::there_and_back::assert_same;
 
 /// Files to damage: one written by hand with every section, one written by the crate.
 fn whole_files() -> Vec<String> {

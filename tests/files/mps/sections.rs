@@ -4,7 +4,7 @@ use carom::model::mps;
 use carom::prelude::*;
 
 use super::{error, read, with};
-use crate::models::assert_same;
+use crate::there_and_back::assert_same;
 
 fn limits(model: &Model, name: &str) -> (f64, f64) {
     let row = model.constraints().find(|row| row.name().to_string() == name).unwrap();

@@ -4,7 +4,7 @@ use carom::model::mps;
 use carom::prelude::*;
 
 use super::read;
-use crate::models::assert_same;
+use crate::there_and_back::assert_same;
 
 #[test]
 fn the_text_that_is_written() {

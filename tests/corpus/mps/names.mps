@@ -1,0 +1,10 @@
+NAME
+ROWS
+ N obj
+COLUMNS
+ x%20y obj 1
+ %252 obj 1
+RHS
+BOUNDS
+ FX B x%20y 5e-324
+ENDATA

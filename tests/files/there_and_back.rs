@@ -1,0 +1,55 @@
+//! What is read is written, and read again the same, to the last bit. Also for `fuzz`.
+
+use carom::model::{Model, Variable, lp, mps};
+
+/// Writes a model as LP and as MPS, where these can hold it, and compares what is read back.
+#[allow(dead_code)] // not everybody who includes this file wants all of it
+pub(crate) fn through_files(model: &Model) {
+    if let Ok(text) = lp::write(model) {
+        let again = lp::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
+        assert_same(model, &again);
+    }
+    if let Ok(text) = mps::write(model) {
+        let again = mps::read(&text).unwrap_or_else(|error| panic!("{error}\n{text}")).model;
+        assert_same(model, &again);
+    }
+}
+
+/// Text and every number to the last bit.
+pub(crate) fn assert_same(left: &Model, right: &Model) {
+    assert_eq!(left.to_string(), right.to_string());
+    assert_eq!(left.name(), right.name());
+    let bits =
+        |interval: carom::interval::Interval| (interval.lower.to_bits(), interval.upper.to_bits());
+    for (a, b) in left.variables().zip(right.variables()) {
+        assert_eq!((a.name(), a.kind()), (b.name(), b.kind()));
+        assert_eq!(bits(a.bounds()), bits(b.bounds()), "{}", a.name());
+    }
+    let terms = |terms: &[(Variable, f64)]| -> Vec<(usize, u64)> {
+        terms.iter().map(|(v, a)| (v.index(), a.to_bits())).collect()
+    };
+    for (a, b) in left.constraints().zip(right.constraints()) {
+        assert_eq!(bits(a.limits()), bits(b.limits()), "{}", a.name());
+        assert_eq!(terms(a.terms()), terms(b.terms()), "{}", a.name());
+    }
+    for (a, b) in left.indicators().zip(right.indicators()) {
+        assert_eq!(bits(a.limits()), bits(b.limits()), "{}", a.name());
+        assert_eq!(terms(a.terms()), terms(b.terms()), "{}", a.name());
+    }
+    for (a, b) in left.variables().zip(right.variables()) {
+        let values = [&a, &b].map(|v| v.semicontinuous().map(bits));
+        assert_eq!(values[0], values[1], "{}", a.name());
+    }
+    for (a, b) in left.special_ordered_sets().zip(right.special_ordered_sets()) {
+        assert_eq!((a.name(), a.most()), (b.name(), b.most()));
+        assert_eq!(terms(a.members()), terms(b.members()), "{}", a.name());
+    }
+    let (a, b) = (left.objective(), right.objective());
+    assert_eq!(terms(&a.affine().terms()), terms(&b.affine().terms()));
+    assert_eq!(a.affine().offset().to_bits(), b.affine().offset().to_bits());
+    let products = |model: &Model| -> Vec<(usize, usize, u64)> {
+        let products = model.objective().products();
+        products.iter().map(|(a, b, q)| (a.index(), b.index(), q.to_bits())).collect()
+    };
+    assert_eq!(products(left), products(right));
+}
