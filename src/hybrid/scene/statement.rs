@@ -165,6 +165,18 @@ impl Scene {
         self
     }
 
+    /// The scene as it is from a step on: courses are those of that step at step 0, and end where they
+    /// end. For the programs of a [moving horizon](crate::hybrid::RecedingHorizon::moving).
+    #[must_use]
+    pub fn from_step(&self, step: usize) -> Self {
+        let mut scene = self.clone();
+        for obstacle in &mut scene.obstacles {
+            let last = obstacle.course.len().saturating_sub(1);
+            obstacle.course.drain(..step.min(last));
+        }
+        scene
+    }
+
     /// The number of axes.
     pub fn axes(&self) -> usize {
         self.bodies.first().map_or(0, Body::axes)
