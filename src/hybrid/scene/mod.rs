@@ -14,6 +14,7 @@ mod program;
 mod replay;
 mod rule;
 mod shortest;
+mod soften;
 mod solid;
 mod statement;
 mod surface;

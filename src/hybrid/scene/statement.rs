@@ -170,10 +170,7 @@ impl Scene {
     #[must_use]
     pub fn from_step(&self, step: usize) -> Self {
         let mut scene = self.clone();
-        for obstacle in &mut scene.obstacles {
-            let last = obstacle.course.len().saturating_sub(1);
-            obstacle.course.drain(..step.min(last));
-        }
+        scene.obstacles.iter_mut().for_each(|obstacle| *obstacle = obstacle.from_step(step));
         scene
     }
 

@@ -3,3 +3,4 @@
 mod budgets;
 mod moving;
 mod soft_boxes;
+mod soft_scenes;
