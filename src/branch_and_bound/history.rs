@@ -23,10 +23,10 @@ const REST: u32 = 15;
 /// without preparation, which costs as much as a few nodes.
 const TREE: u64 = 3;
 
-/// What is kept of the last solve of a prepared model; columns and rows are those of the program.
+/// What is kept of the last solves of a prepared model; columns and rows are those of the program.
 #[derive(Debug, Default)]
 pub(super) struct History {
-    /// Values of integral columns, the earliest steps first.
+    /// Values of integral columns at the last point that was found, the earliest steps first.
     guess: Vec<(usize, f64)>,
     proofs: Vec<Proof>,
     forks: Vec<Fork>,
@@ -38,6 +38,8 @@ pub(super) struct History {
     nodes: Option<u64>,
     /// Whether the last solve was over at its root.
     root_sufficed: bool,
+    /// Whether a limit ended the last solve: then the time for nodes and points is short.
+    stopped: bool,
 }
 
 impl History {
@@ -54,13 +56,13 @@ impl History {
 
     /// Whether cuts are to be tried.
     pub(super) fn tries_cuts(&self) -> bool {
-        self.rest == 0
+        self.rest == 0 && !self.stopped
     }
 
     /// Whether what holds for all values of the parameters will do, because the next tree is likely to be
-    /// small.
+    /// small, or because there is no time for more.
     pub(super) fn expects_few_nodes(&self) -> bool {
-        self.nodes.is_some_and(|nodes| nodes < TREE)
+        self.stopped || self.nodes.is_some_and(|nodes| nodes < TREE)
     }
 
     /// Whether the next solve is likely to be over at its root.
@@ -89,8 +91,10 @@ impl History {
             None => self.rest.saturating_sub(1),
         };
         self.nodes = Some(nodes);
-        self.guess.clear();
+        self.stopped = found.termination.is_limit();
+        // A search without a point has nothing better to say than the last point.
         if let Some(point) = found.points.first() {
+            self.guess.clear();
             self.guess.extend(integers.iter().map(|&j| (j, point[j].round())));
         }
     }

@@ -250,7 +250,8 @@ impl ReducedProgram {
 }
 
 /// Completes the guess of a seed, and searches from there. A search that is stopped before it has
-/// looked at a point returns the completed one, and the bound that the last root proves.
+/// looked at a point returns the completed one, and the bound that the last root proves. Where it may be
+/// stopped, a point is looked for before anything else even without a guess.
 ///
 /// # Arguments
 ///
@@ -261,10 +262,10 @@ fn search_from(
     root_first: bool,
     control: &mut Control<'_>,
 ) -> Found {
-    let begun = (!seed.guess.is_empty()).then(|| stage.complete(&seed));
+    let begun = (stage.options.may_stop() || !seed.guess.is_empty()).then(|| stage.complete(&seed));
     if let Some(begun) = &begun {
         seed.guess.clear();
-        seed.point = start_of(begun, Heuristic::Guess);
+        seed.point = start_of(begun, begun.found_by.unwrap_or(Heuristic::Guess));
     }
     // Callbacks would see two searches.
     let may_search_twice = stage.options.node_limit.is_none() && !control.is_watched();
@@ -318,14 +319,18 @@ fn go_on_from(begun: Found, found: &mut Found) {
     }
 }
 
-/// Whether a program falls into blocks once the columns of its parameters have values.
+/// Whether a program falls into blocks with integers once the columns of its parameters have values. What
+/// has none is searched with the others: a block would not begin with the last plan.
 fn is_in_blocks(program: &Program, parameters: &[usize]) -> Result<bool, Error> {
     let mut program = program.clone();
     for &j in parameters {
         program.upper[j] = program.lower[j];
     }
     Ok(match presolve(&program, &[Rule::FixedColumns], &StopToken::default())? {
-        Presolve::Presolved(presolved) => blocks(&presolved.program).len() > 1,
+        Presolve::Presolved(presolved) => {
+            let blocks = blocks(&presolved.program);
+            blocks.iter().filter(|block| !block.program.integers.is_empty()).count() > 1
+        }
         _ => false,
     })
 }

@@ -2,6 +2,7 @@
 
 mod affine;
 mod background;
+mod by_step;
 mod checks;
 mod convexity;
 mod disjunction;

@@ -83,10 +83,15 @@ impl Model {
     /// Changes the values of several parameters; none if one of them is refused.
     pub(crate) fn set_parameters(&mut self, values: &[(Variable, f64)]) -> Result<(), Error> {
         for &(parameter, value) in values {
-            let range = self.declared_range(parameter)?;
-            check_value(&self.stored.variables[parameter.index()].name, value, range)?;
+            self.check_parameter(parameter, value)?;
         }
         values.iter().try_for_each(|&(parameter, value)| self.set_parameter(parameter, value))
+    }
+
+    /// Refuses a value that a parameter may not have.
+    pub(crate) fn check_parameter(&self, parameter: Variable, value: f64) -> Result<(), Error> {
+        let range = self.declared_range(parameter)?;
+        check_value(&self.stored.variables[parameter.index()].name, value, range)
     }
 
     /// Changes the declared range of a parameter. Earlier lowered forms become out of date.

@@ -51,6 +51,7 @@ impl TryFrom<Stored> for Model {
         for family in stored.background {
             model.set_background(&family)?;
         }
+        model.stored.by_step = stored.by_step;
         Ok(model)
     }
 }

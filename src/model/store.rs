@@ -55,6 +55,9 @@ pub(super) struct Stored {
     /// Families of statements that explanations never question.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) background: BTreeSet<String>,
+    /// Something that depends on the step of a loop.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) by_step: Option<String>,
 }
 
 #[derive(Debug, Clone)]
@@ -165,6 +168,7 @@ impl Model {
             sense: Sense::Minimize,
             objective: Quadratic::zero(),
             background: BTreeSet::new(),
+            by_step: None,
         };
         let (variable_names, statement_names) = (NameTable::default(), NameTable::default());
         Model {

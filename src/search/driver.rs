@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::context::{Context, Shared};
 use super::event_windows::EventWindows;
 use super::found::Found;
-use super::heuristics::try_guess;
+use super::heuristics::complete_guess;
 use super::local_queue::LocalQueue;
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
@@ -91,7 +91,7 @@ pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
     let shared = Shared { task, windows: None, root: &root, nested };
     let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));
     let bound = earlier_bound(&mut ctx);
-    try_guess(&mut ctx);
+    complete_guess(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_share());
     ctx.retire();
     let found = tree.into_found();

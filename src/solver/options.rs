@@ -209,6 +209,11 @@ impl Options {
         with_deterministic(deterministic: bool) => deterministic = deterministic;
     }
 
+    /// Whether a solve may be stopped by a limit of time or nodes.
+    pub(crate) fn may_stop(&self) -> bool {
+        self.time_limit.is_some() || self.node_limit.is_some()
+    }
+
     /// Sets how many points to keep, and which.
     #[must_use]
     pub fn with_pool(mut self, points: usize, mode: PoolMode) -> Self {

@@ -169,12 +169,26 @@ impl StopToken {
         model: &Model,
         progress: &mut dyn FnMut(&Event),
     ) -> Result<Solution, Error> {
-        let own_limit = solver.options().time_limit;
-        solver.options_mut().time_limit = own_limit.into_iter().chain(self.left()).min();
+        self.solve_within(None, solver, model, progress)
+    }
+
+    /// As [`solve`](Self::solve), within a number of nodes as well.
+    pub(crate) fn solve_within(
+        &self,
+        nodes: Option<u64>,
+        solver: &mut dyn Solver,
+        model: &Model,
+        progress: &mut dyn FnMut(&Event),
+    ) -> Result<Solution, Error> {
+        let (own_time, own_nodes) = (solver.options().time_limit, solver.options().node_limit);
+        let options = solver.options_mut();
+        options.time_limit = own_time.into_iter().chain(self.left()).min();
+        options.node_limit = own_nodes.into_iter().chain(nodes).min();
         let mut control =
             Control::default().with_progress(progress).with_interrupt(self.interrupt());
         let solution = solver.solve_with(model, &mut control);
-        solver.options_mut().time_limit = own_limit;
+        let options = solver.options_mut();
+        (options.time_limit, options.node_limit) = (own_time, own_nodes);
         solution
     }
 }

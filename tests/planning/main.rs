@@ -3,10 +3,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod anytime;
 mod collision_tolerant;
 mod costs;
 mod goals;
 mod hybrid;
+mod loops;
 mod physics;
 mod reach;
 mod receding;

@@ -33,7 +33,12 @@ impl HybridProgram {
     /// [`ErrorKind::DuplicateName`]: crate::ErrorKind::DuplicateName
     pub fn add_cost(&self, model: &mut Model, name: &str, cost: &Cost) -> Result<Quadratic, Error> {
         cost.check(self.system())?;
-        model.all_or_nothing(|model| self.cost(model, name, cost))
+        let sum = model.all_or_nothing(|model| self.cost(model, name, cost))?;
+        let references = [&cost.state_reference, &cost.input_reference];
+        if references.into_iter().flatten().any(Schedule::varies) {
+            model.note_by_step(format!("the reference of the cost `{name}`"));
+        }
+        Ok(sum)
     }
 
     fn cost(&self, model: &mut Model, name: &str, cost: &Cost) -> Result<Quadratic, Error> {

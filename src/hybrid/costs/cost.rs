@@ -140,6 +140,14 @@ impl Cost {
         self
     }
 
+    /// The cost as it is from a step on: references that depend on the step are those of that step at
+    /// step 0. For the programs of a [moving horizon](crate::hybrid::RecedingHorizon::moving).
+    pub fn from_step(mut self, step: usize) -> Self {
+        self.state_reference = self.state_reference.map(|reference| reference.from_step(step));
+        self.input_reference = self.input_reference.map(|reference| reference.from_step(step));
+        self
+    }
+
     /// Refuses costs that do not fit a system.
     pub(super) fn check(&self, system: &HybridSystem) -> Result<(), Error> {
         let (n, m) = (system.states.len(), system.inputs.len());

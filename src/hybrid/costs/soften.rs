@@ -81,6 +81,9 @@ impl HybridProgram {
                 model.add((name, t), (value - excess).le(limit.limit_at(t)))?;
                 sum += linear * excess + quadratic * excess.square();
             }
+            if limit.limit.varies() {
+                model.note_by_step(format!("the soft limit `{name}`"));
+            }
             Ok(sum)
         })
     }

@@ -7,7 +7,7 @@ use crate::hybrid::system::HybridSystem;
 use crate::hybrid::terminal::TerminalSet;
 
 /// By how much a fallback may violate a condition of the system, in its unit: as much as a plan may.
-const TOLERANCE: f64 = 1e-6;
+pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// Where inputs come from when there is no plan.
 #[derive(Default)]

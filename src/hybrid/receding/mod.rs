@@ -3,6 +3,9 @@
 //! | part | file |
 //! | --- | --- |
 //! | a controller: plan, move, fall back | `receding/mod.rs` |
+//! | where plans come from | `receding/planner.rs` |
+//! | what a step proposes to the next one | `receding/guess.rs` |
+//! | values of parameters by step of the loop | `receding/forecast.rs` |
 //! | a move and where it comes from | `receding/step.rs` |
 //! | inputs when there is no plan | `receding/fallback.rs` |
 //! | closed loops with a plant, and their records | `receding/closed_loop.rs` |
@@ -11,6 +14,9 @@
 mod closed_loop;
 mod disturbance;
 mod fallback;
+mod forecast;
+mod guess;
+mod planner;
 mod step;
 
 pub use closed_loop::ClosedLoop;
@@ -24,9 +30,11 @@ use super::system::HybridSystem;
 use super::terminal::TerminalSet;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::model::{Affine, Family, Model, Variable};
-use crate::solution::{Point, Solution};
-use crate::solver::{Control, Prepared, Solver};
+use crate::solver::Solver;
 use fallback::Fallback;
+use forecast::Forecasts;
+use guess::LastIntegers;
+use planner::{Clock, Handles, Planned, Planner, Question};
 
 /// A controller that plans anew from every measured state and hands out the first input of the plan.
 ///
@@ -76,58 +84,15 @@ pub struct RecedingHorizon<'a> {
     planner: Planner<'a>,
     system: Option<HybridSystem>,
     fallback: Fallback<'a>,
+    forecasts: Forecasts<'a>,
     excess: Option<Affine>,
     budget: Option<Duration>,
+    first_budget: Option<Duration>,
     steps: usize,
     /// The rest of the last plan: an input a step.
     rest: Vec<Vec<f64>>,
-}
-
-/// Where plans come from.
-enum Planner<'a> {
-    /// One program for all steps.
-    Receding(Box<dyn Prepared + 'a>, Handles),
-    /// A program for each number of steps that are left.
-    Shrinking { solver: &'a mut dyn Solver, build: Box<Build<'a>>, left: usize },
-}
-
-type Build<'a> = dyn FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a;
-
-/// The variables of a program that a controller reads and writes.
-struct Handles {
-    measured: Vec<Variable>,
-    states: Vec<Family>,
-    inputs: Vec<Family>,
-}
-
-impl Handles {
-    /// Adds parameters for the state at the first sample of a program.
-    fn measure(program: &HybridProgram, model: &mut Model) -> Result<Self, Error> {
-        let mut measured = Vec::new();
-        for (k, (name, domain)) in program.system().states.iter().enumerate() {
-            let Some(first) = program.states().get(k).and_then(|family| family.get(0)) else {
-                continue;
-            };
-            let middle = 0.0_f64.clamp(domain.lower, domain.upper);
-            let name = format!("measured_{}", name.replace(char::is_whitespace, "_"));
-            let parameter = model.parameter(name.as_str(), middle, domain.lower, domain.upper)?;
-            model.add(format!("{name}_row").as_str(), (first - parameter).equals(0.0))?;
-            measured.push(parameter);
-        }
-        let (states, inputs) = (program.states().to_vec(), program.inputs().to_vec());
-        Ok(Handles { measured, states, inputs })
-    }
-
-    fn values(&self, state: &[f64]) -> Vec<(Variable, f64)> {
-        self.measured.iter().copied().zip(state.iter().copied()).collect()
-    }
-
-    /// The values of families, by step.
-    fn read(families: &[Family], point: &Point) -> Result<Vec<Vec<f64>>, Error> {
-        let steps = families.iter().map(Family::len).min().unwrap_or(0);
-        let at = |t: usize| families.iter().map(|family| point.value(family[t])).collect();
-        (0..steps).map(at).collect()
-    }
+    /// Whether the last step had no plan.
+    missed: bool,
 }
 
 impl<'a> RecedingHorizon<'a> {
@@ -136,17 +101,27 @@ impl<'a> RecedingHorizon<'a> {
     /// The state at the first sample becomes a parameter within the domains of the states. Nothing
     /// else in the model may fix it.
     ///
+    /// The program is the same in every step of the loop, so nothing in it may depend on the step: a
+    /// limit "x <= 1 from step 4 on" would be four steps ahead for ever. Prices and right-hand sides that
+    /// change can be parameters with a [forecast](Self::with_forecast); for everything else there is
+    /// [`moving`](Self::moving). What you add to the model yourself, such as a price for each step, is not
+    /// checked.
+    ///
     /// # Errors
     ///
     /// Those of [`Solver::prepare`]; [`ErrorKind::DuplicateName`] if the model has a variable
-    /// `measured_x` for a state `x`.
+    /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
+    /// the system, a reference of a [cost](super::Cost) or a [soft limit](HybridProgram::soften) depends
+    /// on the step.
     pub fn new(
         program: &HybridProgram,
         mut model: Model,
         solver: &'a mut dyn Solver,
     ) -> Result<Self, Error> {
+        check_moves(&model)?;
         let handles = Handles::measure(program, &mut model)?;
-        let planner = Planner::Receding(solver.prepare(&model)?, handles);
+        let (prepared, own) = (solver.prepare(&model)?, Some(Box::new(program.clone())));
+        let planner = Planner::Receding { prepared, handles, program: own };
         Ok(RecedingHorizon::of(planner, Some(program.system().clone())))
     }
 
@@ -163,7 +138,8 @@ impl<'a> RecedingHorizon<'a> {
     /// # Errors
     ///
     /// Those of [`Solver::prepare`]; [`ErrorKind::ForeignHandle`] and [`ErrorKind::NotParameter`];
-    /// [`ErrorKind::Length`] if there are not as many states as parameters.
+    /// [`ErrorKind::Length`] if there are not as many states as parameters;
+    /// [`ErrorKind::Unsupported`] as for [`new`](Self::new).
     pub fn of_model(
         model: &Model,
         measured: &[Variable],
@@ -184,11 +160,14 @@ impl<'a> RecedingHorizon<'a> {
             states: states.to_vec(),
             inputs: inputs.to_vec(),
         };
-        Ok(RecedingHorizon::of(Planner::Receding(solver.prepare(model)?, handles), None))
+        check_moves(model)?;
+        let planner =
+            Planner::Receding { prepared: solver.prepare(model)?, handles, program: None };
+        Ok(RecedingHorizon::of(planner, None))
     }
 
     /// A controller that plans towards a fixed time: the horizon is a step shorter after every move.
-    /// Each program is solved from nothing.
+    /// Each program begins with the last plan.
     ///
     /// # Arguments
     ///
@@ -199,7 +178,62 @@ impl<'a> RecedingHorizon<'a> {
         build: impl FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a,
         solver: &'a mut dyn Solver,
     ) -> Self {
-        let planner = Planner::Shrinking { solver, build: Box::new(build), left: steps };
+        RecedingHorizon::built(solver, Box::new(build), Clock::Left(steps))
+    }
+
+    /// A controller whose programs depend on the step of the loop: limits, prices, references and
+    /// courses of obstacles that change with time. Each program is built anew and begins with the last
+    /// plan, moved one step ahead.
+    ///
+    /// ```
+    /// use carom::hybrid::{
+    ///     Cost, Halfspace, Horizon, HybridSystem, LinearSystem, RecedingHorizon, Transition,
+    /// };
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// // A cart that wants to be at 3 m, and that must be within 1 m from step 10 on.
+    /// let system = HybridSystem::new()
+    ///     .with_state("x", Interval::new(-5.0, 5.0))
+    ///     .with_state("v", Interval::new(-2.0, 2.0))
+    ///     .with_input("a", Interval::new(-1.0, 1.0))
+    ///     .with_limit(Halfspace::new("gate", [1.0, 0.0], [vec![5.0; 10], vec![1.0]].concat()))
+    ///     .with_transition(Transition::new("drive", LinearSystem::double_integrator(0.5)?));
+    /// let build = |step: usize| {
+    ///     let mut model = Model::new("drive");
+    ///     let program = system.from_step(step).write(&mut model, "", &Horizon::new(8, 0.5)?)?;
+    ///     let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.1]])
+    ///         .with_state_reference(vec![3.0, 0.0]);
+    ///     let cost = program.add_cost(&mut model, "cost", &cost)?;
+    ///     model.minimize(cost)?;
+    ///     Ok((program, model))
+    /// };
+    /// let mut solver = BranchAndBound::default();
+    /// let mut controller = RecedingHorizon::moving(build, &mut solver);
+    /// let plant = |state: &[f64], next: &carom::hybrid::Move| {
+    ///     let system = system.from_step(next.step);
+    ///     Ok(system.simulate(state, &[&next.input])?.last().to_vec())
+    /// };
+    /// let run = controller.run(&[0.0, 0.0], 14, plant)?;
+    /// assert!(run.states.iter().any(|state| state[0] > 1.5));
+    /// assert!(run.states[10..].iter().all(|state| state[0] < 1.0 + 1e-6));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `build`: the program that begins with a step of the loop, and the model that holds it. See
+    ///   [`HybridSystem::from_step`], [`Cost::from_step`](super::Cost::from_step) and
+    ///   [`Scene::from_step`](super::scene::Scene::from_step).
+    pub fn moving(
+        build: impl FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a,
+        solver: &'a mut dyn Solver,
+    ) -> Self {
+        RecedingHorizon::built(solver, Box::new(build), Clock::Passed(0))
+    }
+
+    fn built(solver: &'a mut dyn Solver, build: Box<planner::Build<'a>>, clock: Clock) -> Self {
+        let planner = Planner::Built { solver, build, clock, last: LastIntegers::default() };
         RecedingHorizon::of(planner, None)
     }
 
@@ -208,20 +242,99 @@ impl<'a> RecedingHorizon<'a> {
             planner,
             system,
             fallback: Fallback::default(),
+            forecasts: Forecasts::default(),
             excess: None,
             budget: None,
+            first_budget: None,
             steps: 0,
             rest: Vec::new(),
+            missed: false,
         }
     }
 
     /// Stops each search after this time. A step takes a little longer, because a point is polished
     /// and verified before it counts. Each search first completes the last plan, moved one step ahead,
-    /// so a plan is at hand early.
+    /// so a plan is at hand early; after a step without a plan, what is left of the last one is simulated
+    /// from the measured state and completed.
     #[must_use]
     pub fn with_budget(mut self, budget: Duration) -> Self {
         self.budget = Some(budget);
         self
+    }
+
+    /// Stops the first search after this time instead: it has no plan to begin with, and often there is
+    /// time before the loop starts.
+    #[must_use]
+    pub fn with_first_budget(mut self, budget: Duration) -> Self {
+        self.first_budget = Some(budget);
+        self
+    }
+
+    /// Gives parameters of the horizon's steps 0, 1, ... values by step of the loop: in step k the
+    /// parameter t has the value `k + t`, and the last value goes on for ever. So prices, right-hand
+    /// sides and references that are parameters move with the loop.
+    ///
+    /// ```
+    /// use carom::hybrid::{Horizon, HybridSystem, LinearSystem, RecedingHorizon, Transition};
+    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
+    ///
+    /// // A store that is filled at a changing price.
+    /// let store = HybridSystem::new()
+    ///     .with_state("full", Interval::new(0.0, 9.0))
+    ///     .with_input("buy", Interval::new(0.0, 3.0))
+    ///     .with_transition(Transition::new("use", LinearSystem::new([[1.0]], [[1.0]], [-1.0])?));
+    /// let mut model = Model::new("store");
+    /// let program = store.write(&mut model, "", &Horizon::new(4, 1.0)?)?;
+    /// // What the rest of the store must be at each step is forecast.
+    /// let mut demand = Vec::new();
+    /// for t in 0..4 {
+    ///     let need = model.parameter(("need", t), 0.0, 0.0, 9.0)?;
+    ///     model.add(("covers", t), program.states()[0][t + 1].ge(need))?;
+    ///     demand.push(need);
+    /// }
+    /// model.minimize(program.inputs()[0].iter().map(Affine::from).sum::<Affine>())?;
+    /// let mut solver = BranchAndBound::default();
+    /// let controller = RecedingHorizon::new(&program, model, &mut solver)?;
+    /// let mut controller =
+    ///     controller.with_forecast(demand, [vec![0.0; 6], vec![5.0, 0.0]].concat())?;
+    /// let plant = |state: &[f64], next: &carom::hybrid::Move| {
+    ///     Ok(vec![state[0] + next.input[0] - 1.0])
+    /// };
+    /// let run = controller.run(&[2.0], 8, plant)?;
+    /// assert!(run.states[7][0] > 5.0 - 1e-6 && run.states[4][0] < 3.0);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Model::set_parameter`] for each value; [`ErrorKind::OutOfRange`] without a value;
+    /// [`ErrorKind::Unsupported`] for controllers whose programs are built in each step.
+    pub fn with_forecast(
+        mut self,
+        parameters: impl IntoIterator<Item = Variable>,
+        values: impl Into<Vec<f64>>,
+    ) -> Result<Self, Error> {
+        let Some(model) = self.planner.model() else { return Err(builds_its_own("forecasts")) };
+        self.forecasts.add(model, parameters.into_iter().collect(), values.into())?;
+        Ok(self)
+    }
+
+    /// Gives parameters values in each step, as a function of the number of the step and of the measured
+    /// state.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Unsupported`] for controllers whose programs are built in each step.
+    pub fn with_parameters(
+        mut self,
+        values: impl FnMut(usize, &[f64]) -> Vec<(Variable, f64)> + 'a,
+    ) -> Result<Self, Error> {
+        if self.planner.model().is_none() {
+            return Err(builds_its_own("further parameters"));
+        }
+        self.forecasts.give(values);
+        Ok(self)
     }
 
     /// Sets the input when there is no plan, as a function of the state.
@@ -259,8 +372,9 @@ impl<'a> RecedingHorizon<'a> {
     /// # Errors
     ///
     /// [`ErrorKind::Length`] and [`ErrorKind::NotFinite`] for the state; errors of the solver; for a
-    /// shrinking horizon those of building the program, and [`ErrorKind::OutOfRange`] after its
-    /// last step. A state outside the declared ranges, an infeasible program and a limit without a
+    /// shrinking or moving horizon those of building the program, and [`ErrorKind::OutOfRange`] after the
+    /// last step of a shrinking one; those of [`Model::set_parameter`] for
+    /// [parameters](Self::with_parameters). A state outside the declared ranges, an infeasible program and a limit without a
     /// point are no errors: the move then comes from a fallback.
     pub fn step(&mut self, state: &[f64]) -> Result<Move, Error> {
         let began = Instant::now();
@@ -269,9 +383,11 @@ impl<'a> RecedingHorizon<'a> {
         let mut next = match planned {
             Planned::Found(solution, states, inputs, excess) => {
                 self.rest = inputs.get(1..).unwrap_or_default().to_vec();
+                self.missed = false;
                 Move::planned(&solution, states, inputs, excess)
             }
             Planned::Nothing(solution, why) => {
+                self.missed = true;
                 let system = self.system.as_ref();
                 let input = self.fallback.input(system, state, &mut self.rest)?;
                 let mut next = Move::without_plan(input);
@@ -285,79 +401,57 @@ impl<'a> RecedingHorizon<'a> {
         next.step = self.steps;
         next.state = state.to_vec();
         self.steps += 1;
-        match &mut self.planner {
-            Planner::Receding(prepared, _) => prepared.shift(),
-            Planner::Shrinking { left, .. } => *left -= 1,
-        }
+        self.planner.shift();
         next.time = began.elapsed();
         Ok(next)
     }
 
     /// Plans from a state.
     fn plan(&mut self, state: &[f64]) -> Result<Planned, Error> {
-        let budget = self.budget;
-        let (result, handles) = match &mut self.planner {
-            Planner::Receding(prepared, handles) => {
-                check_length("the measured state", state.len(), handles.measured.len())?;
-                if budget.is_some() {
-                    prepared.options_mut().time_limit = budget;
-                }
-                let values = handles.values(state);
-                (prepared.solve(&values, &mut Control::default()), &*handles)
+        let parameters = match self.planner.model() {
+            Some(model) if !self.forecasts.is_empty() => {
+                self.forecasts.at(model, self.steps, state)?
             }
-            Planner::Shrinking { solver, build, left } => {
-                if *left == 0 {
-                    let what = "the step of a shrinking horizon";
-                    let steps = self.steps as f64;
-                    return Err(Error::out_of_range(what, steps, "before its end"));
-                }
-                let (program, mut model) = build(*left)?;
-                check_length("the measured state", state.len(), program.states().len())?;
-                let handles = Handles::measure(&program, &mut model)?;
-                self.system = Some(program.system().clone());
-                if budget.is_some() {
-                    solver.options_mut().time_limit = budget;
-                }
-                let values = handles.values(state);
-                let result = model.set_parameters(&values).and_then(|()| solver.solve(&model));
-                return Planned::of(result, &handles, self.excess.as_ref());
-            }
+            _ => Vec::new(),
         };
-        Planned::of(result, handles, self.excess.as_ref())
+        let first = self.first_budget.filter(|_| self.steps == 0);
+        let question = Question {
+            step: self.steps,
+            state,
+            parameters: &parameters,
+            budget: first.or(self.budget),
+            excess: self.excess.as_ref(),
+            missed: self.missed.then_some(&self.rest[..]),
+        };
+        self.planner.plan(&question, &mut self.system)
     }
 }
 
-/// The result of planning.
-enum Planned {
-    /// A solution with its states, inputs and excess.
-    Found(Box<Solution>, Vec<Vec<f64>>, Vec<Vec<f64>>, Option<f64>),
-    /// No point, and why.
-    Nothing(Option<Box<Solution>>, String),
+/// Refuses models in which something depends on the step.
+fn check_moves(model: &Model) -> Result<(), Error> {
+    model.by_step().map_or(Ok(()), |what| Err(cannot_move(what)))
 }
 
-impl Planned {
-    fn of(
-        result: Result<Solution, Error>,
-        handles: &Handles,
-        excess: Option<&Affine>,
-    ) -> Result<Self, Error> {
-        let solution = match result {
-            Ok(solution) => Box::new(solution),
-            // Values were checked to be finite: one is outside its range.
-            Err(error) if matches!(error.kind(), ErrorKind::OutOfRange { .. }) => {
-                return Ok(Planned::Nothing(None, error.to_string()));
-            }
-            Err(other) => return Err(other),
-        };
-        let Some(point) = solution.point() else {
-            let why = solution.termination().to_string();
-            return Ok(Planned::Nothing(Some(solution), why));
-        };
-        let states = Handles::read(&handles.states, point)?;
-        let inputs = Handles::read(&handles.inputs, point)?;
-        let excess = excess.map(|excess| point.value(excess)).transpose()?;
-        Ok(Planned::Found(solution, states, inputs, excess))
-    }
+fn cannot_move(what: &str) -> Error {
+    let kind = ErrorKind::Unsupported {
+        solver: "a receding horizon with one program for all steps".into(),
+        what: format!(
+            "{what}, which depends on the step and would stay where it is while time passes"
+        ),
+        help: "build the program of each step with `RecedingHorizon::moving`, or make the values \
+               parameters and give them `with_forecast`"
+            .into(),
+    };
+    kind.into()
+}
+
+fn builds_its_own(what: &str) -> Error {
+    let kind = ErrorKind::Unsupported {
+        solver: "a controller whose programs are built in each step".into(),
+        what: what.into(),
+        help: "build each program with the values of its step".into(),
+    };
+    kind.into()
 }
 
 impl std::fmt::Debug for RecedingHorizon<'_> {

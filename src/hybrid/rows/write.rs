@@ -102,6 +102,9 @@ pub(super) fn write(
         Ok((program, background))
     })?;
     background.iter().try_for_each(|family| model.set_background(family))?;
+    if let Some(what) = system.by_step() {
+        model.note_by_step(what);
+    }
     Ok(program)
 }
 

@@ -18,6 +18,7 @@ mod replay;
 mod resting;
 mod rule;
 mod shortest;
+mod soften;
 mod solid;
 mod statement;
 mod surface;

@@ -102,6 +102,15 @@ impl Solid {
         self
     }
 
+    /// The obstacle with its course from a step on, which ends where it ends.
+    #[must_use]
+    pub fn from_step(&self, step: usize) -> Self {
+        let mut later = self.clone();
+        let last = later.course.len().saturating_sub(1);
+        later.course.drain(..step.min(last));
+        later
+    }
+
     /// Number of faces.
     pub fn faces(&self) -> usize {
         self.faces.len()

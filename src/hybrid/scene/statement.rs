@@ -174,6 +174,15 @@ impl Scene {
         self
     }
 
+    /// The scene as it is from a step on: courses are those of that step at step 0, and end where they
+    /// end. For the programs of a [moving horizon](crate::hybrid::RecedingHorizon::moving).
+    #[must_use]
+    pub fn from_step(&self, step: usize) -> Self {
+        let mut scene = self.clone();
+        scene.obstacles.iter_mut().for_each(|obstacle| *obstacle = obstacle.from_step(step));
+        scene
+    }
+
     /// The number of axes.
     pub fn axes(&self) -> usize {
         self.bodies.first().map_or(0, Body::axes)

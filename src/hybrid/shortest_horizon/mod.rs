@@ -1,6 +1,7 @@
 #![doc = include_str!("../../../docs/modules/shortest_horizon.md")]
 
 mod guess;
+mod look;
 mod outcome;
 mod rest;
 mod run;

@@ -1,11 +1,12 @@
-//! The search: reach sets first; then galloping and bisection if waiting is free, otherwise an
-//! ascent.
+//! The search: reach sets first; then short looks, so that a plan is at hand early; then galloping and
+//! bisection if waiting is free, otherwise an ascent.
 
 use std::borrow::{Borrow, BorrowMut};
 
 use web_time::Duration;
 
 use super::guess::{Guess, restricted};
+use super::look::look_token;
 use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
 use super::{HorizonModel, Waiting};
 use crate::error::Error;
@@ -135,6 +136,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
         undecided: Vec::new(),
         attempts: Vec::new(),
         ascended: 0,
+        ascent: 0,
         sets: None,
         guess: Guess::NotAsked,
     };
@@ -163,28 +165,31 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     Ok(found)
 }
 
-struct Feasible<P> {
-    steps: usize,
+pub(super) struct Feasible<P> {
+    pub(super) steps: usize,
     program: P,
     solution: Solution,
     tube: Option<Tube>,
 }
 
-struct Search<'a, B: HorizonModel + ?Sized> {
+pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
     builder: &'a B,
-    options: &'a ShortestOptions,
+    pub(super) options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
-    token: StopToken,
+    pub(super) token: StopToken,
     progress: &'a mut dyn FnMut(&HorizonEvent),
     /// Every horizon up to this one is refuted.
-    refuted: usize,
+    pub(super) refuted: usize,
     /// The smallest horizon found feasible.
-    best: Option<Feasible<B::Program>>,
+    pub(super) best: Option<Feasible<B::Program>>,
     /// Undecided horizons, with the reason.
-    undecided: Vec<(usize, Termination)>,
-    attempts: Vec<Attempt>,
-    /// How many of the attempts belong to the first ascent by forward sets.
-    ascended: usize,
+    pub(super) undecided: Vec<(usize, Termination)>,
+    pub(super) attempts: Vec<Attempt>,
+    /// How many of the attempts came before the search proper: the first ascent by forward sets, and
+    /// looks at longer horizons.
+    pub(super) ascended: usize,
+    /// Every horizon up to this one was tried, in ascending order.
+    ascent: usize,
     sets: Option<ReachSets>,
     guess: Guess,
 }
@@ -195,13 +200,26 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         if let Some(reason) = self.ascend_by_sets()? {
             return Ok(ShortestStatus::Stopped(reason));
         }
+        let mut looks = true;
         loop {
             let next = if monotone { self.next_probe() } else { self.next_ascending() };
             let Some(steps) = next else { return Ok(self.status()) };
             if let Some(reason) = self.reason_to_stop() {
                 return Ok(ShortestStatus::Stopped(reason));
             }
-            self.attempt(steps)?;
+            looks &= self.best.is_none();
+            let before = self.attempts.len();
+            if looks && !self.look(steps)? {
+                looks = false;
+                self.look_above(steps)?;
+                continue;
+            }
+            if !looks {
+                self.attempt(steps, None)?;
+            }
+            if self.attempts.len() > before {
+                self.ascent = self.ascent.max(steps);
+            }
         }
     }
 
@@ -238,10 +256,11 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
     }
 
-    /// The next horizon in ascending order, until one is feasible.
+    /// The next horizon in ascending order, below the smallest that is feasible.
     fn next_ascending(&self) -> Option<usize> {
-        let next = self.attempts.last().map_or(1, |attempt| attempt.steps + 1);
-        (self.best.is_none() && next <= self.options.max_steps).then_some(next)
+        let next = self.ascent.max(self.refuted) + 1;
+        let last = self.best.as_ref().map_or(self.options.max_steps, |best| best.steps - 1);
+        (next <= last).then_some(next)
     }
 
     /// The next horizon strictly between the refuted and the feasible ones: by galloping until one
@@ -292,7 +311,11 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     }
 
     /// Decides one horizon, by its tube or by a solve, and records the result.
-    fn attempt(&mut self, steps: usize) -> Result<(), Error> {
+    ///
+    /// # Arguments
+    ///
+    /// * `nodes`: a limit for a look.
+    pub(super) fn attempt(&mut self, steps: usize, nodes: Option<u64>) -> Result<(), Error> {
         let feasible = self.best.as_ref().map(|best| best.steps);
         (self.progress)(&HorizonEvent::Started { steps, refuted: self.refuted, feasible });
         let token = &self.token;
@@ -322,24 +345,32 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         if open > MANY_OPEN
             && let Some(solution) =
-                self.solve_restricted(steps, program.borrow_mut(), &variables)?
+                self.solve_restricted(steps, nodes, program.borrow_mut(), &variables)?
         {
             let attempt = Attempt { restricted: true, ..Attempt::of(steps, &solution) };
             self.file(attempt, Some(Feasible { steps, program, solution, tube }));
             return Ok(());
         }
-        let solution = self.solve(steps, program.borrow())?;
+        let solution = self.solve(steps, nodes, program.borrow())?;
         let attempt = Attempt::of(steps, &solution);
         self.file(attempt, Some(Feasible { steps, program, solution, tube }));
         Ok(())
     }
 
-    fn solve(&mut self, steps: usize, model: &Model) -> Result<Solution, Error> {
+    fn solve(
+        &mut self,
+        steps: usize,
+        nodes: Option<u64>,
+        model: &Model,
+    ) -> Result<Solution, Error> {
         let progress = &mut *self.progress;
         let mut relay = |event: &Event| {
             progress(&HorizonEvent::Solving { steps, progress: *event.progress() });
         };
-        self.token.solve(self.solver, model, &mut relay)
+        match nodes {
+            None => self.token.solve(self.solver, model, &mut relay),
+            nodes => look_token(&self.token).solve_within(nodes, self.solver, model, &mut relay),
+        }
     }
 
     /// Solves with the binaries restricted to the neighbourhood of a coarser plan's. Returns a
@@ -347,6 +378,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     fn solve_restricted(
         &mut self,
         steps: usize,
+        nodes: Option<u64>,
         model: &mut Model,
         variables: &HorizonVariables,
     ) -> Result<Option<Solution>, Error> {
@@ -358,7 +390,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         }
         let Guess::Modes(modes) = &self.guess else { return Ok(None) };
         let Some(freed) = restricted(modes, model, variables)? else { return Ok(None) };
-        let solution = self.solve(steps, model)?;
+        let solution = self.solve(steps, nodes, model)?;
         for (variable, bounds) in freed {
             model.set_bounds(variable, bounds.lower, bounds.upper)?;
         }
@@ -378,7 +410,11 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
     fn file(&mut self, attempt: Attempt, solved: Option<Feasible<B::Program>>) {
         let steps = attempt.steps;
         match attempt.verdict {
-            Verdict::Feasible => self.best = solved,
+            Verdict::Feasible => {
+                if self.best.as_ref().is_none_or(|best| steps < best.steps) {
+                    self.best = solved;
+                }
+            }
             Verdict::Refuted(_) => {
                 // If waiting is free, every smaller horizon is refuted as well; otherwise only an
                 // unbroken chain from 1 counts.

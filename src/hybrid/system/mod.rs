@@ -14,6 +14,7 @@
 //! | the text form; `serde` | `system/text.rs`, `system/serialized.rs` |
 //! | what is refused | `system/check.rs` |
 
+mod by_step;
 mod check;
 mod choice;
 mod halfspace;

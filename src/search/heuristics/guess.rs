@@ -1,5 +1,6 @@
 //! Points from a MIP start: fixed, completed, and repaired if it contradicts the program.
 
+use super::penalties::{forgo, pays, penalties};
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
@@ -10,8 +11,8 @@ use crate::search::seed::GuessEnd;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
-/// Most relaxations of all completions, and most in a prepared solve, where going through the last tree
-/// finds points as well.
+/// Most relaxations of all completions, and most in a prepared solve that nothing stops, where going
+/// through the last tree finds points as well.
 const DIVE: usize = 12;
 const DIVE_PREPARED: usize = 3;
 
@@ -20,12 +21,20 @@ const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Tries the guess at the root. The domain is left as it was.
 pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
-    let Some(seed) = ctx.tree.seed().filter(|seed| !seed.guess.is_empty()) else { return };
+    if ctx.tree.seed().is_some_and(|seed| !seed.guess.is_empty()) {
+        complete_guess(ctx);
+    }
+}
+
+/// Looks for a point with the values of the guess, or with any if there is none.
+pub(in crate::search) fn complete_guess(ctx: &mut Context<'_>) {
+    let Some(seed) = ctx.tree.seed() else { return };
     span!(DEBUG, "heuristic", name = "guess");
     let before = ctx.tree.begin(Heuristic::Guess);
     let mut contradiction = None;
     let mut found = None;
-    let mut left = if seed.proofs.is_some() { DIVE_PREPARED } else { DIVE };
+    let is_quick = seed.proofs.is_some() && !ctx.options().may_stop();
+    let mut left = if is_quick { DIVE_PREPARED } else { DIVE };
     for share in SHARES {
         let kept = (share * seed.guess.len() as f64).ceil() as usize;
         let mark = ctx.node.domain.mark();
@@ -38,9 +47,13 @@ pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
         complete(ctx, &mut left);
         ctx.node.domain.undo_to(mark);
         found = ctx.tree.take_last_found();
-        if found.is_some() || left == 0 || ctx.token.is_over() {
+        if found.is_some() || left == 0 || kept == 0 || ctx.token.is_over() {
             break;
         }
+    }
+    if ctx.options().may_stop() {
+        let better = complete_unsoftened(ctx, found.as_deref());
+        found = better.or(found);
     }
     ctx.tree.end(before);
     ctx.tree.report_guess(match (found, contradiction) {
@@ -49,6 +62,21 @@ pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
         (None, Some(column)) => GuessEnd::Contradiction(column),
         (None, None) => GuessEnd::Nothing,
     });
+}
+
+/// Looks for a point that softens nothing, where there is none or one that does.
+fn complete_unsoftened(ctx: &mut Context<'_>, found: Option<&[f64]>) -> Option<Vec<f64>> {
+    let penalties = penalties(ctx.program());
+    let is_worse = found.is_none_or(|point| pays(ctx.program(), &penalties, point));
+    if penalties.is_empty() || !is_worse || ctx.token.is_over() {
+        return None;
+    }
+    let mark = ctx.node.domain.mark();
+    if forgo(ctx, &penalties) {
+        complete(ctx, &mut { DIVE });
+    }
+    ctx.node.domain.undo_to(mark);
+    ctx.tree.take_last_found()
 }
 
 /// Looks for a point of the present domain: rounds its relaxed point, and dives where that

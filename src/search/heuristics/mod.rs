@@ -4,13 +4,14 @@ mod allowance;
 mod diving;
 mod guess;
 mod neighbourhood;
+mod penalties;
 mod proposals;
 mod roll_out;
 mod rounding;
 
 pub use allowance::Allowance;
 use diving::dive_where_it_pays;
-pub(super) use guess::try_guess;
+pub(super) use guess::{complete_guess, try_guess};
 use neighbourhood::search_near_incumbent;
 use proposals::try_proposals;
 pub use roll_out::Frontier;

@@ -1,0 +1,210 @@
+//! Where plans come from: one prepared program, or one that is built for each step.
+
+use web_time::Duration;
+
+use super::guess::{LastIntegers, simulated};
+use crate::error::{Error, ErrorKind, check_length};
+use crate::hybrid::rows::HybridProgram;
+use crate::hybrid::system::HybridSystem;
+use crate::model::{Affine, Family, Model, Variable};
+use crate::solution::{Point, Solution};
+use crate::solver::{Control, Prepared, Solver};
+
+/// Where plans come from.
+pub(super) enum Planner<'a> {
+    /// One program for all steps.
+    Receding {
+        prepared: Box<dyn Prepared + 'a>,
+        handles: Handles,
+        program: Option<Box<HybridProgram>>,
+    },
+    /// A program for each step.
+    Built { solver: &'a mut dyn Solver, build: Box<Build<'a>>, clock: Clock, last: LastIntegers },
+}
+
+/// Builds the program of a step.
+pub(super) type Build<'a> = dyn FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a;
+
+/// What the program of a step is asked for by.
+pub(super) enum Clock {
+    /// The steps that are left.
+    Left(usize),
+    /// The steps that have passed.
+    Passed(usize),
+}
+
+/// What a step asks for.
+pub(super) struct Question<'q> {
+    /// The number of the step.
+    pub(super) step: usize,
+    pub(super) state: &'q [f64],
+    /// Values of parameters other than the measured state.
+    pub(super) parameters: &'q [(Variable, f64)],
+    pub(super) budget: Option<Duration>,
+    pub(super) excess: Option<&'q Affine>,
+    /// The rest of the last plan, an input a step, where the last step had no plan.
+    pub(super) missed: Option<&'q [Vec<f64>]>,
+}
+
+/// The variables of a program that a controller reads and writes.
+pub(super) struct Handles {
+    pub(super) measured: Vec<Variable>,
+    pub(super) states: Vec<Family>,
+    pub(super) inputs: Vec<Family>,
+}
+
+impl Handles {
+    /// Adds parameters for the state at the first sample of a program.
+    pub(super) fn measure(program: &HybridProgram, model: &mut Model) -> Result<Self, Error> {
+        let mut measured = Vec::new();
+        for (k, (name, domain)) in program.system().states.iter().enumerate() {
+            let Some(first) = program.states().get(k).and_then(|family| family.get(0)) else {
+                continue;
+            };
+            let middle = 0.0_f64.clamp(domain.lower, domain.upper);
+            let name = format!("measured_{}", name.replace(char::is_whitespace, "_"));
+            let parameter = model.parameter(name.as_str(), middle, domain.lower, domain.upper)?;
+            model.add(format!("{name}_row").as_str(), (first - parameter).equals(0.0))?;
+            measured.push(parameter);
+        }
+        let (states, inputs) = (program.states().to_vec(), program.inputs().to_vec());
+        Ok(Handles { measured, states, inputs })
+    }
+
+    fn values(&self, state: &[f64]) -> Vec<(Variable, f64)> {
+        self.measured.iter().copied().zip(state.iter().copied()).collect()
+    }
+
+    /// The values of families, by step.
+    fn read(families: &[Family], point: &Point) -> Result<Vec<Vec<f64>>, Error> {
+        let steps = families.iter().map(Family::len).min().unwrap_or(0);
+        let at = |t: usize| families.iter().map(|family| point.value(family[t])).collect();
+        (0..steps).map(at).collect()
+    }
+}
+
+/// The result of planning.
+pub(super) enum Planned {
+    /// A solution with its states, inputs and excess.
+    Found(Box<Solution>, Vec<Vec<f64>>, Vec<Vec<f64>>, Option<f64>),
+    /// No point, and why.
+    Nothing(Option<Box<Solution>>, String),
+}
+
+impl Planned {
+    fn of(
+        result: Result<Solution, Error>,
+        handles: &Handles,
+        excess: Option<&Affine>,
+    ) -> Result<Self, Error> {
+        let solution = match result {
+            Ok(solution) => Box::new(solution),
+            // Values were checked to be finite: one is outside its range.
+            Err(error) if matches!(error.kind(), ErrorKind::OutOfRange { .. }) => {
+                return Ok(Planned::Nothing(None, error.to_string()));
+            }
+            Err(other) => return Err(other),
+        };
+        let Some(point) = solution.point() else {
+            let why = solution.termination().to_string();
+            return Ok(Planned::Nothing(Some(solution), why));
+        };
+        let states = Handles::read(&handles.states, point)?;
+        let inputs = Handles::read(&handles.inputs, point)?;
+        let excess = excess.map(|excess| point.value(excess)).transpose()?;
+        Ok(Planned::Found(solution, states, inputs, excess))
+    }
+}
+
+impl Planner<'_> {
+    /// The model of all steps, if there is one.
+    pub(super) fn model(&self) -> Option<&Model> {
+        match self {
+            Planner::Receding { prepared, .. } => Some(prepared.model()),
+            Planner::Built { .. } => None,
+        }
+    }
+
+    /// A step passes.
+    pub(super) fn shift(&mut self) {
+        match self {
+            Planner::Receding { prepared, .. } => prepared.shift(),
+            Planner::Built { clock, last, .. } => {
+                last.shift();
+                match clock {
+                    Clock::Left(left) => *left -= 1,
+                    Clock::Passed(passed) => *passed += 1,
+                }
+            }
+        }
+    }
+
+    /// Plans from a state. The system of the step's own program takes the place of `system`.
+    pub(super) fn plan(
+        &mut self,
+        question: &Question<'_>,
+        system: &mut Option<HybridSystem>,
+    ) -> Result<Planned, Error> {
+        let state = question.state;
+        match self {
+            Planner::Receding { prepared, handles, program } => {
+                check_length("the measured state", state.len(), handles.measured.len())?;
+                if question.budget.is_some() {
+                    prepared.options_mut().time_limit = question.budget;
+                }
+                let mut values = handles.values(state);
+                values.extend(question.parameters);
+                let seed = match (program, question.missed) {
+                    (Some(program), Some(rest)) => simulated(program, state, rest)?,
+                    _ => None,
+                };
+                let mut control = Control::default();
+                if let Some(seed) = &seed {
+                    control = control.with_seed(seed);
+                }
+                let result = prepared.solve(&values, &mut control);
+                Planned::of(result, handles, question.excess)
+            }
+            Planner::Built { solver, build, clock, last } => {
+                let step = match clock {
+                    Clock::Left(0) => {
+                        let what = "the step of a shrinking horizon";
+                        return Err(Error::out_of_range(
+                            what,
+                            question.step as f64,
+                            "before its end",
+                        ));
+                    }
+                    Clock::Left(left) => *left,
+                    Clock::Passed(passed) => *passed,
+                };
+                let (program, mut model) = build(step)?;
+                check_length("the measured state", state.len(), program.states().len())?;
+                let handles = Handles::measure(&program, &mut model)?;
+                *system = Some(program.system().clone());
+                if question.budget.is_some() {
+                    solver.options_mut().time_limit = question.budget;
+                }
+                let seed = match question.missed {
+                    Some(rest) => simulated(&program, state, rest)?,
+                    None => None,
+                };
+                let seed = seed.or_else(|| last.seed(&model));
+                let mut control = Control::default();
+                if let Some(seed) = &seed {
+                    control = control.with_seed(seed);
+                }
+                let result = model
+                    .set_parameters(&handles.values(state))
+                    .and_then(|()| solver.solve_with(&model, &mut control));
+                let planned = Planned::of(result, &handles, question.excess)?;
+                if let Planned::Found(solution, ..) = &planned
+                    && let Some(point) = solution.point()
+                {
+                    last.take_in(&model, point)?;
+                }
+                Ok(planned)
+            }
+        }
+    }
+}

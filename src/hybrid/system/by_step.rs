@@ -1,0 +1,121 @@
+//! Systems that depend on the step, as they are seen from a later step.
+
+use super::{Choice, Halfspace, HybridSystem, MODE, Schedule, Transition};
+use crate::interval::Interval;
+
+impl<T: Clone + PartialEq> Schedule<T> {
+    /// The values from a step on: what is the value at that step becomes the value at step 0.
+    ///
+    /// ```
+    /// use carom::hybrid::Schedule;
+    ///
+    /// let falling: Schedule<f64> = vec![3.0, 2.0, 1.0].into();
+    /// assert_eq!(falling.from_step(1), vec![2.0, 1.0].into());
+    /// assert_eq!(falling.from_step(9), vec![1.0].into());
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn from_step(&self, step: usize) -> Self {
+        let values: Vec<T> = self.values().skip(step.min(self.settles())).cloned().collect();
+        Schedule::from(values)
+    }
+
+    /// Whether there are two different values.
+    pub(crate) fn varies(&self) -> bool {
+        self.values().any(|value| Some(value) != self.get(0))
+    }
+}
+
+impl Halfspace {
+    /// The half-space with its limit from a step on.
+    #[must_use]
+    pub fn from_step(&self, step: usize) -> Self {
+        Halfspace { limit: self.limit.from_step(step), ..self.clone() }
+    }
+}
+
+impl HybridSystem {
+    /// The system as it is from a step on: ranges of inputs, limits, guards, resets and outputs that
+    /// depend on the step are those of that step at step 0. For the programs of a
+    /// [moving horizon](crate::hybrid::RecedingHorizon::moving).
+    ///
+    /// ```
+    /// use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Transition};
+    /// use carom::interval::Interval;
+    ///
+    /// // A door that closes after step 2.
+    /// let door = Halfspace::new("door", [1.0, 0.0], vec![9.0, 9.0, 9.0, 4.0]);
+    /// let system = HybridSystem::new()
+    ///     .with_state("x", Interval::new(0.0, 9.0))
+    ///     .with_state("v", Interval::new(-1.0, 1.0))
+    ///     .with_input("a", Interval::new(-1.0, 1.0))
+    ///     .with_limit(door)
+    ///     .with_transition(Transition::new("drive", LinearSystem::double_integrator(0.1)?));
+    /// let later = system.from_step(2);
+    /// assert_eq!(later.limits[0].limit, vec![9.0, 4.0].into());
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    #[must_use]
+    pub fn from_step(&self, step: usize) -> Self {
+        let mut system = self.clone();
+        system.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
+        system.limits.iter_mut().for_each(|limit| *limit = limit.from_step(step));
+        let choices = system.choices.iter_mut();
+        choices.flat_map(|choice| &mut choice.transitions).for_each(|t| t.begin_at(step));
+        system
+    }
+
+    /// What depends on the step, in words, if something does.
+    pub(crate) fn by_step(&self) -> Option<String> {
+        let range = |(name, range): &(String, Schedule<Interval>)| {
+            range.varies().then(|| format!("the range of the input `{name}`"))
+        };
+        let limit =
+            |limit: &Halfspace| limit.limit.varies().then(|| format!("the limit `{}`", limit.name));
+        let transition = |(choice, t): (&Choice, &Transition)| {
+            let guard = t.guards.iter().chain(&t.prediction_guards);
+            let mut guard = guard.filter(|guard| guard.limit.varies());
+            let what = match (guard.next(), t.by_step()) {
+                (Some(guard), _) => format!("the guard `{}`", guard.name),
+                (None, Some(what)) => what,
+                (None, None) => return None,
+            };
+            Some(match choice.name == MODE {
+                true => format!("{what} of the transition `{}`", t.name),
+                false => format!("{what} of the transition `{}` of `{}`", t.name, choice.name),
+            })
+        };
+        let mut transitions =
+            self.choices.iter().flat_map(|own| own.transitions.iter().map(move |t| (own, t)));
+        let own = self.inputs.iter().find_map(range);
+        own.or_else(|| self.limits.iter().find_map(limit))
+            .or_else(|| transitions.find_map(transition))
+    }
+}
+
+impl Transition {
+    /// Moves its values by step to a later beginning.
+    fn begin_at(&mut self, step: usize) {
+        let guards = self.guards.iter_mut().chain(&mut self.prediction_guards);
+        guards.for_each(|guard| *guard = guard.from_step(step));
+        self.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
+        if let Some(reset) = &mut self.reset {
+            reset.offset = reset.offset.from_step(step);
+        }
+        for output in &mut self.outputs {
+            output.constant = output.constant.from_step(step);
+        }
+    }
+
+    /// What else than a guard depends on the step.
+    fn by_step(&self) -> Option<String> {
+        if let Some((name, _)) = self.inputs.iter().find(|(_, range)| range.varies()) {
+            return Some(format!("the range of the input `{name}`"));
+        }
+        if self.reset.as_ref().is_some_and(|reset| reset.offset.varies()) {
+            return Some("the reset".to_owned());
+        }
+        let output = self.outputs.iter().find(|output| output.constant.varies());
+        output.map(|output| format!("the output `{}`", output.name))
+    }
+}
