@@ -193,7 +193,11 @@ fn summary(solution: &Solution, seconds: f64) -> String {
         ),
         None => "no point".into(),
     };
-    format!("{}: {found}, after {effort}", solution.termination())
+    let refused = solution.refused().and_then(|check| check.violations().first());
+    let refused = refused.map_or(String::new(), |violation| {
+        format!("; the nearest point that was refused violates {violation}")
+    });
+    format!("{}: {found}, after {effort}{refused}", solution.termination())
 }
 
 /// The text of a file. If it is not text, the error says where.

@@ -6,10 +6,13 @@ use std::io::{self, Write};
 use web_time::{Duration, Instant};
 
 use super::progress::{Event, Progress};
-use crate::solution::{RelaxationCounts, Solution};
+use crate::solution::{RelaxationCounts, Solution, Verification};
 
 /// Lines between two headings.
 const PAGE: u64 = 25;
+
+/// Violations that are named.
+const NAMED: usize = 3;
 
 /// Shortest time between two lines that report nothing new.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -93,6 +96,9 @@ impl<W: Write> Log<W> {
             statistics.time.as_secs_f64(),
             statistics.nodes_per_second(),
         ));
+        if let Some(check) = solution.refused() {
+            self.write(format_args!("{}\n", refusal(check)));
+        }
         self.write(format_args!(
             "{} relaxations, {} iterations, depth {}, at most {} open, {} bytes\n",
             statistics.relaxations,
@@ -156,6 +162,20 @@ impl<W: Write> fmt::Debug for Log<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Log").field("lines", &self.lines).finish_non_exhaustive()
     }
+}
+
+/// What the nearest refused point of a stalled search violates, in a line.
+fn refusal(check: &Verification) -> String {
+    let violations = check.violations();
+    let named: Vec<String> = violations.iter().take(NAMED).map(ToString::to_string).collect();
+    let more = match violations.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!(
+        "stalled at points that the check refused: the nearest violates {}{more}",
+        named.join(", ")
+    )
 }
 
 /// Ten significant digits, without trailing zeros.
