@@ -194,7 +194,11 @@ fn summary(solution: &Solution, seconds: f64) -> String {
         None => "no point".into(),
     };
     let hint = solution.hint().map_or(String::new(), |hint| format!("\n{hint}"));
-    format!("{}: {found}, after {effort}{hint}", solution.termination())
+    let refused = solution.refused().and_then(|check| check.violations().first());
+    let refused = refused.map_or(String::new(), |violation| {
+        format!("; the nearest point that was refused violates {violation}")
+    });
+    format!("{}: {found}, after {effort}{refused}{hint}", solution.termination())
 }
 
 /// The text of a file. If it is not text, the error says where.

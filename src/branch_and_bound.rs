@@ -7,6 +7,7 @@ mod looks;
 mod multipliers;
 mod pipeline;
 mod prepared;
+mod refusals;
 mod seeding;
 mod stage;
 
@@ -14,11 +15,12 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::relaxation::LadderPool;
 use crate::search::{ColumnGuidance, Found};
-use crate::solution::{Multipliers, Outcome, SeedReport, Solution};
+use crate::solution::{Multipliers, Outcome, SeedReport, Solution, Verification};
 use crate::solver::{Control, Options, PoolMode, Prepared, Solver, StopToken, TreeSeed};
 use multipliers::Derivatives;
 use pipeline::Pipeline;
 use prepared::PreparedProgram;
+use refusals::Refusals;
 use seeding::{leaf_of, report, seed_of};
 
 /// Branch and bound over continuous relaxations.
@@ -78,13 +80,13 @@ impl Solver for BranchAndBound {
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
         let seed = given.as_ref().map(|(seed, _)| seed);
         let ladders = &LadderPool::new(options);
-        let (guidance, token) = (&guidance, &token);
-        let pipeline = Pipeline { model, options, token, guidance, ladders, seed };
+        let (guidance, token, refusals) = (&guidance, &token, &Refusals::default());
+        let pipeline = Pipeline { model, options, token, guidance, ladders, refusals, seed };
         let (mut found, derivatives) = pipeline.run(control)?;
         found.statistics.time = token.elapsed();
         let seed_report =
             given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
-        answer(model, options, found, derivatives, seed_report)
+        answer(model, options, found, derivatives, seed_report, refusals.take())
     }
 
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {
@@ -99,6 +101,7 @@ fn answer(
     found: Found,
     derivatives: Option<Derivatives>,
     seed_report: Option<SeedReport>,
+    refused: Option<Verification>,
 ) -> Result<Solution, Error> {
     let sign = model.sense().sign();
     let signed = |values: Vec<f64>| values.into_iter().map(|v| sign * v + 0.0).collect();
@@ -106,6 +109,7 @@ fn answer(
         derivatives.map(|d| Multipliers::new(model, signed(d.rows), signed(d.columns)));
     let solution = solution(model, options, found)?
         .with_seed_report(seed_report)
+        .with_refused(refused)
         .with_multipliers(multipliers);
     #[cfg(feature = "tracing")]
     tracing::info!(

@@ -2,6 +2,7 @@
 
 use super::curvature::check_curvature;
 use super::multipliers::{Derivatives, derivatives};
+use super::refusals::Refusals;
 use super::stage::Stage;
 use crate::error::Error;
 use crate::model::Model;
@@ -28,6 +29,7 @@ pub(super) struct Pipeline<'a> {
     pub(super) token: &'a StopToken,
     pub(super) guidance: &'a ColumnGuidance<'a>,
     pub(super) ladders: &'a LadderPool,
+    pub(super) refusals: &'a Refusals,
     pub(super) seed: Option<&'a Seed>,
 }
 
@@ -114,6 +116,7 @@ impl Pipeline<'_> {
             token: self.token,
             guidance: &guidance,
             ladders: self.ladders,
+            refusals: self.refusals,
             program: &presolved.program,
             restore: &restore,
             as_is,

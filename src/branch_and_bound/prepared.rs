@@ -9,6 +9,7 @@ use super::answer;
 use super::curvature::check_curvature;
 use super::history::History;
 use super::pipeline::Pipeline;
+use super::refusals::Refusals;
 use super::seeding::{report, seed_of};
 use super::stage::{Stage, Tightened};
 use crate::error::Error;
@@ -117,7 +118,8 @@ impl Prepared for PreparedProgram<'_> {
             self.ladders = LadderPool::new(options);
         }
         let (guidance, ladders, token) = (&guidance, &self.ladders, &token);
-        let pipeline = Pipeline { model, options, token, guidance, ladders, seed };
+        let refusals = &Refusals::default();
+        let pipeline = Pipeline { model, options, token, guidance, ladders, refusals, seed };
         let about_columns = pipeline.is_about_columns() || !guidance.is_idle();
         let (mut found, derivatives) = match &mut self.reduced {
             Reduced::Infeasible if options.reductions => (Found::infeasible(), None),
@@ -137,7 +139,7 @@ impl Prepared for PreparedProgram<'_> {
         };
         found.statistics.time = token.elapsed();
         let report = given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
-        answer(model, options, found, derivatives, report)
+        answer(model, options, found, derivatives, report, refusals.take())
     }
 }
 
@@ -220,6 +222,7 @@ impl ReducedProgram {
                 token: pipeline.token,
                 guidance: &guidance,
                 ladders: pipeline.ladders,
+                refusals: pipeline.refusals,
                 program,
                 restore: &restore,
                 as_is: false,

@@ -1,6 +1,7 @@
 //! Cuts and search after presolve.
 
 use super::looks::Looks;
+use super::refusals::Refusals;
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
@@ -21,6 +22,7 @@ pub(super) struct Stage<'a> {
     pub(super) token: &'a StopToken,
     pub(super) guidance: &'a ColumnGuidance<'a>,
     pub(super) ladders: &'a LadderPool,
+    pub(super) refusals: &'a Refusals,
     pub(super) program: &'a Program,
     /// From values of the program's columns to values of the model's variables.
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
@@ -112,8 +114,14 @@ impl Stage<'_> {
 
     /// The same, where the model's own verification accepts it.
     pub(super) fn verified(&self, values: &[f64]) -> Option<Point> {
-        let holds =
-            |point: &Point| Verification::of(self.model, point, self.options.feasibility).holds();
+        let holds = |point: &Point| {
+            let check = Verification::of(self.model, point, self.options.feasibility);
+            let holds = check.holds();
+            if !holds {
+                self.refusals.note(check);
+            }
+            holds
+        };
         self.point(values).filter(holds)
     }
 

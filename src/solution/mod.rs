@@ -52,6 +52,8 @@ pub struct Solution {
     seed: Option<SeedReport>,
     #[cfg_attr(feature = "serde", serde(default))]
     multipliers: Option<Multipliers>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    refused: Option<Verification>,
 }
 
 /// The result that a backend reports; [`Solution::new`] checks it against the model.
@@ -136,6 +138,7 @@ impl Solution {
             leaves: Vec::new(),
             seed: None,
             multipliers: None,
+            refused: None,
         })
     }
 
@@ -180,6 +183,22 @@ impl Solution {
     pub(crate) fn with_multipliers(mut self, multipliers: Option<Multipliers>) -> Self {
         self.multipliers = multipliers.filter(|_| self.is_optimal());
         self
+    }
+
+    /// Notes the check of a refused point; it is dropped unless the search stalled.
+    pub(crate) fn with_refused(mut self, refused: Option<Verification>) -> Self {
+        self.refused = refused.filter(|_| self.termination == Termination::Stalled);
+        self
+    }
+
+    /// Why a search [stalled](Termination::Stalled), where points were found and refused: what the
+    /// one violates that violates the model least. Its values keep the rows of the lowered program up
+    /// to rounding, and the statements named here not within the tolerance, so these have
+    /// coefficients that are too large, or too far apart, for the tolerance.
+    ///
+    /// `None` if the search did not stall, or stalled at what could be neither refuted nor split.
+    pub fn refused(&self) -> Option<&Verification> {
+        self.refused.as_ref()
     }
 
     /// Shadow prices of rows and reduced costs of variables.

@@ -23,7 +23,8 @@ pub enum Termination {
     /// The [`Interrupt`](crate::solver::Interrupt) was triggered.
     Interrupted,
     /// For numerical reasons, part of the search could be neither refuted nor finished. The bound,
-    /// and the point if there is one, are still valid.
+    /// and the point if there is one, are still valid. What the nearest point violates that was
+    /// refused is in [`Solution::refused`](crate::solution::Solution::refused).
     Stalled,
 }
 

@@ -7,10 +7,13 @@ use web_time::{Duration, Instant};
 
 use super::progress::{Event, Progress};
 use crate::number::{percent, rounded};
-use crate::solution::{RelaxationCounts, Solution};
+use crate::solution::{RelaxationCounts, Solution, Verification};
 
 /// Lines between two headings.
 const PAGE: u64 = 25;
+
+/// Violations that are named.
+const NAMED: usize = 3;
 
 /// Shortest time between two lines that report nothing new.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -94,6 +97,9 @@ impl<W: Write> Log<W> {
         if let Some(hint) = solution.hint() {
             self.write(format_args!("{hint}\n"));
         }
+        if let Some(check) = solution.refused() {
+            self.write(format_args!("{}\n", refusal(check)));
+        }
         self.write(format_args!(
             "{} relaxations, {} iterations, depth {}, at most {} open, {} bytes\n",
             statistics.relaxations,
@@ -157,6 +163,20 @@ impl<W: Write> fmt::Debug for Log<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Log").field("lines", &self.lines).finish_non_exhaustive()
     }
+}
+
+/// What the nearest refused point of a stalled search violates, in a line.
+fn refusal(check: &Verification) -> String {
+    let violations = check.violations();
+    let named: Vec<String> = violations.iter().take(NAMED).map(ToString::to_string).collect();
+    let more = match violations.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!(
+        "stalled at points that the check refused: the nearest violates {}{more}",
+        named.join(", ")
+    )
 }
 
 /// Ten significant digits, or eight where that is too long for a column.

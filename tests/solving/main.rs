@@ -8,6 +8,7 @@ mod instances;
 mod torture;
 
 mod benchmark_programs;
+mod borderline;
 mod branching_rules;
 mod conformance;
 mod convexity;

@@ -3,6 +3,7 @@
 use carom::prelude::*;
 use carom::solver::{BranchingRule, PoolMode};
 
+use super::big_m::big_m;
 use super::generator::{Random, large, program};
 use super::oracle::{Truth, Verdict, judge, truth};
 use crate::common::case::{Case, Column, Line, Square};
@@ -15,6 +16,8 @@ pub(crate) enum Family {
     Mixed,
     /// Terms of 1e6 to 1e10.
     Large,
+    /// Coefficients of 1e4 to 1e8 beside small ones.
+    BigM,
     /// Continuous columns without bounds, with one, or with huge ones, in rows with binaries, under
     /// squares of their own.
     Open,
@@ -25,8 +28,14 @@ pub(crate) enum Family {
 }
 
 impl Family {
-    pub(crate) const ALL: [Family; 5] =
-        [Family::Mixed, Family::Large, Family::Open, Family::Borderline, Family::Chain];
+    pub(crate) const ALL: [Family; 6] = [
+        Family::Mixed,
+        Family::Large,
+        Family::BigM,
+        Family::Open,
+        Family::Borderline,
+        Family::Chain,
+    ];
 
     pub(crate) fn named(name: &str) -> Option<Family> {
         Family::ALL.into_iter().find(|family| family.name() == name)
@@ -36,6 +45,7 @@ impl Family {
         match self {
             Family::Mixed => "mixed",
             Family::Large => "large",
+            Family::BigM => "big-m",
             Family::Open => "open",
             Family::Borderline => "borderline",
             Family::Chain => "chain",
@@ -47,10 +57,16 @@ impl Family {
         match self {
             Family::Mixed => program(seed),
             Family::Large => large(seed),
+            Family::BigM => big_m(seed),
             Family::Open => open(seed),
             Family::Borderline => borderline(seed),
             Family::Chain => chain(seed),
         }
+    }
+
+    /// Whether a solve may stall: where terms are larger than a float has digits for.
+    pub(crate) fn may_stall(self) -> bool {
+        self == Family::Large
     }
 
     /// Whether a point within the tolerance that is better than the exact optimum is wrong.
@@ -182,7 +198,7 @@ fn open(seed: u64) -> Case {
 
 /// A continuous column of which at least one bound is missing or far away, mostly.
 fn wide_column(r: &mut Random) -> Column {
-    let far = |r: &mut Random| f64::from(r.within(1, 9)) * 2.0_f64.powi(r.within(10, 26));
+    let far = |r: &mut Random| f64::from(r.within(1, 9)) * 2.0_f64.powi(r.within(10, 20));
     let near = f64::from(r.within(-9, 9));
     let width = f64::from(r.within(1, 20));
     let (lower, upper) = match r.below(8) {

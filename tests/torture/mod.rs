@@ -3,6 +3,7 @@
 // Each of these uses a part of this module.
 #![allow(dead_code)]
 
+pub(crate) mod big_m;
 mod complementarity;
 mod dyadic;
 pub(crate) mod families;

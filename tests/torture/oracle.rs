@@ -96,7 +96,7 @@ fn descend(
             }
         };
     };
-    let (mut value, upper) = (case.columns[j].lower.ceil(), case.columns[j].upper);
+    let (mut value, upper) = range(case, j, x);
     while value <= upper {
         x[j] = value;
         if descend(case, rest, x, best) {
@@ -106,6 +106,32 @@ fn descend(
     }
     x[j] = f64::NAN;
     false
+}
+
+/// The whole values of a column that no row excludes by itself; a little generous.
+fn range(case: &Case, j: usize, x: &[f64]) -> (f64, f64) {
+    let column = &case.columns[j];
+    let (mut lower, mut upper) = (column.lower.ceil(), column.upper.floor());
+    for line in case.lines.iter().filter(|line| line.coefficients[j] != 0.0) {
+        let (mut least, mut most, mut size) = (0.0, 0.0, 1.0_f64);
+        let others = line.coefficients.iter().enumerate();
+        for (k, &a) in others.filter(|(k, a)| *k != j && **a != 0.0) {
+            let column = &case.columns[k];
+            let known = !x[k].is_nan();
+            let (low, high) = if known { (x[k], x[k]) } else { (column.lower, column.upper) };
+            let (p, q) = (a * low, a * high);
+            (least, most) = (least + p.min(q), most + p.max(q));
+            size = size.max(p.abs().max(q.abs()));
+        }
+        let a = line.coefficients[j];
+        let (p, q) = ((line.lower - most) / a, (line.upper - least) / a);
+        let slack = 1e-9 * size / a.abs() + 1e-3;
+        if slack.is_finite() {
+            lower = lower.max((p.min(q) - slack).ceil());
+            upper = upper.min((p.max(q) + slack).floor());
+        }
+    }
+    (lower, upper)
 }
 
 /// Whether a row can hold within the bounds of the columns without a value; a little generous.
@@ -284,14 +310,16 @@ pub(crate) fn judge(
     if solution.statistics().contradictions > 0 {
         return Verdict::Wrong("a rewriting of the program was contradicted".to_owned());
     }
-    let what = match checked(case, variables, options, solution, truth) {
-        Ok(verdict) => return verdict,
-        Err(what) => what,
-    };
     let far = match truth {
         Truth::Unbounded => true,
         Truth::Least { point, .. } => point.iter().any(|x| x.abs() > FREE_RADIUS),
         Truth::Infeasible => false,
+    };
+    let what = match checked(case, variables, options, solution, truth) {
+        // The exact answer is where nothing is proved.
+        Ok(Verdict::Stalled(_)) if far => return Verdict::Beyond,
+        Ok(verdict) => return verdict,
+        Err(what) => what,
     };
     if far {
         let mut near = case.clone();

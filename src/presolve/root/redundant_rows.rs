@@ -2,7 +2,8 @@
 //! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{IMPLIED, Infeasible, Sparse, Work, finite};
+use super::work::{IMPLIED, Infeasible, Range, Sparse, Work, finite};
+use crate::tolerance;
 
 /// Excess of the least activity over a limit, relative, that proves infeasibility.
 const CROSSED: f64 = 1e-8;
@@ -26,14 +27,17 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     let range = work.range(work.rows[row].iter());
     let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
     let noise = range.noise + work.row_noise[row];
-    let excess = (CROSSED * range.scale.max(finite(lower)).max(finite(upper))).max(noise);
+    let excess = excess(work, row, &range).max(noise);
     if range.least > upper + excess || range.most < lower - excess {
         return Err(Infeasible);
     }
     let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
-    let forcing = if lower.is_finite() && range.most <= lower + margin {
+    // A row that is missed by more forces nothing: it waits for what refutes it.
+    let meets =
+        |end: f64, limit: f64| limit.is_finite() && (end - limit).abs() <= margin.max(noise);
+    let forcing = if meets(range.most, lower) {
         Some(true)
-    } else if upper.is_finite() && range.least >= upper - margin {
+    } else if meets(range.least, upper) {
         Some(false)
     } else {
         None
@@ -63,6 +67,17 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         changes += 1;
     }
     Ok(changes)
+}
+
+/// By how much a row may be missed by what it is not known to, in its unit.
+fn excess(work: &Work, row: usize, range: &Range) -> f64 {
+    let limit = finite(work.row_lower[row]).max(finite(work.row_upper[row]));
+    let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
+    // What whole terms miss is no rounding, and not accepted beyond the tolerance.
+    let missed = (CROSSED * soft).max(tolerance::FEASIBILITY);
+    let scale = range.scale.max(limit);
+    let rounding = f64::EPSILON * work.rows[row].len() as f64 * scale;
+    missed.min(CROSSED * scale) + rounding
 }
 
 /// Moves the columns of a row to the bounds that it leaves them, up to some room in the row's unit,

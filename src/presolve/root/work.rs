@@ -12,7 +12,7 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Bounds or limits crossed by more than this, relative, prove infeasibility.
+/// Bounds or limits crossed by more than this, relative, prove infeasibility; large ones less than that.
 const CROSSED: f64 = 1e-8;
 
 /// Rounding of bounds, and of limits of equalities, up to this is allowed for by whoever gets them,
@@ -95,6 +95,8 @@ pub(super) struct Range {
     pub(super) most: f64,
     /// The largest magnitude of a finite term.
     pub(super) scale: f64,
+    /// The same of terms that are no whole numbers, whose coefficients or columns may have been rounded.
+    pub(super) soft: f64,
     /// How far rounding may have moved either end.
     pub(super) noise: f64,
 }
@@ -292,14 +294,16 @@ impl Work {
 
     /// The activity of some terms over the bounds.
     pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> Range {
-        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0, noise: 0.0 };
+        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
         for &(j, a) in terms {
+            let whole = self.integral[j] && a == a.round();
             let (p, q) = (a * self.lower[j], a * self.upper[j]);
             range.least += p.min(q);
             range.most += p.max(q);
             for size in [p.abs(), q.abs()] {
                 if size.is_finite() {
                     range.scale = range.scale.max(size);
+                    range.soft = if whole { range.soft } else { range.soft.max(size) };
                 }
             }
             range.noise += a.abs() * self.column_noise[j];
@@ -328,9 +332,8 @@ impl Work {
             (lower, upper) = ((lower - slack).ceil(), (upper + slack).floor());
             self.column_noise[column] = 0.0;
         }
-        let scale = lower.abs().max(upper.abs()).max(1.0);
         if lower > upper {
-            if self.integral[column] || lower - upper > (CROSSED * scale).max(2.0 * noise) {
+            if self.integral[column] || lower - upper > crossed(lower, upper).max(2.0 * noise) {
                 return Err(Infeasible);
             }
             self.column_noise[column] += 0.5 * (lower - upper);
@@ -355,8 +358,7 @@ impl Work {
         if lower <= upper {
             return Ok(());
         }
-        let scale = lower.abs().max(upper.abs()).max(1.0);
-        if lower - upper > (CROSSED * scale).max(2.0 * self.row_noise[row]) {
+        if lower - upper > crossed(lower, upper).max(2.0 * self.row_noise[row]) {
             return Err(Infeasible);
         }
         self.row_noise[row] += 0.5 * (lower - upper);
@@ -447,6 +449,12 @@ impl Work {
         };
         Ok(Presolved { program, postsolve, rounding: self.rounding })
     }
+}
+
+/// By how much bounds or limits may be crossed: by rounding, or by what is accepted anyway.
+fn crossed(lower: f64, upper: f64) -> f64 {
+    let scale = lower.abs().max(upper.abs()).max(1.0);
+    (CROSSED * scale).min(tolerance::FEASIBILITY.max(SHARP * scale))
 }
 
 /// The size of a limit; 0 where there is none.
