@@ -223,3 +223,34 @@ fn no_plan_is_lost_where_all_is_avoided() {
     }
     assert!(feasible > 2 && refuted > 2, "{feasible} feasible, {refuted} refuted");
 }
+
+/// Slanted faces couple axes, but what they leave to each axis, and how far one comes in time, do not.
+#[test]
+fn slanted_faces_leave_sets_of_each_axis() {
+    let room = [Interval::new(0.0, 6.0), Interval::new(0.0, 4.0)];
+    let body = Body::new("p", room, 1.2, 2.0)
+        .with_start(Region::point([0.4, 0.5, 1.2, 0.0]))
+        .with_goal(Region::point([5.5, 3.5, 0.0, 0.0]));
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let diamond = |x: f64, y: f64, size: f64| {
+        [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[a, b]| {
+            let normal = [a * half, b * half];
+            (normal, normal[0] * x + normal[1] * y + size)
+        })
+    };
+    let scene = [(1.5, 1.0, 0.7), (3.2, 2.8, 0.8), (4.6, 1.8, 0.6)].into_iter().enumerate().fold(
+        Scene::new(0.2).with_body(body),
+        |scene, (k, (x, y, size))| {
+            let name = format!("diamond {k}");
+            scene.with_obstacle(Solid::polytope(name, diamond(x, y, size), Surface::avoid()))
+        },
+    );
+    // Too far for the time.
+    let program = scene.program(20).unwrap();
+    let solution = BranchAndBound::default().solve(&program.model).unwrap();
+    assert_eq!(solution.termination(), Termination::Infeasible);
+    assert_eq!(solution.statistics().relaxations, 0);
+    let widths = |model: &Model| model.variables().map(|v| v.bounds().width()).sum::<f64>();
+    let (program, plain) = (scene.program(26).unwrap(), scene.plain_program(26).unwrap());
+    assert!(widths(&program.model) < 0.8 * widths(&plain.model));
+}
