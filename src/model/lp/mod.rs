@@ -13,6 +13,7 @@ mod write;
 
 use super::store::Model;
 use super::text::read::Read;
+use super::text::token::in_characters;
 use crate::error::Error;
 
 /// Reads a model from the text of an LP file, with a warning for everything that the file repeats or
@@ -29,7 +30,9 @@ use crate::error::Error;
 /// Linear in the length of the text (but for sorting the terms of each row), and the convexity
 /// check of a quadratic objective.
 pub fn read(text: &str) -> Result<Read, Error> {
-    build::model(read::File::scan(text)?)
+    let mut read = build::model(read::File::scan(text)?)?;
+    in_characters(text, &mut read.warnings);
+    Ok(read)
 }
 
 /// Writes a model as an LP file.
