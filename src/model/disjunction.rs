@@ -243,11 +243,7 @@ fn store(
 
 /// The name with a suffix, and underscores if that is taken.
 fn free_name(model: &Model, name: &Name, suffix: &str) -> Name {
-    let mut name = name.suffixed(suffix);
-    while model.variable_by_name(name.clone()).is_ok() {
-        name = name.suffixed("_");
-    }
-    name
+    name.suffixed(suffix).free(|name| model.variable_by_name(name.clone()).is_ok())
 }
 
 pub(super) fn check_selector(selector: Literal, model: &Model, name: &Name) -> Result<(), Error> {

@@ -57,6 +57,25 @@ impl Name {
         Name { family: format!("{}{suffix}", self.family), step: self.step }
     }
 
+    /// The name, or one that is not taken: with one to three underscores, then with an underscore and
+    /// a number. Asks for few names even if many are taken.
+    pub(crate) fn free(&self, is_taken: impl Fn(&Name) -> bool) -> Name {
+        let candidate = |k: usize| match k {
+            0..=3 => self.suffixed(&"_".repeat(k)),
+            k => self.suffixed(&format!("_{k}")),
+        };
+        let (mut taken, mut free) = (0, 0);
+        while is_taken(&candidate(free)) {
+            taken = free;
+            free = if free < 4 { free + 1 } else { 2 * free };
+        }
+        while free > taken + 1 {
+            let middle = taken + (free - taken) / 2;
+            if is_taken(&candidate(middle)) { taken = middle } else { free = middle }
+        }
+        candidate(free)
+    }
+
     /// Refuses names that are not words with single blanks between them.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match is_name(&self.family) {

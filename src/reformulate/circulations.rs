@@ -73,16 +73,13 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     for v in variables {
         let lower = known.bounds(v).lower;
         let Arc { from, to } = arcs[v.index()];
-        // Paths may begin or end outside, but not both. A flow from outside to outside is needless.
-        let total = match from.or(to) {
-            Some(node) => {
-                let network = networks.of(node);
-                match is_open[network] {
-                    true => add_up(enters[network], leaves[network]),
-                    false => enters[network].min(leaves[network]),
-                }
-            }
-            None => 0.0,
+        // What no balance holds is no flow.
+        let Some(node) = from.or(to) else { continue };
+        let network = networks.of(node);
+        // Paths may begin or end outside, but not both.
+        let total = match is_open[network] {
+            true => add_up(enters[network], leaves[network]),
+            false => enters[network].min(leaves[network]),
         };
         let most = add_up(lower, total * (1.0 + tolerance::PROPAGATION_SLACK));
         let most = most + tolerance::FEASIBILITY;

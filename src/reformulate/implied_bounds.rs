@@ -13,7 +13,7 @@
 use super::cases::{Bounds, Cases};
 use super::circulations::flows;
 use super::linear_program::Maximizer;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{
     Affine, Function, FunctionRef, Model, StoredRow, Variable, VariableKind, VariableRef,
@@ -212,18 +212,9 @@ fn add_row(
     (expression, lower, upper): (Affine, f64, f64),
 ) -> Result<(), Error> {
     let (terms, constant) = expression.into_parts();
-    let mut name = function.name().clone();
-    loop {
-        let terms = terms.clone();
-        let row = StoredRow { terms, lower: lower - constant, upper: upper - constant };
-        match rows.push_constraint(name.clone(), row) {
-            Ok(_) => return Ok(()),
-            Err(error) if matches!(error.kind(), ErrorKind::DuplicateName { .. }) => {
-                name = name.suffixed("_");
-            }
-            Err(other) => return Err(other),
-        }
-    }
+    let name = function.name().free(|name| rows.has_statement(name));
+    let row = StoredRow { terms, lower: lower - constant, upper: upper - constant };
+    rows.push_constraint(name, row).map(|_| ())
 }
 
 /// Goes through all cases, in alternating directions, until nothing moves.

@@ -99,17 +99,8 @@ impl<'a> Lowering<'a> {
         lower: f64,
         upper: f64,
     ) -> Result<(), Error> {
-        let mut name = self.statement.suffixed(suffix);
-        loop {
-            let row = StoredRow { terms: terms.clone(), lower, upper };
-            match self.model.push_constraint(name.clone(), row) {
-                Ok(_) => return Ok(()),
-                Err(error) if matches!(error.kind(), ErrorKind::DuplicateName { .. }) => {
-                    name = name.suffixed("_");
-                }
-                Err(other) => return Err(other),
-            }
-        }
+        let name = self.statement.suffixed(suffix).free(|name| self.model.has_statement(name));
+        self.model.push_constraint(name, StoredRow { terms, lower, upper }).map(|_| ())
     }
 
     /// Adds an auxiliary column named after the statement, `name_part1`, `name_part2`, ...

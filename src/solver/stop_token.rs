@@ -145,6 +145,15 @@ impl StopToken {
         self.ended().is_some()
     }
 
+    /// Whether it is over, or would be after a step of such a length that cannot be stopped. Then it is
+    /// over now.
+    pub(crate) fn cannot_wait(&self, step: Duration) -> bool {
+        if self.left().is_some_and(|left| left < step) {
+            self.shared.end(LATE);
+        }
+        self.is_over()
+    }
+
     /// Adds work and returns whether it is over. The clock is read once in a while.
     ///
     /// # Arguments

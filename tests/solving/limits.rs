@@ -7,7 +7,7 @@
 
 use std::sync::OnceLock;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::common::config;
 use crate::instances::suite::{Truth, suite};
@@ -193,4 +193,22 @@ proptest! {
             programs().iter().find(|(name, ..)| *name == "cartpole_10").expect("it is there");
         finished(small, &solver.solve(small).expect("a solvable model"), *truth)?;
     }
+}
+
+/// Rows that tie all columns in one circle: presolve stops looking for free shifts.
+#[test]
+fn presolve_keeps_limits() {
+    let n = 100_000;
+    let mut model = Model::new("circle");
+    let x = model.continuous_family("x", n, 0.0, f64::INFINITY).unwrap();
+    for i in 0..n {
+        model.add(("c", i), (x[i] + x[(7 * i + 1) % n]).ge((i % 3) as f64)).unwrap();
+    }
+    model.minimize((0..n).map(|i| ((i % 9 + 1) as f64) * x[i]).sum::<Affine>()).unwrap();
+    let options = Options::default().with_time_limit(Duration::from_millis(500));
+    let start = Instant::now();
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert!(solution.point().is_none_or(|_| solution.verification().unwrap().holds()));
+    // It was a minute.
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }

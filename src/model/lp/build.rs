@@ -240,20 +240,12 @@ fn objective(file: &File<'_>, variables: &[Variable]) -> Quadratic {
 
 /// The name of a row without a label: `c` and its position, and underscores if that is taken.
 fn automatic_name(position: usize, taken: &HashSet<Name>) -> Name {
-    let mut name = Name::from(format!("c{position}"));
-    while taken.contains(&name) {
-        name = name.suffixed("_");
-    }
-    name
+    Name::from(format!("c{position}")).free(|name| taken.contains(name))
 }
 
 /// The name, with underscores if a row of the model has it.
 fn unused(model: &Model, name: &Name, taken: &HashSet<Name>) -> Name {
-    let mut free = name.clone();
-    while model.has_statement(&free) || free != *name && taken.contains(&free) {
-        free = free.suffixed("_");
-    }
-    free
+    name.free(|free| model.has_statement(free) || free != name && taken.contains(free))
 }
 
 /// The name of the row that two labels form, if they are the halves of one.

@@ -15,6 +15,7 @@ mod write;
 
 use super::store::Model;
 use super::text::read::Read;
+use super::text::token::in_characters;
 use crate::error::Error;
 
 /// Reads a model from the text of an LP file, with a warning for everything that the file repeats or
@@ -32,7 +33,9 @@ use crate::error::Error;
 /// check of a quadratic objective.
 pub fn read(text: &str) -> Result<Read, Error> {
     let file = read::File::scan(text).map_err(|error| dialect::hint(text).unwrap_or(error))?;
-    build::model(file)
+    let mut read = build::model(file)?;
+    in_characters(text, &mut read.warnings);
+    Ok(read)
 }
 
 /// Writes a model as an LP file.

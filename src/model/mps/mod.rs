@@ -13,6 +13,7 @@ mod write;
 
 use super::store::Model;
 use super::text::read::Read;
+use super::text::token::in_characters;
 use crate::error::{Error, ErrorKind};
 
 /// Reads a model from the text of an MPS file, with a warning for everything that the file repeats
@@ -27,8 +28,12 @@ use crate::error::{Error, ErrorKind};
 ///
 /// Linear in the length of the text, but for the convexity check of a quadratic objective.
 pub fn read(text: &str) -> Result<Read, Error> {
-    let model = |text: &str| build::model(read::File::scan(text)?);
-    model(text).or_else(|error| match fixed::without_blanks(text) {
+    let model = |text: &str| -> Result<Read, Error> {
+        let mut read = build::model(read::File::scan(text)?)?;
+        in_characters(text, &mut read.warnings);
+        Ok(read)
+    };
+    model(text).or_else(|error: Error| match fixed::without_blanks(text) {
         Some(text) if matches!(error.kind(), ErrorKind::Parse { .. }) => model(&text),
         _ => Err(error),
     })

@@ -53,9 +53,5 @@ impl Set<'_> {
 
 /// The name, with underscores if a statement of the model has it.
 pub(crate) fn unused(model: &Model, name: &Name) -> Name {
-    let mut name = name.clone();
-    while model.has_statement(&name) {
-        name = name.suffixed("_");
-    }
-    name
+    name.free(|name| model.has_statement(name))
 }

@@ -24,9 +24,10 @@ impl<'a> Token<'a> {
         self.parse_error(message).into()
     }
 
-    /// A warning about this token.
+    /// A warning about this token. Its column counts bytes until [`in_characters`] has counted all of
+    /// a file.
     pub(crate) fn warning(&self, message: impl Into<String>) -> Warning {
-        Warning { line: self.line, column: self.column(), message: message.into() }
+        Warning { line: self.line, column: self.start + 1, message: message.into() }
     }
 
     fn parse_error(&self, message: impl Into<String>) -> ErrorKind {
@@ -68,6 +69,24 @@ impl<'a> Token<'a> {
             )));
         }
         Ok(value)
+    }
+}
+
+/// Counts the columns of the warnings about a text in characters, reading each line once.
+pub(crate) fn in_characters(text: &str, warnings: &mut [Warning]) {
+    let mut places: Vec<&mut Warning> = warnings.iter_mut().collect();
+    places.sort_by_key(|warning| (warning.line, warning.column));
+    let (mut lines, mut skipped) = (text.lines(), 0);
+    let (mut line, mut bytes, mut characters) = ("", 0, 0);
+    for warning in places {
+        if warning.line > skipped {
+            line = lines.nth(warning.line - skipped - 1).unwrap_or_default();
+            (skipped, bytes, characters) = (warning.line, 0, 0);
+        }
+        let end = (warning.column - 1).min(line.len());
+        characters += line[bytes..end].chars().count();
+        bytes = end;
+        warning.column = characters + 1;
     }
 }
 

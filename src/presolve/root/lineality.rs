@@ -132,14 +132,27 @@ impl Elimination {
         // Short ones first: they express columns without filling the others.
         rows.sort_by_key(Vec::len);
         for row in rows {
-            if self.left == 0 || work.is_late(row.len()) {
+            let before = self.left;
+            self.eliminate(work, &row);
+            if self.left == 0 || work.is_late(before - self.left) {
                 return Vec::new();
             }
-            self.eliminate(work, &row);
         }
         let parameters = (0..self.open.len()).filter(|&j| self.open[j]);
-        let parameters = parameters.filter(|&j| self.expressed[j].is_none());
-        parameters.map(|j| self.direction(j)).collect()
+        let parameters: Vec<usize> = parameters.filter(|&j| self.expressed[j].is_none()).collect();
+        let mut directions = Vec::with_capacity(parameters.len());
+        for j in parameters {
+            if work.is_late(self.users[j].len()) {
+                break;
+            }
+            directions.push(self.direction(j));
+        }
+        directions
+    }
+
+    /// Counts entries that are looked at.
+    fn spend(&mut self, entries: usize) {
+        self.left = self.left.saturating_sub(entries);
     }
 
     /// What is not to change: rows, costs and gradients over open columns, less those that a row by
@@ -187,20 +200,29 @@ impl Elimination {
     /// Expresses a column by a row, or closes what the row keeps from moving.
     fn eliminate(&mut self, work: &Work, row: &[(usize, f64)]) {
         let (sum, exact) = self.expand(row);
-        self.left = self.left.saturating_sub(row.len() + sum.len());
-        let pivots = sum.iter().filter_map(|(&j, &a)| {
-            let terms = expression(work, &sum, j, a)?;
-            Some((work.integral[j], self.users[j].len(), j, terms))
-        });
+        self.spend(1 + row.len() + sum.len());
         // A continuous column where there is one: an integral one needs whole steps.
-        let best = pivots.min_by_key(|&(integral, users, j, _)| (integral, users, j));
-        let Some((_, _, column, terms)) = best.filter(|_| exact && sum.len() > 1) else {
+        let mut pivots: Vec<(bool, usize, usize)> =
+            sum.keys().map(|&j| (work.integral[j], self.users[j].len(), j)).collect();
+        pivots.sort_unstable();
+        let mut best = None;
+        for (_, _, j) in pivots {
+            // An expression is as long as the sum.
+            self.spend(sum.len());
+            best = expression(work, &sum, j, sum[&j]).map(|terms| (j, terms));
+            if best.is_some() || self.left == 0 {
+                break;
+            }
+        }
+        let Some((column, terms)) = best.filter(|_| exact && sum.len() > 1) else {
             sum.keys().for_each(|&j| self.open[j] = false);
             return;
         };
         let mut users = std::mem::take(&mut self.users[column]);
         users.sort_unstable();
         users.dedup();
+        // Every list of users gets these.
+        self.spend(users.len() * (1 + terms.len()));
         for &user in &users {
             let Some(own) = &mut self.expressed[user] else { continue };
             let Some(factor) = own.remove(&column) else { continue };

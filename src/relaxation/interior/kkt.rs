@@ -11,11 +11,12 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
+use web_time::{Duration, Instant};
 
 use super::condensed::Condensed;
 use super::elimination_order::{KeptOrders, stack};
@@ -26,10 +27,15 @@ use crate::solver::StopToken;
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
 const SUPERNODAL: f64 = 0.25;
 
+/// Operations a second (a multiplication and an addition) until a large factorisation was measured.
+const FAST: f64 = 1e10;
+
+/// Operations from which a factorisation is large: some tens of milliseconds.
+const LARGE: f64 = 1e8;
+
 /// Systems whose order and symbolic factor are kept.
 const KEPT: usize = 6;
 
-#[derive(Default)]
 pub(super) struct Kkt {
     condensed: Condensed,
     /// Those of the last systems, this one's first.
@@ -43,6 +49,28 @@ pub(super) struct Kkt {
     signs: Vec<i8>,
     factor: Vec<f64>,
     memory: Option<MemBuffer>,
+    /// Operations a second of a large factorisation.
+    rate: f64,
+    /// A factorisation cannot be stopped, so one that takes longer than what is left is not begun.
+    token: StopToken,
+}
+
+impl Default for Kkt {
+    fn default() -> Self {
+        Kkt {
+            condensed: Condensed::default(),
+            ordered: Vec::new(),
+            orders: KeptOrders::default(),
+            value: Vec::new(),
+            constant: Vec::new(),
+            right: Vec::new(),
+            signs: Vec::new(),
+            factor: Vec::new(),
+            memory: None,
+            rate: FAST,
+            token: StopToken::default(),
+        }
+    }
 }
 
 impl Kkt {
@@ -51,10 +79,14 @@ impl Kkt {
     /// neither ordered nor analysed again.
     pub(super) fn load(&mut self, reduced: &Reduced, program: &Scaled, token: &StopToken) -> bool {
         self.condensed.load(program);
-        if token.is_over() || self.order(reduced, program).is_none() || token.is_over() {
+        if token.is_over() || self.order(reduced, program).is_none() {
             return false;
         }
         let ordered = &self.ordered[0];
+        if token.cannot_wait(ordered.duration(self.rate)) {
+            return false;
+        }
+        self.token = token.clone();
         let (n, size) = (program.column.len(), self.condensed.diagonal.len());
         refill(&mut self.signs, size, 1);
         ordered.order[n..].iter().for_each(|&k| self.signs[k] = -1);
@@ -114,12 +146,16 @@ impl Kkt {
         &self.condensed.long
     }
 
-    /// Factorises with the weights of columns and rows; `false` if that breaks down.
+    /// Factorises with the weights of columns and rows; `false` if that breaks down or would take longer
+    /// than what is left.
     pub(super) fn factorise(&mut self, of_columns: &[f64], of_rows: &[f64]) -> bool {
         let Condensed { diagonal, terms, long, .. } = &self.condensed;
         let (Some(ordered), Some(memory)) = (self.ordered.first(), &mut self.memory) else {
             return false;
         };
+        if self.token.cannot_wait(ordered.duration(self.rate)) {
+            return false;
+        }
         self.value.copy_from_slice(&self.constant);
         for (&k, w) in diagonal.iter().zip(of_columns) {
             self.value[k] += w;
@@ -138,7 +174,8 @@ impl Kkt {
             dynamic_regularization_epsilon: 1e-14,
         };
         let stack = MemStack::new(memory);
-        ordered
+        let (began, operations) = (Instant::now(), ordered.operations);
+        let done = ordered
             .symbolic
             .factorize_numeric_ldlt(
                 &mut self.factor,
@@ -149,7 +186,11 @@ impl Kkt {
                 stack,
                 Default::default(),
             )
-            .is_ok()
+            .is_ok();
+        if operations > LARGE {
+            self.rate = operations / began.elapsed().as_secs_f64().max(1e-9);
+        }
+        done
     }
 
     /// Solves with the factors; `right` is columns, equalities, long rows.
@@ -180,6 +221,8 @@ struct Ordered {
     /// By unknown, when it is eliminated.
     order: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
+    /// Multiplications of a factorisation.
+    operations: f64,
 }
 
 /// An order of elimination, and memory for the rest of an [`Ordered`].
@@ -235,7 +278,9 @@ impl Ordered {
         own_start.extend_from_slice(start);
         own_index.clear();
         own_index.extend_from_slice(index);
-        Some(Ordered { start: own_start, index: own_index, pattern, moved, order, symbolic })
+        let operations = operations(&symbolic);
+        let (start, index) = (own_start, own_index);
+        Some(Ordered { start, index, pattern, moved, order, symbolic, operations })
     }
 
     /// The memory of one that is no longer needed.
@@ -250,8 +295,31 @@ impl Ordered {
         self.start == start && self.index == index
     }
 
+    /// How long a factorisation takes at a number of operations a second.
+    fn duration(&self, rate: f64) -> Duration {
+        Duration::try_from_secs_f64(self.operations / rate).unwrap_or(Duration::MAX)
+    }
+
     /// Entries of the factor for each of the pattern's.
     fn fill(&self) -> f64 {
         self.symbolic.len_val() as f64 / self.moved.len().max(1) as f64
+    }
+}
+
+/// Multiplications of a factorisation: half the squares of the lengths of the factor's columns.
+fn operations(symbolic: &SymbolicCholesky<usize>) -> f64 {
+    let square = |length: usize| 0.5 * (length as f64).powi(2);
+    match symbolic.raw() {
+        SymbolicCholeskyRaw::Simplicial(factor) => {
+            factor.col_ptr().windows(2).map(|pair| square(pair[1] - pair[0])).sum()
+        }
+        SymbolicCholeskyRaw::Supernodal(factor) => {
+            let blocks = factor.supernode_begin().iter().zip(factor.supernode_end());
+            let below = factor.col_ptr_for_row_idx().windows(2).map(|pair| pair[1] - pair[0]);
+            let block = |((begin, end), below): ((&usize, &usize), usize)| {
+                (0..end - begin).map(|k| square(k + 1 + below)).sum::<f64>()
+            };
+            blocks.zip(below).map(block).sum()
+        }
     }
 }

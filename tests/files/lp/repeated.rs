@@ -1,5 +1,7 @@
 //! What files repeat or omit, taken as most readers take it, and sets and semi-continuous columns.
 
+use carom::model::lp;
+
 use super::{error, warned};
 
 #[track_caller]
@@ -176,4 +178,31 @@ fn semicontinuous_columns_with_crossed_bounds_are_0() {
             .1
             .contains("x = 0 or 2.2 <= x <= 2.8 integer")
     );
+}
+
+/// Names of rows with the same label: underscores first, then numbers, so that many of them stay short.
+#[test]
+fn many_rows_may_share_a_label() {
+    let text = |rows: usize| {
+        let rows: String = (0..rows).map(|i| format!(" c: x >= {}\n", i % 3)).collect();
+        format!("Minimize\n obj: x\nSubject To\n c_5: x >= 1\n{rows}End\n")
+    };
+    let read = lp::read(&text(7)).unwrap();
+    let names: Vec<String> = read.model.constraints().map(|row| row.name().to_string()).collect();
+    assert_eq!(names, ["c_5", "c", "c_", "c__", "c___", "c_4", "c_6", "c_7"]);
+    // Took hours when each name was tried with one more underscore.
+    let read = lp::read(&text(50_000)).unwrap();
+    assert_eq!(read.model.constraint_count(), 50_001);
+    assert_eq!(read.warnings.len(), 49_999);
+}
+
+#[test]
+fn columns_of_warnings_count_characters() {
+    let bounds: String = (0..30_000).map(|i| format!(" ä <= {}", i % 7 + 1)).collect();
+    let text = format!("Minimize\n obj: ä\nSubject To\n c: ä >= 1\nBounds\n{bounds}\nEnd\n");
+    let read = lp::read(&text).unwrap();
+    let columns: Vec<usize> = read.warnings.iter().map(|warning| warning.column).collect();
+    assert_eq!(columns.len(), 29_999);
+    assert_eq!(columns[..3], [9, 16, 23]);
+    assert!(columns.windows(2).all(|pair| pair[1] == pair[0] + 7));
 }
