@@ -75,6 +75,10 @@ pub(super) fn judge(
 ) {
     let (ended, optimum) = (solution.termination(), optimum(case));
     sound(&case.model, solution, optimum, options, complaints);
+    let contradictions = solution.statistics().contradictions;
+    complaints.unless(contradictions == 0, || {
+        format!("{contradictions} rewritings of the program were contradicted by accepted points")
+    });
     let wanted = match case.answer {
         Truth::Optimal(..) => Termination::Optimal,
         Truth::Infeasible => Termination::Infeasible,
