@@ -368,7 +368,7 @@ fn percent(gap: f64) -> String {
     match percent {
         _ if !percent.is_finite() => "none".into(),
         _ if percent < f64::MIN_POSITIVE => "0 %".into(),
-        _ if percent < 1e-4 || percent >= 1e5 => format!("{percent:.1e} %"),
+        _ if !(1e-4..1e5).contains(&percent) => format!("{percent:.1e} %"),
         _ => format!("{percent:.4} %"),
     }
 }
