@@ -35,10 +35,10 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
     let mut seen = vec![(variable, is_upper)];
     let mut links: Vec<String> = Vec::new();
     let mut at = (variable, is_upper);
-    let ending = loop {
-        let Some((row, lacks)) = nearest(implied, at, &seen) else { break "which no row bounds" };
+    while links.len() < LONGEST {
+        let Some((row, lacks)) = nearest(implied, at, &seen) else { break };
         let fresh = lacks.iter().copied().find(|end| !seen.contains(end));
-        let (other, upper) = fresh.unwrap_or(lacks[0]);
+        let Some((other, upper)) = fresh else { break };
         let side = if upper { "an upper" } else { "a lower" };
         let others = match lacks.len() - 1 {
             0 => String::new(),
@@ -47,14 +47,8 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
         };
         links.push(format!("row `{}` needs {side} bound of {}{others}", row.name(), name(other)));
         at = (other, upper);
-        if fresh.is_none() {
-            break "which is where it began";
-        }
         seen.push(at);
-        if links.len() == LONGEST {
-            break "and so on";
-        }
-    };
+    }
     if links.is_empty() {
         return Reason { chain: String::new(), root: None };
     }
@@ -63,18 +57,19 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
         let skipped = format!("and so on over {} rows", between.len());
         links.splice(between, [skipped]);
     }
-    let is_root = ending == "which no row bounds" && at.0 != variable;
-    let ending = match (is_root, at.1) {
-        (true, true) => "which no row bounds from above",
-        (true, false) => "which no row bounds from below",
-        _ => ending,
+    let side = if at.1 { "from above" } else { "from below" };
+    let (ending, root) = match nearest(implied, at, &[]) {
+        _ if seen.len() > LONGEST => ("and so on".to_owned(), None),
+        None => (format!("which no row bounds {side}"), Some(at.0)),
+        // All others need what the chain has already asked for.
+        Some(_) => (format!("which no other row bounds {side}"), Some(at.0)),
     };
     let chain = format!(" and rows imply none ({}, {ending})", links.join(", "));
-    Reason { chain, root: is_root.then_some(at.0) }
+    Reason { chain, root: root.filter(|root| *root != variable) }
 }
 
 /// The row that would give a bound with the fewest other bounds, and those that it lacks. Rows that
-/// lack bounds already seen come last.
+/// lack only bounds already seen come last.
 fn nearest<'a>(
     implied: &'a ImpliedBounds<'_>,
     end: End,
@@ -86,7 +81,7 @@ fn nearest<'a>(
     });
     found
         .filter(|(_, lacks)| !lacks.is_empty())
-        .min_by_key(|(_, lacks)| (lacks.iter().any(|end| seen.contains(end)), lacks.len()))
+        .min_by_key(|(_, lacks)| (lacks.iter().all(|end| seen.contains(end)), lacks.len()))
 }
 
 /// The bounds that a row lacks to give one; `None` if it cannot give it at all.

@@ -363,6 +363,19 @@ fn refusals_name_the_chain() {
          which no row bounds from above); give `x[8]` or `x[0]` a finite one"
     );
 
+    // Equations need each other's variables both ways.
+    let mut model = Model::new("m");
+    let [a, b] = ["a", "b"].map(|name| free(&mut model, name));
+    let z = model.binary("z").unwrap();
+    model.add("tie", (a - b).equals(0.0)).unwrap();
+    model.add("on", z.on().implies(a.le(1.0))).unwrap();
+    assert_eq!(
+        message(&model),
+        "indicator `on` needs a big-M for its upper side, but `a` has no upper bound and rows imply \
+         none (row `tie` needs an upper bound of `b`, which no other row bounds from above); give \
+         `a` or `b` a finite one"
+    );
+
     // Two that wait for each other, and one that waits for several.
     let mut model = Model::new("m");
     let [a, b, c] = ["a", "b", "c"].map(|name| model.continuous(name, 0.0, INF).unwrap());
