@@ -15,6 +15,7 @@ mod explain;
 mod free_shifts;
 mod guidance;
 mod invariance;
+mod large_coefficients;
 mod limits;
 mod multipliers;
 mod oracle;
