@@ -11,7 +11,7 @@ use faer::linalg::solvers::Solve;
 use faer::prelude::ReborrowMut;
 use faer::{Accum, Mat, MatRef, Par, Side};
 
-use super::block::{Factored, Scaled, is_covered};
+use super::scaled::{Factored, Scaled, is_covered};
 
 /// Steps of inverse iteration.
 const STEPS: usize = 3;

@@ -1,6 +1,7 @@
 //! Directions of negative curvature: rounded to few digits, and checked with twice the digits.
 
-use super::block::{Block, exponent, times_power};
+use super::block::Block;
+use super::scaled::{exponent, times_power};
 use crate::sum::Sum;
 
 /// Digits that the entries of a direction are rounded to, the fewest with which the curvature is proved to

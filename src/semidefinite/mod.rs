@@ -18,6 +18,7 @@
 mod block;
 mod dense;
 mod direction;
+mod scaled;
 mod sparse;
 
 use std::collections::BTreeMap;

@@ -7,7 +7,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::block::{Factored, Scaled, is_covered};
+use super::scaled::{Factored, Scaled, is_covered};
 use crate::sum::Sum;
 
 /// Steps of inverse iteration.

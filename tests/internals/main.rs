@@ -4,6 +4,7 @@
 mod common;
 
 mod active_set;
+mod congruence;
 mod decimal;
 mod exponential;
 mod extended;

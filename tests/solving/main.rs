@@ -19,6 +19,7 @@ mod gaps;
 mod guidance;
 mod implied_bounds;
 mod invariance;
+mod large_coefficients;
 mod limits;
 mod multipliers;
 mod oracle;

@@ -4,8 +4,8 @@
 use crate::common::case::Case;
 use crate::common::config;
 use crate::torture::families::{Family, Path};
-use crate::torture::generator;
 use crate::torture::oracle::{Verdict, judge, truth};
+use crate::torture::{big_m, generator};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -50,6 +50,28 @@ fn no_wrong_answer_in_unusual_ways() {
                 assert!(fine, "{} {seed}, {path:?}: {verdict:?}", family.name());
             }
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(300, "tests/regressions/torture.txt"))]
+
+    /// Coefficients of 1e4 to 1e8 beside small ones: not even a stall.
+    #[test]
+    fn no_stall_with_big_ms(seed in any::<u64>()) {
+        let verdict = verdict_of(&big_m::big_m(seed), seed);
+        let good = !matches!(verdict, Verdict::Wrong(_) | Verdict::Stalled(_));
+        prop_assert!(good, "seed {seed}: {verdict:?}");
+    }
+}
+
+/// Rows that were missed forced their columns and were dropped (1757, 2280, 2311, 2849, 3489), and the
+/// rounding of whole numbers was charged (4791).
+#[test]
+fn big_ms_do_not_stall() {
+    for seed in [1757, 2280, 2311, 2849, 3489, 4791] {
+        let verdict = verdict_of(&big_m::big_m(seed), seed);
+        assert_eq!(verdict, Verdict::Right, "seed {seed}");
     }
 }
 
@@ -141,9 +163,6 @@ fn a_fixed_column_blurs_the_bound() {
 fn points_far_away_are_points() {
     for seed in [70_195, 1_210_000_154] {
         let verdict = verdict(seed);
-        assert!(
-            matches!(verdict, Verdict::Right | Verdict::Beyond | Verdict::Stalled(_)),
-            "seed {seed}: {verdict:?}"
-        );
+        assert!(matches!(verdict, Verdict::Right | Verdict::Beyond), "seed {seed}: {verdict:?}");
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn fix(work: &mut Work, column: usize, value: f64) {
         work.shift_row(row, a * value);
     }
     work.blur_objective(column, value, work.column_noise[column]);
-    work.shift_objective(work.linear[column] * value);
+    work.add_to_objective(work.linear[column], value);
     for (k, p) in work.quadratic[column].clone() {
         if k == column {
             work.shift_objective(0.5 * p * value * value);

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use super::postsolve::{Restored, Undo};
-use super::work::{OldColumn, Sparse, Work};
+use super::work::{OldColumn, Sparse, WHOLE, Work};
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -75,6 +75,12 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     // The constant's own, and that of the quotients, which is multiplied by what columns are worth.
     let scale = work.range(terms.iter()).scale;
     let noise = work.row_noise[row] / coefficient.abs() + f64::EPSILON * (constant.abs() + scale);
+    // Of whole numbers nothing is rounded.
+    let is_whole = |value: f64| value == value.round() && value.abs() <= WHOLE;
+    let whole = work.integral[column]
+        && is_whole(constant)
+        && terms.iter().all(|&(j, a)| work.integral[j] && is_whole(a));
+    let noise = if whole { 0.0 } else { noise };
     for &(other, factor) in old.entries.iter().filter(|(other, _)| *other != row) {
         work.row_noise[other] += factor.abs() * noise;
         let mut rest = work.rows[other].clone();
@@ -123,7 +129,7 @@ fn minus(row: &Sparse, factor: f64, terms: &Sparse) -> Sparse {
 
 fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &Sparse) {
     let linear = work.linear[column];
-    work.shift_objective(linear * constant);
+    work.add_to_objective(linear, constant);
     for &(k, a) in terms {
         work.linear[k] -= linear * a;
     }

@@ -21,6 +21,9 @@ const CROSSED: f64 = 1e-8;
 const IMPERCEPTIBLE: f64 = 1e-9;
 const SHARP: f64 = 1e-14;
 
+/// Whole numbers up to this are floats.
+pub(super) const WHOLE: f64 = 9_007_199_254_740_992.0;
+
 /// Limits and bounds implied up to this margin count as implied.
 pub(super) const IMPLIED: f64 = 1e-9;
 
@@ -266,6 +269,18 @@ impl Work {
     pub(super) fn shift_objective(&mut self, constant: f64) {
         self.offset += constant;
         self.rounding += 2.0 * f64::EPSILON * constant.abs();
+    }
+
+    /// Adds a product to the constant of the objective; one of whole numbers is exact.
+    pub(super) fn add_to_objective(&mut self, factor: f64, value: f64) {
+        let product = factor * value;
+        let whole = |value: f64| value == value.round() && value.abs() <= WHOLE;
+        let sum = self.offset + product;
+        if whole(factor) && whole(value) && whole(product) && whole(self.offset) && whole(sum) {
+            self.offset = sum;
+        } else {
+            self.shift_objective(product);
+        }
     }
 
     /// Takes note that what the objective is told a column is worth may be off by `noise`. Products
