@@ -1,25 +1,13 @@
 //! The bounds that Ms are computed from: a variable's own, or implied by rows where it has none.
 
-use super::implied_bounds::ImpliedBounds;
 use super::lowering::Lowering;
 use super::missing_bound::{Reason, reason};
 use crate::error::{Error, ErrorKind};
 use crate::interval::{Interval, add_down, add_up};
-use crate::model::{Affine, Name, Variable, VariableKind};
+use crate::model::{Affine, Variable};
 use crate::tolerance;
 
 impl Lowering<'_> {
-    /// Adds a row that cannot hold if the search for implied bounds has found that no point exists,
-    /// because bounds mean nothing then.
-    pub(super) fn refute_if_empty(&mut self) -> Result<(), Error> {
-        if self.implied.as_ref().is_some_and(ImpliedBounds::is_empty) {
-            self.begin(&Name::from("contradiction"));
-            let zero = self.column("zero", VariableKind::Continuous, 0.0, 0.0)?;
-            self.affine_row(zero.into(), 1.0, f64::INFINITY)?;
-        }
-        Ok(())
-    }
-
     /// The bounds of a variable, with implied ones where its own are missing.
     pub(super) fn bounds(&self, variable: Variable) -> Result<Interval, Error> {
         let own = self.model.variable_ref(variable)?.bounds();

@@ -97,7 +97,8 @@ impl<'a> ImpliedBounds<'a> {
             return own;
         }
         if self.is_empty() {
-            // No point satisfies the rows, so any bound holds.
+            // No point satisfies the model, so any bound holds. All rows stay, so that none satisfies the
+            // lowered one either.
             return Interval::point(own.nearest(0.0));
         }
         let implied = self.implied(variable);

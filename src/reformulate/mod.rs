@@ -255,7 +255,6 @@ fn lower_with<'a>(
     token: &'a StopToken,
 ) -> Result<Option<Made<'a>>, Error> {
     let mut lowering = Lowering::new(model, maximizer, implied, token);
-    lowering.refute_if_empty()?;
     let mut relaxed = Vec::new();
     for variable in model.variables() {
         let Some(values) = variable.semicontinuous() else { continue };

@@ -212,3 +212,26 @@ fn presolve_keeps_limits() {
     // It was a minute.
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
+
+/// A covering whose factors are nearly dense: one factorisation takes several times the limit.
+#[test]
+fn factorisations_keep_limits() {
+    let n = 14_000;
+    let mut model = Model::new("covering");
+    let x = model.binary_family("x", n).unwrap();
+    let mut state = 1_u64;
+    for i in 0..n {
+        let mut pick = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as usize % n
+        };
+        let sum: Affine = (0..4).map(|_| Affine::from(x[pick()])).sum();
+        model.add(("cover", i), sum.ge(1.0)).unwrap();
+    }
+    model.minimize((0..n).map(|i| ((i % 7 + 1) as f64) * x[i]).sum::<Affine>()).unwrap();
+    let options = Options::default().with_time_limit(Duration::from_secs(2));
+    let start = Instant::now();
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert_eq!(solution.termination(), Termination::TimeLimit);
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+}
