@@ -69,12 +69,14 @@ impl Reducer {
         self.reduce_to(program, domain)
     }
 
-    /// As [`reduce`](Self::reduce), for a point that may become the answer: under linear costs only
-    /// rounding is dropped, because other rows may multiply what a dropped row leaves open. Corners need no
-    /// interior, and interior-point methods, which curved costs need, do.
-    pub(crate) fn reduce_leaf(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
-        let is_linear = program.quadratic.compute_nnz() == 0 && !program.is_feasibility_problem();
-        self.negligible = if is_linear { 0.0 } else { NEGLIGIBLE };
+    /// As [`reduce`](Self::reduce), but only rounding is dropped. Interior-point methods may find no
+    /// interior then.
+    pub(crate) fn reduce_strictly(
+        &mut self,
+        program: &Program,
+        domain: &Domain,
+    ) -> Option<Reduced> {
+        self.negligible = 0.0;
         self.reduce_to(program, domain)
     }
 

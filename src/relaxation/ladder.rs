@@ -16,7 +16,8 @@ use super::simplex::DualSimplex;
 use super::verdict::{Known, Question, Step, Verdict};
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use super::{Prover, polish};
-use crate::presolve::{Reduced, Reducer};
+use crate::presolve::{Domain, Reduced, Reducer};
+use crate::program::Program;
 use crate::solution::{RelaxationCounts, Statistics};
 use crate::solver::{RelaxationMethod, StopToken};
 
@@ -143,6 +144,18 @@ impl Ladder {
     /// Reduces the programs that it is asked about, in the memory that the ladder has for that.
     pub(crate) fn reducer(&mut self) -> &mut Reducer {
         &mut self.reducer
+    }
+
+    /// Reduces the program of a leaf, whose point may become the answer. Where the dual simplex method
+    /// suits, only rounding is dropped, because other rows may multiply what a dropped row leaves open:
+    /// corners need no interior.
+    pub(crate) fn reduce_leaf(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
+        let is_linear = program.quadratic.compute_nnz() == 0;
+        let has_corner = self.warm.len() > SIMPLEX && DualSimplex::suits_costs(&program.linear);
+        match is_linear && has_corner {
+            true => self.reducer.reduce_strictly(program, domain),
+            false => self.reducer.reduce(program, domain),
+        }
     }
 
     /// What was taken since this was last called.

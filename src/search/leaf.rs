@@ -35,7 +35,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
         return false;
     }
     let program = ctx.shared.task.exact.unwrap_or(ctx.program());
-    let Some(reduced) = ctx.ladder.reducer().reduce_leaf(program, &ctx.node.domain) else {
+    let Some(reduced) = ctx.ladder.reduce_leaf(program, &ctx.node.domain) else {
         return false;
     };
     let verdict = relax(ctx, &reduced, Purpose::Node);

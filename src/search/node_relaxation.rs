@@ -29,7 +29,7 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let program = ctx.base();
     let program = ctx.shared.task.exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
     let mut reduced = match ctx.is_leaf() {
-        true => ctx.ladder.reducer().reduce_leaf(program, &ctx.node.domain),
+        true => ctx.ladder.reduce_leaf(program, &ctx.node.domain),
         false => ctx.ladder.reducer().reduce(program, &ctx.node.domain),
     };
     if let Some(reduced) = &mut reduced {

@@ -426,7 +426,7 @@ fn leaks_say_which_bound_to_give() {
     let audit = reformulate::lower(&model).unwrap().audit(1e-6, 1e-6);
     let text = audit.to_string();
     assert!(
-        text.contains("give `x` an upper bound of at most 1 (rows imply 100000.0002"),
+        text.contains("give `x` an upper bound of at most 1 (rows imply 100000.0001"),
         "{text}"
     );
 }

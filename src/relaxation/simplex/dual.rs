@@ -300,15 +300,25 @@ impl Dual {
         self.used.iter().zip(&self.x).map(|(c, x)| c * x).sum()
     }
 
+    /// By how much bounds may be violated, relative: not less than the rounding of the point.
+    fn allowed_miss(&self) -> f64 {
+        if self.allowed >= FEASIBLE {
+            return FEASIBLE;
+        }
+        let size = self.head.iter().map(|&k| self.x[k].abs()).fold(1.0, f64::max);
+        (0.1 * self.allowed * size).clamp(self.allowed, FEASIBLE)
+    }
+
     /// The slot whose column violates its bounds most, and by how much: negative below the lower one.
     fn leaving(&self) -> Option<(usize, f64)> {
         let mut most = 0.0;
         let mut found = None;
+        let allowed = self.allowed_miss();
         for (s, &k) in self.head.iter().enumerate() {
             let (x, lower, upper) = (self.x[k], self.program.lower[k], self.program.upper[k]);
             let by = if x < lower { x - lower } else { x - upper };
             let limit = if x < lower { lower } else { upper };
-            if (x >= lower && x <= upper) || by.abs() <= self.allowed * limit.abs().max(1.0) {
+            if (x >= lower && x <= upper) || by.abs() <= allowed * limit.abs().max(1.0) {
                 continue;
             }
             let merit = by * by / self.weight[s];

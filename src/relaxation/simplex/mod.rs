@@ -55,8 +55,12 @@ impl DualSimplex {
     /// leaves a large face of optima; an interior-point method ends in its middle, which tells
     /// branching more than a corner does.
     pub fn suits(program: &Reduced) -> bool {
-        let terms = || program.linear.iter().filter(|q| **q != 0.0).count();
-        program.quadratic.index.is_empty() && FEW * terms() > program.columns.len()
+        program.quadratic.index.is_empty() && DualSimplex::suits_costs(&program.linear)
+    }
+
+    /// The same of the costs alone.
+    pub(super) fn suits_costs(costs: &[f64]) -> bool {
+        FEW * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
     }
 }
 
