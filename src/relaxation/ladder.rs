@@ -179,9 +179,10 @@ impl Ladder {
     }
 
     /// Which of the methods that start from a state is for a program. Without a state the dual
-    /// simplex method is for the root only.
+    /// simplex method is for roots, and for leaves, which are reduced for it.
     fn warm_method(&self, program: &Reduced, question: &Question<'_>) -> Option<usize> {
-        let starts = question.warm.is_some() || question.purpose == Purpose::Root;
+        let cold = matches!(question.purpose, Purpose::Root | Purpose::Leaf);
+        let starts = question.warm.is_some() || cold;
         let mut suits = [false; 2];
         suits[ACTIVE_SET] = ActiveSet::suits(program);
         suits[SIMPLEX] = starts && DualSimplex::suits(program);

@@ -126,6 +126,35 @@ fn shifted_columns_may_be_further_out() {
     assert!(matches!(verdict, Verdict::Right | Verdict::Beyond), "{verdict:?}");
 }
 
+/// A search that stalls at refused points says what the nearest one violates.
+#[test]
+fn stalls_have_reasons() {
+    let mut stalled = 0;
+    for seed in [8428, 8613, 9076, 9_008_898, 9_009_720, 9_009_970] {
+        let (model, _) = generator::large(seed).build();
+        let solution = BranchAndBound::default().solve(&model).expect("a solvable model");
+        let has_ended = solution.termination() != Termination::Stalled;
+        if has_ended || solution.point().is_some() {
+            assert!(!has_ended || solution.refused().is_none());
+            continue;
+        }
+        stalled += 1;
+        let violations = solution.refused().expect("a refused point").violations();
+        assert!(
+            violations.iter().all(|violation| violation.amount > 0.0) && !violations.is_empty()
+        );
+        let mut log = Log::new(Vec::new());
+        log.finish(&solution);
+        let text = String::from_utf8(log.into_inner().unwrap()).unwrap();
+        let reason = format!(
+            "stalled at points that the check refused: the nearest violates {}",
+            violations[0]
+        );
+        assert!(text.contains(&reason), "{text}");
+    }
+    assert!(stalled > 0);
+}
+
 /// Rows whose limits of 6e9 were all but used up were missed by the rounding of those, which was taken
 /// for a proof that there is no point (1771262, 5000328, 771001150). A billionth of the terms of a row
 /// was taken for rounding: it was 9, and a binary seemed to be held by the row (91000256).

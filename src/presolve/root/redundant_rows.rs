@@ -32,12 +32,12 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         return Err(Infeasible);
     }
     let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
-    // A row that is missed by more forces nothing: it waits for what refutes it.
-    let meets =
-        |end: f64, limit: f64| limit.is_finite() && (end - limit).abs() <= margin.max(noise);
-    let forcing = if meets(range.most, lower) {
+    // A row that is missed by more than is accepted forces nothing: it waits for what refutes it.
+    let missed = (CROSSED * range.scale).min(tolerance::FEASIBILITY).max(margin).max(noise);
+    let meets = |room: f64| room <= margin && room >= -missed;
+    let forcing = if lower.is_finite() && meets(range.most - lower) {
         Some(true)
-    } else if meets(range.least, upper) {
+    } else if upper.is_finite() && meets(upper - range.least) {
         Some(false)
     } else {
         None
