@@ -95,6 +95,10 @@ impl Quadratic {
 }
 
 fn merge_products(products: &mut Vec<(Variable, Variable, f64)>) {
+    // A file may name the variables of a product in any order.
+    for (first, second, _) in products.iter_mut().filter(|(first, second, _)| first > second) {
+        std::mem::swap(first, second);
+    }
     if !products.is_sorted_by(|a, b| (a.0, a.1) < (b.0, b.1)) {
         products.sort_by_key(|&(a, b, _)| (a, b));
         products.dedup_by(|later, kept| {

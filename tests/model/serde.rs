@@ -274,6 +274,24 @@ proptest! {
 }
 
 /// Background is part of a model; explanations can be kept.
+/// A file may name the variables of a product in any order; they are one product.
+#[test]
+fn turned_products_are_merged() {
+    let mut model = Model::new("turned");
+    let x = model.continuous("x", -1.0, 1.0).unwrap();
+    let y = model.continuous("y", -1.0, 1.0).unwrap();
+    model.minimize(x.square() + y.square() + x * y).unwrap();
+    let mut text = serde_json::to_value(&model).unwrap();
+    let products = text.pointer_mut("/objective/products").unwrap().as_array_mut().unwrap();
+    let mut turned = products.iter().find(|product| product[0] != product[1]).unwrap().clone();
+    let (first, second) = (turned[0].clone(), turned[1].clone());
+    (turned[0], turned[1]) = (second, first);
+    turned[2] = 0.5.into();
+    products.push(turned);
+    let read: Model = serde_json::from_value(text).unwrap();
+    assert!(read.to_string().starts_with("minimize x^2 + 1.5 x y + y^2\n"), "{read}");
+}
+
 #[test]
 fn explanations_survive() {
     use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation};
