@@ -98,17 +98,29 @@ fn slack(width: f64, count: usize) -> f64 {
     if width > 0.0 { tolerance::CONVEXITY / (count as f64 * width * width) } else { f64::MAX }
 }
 
+/// Products by the numbers of their variables, the smaller one first, merged.
 fn indexed(sense: Sense, products: &[(Variable, Variable, f64)]) -> Vec<Product> {
-    let product = |&(a, b, q): &(Variable, Variable, f64)| (a.index(), b.index(), sense.sign() * q);
-    products.iter().map(product).collect()
+    let product = |&(a, b, q): &(Variable, Variable, f64)| {
+        (a.index().min(b.index()), a.index().max(b.index()), sense.sign() * q)
+    };
+    let mut products: Vec<Product> = products.iter().map(product).collect();
+    if !products.is_sorted_by(|a, b| (a.0, a.1) < (b.0, b.1)) {
+        products.sort_by_key(|&(a, b, _)| (a, b));
+        products.dedup_by(|later, kept| {
+            let same = (later.0, later.1) == (kept.0, kept.1);
+            kept.2 += if same { later.2 } else { 0.0 };
+            same
+        });
+    }
+    products
 }
 
 /// The number of variables with a square or product.
 fn variables(products: &[Product]) -> usize {
-    let mut all: Vec<usize> = products.iter().flat_map(|&(a, b, _)| [a, b]).collect();
-    all.sort_unstable();
-    all.dedup();
-    all.len()
+    let size = products.iter().map(|&(_, b, _)| b + 1).max().unwrap_or(0);
+    let mut is_used = vec![false; size];
+    products.iter().for_each(|&(a, b, _)| (is_used[a], is_used[b]) = (true, true));
+    is_used.into_iter().filter(|used| *used).count()
 }
 
 /// By variable, the coefficient of its square if that is positive.

@@ -1,7 +1,5 @@
 //! One block of a quadratic form: scaling, cheap tests, and the verdict of a factor.
 
-use std::collections::BTreeMap;
-
 use super::direction::Direction;
 use super::scaled::{Factored, Scaled, exponent, times_power};
 use super::{Product, dense, sparse};
@@ -43,15 +41,12 @@ enum Verdict {
 }
 
 impl Block {
-    pub(super) fn new(products: &[Product], allowed: &dyn Fn(usize) -> f64) -> Self {
-        let members = products.iter().flat_map(|&(a, b, _)| [a, b]);
-        let mut position: BTreeMap<usize, usize> = members.map(|name| (name, 0)).collect();
-        position.values_mut().enumerate().for_each(|(k, place)| *place = k);
-        let names: Vec<usize> = position.keys().copied().collect();
-        let (mut diagonal, mut pairs) = (vec![0.0; names.len()], Vec::new());
+    /// From products of places among the names.
+    pub(super) fn new(names: Vec<usize>, products: &[Product], allowed: Vec<f64>) -> Self {
+        let mut diagonal = vec![0.0; names.len()];
+        let mut pairs = Vec::with_capacity(products.len());
         let mut count = vec![1; names.len()];
-        for &(a, b, q) in products {
-            let (i, j) = (position[&a], position[&b]);
+        for &(i, j, q) in products {
             if i == j {
                 diagonal[i] += q;
             } else {
@@ -59,7 +54,6 @@ impl Block {
                 (count[i], count[j]) = (count[i] + 1, count[j] + 1);
             }
         }
-        let allowed = names.iter().map(|&name| allowed(name)).collect();
         let longest = count.into_iter().max().unwrap_or(0);
         Block { names, diagonal, pairs, allowed, longest }
     }
@@ -152,10 +146,19 @@ const LARGE: usize = 8192;
 /// * `room`: by row, what the magnitudes that the factor misses may sum up to.
 fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
     let n = matrix.diagonal.len();
-    let order = sparse::order(matrix);
-    match order {
+    let natural = || (0..n).collect::<Vec<usize>>();
+    // Where most entries are there, no order leaves fewer.
+    if 4 * matrix.pairs.len() > n * n {
+        let is_small = (n as f64).powi(3) / 6.0 < MANY || n > LARGE;
+        return if is_small {
+            sparse::factor(matrix, &natural(), room)
+        } else {
+            dense::factor(matrix, room)
+        };
+    }
+    match sparse::order(matrix) {
         Some((order, work)) if work < MANY || n > LARGE => sparse::factor(matrix, &order, room),
-        None if n > LARGE => sparse::factor(matrix, &(0..n).collect::<Vec<_>>(), room),
+        None if n > LARGE => sparse::factor(matrix, &natural(), room),
         _ => dense::factor(matrix, room),
     }
 }

@@ -21,8 +21,6 @@ mod direction;
 mod scaled;
 mod sparse;
 
-use std::collections::BTreeMap;
-
 use block::Block;
 pub use direction::Direction;
 
@@ -44,32 +42,44 @@ pub fn negative_direction(
     products: &[Product],
     allowed: &dyn Fn(usize) -> f64,
 ) -> Option<Direction> {
-    blocks(products).into_iter().find_map(|products| Block::new(&products, allowed).refute())
+    blocks(products).into_iter().find_map(|(names, products)| {
+        let allowed = names.iter().map(|&name| allowed(name)).collect();
+        Block::new(names, &products, allowed).refute()
+    })
 }
 
+/// The variables of a block, in order, and its products in places among them.
+type Part = (Vec<usize>, Vec<Product>);
+
 /// Variables that products link, directly or not, are in one block.
-fn blocks(products: &[Product]) -> Vec<Vec<Product>> {
-    let used = products.iter().filter(|(.., q)| *q != 0.0);
-    if products.iter().all(|(a, b, _)| a == b) {
-        return used.map(|&product| vec![product]).collect();
-    }
-    let mut position = BTreeMap::new();
-    for &(a, b, _) in used.clone() {
-        for variable in [a, b] {
-            let next = position.len();
-            position.entry(variable).or_insert(next);
-        }
-    }
-    let mut parent: Vec<usize> = (0..position.len()).collect();
-    for (a, b, _) in used.clone() {
-        let (a, b) = (root(&mut parent, position[a]), root(&mut parent, position[b]));
+fn blocks(products: &[Product]) -> Vec<Part> {
+    let used = || products.iter().filter(|(.., q)| *q != 0.0);
+    let size = used().map(|&(_, b, _)| b + 1).max().unwrap_or(0);
+    let mut parent: Vec<usize> = (0..size).collect();
+    for &(a, b, _) in used() {
+        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b)] = a.min(b);
     }
-    let mut blocks: BTreeMap<usize, Vec<Product>> = BTreeMap::new();
-    for &product in used {
-        blocks.entry(root(&mut parent, position[&product.0])).or_default().push(product);
+    let mut is_used = vec![false; size];
+    used().for_each(|&(a, b, _)| (is_used[a], is_used[b]) = (true, true));
+    // By variable: its block and its place in it. The first one of a block is its root.
+    let (mut block, mut place) = (vec![0; size], vec![0; size]);
+    let mut parts: Vec<Part> = Vec::new();
+    for j in (0..size).filter(|&j| is_used[j]) {
+        let root = root(&mut parent, j);
+        if root == j {
+            block[j] = parts.len();
+            parts.push((Vec::new(), Vec::new()));
+        }
+        block[j] = block[root];
+        let (names, _) = &mut parts[block[j]];
+        place[j] = names.len();
+        names.push(j);
     }
-    blocks.into_values().collect()
+    for &(a, b, q) in used() {
+        parts[block[a]].1.push((place[a], place[b], q));
+    }
+    parts
 }
 
 fn root(parent: &mut [usize], mut node: usize) -> usize {

@@ -24,7 +24,7 @@ proptest! {
             let a = if negative { -a } else { a };
             let (low, high) = (f64::from(lower), f64::from(lower + width));
             let x = model.integer(format!("x{k}"), low, high).unwrap();
-            row = row + f64::from(a) * f64::from(factor) * x;
+            row += f64::from(a) * f64::from(factor) * x;
             ranges.push((i64::from(a), i64::from(lower), i64::from(lower + width)));
         }
         model.add("r", row.equals(f64::from(right) * f64::from(factor))).unwrap();

@@ -42,11 +42,11 @@ fn is_semidefinite(mut matrix: Vec<Vec<BigRational>>) -> bool {
             }
             continue;
         }
-        for i in k + 1..n {
-            let factor = &matrix[i][k] / &pivot;
-            for j in k + 1..n {
-                let change = &factor * &matrix[k][j];
-                matrix[i][j] -= change;
+        let own = matrix[k].clone();
+        for row in &mut matrix[k + 1..] {
+            let factor = &row[k] / &pivot;
+            for (entry, own) in row.iter_mut().zip(&own).skip(k + 1) {
+                *entry -= &factor * own;
             }
         }
     }
@@ -155,15 +155,13 @@ proptest! {
     ) {
         let mut entries = entries.into_iter().map(|(m, e)| f64::from(m) * 10.0_f64.powi(e + far));
         let mut matrix = vec![vec![0.0; n]; n];
-        for i in 0..n {
-            for j in i..n {
-                matrix[i][j] = entries.next().unwrap_or(0.0);
-                matrix[j][i] = matrix[i][j];
-            }
+        for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
+            matrix[i][j] = entries.next().unwrap_or(0.0);
+            matrix[j][i] = matrix[i][j];
         }
         if heavy {
-            for i in 0..n {
-                matrix[i][i] = matrix[i].iter().map(|entry| entry.abs()).sum();
+            for (i, row) in matrix.iter_mut().enumerate() {
+                row[i] = row.iter().map(|entry| entry.abs()).sum();
             }
         }
         let accepted = check(n, &form(&matrix), &vec![0.0; n])?;

@@ -55,9 +55,9 @@ pub(crate) fn big_m(seed: u64) -> Case {
         lines.push(small(r, &shape, &anchor));
     }
     let mut linear = vec![0.0; columns.len()];
-    for j in 0..columns.len() {
+    for cost in &mut linear {
         if r.chance(0.6) {
-            linear[j] = f64::from(r.within(-50, 50));
+            *cost = f64::from(r.within(-50, 50));
         }
     }
     let maximize = r.chance(0.5);
