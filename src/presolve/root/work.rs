@@ -395,19 +395,19 @@ impl Work {
             }
             if is_widened { noise } else { 0.0 }
         };
-        let mut widened = [vec![0.0; self.rows.len()], vec![0.0; self.uses.len()]];
-        for row in 0..self.rows.len() {
+        let (mut rows, mut columns) = (vec![0.0; self.rows.len()], vec![0.0; self.uses.len()]);
+        for (row, by) in rows.iter_mut().enumerate() {
             let whole = |&(j, a): &(usize, f64)| self.integral[j] && a == a.round();
             let soft = self.is_equality(row) && !self.rows[row].iter().all(whole);
             let part = if soft { IMPERCEPTIBLE } else { SHARP };
             let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
-            widened[0][row] = widen(lower, upper, self.row_noise[row], part);
+            *by = widen(lower, upper, self.row_noise[row], part);
         }
-        for j in (0..self.uses.len()).filter(|&j| !self.integral[j]) {
+        for (j, by) in columns.iter_mut().enumerate().filter(|(j, _)| !self.integral[*j]) {
             let (lower, upper) = (&mut self.lower[j], &mut self.upper[j]);
-            widened[1][j] = widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
+            *by = widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
         }
-        widened
+        [rows, columns]
     }
 
     /// The presolved program, numbered anew.
