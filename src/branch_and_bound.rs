@@ -26,7 +26,7 @@ use seeding::{leaf_of, report, seed_of};
 /// Branch and bound over continuous relaxations.
 ///
 /// A model is lowered to rows, assembled, presolved and searched. An incumbent is accepted only if
-/// it passes the [`Verification`](crate::solution::Verification) against the model, including its
+/// it passes the [`Verification`] against the model, including its
 /// implications.
 ///
 /// ```
