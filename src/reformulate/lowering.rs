@@ -8,6 +8,7 @@ use super::report::BigMReport;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Formula, Literal, Model, Name, StoredRow, Variable, VariableKind};
 use crate::solver::StopToken;
+use crate::tolerance;
 
 /// State shared by the reformulations.
 pub(super) struct Lowering<'a> {
@@ -71,6 +72,7 @@ impl<'a> Lowering<'a> {
         lower: f64,
         upper: f64,
     ) -> Result<(), Error> {
+        self.check_coefficients(&terms)?;
         loop {
             self.named += 1;
             let name = match self.named {
@@ -94,6 +96,7 @@ impl<'a> Lowering<'a> {
         lower: f64,
         upper: f64,
     ) -> Result<(), Error> {
+        self.check_coefficients(&terms)?;
         let mut name = self.statement.suffixed(suffix);
         loop {
             let row = StoredRow { terms: terms.clone(), lower, upper };
@@ -103,6 +106,17 @@ impl<'a> Lowering<'a> {
                     name = name.suffixed("_");
                 }
                 Err(other) => return Err(other),
+            }
+        }
+    }
+
+    /// The big-M of a binary that is in the row itself adds up with its coefficient.
+    fn check_coefficients(&self, terms: &[(Variable, f64)]) -> Result<(), Error> {
+        match terms.iter().find(|(_, a)| a.is_nan() || a.abs() >= tolerance::INFINITE) {
+            None => Ok(()),
+            Some(&(_, value)) => {
+                let (name, what) = (self.statement.to_string(), "a coefficient with its big-M");
+                Err(ErrorKind::NotFinite { name, what, value }.into())
             }
         }
     }

@@ -390,6 +390,18 @@ fn an_m_that_counts_as_infinite_is_a_missing_bound() {
     );
 }
 
+/// The binary of an indicator may be in its row: coefficient and big-M add up there.
+#[test]
+fn a_coefficient_that_counts_as_infinite_with_its_big_m_is_refused() {
+    let mut model = Model::new("m");
+    let z = model.binary("z").unwrap();
+    model.add("w", z.on().implies((9.9e19 * z).within(-INF, -9.9e19))).unwrap();
+    assert_eq!(
+        reformulate::lower(&model).unwrap_err().to_string(),
+        "a coefficient with its big-M of `w` is 198000000000000000000; give a finite number"
+    );
+}
+
 /// Bounds that a function cannot reach make a model infeasible, not a bound missing.
 #[test]
 fn bounds_beyond_the_range_are_infeasible() {
