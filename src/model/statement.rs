@@ -53,5 +53,7 @@ pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, 
     }
     let (lower, upper) = limits(row.lower, row.upper, name)?;
     let moved = |limit: f64| if limit.is_finite() { limit - constant } else { limit };
-    Ok(StoredRow { terms, lower: moved(lower), upper: moved(upper) })
+    // They may count as infinite only now.
+    let (lower, upper) = limits(moved(lower), moved(upper), name)?;
+    Ok(StoredRow { terms, lower, upper })
 }

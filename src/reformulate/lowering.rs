@@ -9,6 +9,7 @@ use super::report::BigMReport;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Formula, Literal, Model, Name, StoredRow, Variable, VariableKind};
 use crate::solver::StopToken;
+use crate::tolerance;
 
 /// State shared by the reformulations.
 pub(super) struct Lowering<'a> {
@@ -76,6 +77,7 @@ impl<'a> Lowering<'a> {
         lower: f64,
         upper: f64,
     ) -> Result<(), Error> {
+        self.check_coefficients(&terms)?;
         loop {
             self.named += 1;
             let name = match self.named {
@@ -99,8 +101,20 @@ impl<'a> Lowering<'a> {
         lower: f64,
         upper: f64,
     ) -> Result<(), Error> {
+        self.check_coefficients(&terms)?;
         let name = self.statement.suffixed(suffix).free(|name| self.model.has_statement(name));
         self.model.push_constraint(name, StoredRow { terms, lower, upper }).map(|_| ())
+    }
+
+    /// The big-M of a binary that is in the row itself adds up with its coefficient.
+    fn check_coefficients(&self, terms: &[(Variable, f64)]) -> Result<(), Error> {
+        match terms.iter().find(|(_, a)| a.is_nan() || a.abs() >= tolerance::INFINITE) {
+            None => Ok(()),
+            Some(&(_, value)) => {
+                let (name, what) = (self.statement.to_string(), "a coefficient with its big-M");
+                Err(ErrorKind::NotFinite { name, what, value }.into())
+            }
+        }
     }
 
     /// Adds an auxiliary column named after the statement, `name_part1`, `name_part2`, ...

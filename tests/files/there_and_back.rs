@@ -9,8 +9,12 @@ use carom::model::{Model, Variable, VariableRef, lp, mps};
 #[allow(dead_code)] // not everybody who includes this file wants all of it
 pub(crate) fn through_files(model: &Model) {
     let is_lost = |variable: VariableRef<'_>| {
-        let hull = |values: Interval| values.hull(Interval::point(0.0));
-        let narrowed = variable.semicontinuous().is_some_and(|v| hull(v) != variable.bounds());
+        let bits = |(lower, upper): (f64, f64)| (lower.to_bits(), upper.to_bits());
+        let hull = |Interval { lower, upper }| {
+            (if lower > 0.0 { 0.0 } else { lower }, if upper < 0.0 { 0.0 } else { upper })
+        };
+        let own = (variable.bounds().lower, variable.bounds().upper);
+        let narrowed = variable.semicontinuous().is_some_and(|v| bits(hull(v)) != bits(own));
         narrowed || variable.parameter_range().is_some()
     };
     if model.variables().any(is_lost) || model.name() != model.name().trim() {

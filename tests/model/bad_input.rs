@@ -105,6 +105,22 @@ fn names_of_variables() {
 
 // -- statements -------------------------------------------------------------------------------
 
+/// Limits that count as infinite once the constant is on their side are infinite, as in files.
+#[test]
+fn limits_that_a_constant_makes_infinite() {
+    let (mut model, x, z) = small();
+    let huge = 9e19;
+    let shown = "the upper limit of `r` is -180000000000000000000; give a finite number";
+    assert_eq!(text(model.add("r", (x + huge).within(-INF, -huge))), shown);
+    assert_eq!(text(model.add("r", z.on().implies((x + huge).within(-INF, -huge)))), shown);
+    let row = (x - huge).within(0.0, huge);
+    model.add("row", row.clone()).unwrap();
+    model.add("on", z.on().implies(row.clone())).unwrap();
+    model.add("one", either(row).or(x.le(1.0))).unwrap();
+    let found = model.to_string();
+    assert_eq!(found.matches("x >= 90000000000000000000").count(), 3, "{found}");
+}
+
 #[test]
 fn coefficients_and_limits_that_are_not_finite() {
     let (mut model, x, z) = small();
@@ -371,6 +387,18 @@ fn an_m_that_counts_as_infinite_is_a_missing_bound() {
     let error = reformulate::lower(&model).unwrap_err();
     assert!(
         matches!(error.kind(), ErrorKind::UnboundedIndicator { variable, .. } if variable == "x")
+    );
+}
+
+/// The binary of an indicator may be in its row: coefficient and big-M add up there.
+#[test]
+fn a_coefficient_that_counts_as_infinite_with_its_big_m_is_refused() {
+    let mut model = Model::new("m");
+    let z = model.binary("z").unwrap();
+    model.add("w", z.on().implies((9.9e19 * z).within(-INF, -9.9e19))).unwrap();
+    assert_eq!(
+        reformulate::lower(&model).unwrap_err().to_string(),
+        "a coefficient with its big-M of `w` is 198000000000000000000; give a finite number"
     );
 }
 
