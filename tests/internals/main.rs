@@ -20,4 +20,5 @@ mod strengthening;
 mod subset;
 mod sum;
 mod warm_states;
+mod whole_terms;
 mod worklist;
