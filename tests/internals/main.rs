@@ -21,4 +21,5 @@ mod strengthening;
 mod subset;
 mod sum;
 mod warm_states;
+mod whole_terms;
 mod worklist;
