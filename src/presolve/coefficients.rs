@@ -48,7 +48,8 @@ impl OneSided {
 
     /// Shrinks the coefficient of a binary, and moves the limit with it; returns whether they moved.
     ///
-    /// The row stays looser than it could be by `margin`, and the limit by `rounding` (row's unit).
+    /// The row stays looser than it could be by `margin` (row's unit), and the limit by `rounding`, which is
+    /// relative to the coefficient and the limit: nothing else is rounded.
     fn shrink(&mut self, coefficient: &mut f64, margin: f64, rounding: f64) -> bool {
         let size = coefficient.abs();
         // How far the row is from binding at the binary's idle value.
@@ -56,6 +57,7 @@ impl OneSided {
         if room <= GAIN * size {
             return false;
         }
+        let rounding = rounding * (size + self.limit.abs());
         // `most > limit` leaves the rest of the coefficient positive.
         let cut = room.min(size);
         let is_idle_at_zero = self.sign * *coefficient > 0.0;
@@ -120,7 +122,7 @@ pub(super) fn tighten_terms(
         (0.0, 0.0)
     } else {
         let scale = scale * terms.len() as f64;
-        (MARGIN * scale + noise, 2.0 * f64::EPSILON * scale)
+        (MARGIN * scale + noise, 2.0 * f64::EPSILON)
     };
     let mut moved = false;
     for (_, value) in terms.iter_mut().filter(|(j, _)| columns.is_binary(*j)) {
@@ -190,7 +192,7 @@ pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
             continue;
         }
         for (_, value) in columns.iter().zip(values).filter(|(k, _)| is_binary(**k)) {
-            side.shrink(value, MARGIN * scale, 4.0 * f64::EPSILON * scale);
+            side.shrink(value, MARGIN * scale, 4.0 * f64::EPSILON);
         }
         side.write_limit(least, largest);
     }

@@ -66,10 +66,10 @@ proptest! {
 }
 
 /// Rows that were missed forced their columns and were dropped (1757, 2280, 2311, 2849, 3489), and the
-/// rounding of whole numbers was charged (4791).
+/// rounding of whole numbers was charged (4791), or widened a row (22000927, 66004271).
 #[test]
 fn big_ms_do_not_stall() {
-    for seed in [1757, 2280, 2311, 2849, 3489, 4791] {
+    for seed in [1757, 2280, 2311, 2849, 3489, 4791, 22_000_927, 66_004_271] {
         let verdict = verdict_of(&big_m::big_m(seed), seed);
         assert_eq!(verdict, Verdict::Right, "seed {seed}");
     }

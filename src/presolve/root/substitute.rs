@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use super::postsolve::{Restored, Undo};
 use super::work::{OldColumn, Sparse, WHOLE, Work};
-use crate::sum::Sum;
+use crate::sum::{Sum, exact_product};
 use crate::tolerance;
 
 /// Entries that cancel to less than this, relative to what they came from, are 0.
@@ -73,8 +73,14 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
 
     // The constant's own, and that of the quotients, which is multiplied by what columns are worth.
-    let scale = work.range(terms.iter()).scale;
-    let noise = work.row_noise[row] / coefficient.abs() + f64::EPSILON * (constant.abs() + scale);
+    let is_exact = |quotient: f64, of: f64| exact_product(quotient, coefficient) == (of, 0.0);
+    let mut rounded = terms.clone();
+    rounded.retain(|&(j, a)| !is_exact(a, work.coefficient(row, j)));
+    let mut size = if rounded.is_empty() { 0.0 } else { work.range(rounded.iter()).scale };
+    if !is_exact(constant, work.row_lower[row]) {
+        size += constant.abs();
+    }
+    let noise = work.row_noise[row] / coefficient.abs() + f64::EPSILON * size;
     // Of whole numbers nothing is rounded.
     let is_whole = |value: f64| value == value.round() && value.abs() <= WHOLE;
     let whole = work.integral[column]
