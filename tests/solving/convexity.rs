@@ -129,4 +129,17 @@ fn parameters_count_with_their_range() {
     // Where `x` cannot follow, nothing is seen of it.
     model.minimize((x + p).square() - 1e-9 * p.square()).unwrap();
     assert!(BranchAndBound::default().solve(&model).unwrap().is_optimal());
+
+    // Rows put the others in terms of one: nothing is seen at its value, and much within its range.
+    let mut model = Model::new("m");
+    let free = f64::NEG_INFINITY..f64::INFINITY;
+    let y = model.continuous("y", free.start, free.end).unwrap();
+    let z = model.continuous("z", free.start, free.end).unwrap();
+    let p = model.parameter("p", 0.0, -1.0, 1.0).unwrap();
+    model.add("y", (y - 1e6 * p).equals(0.0)).unwrap();
+    model.add("z", (y + z).equals(0.0)).unwrap();
+    model.minimize((y + z).square() - 1e-10 * y.square()).unwrap();
+    let mut solver = BranchAndBound::default();
+    assert!(solver.solve(&model).unwrap().is_optimal());
+    refused(solver.prepare(&model).map(|_| ()));
 }
