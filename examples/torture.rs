@@ -15,8 +15,8 @@
 //!
 //! Each program that was answered wrongly or not finished is written there as an MPS file named
 //! after its family and seed, and a line says what is wrong. The last line counts the verdicts. The exit
-//! status tells whether any answer was wrong, or any solve stalled that may not. `tests/torture` has the generator and defines what is
-//! wrong.
+//! status tells whether any answer was wrong, or any solve stalled that may not. `tests/torture` has the
+//! generator and defines what is wrong.
 
 #[macro_use]
 #[path = "common/output.rs"]
