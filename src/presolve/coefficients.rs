@@ -18,6 +18,9 @@ const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
 const GAIN: f64 = 1e-3;
 
+/// Last binary digits that are 0 in a coefficient that has not been rounded.
+const SPARE: u32 = 16;
+
 /// Largest coefficient of a row of integers whose limits are rounded.
 const LARGEST: f64 = 1e9;
 
@@ -166,6 +169,12 @@ pub(super) fn round_limits(
 /// Whether a value is a whole number, up to rounding.
 pub(super) fn is_whole(value: f64) -> bool {
     (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
+}
+
+/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. What cancelled in
+/// presolve has all of them.
+pub(super) fn is_exact(coefficient: f64) -> bool {
+    coefficient == coefficient.round() || coefficient.to_bits().trailing_zeros() >= SPARE
 }
 
 /// Tightens the one-sided rows of a reduced program; `integral` is by program column.

@@ -16,12 +16,15 @@ const LARGEST: f64 = 9_007_199_254_740_992.0;
 /// Whether a row is an equality over whole numbers, and some of its coefficients may have a divisor.
 pub(super) fn is_whole_equality(line: &Line, entries: &[Entry]) -> bool {
     let [lower, upper] = line.limits;
-    let is_exact = |entry: &Entry| entry.whole && entry.coefficient.abs() <= LARGEST;
+    let is_whole = |entry: &Entry| {
+        let a = entry.coefficient;
+        entry.exact && a == a.round() && a.abs() <= LARGEST
+    };
     lower == upper
         && lower == lower.round()
         && lower.abs() <= LARGEST
         && entries.len() > 1
-        && entries.iter().all(is_exact)
+        && entries.iter().all(is_whole)
         && entries.iter().any(|entry| entry.coefficient.abs() > 1.0)
 }
 

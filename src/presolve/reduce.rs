@@ -6,6 +6,7 @@
 //! Everything dropped is implied (up to rounding) by what is kept, so a dual bound of the reduced
 //! program is a dual bound of the node.
 
+use super::coefficients::is_exact;
 use super::domain::Domain;
 use super::parallel::{Patterns, ratio};
 use super::projection::{Projection, Projector};
@@ -21,8 +22,8 @@ const NEGLIGIBLE: f64 = 1e-9;
 const CROSSED: f64 = 1e-8;
 
 /// A row over fixed columns is refuted when it is missed by more than this, relative to its largest
-/// term that is not a whole number, and by more than [`CROSSED`], absolute: presolve leaves at least this
-/// many digits. Whole terms have all of them: a row over wide integers is missed or not.
+/// term that is not exact, and by more than [`CROSSED`], absolute: presolve leaves at least this
+/// many digits. Exact terms have all of them: a row over wide integers is missed or not.
 const LOST: f64 = 1e-10;
 
 /// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the free
@@ -390,7 +391,7 @@ fn is_missed(
         sum.add_product(a, values[j]);
         loosened += a.abs() * slack[j];
         scale = scale.max(size);
-        if !program.integral[j] || a != a.round() {
+        if !(program.integral[j] && is_exact(a)) {
             soft = soft.max(size);
         }
     }
@@ -400,7 +401,7 @@ fn is_missed(
         beyond.value()
     };
     let miss = (-beyond(lower)).max(beyond(upper));
-    // What whole terms miss is no rounding, and not accepted beyond the tolerance.
+    // What exact terms miss is no rounding, and not accepted beyond the tolerance.
     let lost = (LOST * scale).min(tolerance::FEASIBILITY.max(LOST * soft));
     miss > CROSSED.max(lost) + 4.0 * f64::EPSILON * scale + loosened
 }

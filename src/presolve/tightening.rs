@@ -4,10 +4,11 @@
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
 //! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point.
 //!
-//! Terms of integral columns with whole coefficients are exact, however large they are: what they add to
+//! Terms of integral columns with coefficients that were not rounded are exact, however large they are: what they add to
 //! a row is no reason to loosen anything. So `1e8 z >= 20` leaves a binary the value 1, and a row over
 //! wide integers is refuted as soon as it is missed.
 
+use super::coefficients::is_exact;
 use crate::sum::Sum;
 use crate::tolerance;
 
@@ -21,15 +22,15 @@ pub(super) struct Entry {
     /// Twice the column, plus one where the coefficient is negative: the bound at which the term is
     /// smallest.
     least: u32,
-    /// Whether the term is a whole number, so that nothing of it was rounded.
-    pub(super) whole: bool,
+    /// Whether nothing of the term was rounded: an exact coefficient and an integral column.
+    pub(super) exact: bool,
     pub(super) coefficient: f64,
 }
 
 impl Entry {
     pub(super) fn new(column: usize, coefficient: f64, integral: bool) -> Self {
-        let whole = integral && coefficient == coefficient.round();
-        Entry { least: 2 * column as u32 + u32::from(coefficient < 0.0), whole, coefficient }
+        let exact = integral && is_exact(coefficient);
+        Entry { least: 2 * column as u32 + u32::from(coefficient < 0.0), exact, coefficient }
     }
 
     #[inline]
@@ -197,7 +198,7 @@ fn tighten_binding(
             return;
         }
         found.extend(if integral[column] {
-            let own = if entry.whole { 0.0 } else { largest_term(entry, bounds) };
+            let own = if entry.exact { 0.0 } else { largest_term(entry, bounds) };
             let slack = whole_slack(entry, value, doubt.soft - own);
             whole(bounds[column], column, is_upper, value, slack)
         } else {
@@ -244,7 +245,7 @@ fn tighten_binding(
 
 /// What a row is not known to, in its unit.
 struct Doubt {
-    /// The sum of the largest magnitudes of terms that are not whole, and of a limit that presolve may have
+    /// The sum of the largest magnitudes of terms that are not exact, and of a limit that presolve may have
     /// rounded.
     soft: f64,
     /// Accumulated rounding of an activity: of a plain sum, and of a compensated one.
@@ -256,23 +257,23 @@ struct Doubt {
 
 impl Doubt {
     fn of(bounds: &[[f64; 2]], entries: &[Entry], [lower, upper]: [f64; 2]) -> Self {
-        let (mut scale, mut soft, mut all_whole) = (0.0, 0.0, true);
+        let (mut scale, mut soft, mut all_exact) = (0.0, 0.0, true);
         for entry in entries {
             let size = largest_term(entry, bounds);
             scale += size;
-            if !entry.whole {
-                (soft, all_whole) = (soft + size, false);
+            if !entry.exact {
+                (soft, all_exact) = (soft + size, false);
             }
         }
         let limit = size(lower).max(size(upper));
         // Presolve leaves equalities the rounding of their limits, and widens other rows by it.
-        if lower == upper && !all_whole {
+        if lower == upper && !all_exact {
             soft += limit;
         }
         let scale = larger(scale, limit).max(1.0);
         let count = entries.len() as f64;
         let rounding = 1e-15 * soft * count + 64.0 * f64::EPSILON * limit;
-        // What whole terms miss is no rounding, and not accepted beyond the tolerance.
+        // What exact terms miss is no rounding, and not accepted beyond the tolerance.
         let missed = tolerance::PROPAGATION_INFEASIBLE * soft;
         let excess = missed.max(tolerance::FEASIBILITY);
         Doubt {
@@ -359,7 +360,7 @@ fn whole_slack(entry: &Entry, value: f64, rest: f64) -> f64 {
     let size = entry.coefficient.abs();
     let tolerated = tolerance::INTEGRALITY.min(tolerance::FEASIBILITY / size);
     let known = tolerance::PROPAGATION_SLACK * rest.max(1.0) / size;
-    let own = if entry.whole { 0.0 } else { tolerance::PROPAGATION_SLACK * value.abs() };
+    let own = if entry.exact { 0.0 } else { tolerance::PROPAGATION_SLACK * value.abs() };
     tolerated + known + own + 4.0 * f64::EPSILON * value.abs()
 }
 

@@ -62,6 +62,17 @@ fn rows_over_wide_integers_are_refuted() {
     );
 }
 
+/// A fraction with few binary digits is as exact as a whole number.
+#[test]
+fn short_fractions_are_exact() {
+    let mut model = Model::new("m");
+    let z = model.integer("z", 1.0, 1.0).unwrap();
+    model.add("r", (99_999_999.75 * z).le(99_999_999.744_140_63)).unwrap();
+    assert!(propagated(&model).is_none());
+    let program = Program::assemble(&model).unwrap();
+    assert!(reduce(&program, &Domain::new(&program)).is_none());
+}
+
 /// A column that presolve put in terms of large ones keeps its bounds.
 #[test]
 fn substituted_columns_keep_their_bounds() {

@@ -73,7 +73,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
 fn excess(work: &Work, row: usize, range: &Range) -> f64 {
     let limit = finite(work.row_lower[row]).max(finite(work.row_upper[row]));
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
-    // What whole terms miss is no rounding, and not accepted beyond the tolerance.
+    // What exact terms miss is no rounding, and not accepted beyond the tolerance.
     let missed = (CROSSED * soft).max(tolerance::FEASIBILITY);
     let scale = range.scale.max(limit);
     let rounding = f64::EPSILON * work.rows[row].len() as f64 * scale;

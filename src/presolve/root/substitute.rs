@@ -72,10 +72,11 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     terms.retain(|&(j, _)| j != column);
     terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
 
-    // The constant's own, and that of the quotients, which is multiplied by what columns are worth.
+    // The constant's own, and that of the quotients, which is multiplied by what columns are worth; values
+    // of continuous columns are rounded themselves.
     let is_exact = |quotient: f64, of: f64| exact_product(quotient, coefficient) == (of, 0.0);
     let mut rounded = terms.clone();
-    rounded.retain(|&(j, a)| !is_exact(a, work.coefficient(row, j)));
+    rounded.retain(|&(j, a)| !(work.integral[j] && is_exact(a, work.coefficient(row, j))));
     let mut size = if rounded.is_empty() { 0.0 } else { work.range(rounded.iter()).scale };
     if !is_exact(constant, work.row_lower[row]) {
         size += constant.abs();

@@ -8,6 +8,7 @@ use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 
 use super::postsolve::{Postsolve, Presolved, Undo};
 use crate::error::{Error, ErrorKind};
+use crate::presolve::coefficients::is_exact;
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
@@ -16,7 +17,7 @@ use crate::tolerance;
 const CROSSED: f64 = 1e-8;
 
 /// Rounding of bounds, and of limits of equalities, up to this is allowed for by whoever gets them,
-/// relative to the limit. A smaller part is allowed for in other rows, and in rows of whole numbers: their
+/// relative to the limit. A smaller part is allowed for in other rows, and in rows of exact terms: their
 /// large limits come from big-Ms, and must not hide by how much a row is missed without them.
 const IMPERCEPTIBLE: f64 = 1e-9;
 const SHARP: f64 = 1e-14;
@@ -98,7 +99,7 @@ pub(super) struct Range {
     pub(super) most: f64,
     /// The largest magnitude of a finite term.
     pub(super) scale: f64,
-    /// The same of terms that are no whole numbers, whose coefficients or columns may have been rounded.
+    /// The same of terms that are not exact, whose coefficients or columns may have been rounded.
     pub(super) soft: f64,
     /// How far rounding may have moved either end.
     pub(super) noise: f64,
@@ -311,14 +312,14 @@ impl Work {
     pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> Range {
         let mut range = Range { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
         for &(j, a) in terms {
-            let whole = self.integral[j] && a == a.round();
+            let exact = self.integral[j] && is_exact(a);
             let (p, q) = (a * self.lower[j], a * self.upper[j]);
             range.least += p.min(q);
             range.most += p.max(q);
             for size in [p.abs(), q.abs()] {
                 if size.is_finite() {
                     range.scale = range.scale.max(size);
-                    range.soft = if whole { range.soft } else { range.soft.max(size) };
+                    range.soft = if exact { range.soft } else { range.soft.max(size) };
                 }
             }
             range.noise += a.abs() * self.column_noise[j];
@@ -397,8 +398,8 @@ impl Work {
         };
         let (mut rows, mut columns) = (vec![0.0; self.rows.len()], vec![0.0; self.uses.len()]);
         for (row, by) in rows.iter_mut().enumerate() {
-            let whole = |&(j, a): &(usize, f64)| self.integral[j] && a == a.round();
-            let soft = self.is_equality(row) && !self.rows[row].iter().all(whole);
+            let exact = |&(j, a): &(usize, f64)| self.integral[j] && is_exact(a);
+            let soft = self.is_equality(row) && !self.rows[row].iter().all(exact);
             let part = if soft { IMPERCEPTIBLE } else { SHARP };
             let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
             *by = widen(lower, upper, self.row_noise[row], part);
