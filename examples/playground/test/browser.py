@@ -51,7 +51,7 @@ EDGES = {
     "task=bank&restitution=1": "Bouncing saves",
     "task=bank&timeStep=0.5": "Bouncing saves",
     "task=bank&maxAcceleration=0": "no plan",
-    "task=bank&velocityX=3&maxSpeed=1": "no plan",
+    "task=bank&velocityX=3&maxSpeed=1": "outside its largest speed",
     "task=bank&velocityX=0&velocityY=0&goalX=1.2&goalY=0.2": "does not pay",
     "task=pillar&startX=0": "`robot` starts inside `wall 0`; move one of them.",
     "task=pillar&impulseLimit=0": "does not pay",
