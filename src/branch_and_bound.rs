@@ -1,5 +1,6 @@
 //! The default backend: the whole pipeline, one function per step.
 
+mod alternation;
 mod blocks;
 mod curvature;
 mod history;

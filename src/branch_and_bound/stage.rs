@@ -128,6 +128,20 @@ impl Stage<'_> {
     /// Cuts and searches a program: this one, or a part of it.
     pub(super) fn search(
         &self,
+        search: Search<'_>,
+        control: &mut Control<'_>,
+        seed: Option<&Seed>,
+    ) -> Found {
+        if self.alternates(&search) {
+            self.search_in_turns(search, control, seed)
+        } else {
+            self.search_once(search, control, seed)
+        }
+    }
+
+    /// Cuts a program and searches it once.
+    pub(super) fn search_once(
+        &self,
         Search { program, accept, describe, options, token }: Search<'_>,
         control: &mut Control<'_>,
         seed: Option<&Seed>,

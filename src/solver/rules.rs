@@ -5,7 +5,8 @@
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum BranchingRule {
-    /// Pseudocosts if there is an objective, otherwise event windows.
+    /// Pseudocosts if there is an objective. Otherwise event windows, and in turns with them pseudocosts
+    /// under an objective of the search's own.
     #[default]
     Automatic,
     /// By the expected bounds of both children (pseudocosts), initialised by strong branching.

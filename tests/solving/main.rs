@@ -28,3 +28,5 @@ mod search;
 mod stop_token;
 mod torture_programs;
 mod trust;
+mod whole_nodes;
+mod without_objective;
