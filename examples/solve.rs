@@ -193,12 +193,12 @@ fn summary(solution: &Solution, seconds: f64) -> String {
         ),
         None => "no point".into(),
     };
-    let hint = solution.hint().map_or(String::new(), |hint| format!("\n{hint}"));
+    let notes: String = solution.notes().iter().map(|note| format!("\n{note}")).collect();
     let refused = solution.refused().and_then(|check| check.violations().first());
     let refused = refused.map_or(String::new(), |violation| {
         format!("; the nearest point that was refused violates {violation}")
     });
-    format!("{}: {found}, after {effort}{refused}{hint}", solution.termination())
+    format!("{}: {found}, after {effort}{refused}{notes}", solution.termination())
 }
 
 /// The text of a file. If it is not text, the error says where.

@@ -13,6 +13,9 @@ pub mod scenes {}
 
 // The pages are also read as files. Of two definitions of a link, the first one counts, so that these
 // take the place of the links to files at the ends of the pages.
+#[doc = include_str!("../docs/my_search_does_not_finish.md")]
+pub mod my_search_does_not_finish {}
+
 #[doc = "[`HybridSystem`]: crate::hybrid::HybridSystem"]
 #[doc = include_str!("../docs/reach_sets.md")]
 pub mod reach_sets {}

@@ -163,6 +163,9 @@ impl<'a> Worker<'a> {
             parts.for_each(|part| ctx.tree.push(part));
             return first;
         }
+        if ctx.is_integral(&raw) {
+            ctx.tree.count(|s| s.whole_splits += 1);
+        }
         let relaxed = RelaxedPoint { x: &x, raw: &raw, bound };
         branch(ctx, &mut self.branching, &node, relaxed)
     }

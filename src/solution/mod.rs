@@ -8,6 +8,7 @@
 
 mod leaves;
 mod multipliers;
+mod note;
 mod point;
 mod pool;
 mod statistics;
@@ -16,6 +17,7 @@ mod verification;
 
 pub use leaves::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
 pub use multipliers::Multipliers;
+pub use note::Note;
 pub use point::{Evaluate, Point};
 pub use pool::{Pool, PoolPoint};
 pub use statistics::{
@@ -249,19 +251,6 @@ impl Solution {
     /// Why the solver stopped.
     pub fn termination(&self) -> Termination {
         self.termination
-    }
-
-    /// Why a solve has [stalled](Termination::Stalled) and what to do, if that is known.
-    pub fn hint(&self) -> Option<String> {
-        let is_far = self.termination == Termination::Stalled && self.statistics.beyond_radius > 0;
-        is_far.then(|| {
-            format!(
-                "the best points have variables without bounds that are farther than {:e} from 0, \
-                 where bounds are not proved; give all variables finite bounds, or measure them in \
-                 larger units",
-                tolerance::FREE_RADIUS
-            )
-        })
     }
 
     /// Whether the solution holds a point.

@@ -32,6 +32,8 @@ pub struct Statistics {
     pub leaves: u64,
     /// Nodes that were split.
     pub split: u64,
+    /// Those of them whose relaxed points had whole integers.
+    pub whole_splits: u64,
     /// Nodes returned unfinished at a limit, or that could be neither finished nor split for
     /// numerical reasons.
     pub unfinished: u64,
@@ -348,7 +350,7 @@ impl Statistics {
         sum!(beyond_radius);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
         sum!(closed_by_proofs);
-        sum!(user_splits, refused_splits, contradictions);
+        sum!(whole_splits, user_splits, refused_splits, contradictions);
         self.relaxation_counts.add(&part.relaxation_counts);
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);

@@ -94,8 +94,8 @@ impl<W: Write> Log<W> {
             statistics.time.as_secs_f64(),
             statistics.nodes_per_second(),
         ));
-        if let Some(hint) = solution.hint() {
-            self.write(format_args!("{hint}\n"));
+        for note in solution.notes() {
+            self.write(format_args!("{note}\n"));
         }
         if let Some(check) = solution.refused() {
             self.write(format_args!("{}\n", refusal(check)));

@@ -1,6 +1,7 @@
 //! Optima far from 0 along variables without bounds.
 
 use carom::prelude::*;
+use carom::solution::Note;
 use proptest::prelude::*;
 
 const FREE: f64 = f64::INFINITY;
@@ -41,7 +42,7 @@ proptest! {
         }
         model.minimize(cost).unwrap();
         let solution = solved(&model, presolve);
-        prop_assert!(solution.is_optimal(), "{}: {:?}", solution.termination(), solution.hint());
+        prop_assert!(solution.is_optimal(), "{}: {:?}", solution.termination(), solution.notes());
         prop_assert!(close(solution.objective().unwrap(), optimum), "{}", solution.objective().unwrap());
     }
 
@@ -89,12 +90,13 @@ fn an_optimum_beyond_the_radius_of_proofs_says_so() {
     let hint = "the best points have variables without bounds that are farther than 1e9 from 0, where \
                 bounds are not proved; give all variables finite bounds, or measure them in larger units";
     assert_eq!(solution.termination(), Termination::Stalled);
-    assert_eq!(solution.hint().as_deref(), Some(hint));
+    assert_eq!(solution.notes(), [Note::FarFromZero]);
+    assert_eq!(Note::FarFromZero.to_string(), hint);
     assert!(String::from_utf8(log.into_inner().unwrap()).unwrap().contains(hint));
     for variable in [x, y] {
         model.set_bounds(variable, -1e12, 1e12).unwrap();
     }
     let solution = solved(&model, true);
     assert!(solution.is_optimal() && close(solution.objective().unwrap(), 1e10));
-    assert_eq!(solution.hint(), None);
+    assert_eq!(solution.notes(), []);
 }

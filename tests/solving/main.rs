@@ -22,6 +22,7 @@ mod invariance;
 mod large_coefficients;
 mod limits;
 mod multipliers;
+mod notes;
 mod oracle;
 mod prepared;
 mod search;
