@@ -128,9 +128,8 @@ impl Fork {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Proofs {
     forks: BTreeMap<u32, Fork>,
-    /// What closed nodes, and sides: by node, column, and whether the upper bound changes.
-    nodes: BTreeMap<u32, Arc<Multipliers>>,
-    sides: BTreeMap<(u32, usize, bool), Arc<Multipliers>>,
+    /// What closed nodes and sides.
+    ends: BTreeMap<EndKey, Arc<Multipliers>>,
 }
 
 impl Proofs {
@@ -138,11 +137,7 @@ impl Proofs {
     pub(crate) fn new(proofs: &[Proof], forks: &[Fork]) -> Self {
         let mut all = Proofs::default();
         for Proof { end, multipliers } in proofs {
-            let multipliers = multipliers.clone();
-            match end {
-                End::Node(node) => all.nodes.insert(*node, multipliers),
-                End::Side(node, d) => all.sides.insert((*node, d.column, d.is_upper), multipliers),
-            };
+            all.ends.insert(end.key(), multipliers.clone());
         }
         for fork in forks {
             let mut fork = fork.clone();
@@ -172,10 +167,7 @@ impl Proofs {
 
     /// What closed an end.
     pub(super) fn of(&self, end: End) -> Option<&Arc<Multipliers>> {
-        match end {
-            End::Node(node) => self.nodes.get(&node),
-            End::Side(node, d) => self.sides.get(&(node, d.column, d.is_upper)),
-        }
+        self.ends.get(&end.key())
     }
 
     /// How many are kept of a search over so many columns and rows.

@@ -69,12 +69,10 @@ impl ShortestOptions {
     }
 }
 
-/// A progress event of a search. There is one per horizon, so the size of its largest variant,
-/// which holds statistics, does not matter.
-#[allow(clippy::large_enum_variant)]
+/// A progress event of a search.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-#[expect(clippy::large_enum_variant, reason = "an event lives as long as a callback, and is few")]
+#[expect(clippy::large_enum_variant, reason = "there are few events, and each lives as long as a callback")]
 pub enum HorizonEvent {
     /// A horizon is about to be solved.
     Started {
