@@ -1,11 +1,13 @@
 //! The user's priorities, splits and points, translated to columns and checked.
 
 use std::borrow::Cow;
+use std::fmt;
 
 use crate::error::Error;
 use crate::model::Model;
 use crate::presolve::root::Postsolve;
 use crate::program::Program;
+use crate::solution::Point;
 use crate::solver::{Branching, Guidance, NodeView, Proposal};
 
 /// A [`Guidance`] for the columns of a program whose first columns are the model's variables, or for
@@ -17,6 +19,17 @@ pub struct ColumnGuidance<'a> {
     priorities: Vec<i32>,
     guidance: Guidance<'a>,
     origin: Option<Origin<'a>>,
+    excludes: Option<Excludes<'a>>,
+}
+
+/// Whether a row that the user returns for a point excludes it.
+#[derive(Clone, Copy)]
+struct Excludes<'a>(&'a (dyn Fn(&Point) -> bool + Sync));
+
+impl fmt::Debug for Excludes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Excludes")
+    }
 }
 
 /// Where the columns of a presolved program come from.
@@ -36,7 +49,19 @@ impl<'a> ColumnGuidance<'a> {
     /// of another model.
     pub fn new(model: &'a Model, guidance: &Guidance<'a>) -> Result<Self, Error> {
         let priorities = guidance.priorities(model)?;
-        Ok(ColumnGuidance { model, priorities, guidance: guidance.clone(), origin: None })
+        let guidance = guidance.clone();
+        Ok(ColumnGuidance { model, priorities, guidance, origin: None, excludes: None })
+    }
+
+    /// The same with a judge of verified points: whether rows that they tell of exclude them.
+    pub(crate) fn with_judge(self, excludes: &'a (dyn Fn(&Point) -> bool + Sync)) -> Self {
+        ColumnGuidance { excludes: Some(Excludes(excludes)), ..self }
+    }
+
+    /// Whether a verified point is excluded; it is asked for if anybody judges it.
+    pub(super) fn excludes(&self, point: impl FnOnce() -> Option<Point>) -> bool {
+        let judged = |Excludes(excludes)| point().is_none_or(|point| excludes(&point));
+        self.excludes.is_some_and(judged)
     }
 
     /// The same for what presolve has left of a program.
@@ -54,6 +79,7 @@ impl<'a> ColumnGuidance<'a> {
             priorities: self.priorities.clone(),
             guidance: self.guidance.clone(),
             origin: Some(Origin { postsolve, bounds }),
+            excludes: self.excludes,
         }
     }
 
@@ -97,6 +123,7 @@ impl<'a> ColumnGuidance<'a> {
             priorities,
             guidance: Guidance::default(),
             origin: self.origin.clone(),
+            excludes: self.excludes,
         }
     }
 
