@@ -105,7 +105,7 @@ impl Pipeline<'_> {
         restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         control: &mut Control<'_>,
     ) -> Result<(Found, Option<Derivatives>), Error> {
-        let as_is = self.is_about_columns();
+        let as_is = self.is_about_tree();
         let presolved = match presolve(program, rules, self.token)? {
             Presolve::Presolved(presolved) => presolved,
             Presolve::Infeasible => return Ok((Found::infeasible(), None)),
@@ -188,9 +188,14 @@ impl Pipeline<'_> {
 
     /// Whether somebody speaks of the tree or of all columns: pools, leaves and splits do.
     pub(super) fn is_about_columns(&self) -> bool {
-        let kept = self.options.pool > 1 || self.options.keep_leaves;
+        self.options.pool > 1 || self.is_about_tree()
+    }
+
+    /// Whether somebody speaks of the tree: leaves and splits do. Pools do not mind rows that all points
+    /// satisfy.
+    fn is_about_tree(&self) -> bool {
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
-        kept || boxes || self.guidance.splits()
+        self.options.keep_leaves || boxes || self.guidance.splits()
     }
 }
 

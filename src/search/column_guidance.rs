@@ -17,6 +17,8 @@ pub struct ColumnGuidance<'a> {
     model: &'a Model,
     /// By variable; empty if there are none.
     priorities: Vec<i32>,
+    /// By variable of the model: whether it is an integer.
+    integral: Vec<bool>,
     guidance: Guidance<'a>,
     origin: Option<Origin<'a>>,
     excludes: Option<Excludes<'a>>,
@@ -50,7 +52,9 @@ impl<'a> ColumnGuidance<'a> {
     pub fn new(model: &'a Model, guidance: &Guidance<'a>) -> Result<Self, Error> {
         let priorities = guidance.priorities(model)?;
         let guidance = guidance.clone();
-        Ok(ColumnGuidance { model, priorities, guidance, origin: None, excludes: None })
+        let integral = model.variables().map(|variable| variable.kind().is_integral()).collect();
+        let (origin, excludes) = (None, None);
+        Ok(ColumnGuidance { model, priorities, integral, guidance, origin, excludes })
     }
 
     /// The same with a judge of verified points: whether rows that they tell of exclude them.
@@ -77,6 +81,7 @@ impl<'a> ColumnGuidance<'a> {
         ColumnGuidance {
             model: self.model,
             priorities: self.priorities.clone(),
+            integral: self.integral.clone(),
             guidance: self.guidance.clone(),
             origin: Some(Origin { postsolve, bounds }),
             excludes: self.excludes,
@@ -91,6 +96,15 @@ impl<'a> ColumnGuidance<'a> {
     /// Whether the user proposes points.
     pub fn proposes(&self) -> bool {
         !self.guidance.proposals().is_empty()
+    }
+
+    /// Whether a column is an integer of the model, and not an auxiliary one: these tell points apart.
+    pub(super) fn tells_apart(&self, column: usize) -> bool {
+        let variable = match &self.origin {
+            Some(origin) => origin.postsolve.columns().get(column).copied(),
+            None => Some(column),
+        };
+        variable.and_then(|j| self.integral.get(j)) == Some(&true)
     }
 
     /// Bounds and values of the model's variables, and of what else there is.
@@ -121,6 +135,7 @@ impl<'a> ColumnGuidance<'a> {
         ColumnGuidance {
             model,
             priorities,
+            integral: self.integral.clone(),
             guidance: Guidance::default(),
             origin: self.origin.clone(),
             excludes: self.excludes,

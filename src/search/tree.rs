@@ -235,6 +235,11 @@ impl<'a> Tree<'a> {
         state.points.incumbent().map(|best| (best.value, best.point.clone()))
     }
 
+    /// The value of the best point of the pool with a key. In rounds it is that of the last one's end.
+    pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
+        self.lock().points.value_of(key)
+    }
+
     /// Whether memory is so short that depth goes before the best bound.
     pub(super) fn is_short_of_memory(&self, state: &State) -> bool {
         self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)

@@ -147,6 +147,10 @@ impl<'a> Worker<'a> {
                 }
             }
         }
+        if ctx.is_in_pool(&x, bound) {
+            cut_off(ctx, &node.path, bound);
+            return None;
+        }
         if let Some(reason) = ctx.token.ended() {
             // What splits a node takes as long as relaxing it.
             ctx.tree.count(|s| s.unfinished += 1);
