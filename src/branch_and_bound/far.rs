@@ -1,26 +1,26 @@
-//! Models whose objective falls, with a floor far below.
+//! Models whose objective falls, inside a box.
 
-use super::rows::row_name;
 use crate::error::Error;
-use crate::model::{Model, StoredRow};
+use crate::model::Model;
 
-/// How far below a point the floors are, relative to the magnitude of its objective.
+/// How far variables without bounds may go in a box, in their units.
 pub(super) const FAR: [f64; 2] = [1e3, 1e6];
 
-/// A model in which the objective is at most so much better than a value, relative to it; `None` where
-/// the objective is not linear.
-pub(super) fn with_floor(model: &Model, value: f64, distance: f64) -> Result<Option<Model>, Error> {
-    let objective = model.objective();
-    if !objective.products().is_empty() {
-        return Ok(None);
+/// A model in which variables without bounds have some: so far from 0, or from their other bound.
+pub(super) fn boxed(model: &Model, far: f64) -> Result<Model, Error> {
+    let mut boxed = model.clone();
+    for variable in model.variables() {
+        let bounds = variable.bounds();
+        let (mut lower, mut upper) = (bounds.lower, bounds.upper);
+        if lower == f64::NEG_INFINITY {
+            lower = -far + upper.min(0.0);
+        }
+        if upper == f64::INFINITY {
+            upper = far + lower.max(0.0);
+        }
+        if (lower, upper) != (bounds.lower, bounds.upper) {
+            boxed.set_bounds(variable.id(), lower, upper)?;
+        }
     }
-    let sign = model.sense().sign();
-    let floor = sign * value - distance * value.abs().max(1.0) - sign * objective.affine().offset();
-    let terms = objective.affine().terms().into_iter();
-    let terms = terms.map(|(variable, a)| (variable, sign * a)).collect();
-    let mut floored = model.clone();
-    let name = row_name("floor", 0).free(|name| floored.has_statement(name));
-    floored.push_constraint(name, StoredRow { terms, lower: floor, upper: f64::INFINITY })?;
-    floored.touch();
-    Ok(Some(floored))
+    Ok(boxed)
 }

@@ -11,7 +11,7 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
 use super::answer::answer;
-use super::far::{FAR, with_floor};
+use super::far::{FAR, boxed};
 use super::multipliers::Derivatives;
 use super::pipeline::Pipeline;
 use super::refusals::Refusals;
@@ -118,7 +118,7 @@ impl Rounds<'_> {
             self.separate(&plain, control)?;
             let round = self.search(&with_rows(&plain, CUT, &self.cuts)?, self.left(), control)?;
             if round.found.termination == Termination::Unbounded && round.new == 0 {
-                if !self.finds_rows_far_out(&plain, &round.found, control)? {
+                if !self.finds_rows_far_out(&plain, control)? {
                     return Ok(self.conclude(round));
                 }
             } else if self.is_last(&round) {
@@ -266,20 +266,17 @@ impl Rounds<'_> {
     fn finds_rows_far_out(
         &mut self,
         plain: &Model,
-        found: &Found,
         control: &mut Control<'_>,
     ) -> Result<bool, Error> {
-        let Some(from) = found.points.first().filter(|_| control.lazy_constraints().is_some())
-        else {
+        if control.lazy_constraints().is_none() {
             return Ok(false);
-        };
-        let from = Point::new(self.model, from.clone())?.value(self.model.objective())?;
-        for distance in FAR {
-            let Some(floored) = with_floor(plain, from, distance)? else { return Ok(false) };
+        }
+        for far in FAR {
+            let boxed = boxed(plain, far)?;
             // What is proved of it says nothing of the model.
             let bound = self.bound;
             let limit = self.left().unwrap_or(u64::MAX).min(PLAIN_NODES);
-            let round = self.search(&floored, Some(limit), control)?;
+            let round = self.search(&boxed, Some(limit), control)?;
             self.bound = bound;
             if round.new > 0 {
                 return Ok(true);

@@ -93,7 +93,7 @@ proptest! {
     #[test]
     fn rows_may_come_late(
         case in prop_oneof![
-            case(Shape::LINEAR), case(Shape::BOUNDED), case(Shape::FEASIBILITY)
+            case(Shape::LINEAR), case(Shape::BOUNDED), case(Shape::FEASIBILITY), case(Shape::QUADRATIC)
         ],
         withheld in any::<u32>(),
         options in options(),
