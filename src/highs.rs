@@ -96,6 +96,7 @@ impl Solver for HighsSolver {
     /// Besides those of every solver, [`ErrorKind::Unsupported`] for a quadratic objective.
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         self.options.check()?;
+        control.refuse_lazy_constraints("HiGHS")?;
         let token = StopToken::new(self.options.time_limit, control.interrupt());
         let Some(lowered) = reformulate::lower_until(model, None, &token)? else {
             return stopped(model, &self.options, &token);

@@ -32,7 +32,7 @@ mod seed;
 mod stop_token;
 
 pub use certificate::{Certificate, certify};
-pub use control::{Control, Interrupt};
+pub use control::{Control, Interrupt, RowSource};
 pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
 pub use heuristics::Heuristics;
 pub use log::Log;
@@ -57,6 +57,7 @@ use crate::solution::Solution;
 /// * A limit or an interrupt returns the best verified point so far with a valid bound.
 /// * Infeasible, unbounded and limits are statuses of the solution; an [`Error`] means misuse or
 ///   breakdown.
+/// * Lazy constraints of the control are used, or [refused](Control::refuse_lazy_constraints).
 /// * The model is only borrowed, and a solver can be used again after any outcome.
 pub trait Solver {
     /// A short name, for reports.

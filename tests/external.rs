@@ -429,59 +429,103 @@ fn programs_agree_about_scenes() {
     }
 }
 
-/// Shadow prices and reduced costs beside those of GLPK's simplex method. Random data make the
-/// optimum unique, with a single basis.
+/// Numbers that look random, and are always the same.
+struct Random(u64);
+
+impl Random {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (self.0 >> 40) as f64 / (1_u64 << 24) as f64
+    }
+}
+
+/// Compares shadow prices and reduced costs of a linear program with those of GLPK's simplex method.
+fn compare_multipliers(model: &Model) {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, answer) = (folder.path().join("model.mps"), folder.path().join("answer"));
+    let solution = BranchAndBound::default().solve(model).unwrap();
+    assert!(solution.is_optimal(), "{solution:?}");
+
+    std::fs::write(&file, carom::model::mps::write(model).unwrap()).unwrap();
+    let arguments =
+        ["--freemps".as_ref(), file.as_os_str(), "--write".as_ref(), answer.as_os_str()];
+    assert!(Command::new("glpsol").args(arguments).output().unwrap().status.success());
+    let text = std::fs::read_to_string(&answer).unwrap();
+    // `i` or `j`, number, status, value, dual value.
+    let duals = |kind: &str| -> Vec<f64> {
+        let lines = text.lines().map(|line| line.split(' ').collect::<Vec<_>>());
+        let of_kind = lines.filter(|words| words[0] == kind);
+        of_kind.map(|words| words[4].parse().unwrap()).collect()
+    };
+    let near = |ours: f64, theirs: f64| (ours - theirs).abs() <= 1e-4 * theirs.abs().max(1.0);
+    let (prices, costs) = (duals("i"), duals("j"));
+    assert_eq!((prices.len(), costs.len()), (model.constraint_count(), model.variable_count()));
+    for (row, theirs) in model.constraints().zip(prices) {
+        let ours = solution.shadow_price(row.id()).unwrap();
+        assert!(near(ours, theirs), "{}: {ours} beside {theirs}\n{model}", row.name());
+    }
+    for (variable, theirs) in model.variables().zip(costs) {
+        let ours = solution.reduced_cost(variable.id()).unwrap();
+        assert!(near(ours, theirs), "{}: {ours} beside {theirs}\n{model}", variable.name());
+    }
+}
+
+/// Random data make the optimum unique, with a single basis.
 #[test]
 fn multipliers_agree_with_glpk() {
     if !installed().iter().any(|solver| solver.name() == "glpsol") {
         return;
     }
-    let folder = tempfile::tempdir().unwrap();
-    let (file, answer) = (folder.path().join("model.mps"), folder.path().join("answer"));
-    let mut state = 1_u64;
-    let mut random = |low: f64, high: f64| {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        low + (high - low) * (state >> 40) as f64 / (1_u64 << 24) as f64
-    };
+    let mut random = Random(1);
     for _ in 0..20 {
         let mut model = Model::new("blend");
         let x: Vec<_> = (0..8)
-            .map(|j| model.continuous(("x", j), random(-1.0, 0.0), random(1.0, 3.0)).unwrap())
-            .collect();
-        let rows: Vec<_> = (0..5)
-            .map(|i| {
-                let sum: Affine = x.iter().map(|&x| random(-1.0, 2.0) * x).sum();
-                let row = if i < 3 { sum.ge(random(0.5, 1.5)) } else { sum.le(random(1.0, 2.0)) };
-                model.add(("row", i), row).unwrap()
+            .map(|j| {
+                let (lower, upper) = (random.within(-1.0, 0.0), random.within(1.0, 3.0));
+                model.continuous(("x", j), lower, upper).unwrap()
             })
             .collect();
-        model.minimize(x.iter().map(|&x| random(0.1, 2.0) * x).sum::<Affine>()).unwrap();
-        let solution = BranchAndBound::default().solve(&model).unwrap();
-        assert!(solution.is_optimal(), "{solution:?}");
-        let multipliers = solution.multipliers().expect("no integers");
+        for i in 0..5 {
+            let sum: Affine = x.iter().map(|&x| random.within(-1.0, 2.0) * x).sum();
+            let row = if i < 3 {
+                sum.ge(random.within(0.5, 1.5))
+            } else {
+                sum.le(random.within(1.0, 2.0))
+            };
+            model.add(("row", i), row).unwrap();
+        }
+        model.minimize(x.iter().map(|&x| random.within(0.1, 2.0) * x).sum::<Affine>()).unwrap();
+        compare_multipliers(&model);
+    }
+}
 
-        std::fs::write(&file, carom::model::mps::write(&model).unwrap()).unwrap();
-        let arguments =
-            ["--freemps".as_ref(), file.as_os_str(), "--write".as_ref(), answer.as_os_str()];
-        assert!(Command::new("glpsol").args(arguments).output().unwrap().status.success());
-        let text = std::fs::read_to_string(&answer).unwrap();
-        // `i` or `j`, number, status, value, dual value.
-        let duals = |kind: &str| -> Vec<f64> {
-            let lines = text.lines().map(|line| line.split(' ').collect::<Vec<_>>());
-            let of_kind = lines.filter(|words| words[0] == kind);
-            of_kind.map(|words| words[4].parse().unwrap()).collect()
-        };
-        let near = |ours: f64, theirs: f64| (ours - theirs).abs() <= 1e-4 * theirs.abs().max(1.0);
-        let (prices, costs) = (duals("i"), duals("j"));
-        assert_eq!((prices.len(), costs.len()), (rows.len(), x.len()));
-        for (&row, theirs) in rows.iter().zip(prices) {
-            let ours = multipliers.shadow_price(row).unwrap();
-            assert!(near(ours, theirs), "{row:?}: {ours} beside {theirs}");
+/// The continuous relaxation of models with integers and indicators. Selectors of disjunctions
+/// would make optima degenerate.
+#[test]
+fn multipliers_of_relaxations_agree_with_glpk() {
+    if !installed().iter().any(|solver| solver.name() == "glpsol") {
+        return;
+    }
+    let mut random = Random(2);
+    for _ in 0..20 {
+        let mut model = Model::new("relaxed");
+        let x: Vec<_> = (0..6)
+            .map(|j| model.continuous(("x", j), 0.0, random.within(2.0, 5.0)).unwrap())
+            .collect();
+        let n: Vec<_> = (0..4)
+            .map(|j| model.integer(("n", j), 0.0, random.within(2.0, 6.0).floor()).unwrap())
+            .collect();
+        for i in 0..4 {
+            let sum: Affine = x.iter().chain(&n).map(|&x| random.within(0.1, 2.0) * x).sum();
+            model.add(("row", i), sum.ge(random.within(4.0, 9.0))).unwrap();
         }
-        for (&x, theirs) in x.iter().zip(costs) {
-            let ours = multipliers.reduced_cost(x).unwrap();
-            assert!(near(ours, theirs), "{x:?}: {ours} beside {theirs}");
-        }
+        let z = model.binary("z").unwrap();
+        let much = (x[0] + random.within(0.5, 1.5) * n[0]).ge(random.within(1.5, 3.0));
+        model.add("much", z.on().implies(much)).unwrap();
+        let cost: Affine = x.iter().chain(&n).map(|&x| random.within(0.5, 2.0) * x).sum();
+        // Worth its price: where the condition is off, the row is degenerate.
+        model.minimize(cost - random.within(6.0, 9.0) * z).unwrap();
+        compare_multipliers(&model.relaxed().unwrap());
     }
 }

@@ -27,7 +27,9 @@ impl Stage<'_> {
         let Search { program, options, .. } = search;
         program.is_feasibility_problem()
             && options.branching == BranchingRule::Automatic
+            && options.pool == 1
             && !self.as_is
+            && self.judge.is_none()
             && self.guidance.is_idle()
             && program.integers.iter().any(|&j| costs_one(program, j))
     }

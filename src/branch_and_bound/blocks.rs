@@ -97,7 +97,7 @@ impl Stage<'_> {
     /// What is found of the program block by block; nothing where it is a single one, or where the
     /// blocks come to no conclusion.
     pub(super) fn run_blocks(&self, control: &mut Control<'_>) -> Option<Found> {
-        if !self.options.blocks || self.as_is {
+        if !self.options.blocks || self.as_is || self.options.pool > 1 {
             return None;
         }
         let blocks = blocks(self.program);

@@ -3,6 +3,7 @@
 use super::curvature::check_curvature;
 use super::multipliers::{Derivatives, derivatives};
 use super::refusals::Refusals;
+use super::row_judge::RowJudge;
 use super::stage::Stage;
 use crate::error::Error;
 use crate::model::Model;
@@ -30,6 +31,8 @@ pub(super) struct Pipeline<'a> {
     pub(super) guidance: &'a ColumnGuidance<'a>,
     pub(super) ladders: &'a LadderPool,
     pub(super) refusals: &'a Refusals,
+    /// Judges points by rows that are found while the program is searched.
+    pub(super) judge: Option<&'a RowJudge<'a>>,
     pub(super) seed: Option<&'a Seed>,
 }
 
@@ -69,13 +72,17 @@ impl Pipeline<'_> {
             false => &[],
             // Nothing that is known may be reduced away.
             true if self.seed.is_some() || self.guidance.proposes() => &Rule::FAITHFUL,
+            // Rows may come that speak of all points.
+            true if self.judge.is_some_and(RowJudge::expects_rows) => &Rule::FAITHFUL,
             true => &Rule::ALL,
         };
         let (found, derivatives) = self.run_presolved(&program, rules, restore, control)?;
         let contradicted = found.contradiction.is_some();
         debug_assert!(!contradicted, "presolve has changed the objective of {:?}", found.points);
+        // What has found rows is searched again with them.
+        let is_over = self.token.is_over() || self.judge.is_some_and(RowJudge::has_new_rows);
         let is_doubtful = found.is_widened || found.termination == Termination::Stalled;
-        if !contradicted && (rules.is_empty() || !is_doubtful || self.token.is_over()) {
+        if !contradicted && (rules.is_empty() || !is_doubtful || is_over) {
             return Ok((found, derivatives));
         }
         // Callbacks see one search only.
@@ -98,7 +105,7 @@ impl Pipeline<'_> {
         restore: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         control: &mut Control<'_>,
     ) -> Result<(Found, Option<Derivatives>), Error> {
-        let as_is = self.is_about_columns();
+        let as_is = self.is_about_tree();
         let presolved = match presolve(program, rules, self.token)? {
             Presolve::Presolved(presolved) => presolved,
             Presolve::Infeasible => return Ok((Found::infeasible(), None)),
@@ -117,6 +124,7 @@ impl Pipeline<'_> {
             guidance: &guidance,
             ladders: self.ladders,
             refusals: self.refusals,
+            judge: self.judge,
             program: &presolved.program,
             restore: &restore,
             as_is,
@@ -180,9 +188,14 @@ impl Pipeline<'_> {
 
     /// Whether somebody speaks of the tree or of all columns: pools, leaves and splits do.
     pub(super) fn is_about_columns(&self) -> bool {
-        let kept = self.options.pool > 1 || self.options.keep_leaves;
+        self.options.pool > 1 || self.is_about_tree()
+    }
+
+    /// Whether somebody speaks of the tree: leaves and splits do. Pools do not mind rows that all points
+    /// satisfy.
+    fn is_about_tree(&self) -> bool {
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
-        kept || boxes || self.guidance.splits()
+        self.options.keep_leaves || boxes || self.guidance.splits()
     }
 }
 

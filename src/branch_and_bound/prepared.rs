@@ -5,11 +5,12 @@
 //! all that the values imply. Solves that speak of the tree or of all columns begin with the
 //! assembled program instead, as solves from nothing do.
 
-use super::answer;
+use super::answer::answer;
 use super::curvature::check_curvature;
 use super::history::History;
 use super::pipeline::Pipeline;
 use super::refusals::Refusals;
+use super::row_rounds::{finds_rows, solve_in_rounds};
 use super::seeding::{report, seed_of};
 use super::stage::{Stage, Tightened};
 use crate::error::Error;
@@ -110,6 +111,9 @@ impl Prepared for PreparedProgram<'_> {
         self.model.set_parameters(parameters)?;
         let (model, options) = (&self.model, &*self.options);
         options.check()?;
+        if finds_rows(control) {
+            return solve_in_rounds(model, options, control);
+        }
         let token = StopToken::new(options.time_limit, control.interrupt());
         let guidance = ColumnGuidance::new(model, control.guidance())?;
         let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
@@ -118,8 +122,8 @@ impl Prepared for PreparedProgram<'_> {
             self.ladders = LadderPool::new(options);
         }
         let (guidance, ladders, token) = (&guidance, &self.ladders, &token);
-        let refusals = &Refusals::default();
-        let pipeline = Pipeline { model, options, token, guidance, ladders, refusals, seed };
+        let (refusals, judge) = (&Refusals::default(), None);
+        let pipeline = Pipeline { model, options, token, guidance, ladders, refusals, judge, seed };
         let about_columns = pipeline.is_about_columns() || !guidance.is_idle();
         let (mut found, derivatives) = match &mut self.reduced {
             Reduced::Infeasible if options.reductions => (Found::infeasible(), None),
@@ -223,6 +227,7 @@ impl ReducedProgram {
                 guidance: &guidance,
                 ladders: pipeline.ladders,
                 refusals: pipeline.refusals,
+                judge: None,
                 program,
                 restore: &restore,
                 as_is: false,

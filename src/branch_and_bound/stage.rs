@@ -2,6 +2,7 @@
 
 use super::looks::Looks;
 use super::refusals::Refusals;
+use super::row_judge::RowJudge;
 use crate::model::Model;
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
@@ -23,6 +24,7 @@ pub(super) struct Stage<'a> {
     pub(super) guidance: &'a ColumnGuidance<'a>,
     pub(super) ladders: &'a LadderPool,
     pub(super) refusals: &'a Refusals,
+    pub(super) judge: Option<&'a RowJudge<'a>>,
     pub(super) program: &'a Program,
     /// From values of the program's columns to values of the model's variables.
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
@@ -114,8 +116,9 @@ impl Stage<'_> {
 
     /// The same, where the model's own verification accepts it.
     pub(super) fn verified(&self, values: &[f64]) -> Option<Point> {
+        let model = self.judge.map_or(self.model, RowJudge::model);
         let holds = |point: &Point| {
-            let check = Verification::of(self.model, point, self.options.feasibility);
+            let check = Verification::of(model, point, self.options.feasibility);
             let holds = check.holds();
             if !holds {
                 self.refusals.note(check);

@@ -5,7 +5,8 @@ use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
 use crate::hybrid::{
-    ContactLaw, Halfspace, Horizon, HorizonModel, HybridSystem, LinearSystem, Transition, Waiting,
+    ContactLaw, Halfspace, Horizon, HorizonModel, HybridProgram, HybridSystem, LinearSystem,
+    Transition, Waiting,
 };
 use crate::interval::Interval;
 use crate::model::Model;
@@ -142,6 +143,13 @@ impl HorizonModel for Programs {
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         self.scenario.reach_sets().map(Some)
+    }
+
+    fn hybrid<'p>(
+        &self,
+        program: &'p mut PlanningProgram,
+    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
+        Some((&mut program.model, &program.hybrid))
     }
 
     fn variables(&self, program: &PlanningProgram) -> HorizonVariables {

@@ -152,7 +152,8 @@ pub fn shortest_plan_with(
         time: found.time,
     };
     if options.fewest_impacts && shortest.is_found() && !shortest.fewest_impacts {
-        Refinement { scenario, solver, token: &token }.run(&mut shortest)?;
+        Refinement { scenario, solver, token: &token, options: &options.search }
+            .run(&mut shortest)?;
     }
     shortest.time = token.elapsed();
     Ok(shortest)
@@ -163,6 +164,7 @@ struct Refinement<'a> {
     scenario: &'a Scenario,
     solver: &'a mut dyn Solver,
     token: &'a StopToken,
+    options: &'a ShortestOptions,
 }
 
 impl Refinement<'_> {
@@ -176,7 +178,8 @@ impl Refinement<'_> {
         }
         // Without any impact?
         let mut needed = proved > 0;
-        if !needed {
+        // Rows of one's own may speak of contacts, which the careful scenario does not have.
+        if !needed && !self.options.has_statements() {
             let careful = self.scenario.collision_free();
             let program = PlanningProgram::build(&careful, steps, Objective::Feasibility)?;
             let Some(solution) = self.solve(&program)? else { return Ok(()) };
@@ -196,6 +199,7 @@ impl Refinement<'_> {
         }
         // As few as possible.
         let mut program = PlanningProgram::build(self.scenario, steps, Objective::Impacts)?;
+        self.options.complete(&mut program.model, &program.hybrid)?;
         if needed {
             program.require_contact()?;
         }

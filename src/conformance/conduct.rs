@@ -4,7 +4,7 @@ use web_time::Duration;
 
 use crate::error::{Error, ErrorKind};
 use crate::model::{Model, mps};
-use crate::solution::{Solution, Termination};
+use crate::solution::{Point, Solution, Termination};
 use crate::solver::{Control, Event, Interrupt, Options, Solver};
 
 use super::answer::Case;
@@ -194,6 +194,25 @@ pub(super) fn events(solver: &mut dyn Solver, complaints: &mut Complaints) {
         let last = nodes.last().is_none_or(|&last| last <= solution.statistics().nodes);
         complaints.unless(nodes.is_sorted() && last, || format!("counts of nodes: {nodes:?}"));
     }
+}
+
+pub(super) fn lazy_constraints(solver: &mut dyn Solver, complaints: &mut Complaints) {
+    let Some(mut case) = or_complain(linear::knapsack(), complaints) else { return };
+    let Some(x) = or_complain(case.model.variable_by_name(("x", 3)), complaints) else { return };
+    // Without the last item, the first two are worth 17.
+    let without = |_: &Point| Ok(vec![x.le(0.0)]);
+    let mut control = Control::default().with_lazy_constraints(&without);
+    match solver.solve_with(&case.model, &mut control) {
+        Ok(solution) => {
+            case.answer = Truth::Optimal(17.0, Vec::new());
+            judge(solver.options(), &case, &solution, complaints);
+        }
+        Err(error) => {
+            let refused = matches!(error.kind(), ErrorKind::Unsupported { .. });
+            complaints.unless(refused, || format!("an unexpected error: {error}"));
+        }
+    }
+    usable(solver, &Interrupt::new(), complaints);
 }
 
 pub(super) fn model_unchanged(solver: &mut dyn Solver, complaints: &mut Complaints) {

@@ -52,7 +52,7 @@ pub struct Suite {
 type Conduct = (&'static str, &'static [Capability], fn(&mut dyn Solver, &mut Complaints));
 
 /// The checks, in the order in which they run.
-const CONDUCT: [Conduct; 13] = [
+const CONDUCT: [Conduct; 14] = [
     ("it has a name and options that can be changed", &[], conduct::identity),
     ("options outside their ranges are refused", &[], conduct::refused_options),
     ("gaps at the ends of their ranges", &[], conduct::gaps),
@@ -71,6 +71,7 @@ const CONDUCT: [Conduct; 13] = [
         interrupts::from_within,
     ),
     ("progress events", &[Capability::Events], conduct::events),
+    ("lazy constraints are used or refused", &[], conduct::lazy_constraints),
     ("the model stays as it was", &[], conduct::model_unchanged),
     ("the same question twice", &[], conduct::twice),
     ("as good as new after any outcome", &[], conduct::as_good_as_new),

@@ -245,6 +245,22 @@ pub enum ErrorKind {
         /// The variable that contributes most.
         variable: String,
     },
+    /// A user cut that excludes a verified point of the model.
+    #[error(
+        "the user cut `{cut}`: {row} is wrong: a point of the model violates it by {}, with an \
+         objective of {}; return only rows that every solution satisfies", Exact(*.amount),
+        Exact(*.objective)
+    )]
+    WrongCut {
+        /// The name of the cut.
+        cut: String,
+        /// The cut, as the text form of a model shows it.
+        row: String,
+        /// By how much the point violates it, in its unit.
+        amount: f64,
+        /// The objective of the point.
+        objective: f64,
+    },
     /// A number outside its range.
     #[error("{what} is {}; it must be {range}", Exact(*.value))]
     OutOfRange {
@@ -282,6 +298,15 @@ pub enum ErrorKind {
     /// A value was asked for, but the solution holds no point.
     #[error("there is no value to read: the solve ended without a point (`{termination}`)")]
     NoPoint {
+        /// The termination status.
+        termination: String,
+    },
+    /// A shadow price or a reduced cost was asked for, but the solution has none.
+    #[error(
+        "the solution has no multipliers (`{termination}`); they come with an optimal solution of \
+         `BranchAndBound` for a model without integers, such as `model.relaxed()`"
+    )]
+    NoMultipliers {
         /// The termination status.
         termination: String,
     },

@@ -40,6 +40,13 @@ impl Statement for Row {
     }
 }
 
+impl Model {
+    /// Checks a row against this model and brings it into stored form, without adding it.
+    pub(crate) fn stored_row(&self, row: Row, name: &Name) -> Result<StoredRow, Error> {
+        stored(row, self, name)
+    }
+}
+
 /// Checks a row against the model and brings it into stored form.
 pub(super) fn stored(row: Row, model: &Model, name: &Name) -> Result<StoredRow, Error> {
     let (terms, constant) = row.expression.into_parts();

@@ -200,6 +200,13 @@ impl Model {
         Ok(())
     }
 
+    /// The model with all variables continuous, for one that has only rows.
+    pub(crate) fn with_continuous_variables(mut self) -> Model {
+        self.stored.variables.iter_mut().for_each(|data| data.kind = VariableKind::Continuous);
+        self.touch();
+        self
+    }
+
     /// Fixes a variable to one value; [`set_bounds`](Model::set_bounds) frees it again.
     ///
     /// # Errors

@@ -39,6 +39,7 @@ mod missing_bound;
 mod multi_m;
 mod piecewise;
 mod product;
+mod relaxed;
 mod report;
 mod semicontinuous;
 mod sos;

@@ -55,6 +55,11 @@ impl BestPoints {
         self.points.first()
     }
 
+    /// The value of the point with a key.
+    pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
+        self.points.iter().find(|point| point.key == key).map(|point| point.value)
+    }
+
     /// The points, best first.
     pub fn into_points(self) -> Vec<Accepted> {
         self.points

@@ -1,11 +1,13 @@
 //! The user's priorities, splits and points, translated to columns and checked.
 
 use std::borrow::Cow;
+use std::fmt;
 
 use crate::error::Error;
 use crate::model::Model;
 use crate::presolve::root::Postsolve;
 use crate::program::Program;
+use crate::solution::Point;
 use crate::solver::{Branching, Guidance, NodeView, Proposal};
 
 /// A [`Guidance`] for the columns of a program whose first columns are the model's variables, or for
@@ -15,8 +17,21 @@ pub struct ColumnGuidance<'a> {
     model: &'a Model,
     /// By variable; empty if there are none.
     priorities: Vec<i32>,
+    /// By variable of the model: whether it is an integer.
+    integral: Vec<bool>,
     guidance: Guidance<'a>,
     origin: Option<Origin<'a>>,
+    excludes: Option<Excludes<'a>>,
+}
+
+/// Whether a row that the user returns for a point excludes it.
+#[derive(Clone, Copy)]
+struct Excludes<'a>(&'a (dyn Fn(&Point) -> bool + Sync));
+
+impl fmt::Debug for Excludes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Excludes")
+    }
 }
 
 /// Where the columns of a presolved program come from.
@@ -36,7 +51,21 @@ impl<'a> ColumnGuidance<'a> {
     /// of another model.
     pub fn new(model: &'a Model, guidance: &Guidance<'a>) -> Result<Self, Error> {
         let priorities = guidance.priorities(model)?;
-        Ok(ColumnGuidance { model, priorities, guidance: guidance.clone(), origin: None })
+        let guidance = guidance.clone();
+        let integral = model.variables().map(|variable| variable.kind().is_integral()).collect();
+        let (origin, excludes) = (None, None);
+        Ok(ColumnGuidance { model, priorities, integral, guidance, origin, excludes })
+    }
+
+    /// The same with a judge of verified points: whether rows that they tell of exclude them.
+    pub(crate) fn with_judge(self, excludes: &'a (dyn Fn(&Point) -> bool + Sync)) -> Self {
+        ColumnGuidance { excludes: Some(Excludes(excludes)), ..self }
+    }
+
+    /// Whether a verified point is excluded; it is asked for if anybody judges it.
+    pub(super) fn excludes(&self, point: impl FnOnce() -> Option<Point>) -> bool {
+        let judged = |Excludes(excludes)| point().is_none_or(|point| excludes(&point));
+        self.excludes.is_some_and(judged)
     }
 
     /// The same for what presolve has left of a program.
@@ -52,8 +81,10 @@ impl<'a> ColumnGuidance<'a> {
         ColumnGuidance {
             model: self.model,
             priorities: self.priorities.clone(),
+            integral: self.integral.clone(),
             guidance: self.guidance.clone(),
             origin: Some(Origin { postsolve, bounds }),
+            excludes: self.excludes,
         }
     }
 
@@ -65,6 +96,15 @@ impl<'a> ColumnGuidance<'a> {
     /// Whether the user proposes points.
     pub fn proposes(&self) -> bool {
         !self.guidance.proposals().is_empty()
+    }
+
+    /// Whether a column is an integer of the model, and not an auxiliary one: these tell points apart.
+    pub(super) fn tells_apart(&self, column: usize) -> bool {
+        let variable = match &self.origin {
+            Some(origin) => origin.postsolve.columns().get(column).copied(),
+            None => Some(column),
+        };
+        variable.and_then(|j| self.integral.get(j)) == Some(&true)
     }
 
     /// Bounds and values of the model's variables, and of what else there is.
@@ -95,8 +135,10 @@ impl<'a> ColumnGuidance<'a> {
         ColumnGuidance {
             model,
             priorities,
+            integral: self.integral.clone(),
             guidance: Guidance::default(),
             origin: self.origin.clone(),
+            excludes: self.excludes,
         }
     }
 

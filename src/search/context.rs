@@ -12,7 +12,7 @@ use super::tree_view::TreeView;
 use crate::presolve::Propagator;
 use crate::program::Program;
 use crate::relaxation::Ladder;
-use crate::solver::{NodeView, Options, StopToken};
+use crate::solver::{NodeView, Options, PoolMode, StopToken};
 
 /// What the start of a relaxation from its parent's state counts in the budgets of heuristics, in
 /// iterations.
@@ -93,6 +93,27 @@ impl<'a> Context<'a> {
             windows.complete(&mut point);
         }
         point
+    }
+
+    /// Whether the best points of the model are searched for, which integers of the model tell apart.
+    pub(super) fn wants_all(&self) -> bool {
+        self.options().pool > 1 && self.options().pool_mode == PoolMode::Best
+    }
+
+    /// Whether the pool has a point that is as good as all that the node has left: all integers that
+    /// tell points apart are fixed.
+    ///
+    /// # Arguments
+    ///
+    /// * `x`: a point of the node.
+    pub(super) fn is_in_pool(&self, x: &[f64], bound: f64) -> bool {
+        let guidance = self.shared.task.guidance;
+        let is_open = |j: &usize| !self.node.domain.is_fixed(*j) && guidance.tells_apart(*j);
+        if !self.wants_all() || self.own_integers().iter().any(is_open) {
+            return false;
+        }
+        let value = self.tree.value_of(&(self.shared.task.key)(x));
+        value.is_some_and(|value| bound >= self.tree.tree.cutoff_at(value))
     }
 
     /// Whether all integers are fixed.

@@ -129,9 +129,14 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
 }
 
 fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {
-    let accepted = (ctx.shared.task.accept)(point);
-    if accepted {
-        ctx.tree.offer(ctx.shared.task.value(point), point.to_vec());
+    let task = &ctx.shared.task;
+    if !(task.accept)(point) {
+        return false;
     }
-    accepted
+    if task.guidance.excludes(|| (task.describe)(point)) {
+        ctx.tree.count(|s| s.excluded_by_rows += 1);
+        return false;
+    }
+    ctx.tree.offer(task.value(point), point.to_vec());
+    true
 }

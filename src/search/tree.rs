@@ -19,6 +19,9 @@ use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::Progress;
 
+/// Nodes that a search goes on for, at least, once it has found rows that its program lacks.
+const MORE_NODES: u64 = 8;
+
 /// The shared state of one search.
 pub(super) struct Tree<'a> {
     pub(super) task: Task<'a>,
@@ -68,6 +71,8 @@ pub(super) struct State {
     bytes: u64,
     /// Nodes that were handed to workers.
     pub(super) started: u64,
+    /// Nodes when rows were first found that a point violates.
+    rows_since: Option<u64>,
     statistics: Statistics,
     /// Ends of the tree, if they are asked for.
     leaves: Vec<(Path, f64)>,
@@ -110,6 +115,7 @@ impl<'a> Tree<'a> {
             contradiction: None,
             bytes: 0,
             started: 0,
+            rows_since: None,
             statistics: Statistics::default(),
             leaves: Vec::new(),
             proofs: Vec::new(),
@@ -198,6 +204,8 @@ impl<'a> Tree<'a> {
                 Some(Termination::NodeLimit)
             } else if options.memory_limit.is_some_and(|limit| bytes >= limit) {
                 Some(Termination::MemoryLimit)
+            } else if has_enough_rows(state) {
+                Some(Termination::Stalled)
             } else {
                 None
             };
@@ -225,6 +233,11 @@ impl<'a> Tree<'a> {
     pub(super) fn incumbent(&self) -> Option<(f64, Vec<f64>)> {
         let state = self.lock();
         state.points.incumbent().map(|best| (best.value, best.point.clone()))
+    }
+
+    /// The value of the best point of the pool with a key. In rounds it is that of the last one's end.
+    pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
+        self.lock().points.value_of(key)
     }
 
     /// Whether memory is so short that depth goes before the best bound.
@@ -365,6 +378,17 @@ impl<'a> Tree<'a> {
             seeded: state.seeded,
         }
     }
+}
+
+/// Whether a search has found rows that its program lacks, and should begin again with them: soon, but
+/// other points of the same search may tell of further rows.
+fn has_enough_rows(state: &mut State) -> bool {
+    if state.statistics.excluded_by_rows == 0 {
+        return false;
+    }
+    let nodes = state.statistics.nodes;
+    let since = *state.rows_since.get_or_insert(nodes);
+    nodes - since >= MORE_NODES.max(since / 2)
 }
 
 /// The proved bound on the whole program.

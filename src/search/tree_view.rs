@@ -116,6 +116,19 @@ impl<'a> TreeView<'a> {
         self.tree.incumbent()
     }
 
+    /// The value of the best point with a key, in rounds of those before and this worker's own.
+    pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
+        let own = match &self.exchange {
+            Exchange::Immediate(_) => None,
+            Exchange::InRounds(round) => {
+                let round = round.borrow();
+                let same = round.points.iter().filter(|point| point.key == key);
+                same.map(|point| point.value).reduce(f64::min)
+            }
+        };
+        self.tree.value_of(key).into_iter().chain(own).reduce(f64::min)
+    }
+
     /// Memory that a search inside this one may take, if there is a limit.
     pub(super) fn memory_left(&self) -> Option<u64> {
         self.tree.memory_left()

@@ -87,12 +87,7 @@ impl<'a> Worker<'a> {
 
     fn conclude(&mut self, mut node: Node) -> Option<Node> {
         let at_root = node.path.is_empty();
-        let own = node.known.as_mut().and_then(|known| known.warm.take());
-        let parent = || node.warm.clone().or_else(|| self.context.tree.root_state());
-        self.context.node.warm = own.or_else(parent);
-        self.context.node.id = node.id;
-        self.context.node.closed.clear();
-        self.context.node.multipliers = node.multipliers.clone();
+        self.focus(&mut node);
         if !self.enter(&node) {
             let ctx = &mut self.context;
             ctx.tree.count(|s| s.refuted_by_propagation += 1);
@@ -147,10 +142,13 @@ impl<'a> Worker<'a> {
                 }
             }
         }
+        if ctx.is_in_pool(&x, bound) {
+            cut_off(ctx, &node.path, bound);
+            return None;
+        }
         if let Some(reason) = ctx.token.ended() {
             // What splits a node takes as long as relaxing it.
-            ctx.tree.count(|s| s.unfinished += 1);
-            ctx.tree.give_back(Node { bound, ..node }, reason);
+            give_back(ctx, Node { bound, ..node }, reason);
             return None;
         }
         if at_root
@@ -170,12 +168,28 @@ impl<'a> Worker<'a> {
         branch(ctx, &mut self.branching, &node, relaxed)
     }
 
+    /// Makes what a node was left by its parent the start of its relaxation.
+    fn focus(&mut self, node: &mut Node) {
+        let own = node.known.as_mut().and_then(|known| known.warm.take());
+        let parent = || node.warm.clone().or_else(|| self.context.tree.root_state());
+        self.context.node.warm = own.or_else(parent);
+        self.context.node.id = node.id;
+        self.context.node.closed.clear();
+        self.context.node.multipliers = node.multipliers.clone();
+    }
+
     /// Brings the domain to a node. Returns `false` if that refutes it.
     fn enter(&mut self, node: &Node) -> bool {
         node.path.write_to(&mut self.route);
         self.context.shared.root.conflict.is_none()
             && switch_to(&mut self.context, &mut self.probing, &self.route).is_ok()
     }
+}
+
+/// Leaves a node unfinished.
+fn give_back(ctx: &Context<'_>, node: Node, reason: Termination) {
+    ctx.tree.count(|s| s.unfinished += 1);
+    ctx.tree.give_back(node, reason);
 }
 
 /// Whether a trial's point is good enough to be the relaxed point of the node of the domain.
@@ -231,9 +245,8 @@ fn conclude_from(
             return None;
         }
         Verdict::Stopped => {
-            ctx.tree.count(|s| s.unfinished += 1);
             let reason = ctx.token.ended().unwrap_or(Termination::Interrupted);
-            ctx.tree.give_back(node.clone(), reason);
+            give_back(ctx, node.clone(), reason);
             return None;
         }
         Verdict::Descent => {

@@ -27,7 +27,7 @@ pub use status::{PrimalStatus, Termination};
 pub use verification::{Checked, Verification, Violation, ViolationKind};
 
 use crate::error::{Error, ErrorKind};
-use crate::model::{Model, Sense};
+use crate::model::{Constraint, Model, Sense, Variable};
 use crate::tolerance;
 
 /// The answer of a [`Solver`](crate::solver::Solver).
@@ -228,6 +228,32 @@ impl Solution {
     /// ```
     pub fn multipliers(&self) -> Option<&Multipliers> {
         self.multipliers.as_ref()
+    }
+
+    /// The [shadow price](Multipliers::shadow_price) of a row: the change of the objective per unit by
+    /// which its limits move up.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::NoMultipliers`] if the solution has no [multipliers](Self::multipliers),
+    /// [`ErrorKind::ForeignHandle`] for a row of another model.
+    pub fn shadow_price(&self, of: Constraint) -> Result<f64, Error> {
+        self.known_multipliers()?.shadow_price(of)
+    }
+
+    /// The [reduced cost](Multipliers::reduced_cost) of a variable: the change of the objective per unit
+    /// by which its bounds move up.
+    ///
+    /// # Errors
+    ///
+    /// As for [`shadow_price`](Self::shadow_price).
+    pub fn reduced_cost(&self, of: Variable) -> Result<f64, Error> {
+        self.known_multipliers()?.reduced_cost(of)
+    }
+
+    fn known_multipliers(&self) -> Result<&Multipliers, Error> {
+        let none = || ErrorKind::NoMultipliers { termination: self.termination.to_string() };
+        self.multipliers.as_ref().ok_or_else(|| none().into())
     }
 
     /// The best points found, with distinct values of the integer variables, best first. There are

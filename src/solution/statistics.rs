@@ -45,6 +45,13 @@ pub struct Statistics {
     /// Nodes and children closed by multipliers of an earlier solve, proved again, without a relaxation;
     /// each of them is also counted as cut off, refuted or closed by trials. Only in prepared solves.
     pub closed_by_proofs: u64,
+    /// Candidates that a row excluded which a callback for
+    /// [lazy constraints](crate::solver::Control::with_lazy_constraints) returned for them.
+    pub excluded_by_rows: u64,
+    /// Lazy constraints that were added.
+    pub lazy_constraints: u64,
+    /// [User cuts](crate::solver::Control::with_user_cuts) that were added.
+    pub user_cuts: u64,
     /// Splits made by the user's [`Branching`](crate::solver::Branching) rule.
     pub user_splits: u64,
     /// Answers of that rule that were rejected because they did not divide the node.
@@ -337,6 +344,7 @@ impl Statistics {
         self.relaxation_counts.add(&inner.relaxation_counts);
         self.iterations += inner.iterations;
         self.nested_nodes += inner.nodes + inner.nested_nodes;
+        self.excluded_by_rows += inner.excluded_by_rows;
         self.times.add(&inner.times);
     }
 
@@ -349,7 +357,7 @@ impl Statistics {
         sum!(nodes, nested_nodes, relaxations, iterations, leaves, split, unfinished, incumbents);
         sum!(beyond_radius);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
-        sum!(closed_by_proofs);
+        sum!(closed_by_proofs, excluded_by_rows, lazy_constraints, user_cuts);
         sum!(whole_splits, user_splits, refused_splits, contradictions);
         self.relaxation_counts.add(&part.relaxation_counts);
         self.depth = self.depth.max(part.depth);

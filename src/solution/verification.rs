@@ -220,6 +220,18 @@ impl Verification {
         self.note(ViolationKind::Disjunction, Miss::beyond(wrong, 0.0), || name.to_string());
     }
 
+    /// By how much a point misses a row, and whether that is more than the tolerance.
+    pub(crate) fn of_row(
+        model: &Model,
+        point: &Point,
+        (terms, limits): (&[(Variable, f64)], Interval),
+        feasibility: f64,
+    ) -> (f64, bool) {
+        let miss = Evaluation::new(model, point.as_slice(), feasibility).row(terms, limits);
+        // NaN is a violation.
+        (miss.amount, miss.amount.is_nan() || miss.amount > miss.allowed)
+    }
+
     /// Whether nothing is violated by more than the tolerance.
     pub fn holds(&self) -> bool {
         self.violations.is_empty()

@@ -8,6 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::guidance::Guidance;
 use super::progress::{Event, Incumbent};
 use super::seed::TreeSeed;
+use crate::error::{Error, ErrorKind};
+use crate::model::Row;
+use crate::solution::Point;
 
 /// A handle that stops a running solve from another thread or from a progress callback.
 ///
@@ -39,7 +42,7 @@ impl Interrupt {
     }
 }
 
-/// How a solve is watched and stopped.
+/// How a solve is watched and stopped, and what is told to it while it runs.
 ///
 /// ```
 /// use carom::prelude::*;
@@ -64,8 +67,16 @@ pub struct Control<'a> {
     incumbent: Option<&'a mut OnIncumbent<'a>>,
     seed: Option<&'a TreeSeed>,
     guidance: Guidance<'a>,
+    lazy_constraints: Option<&'a RowSource<'a>>,
+    user_cuts: Option<&'a RowSource<'a>>,
     interrupt: Interrupt,
 }
+
+/// A callback that is shown a point of a model and returns rows over the model's variables.
+///
+/// It may be called from several threads at the same time, and more than once with the same point. An
+/// error ends the solve, which returns it.
+pub type RowSource<'a> = dyn Fn(&Point) -> Result<Vec<Row>, Error> + Sync + 'a;
 
 /// The callback for new best points.
 type OnIncumbent<'a> = dyn FnMut(&Incumbent<'_>) -> ControlFlow<()> + 'a;
@@ -116,6 +127,93 @@ impl<'a> Control<'a> {
         self
     }
 
+    /// Adds rows to the model that are found while it is solved: lazy constraints, of which there are
+    /// too many to write down, such as the subtours of a tour.
+    ///
+    /// The callback sees every point that could become the best one, after it has passed the
+    /// verification against the model and the rows found before. It returns rows that *every* solution
+    /// must satisfy, and at least one that the point violates, by more than the feasibility tolerance,
+    /// unless the point is a solution. A point that violates a returned row is never an incumbent, and
+    /// the row is part of the model for the rest of the solve, in all threads. Bounds, infeasibility and
+    /// the pool are proved for the model with these rows, and every point of the answer satisfies all
+    /// of them. [`Statistics`](crate::solution::Statistics) counts the rows and the points that they
+    /// excluded.
+    ///
+    /// A search that finds rows ends soon and begins again with them and with the best point, so a
+    /// callback that returns all violated rows that it can find takes fewer searches.
+    ///
+    /// Rows are checked as [`Model::add`](crate::model::Model::add) checks them; errors call them
+    /// `lazy_constraint[0]` and so on. Backends that cannot use lazy constraints return
+    /// [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported).
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    /// use carom::solution::Point;
+    ///
+    /// // At least one of every two neighbours on a ring, found as it is needed.
+    /// let mut model = Model::new("ring");
+    /// let v = model.binary_family("v", 7)?;
+    /// model.minimize(v.iter().map(|v| 1.0 * v).sum::<Affine>())?;
+    ///
+    /// let neighbours = |point: &Point| -> Result<Vec<Row>, Error> {
+    ///     let mut rows = Vec::new();
+    ///     for k in 0..7 {
+    ///         let pair = v[k] + v[(k + 1) % 7];
+    ///         if point.value(&pair)? < 0.5 {
+    ///             rows.push(pair.ge(1.0));
+    ///         }
+    ///     }
+    ///     Ok(rows)
+    /// };
+    /// let mut control = Control::default().with_lazy_constraints(&neighbours);
+    /// let solution = BranchAndBound::default().solve_with(&model, &mut control)?;
+    /// assert_eq!(solution.objective(), Some(4.0));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn with_lazy_constraints(mut self, callback: &'a RowSource<'a>) -> Self {
+        self.lazy_constraints = Some(callback);
+        self
+    }
+
+    /// Adds rows that make the relaxation tighter: user cuts, which every solution satisfies anyway.
+    ///
+    /// The callback sees the relaxed point of the root, in which integers may be fractional, and returns
+    /// rows that cut it off, if it knows any. With them the root is relaxed and shown again, until none
+    /// is returned that the point violates, or until they no longer help. The cuts hold in the whole
+    /// tree.
+    ///
+    /// Bounds rest on the cuts. A short search without cuts comes first, and every point that is found
+    /// is compared with every cut: a cut that a verified point violates is wrong, and the solve returns
+    /// [`ErrorKind::WrongCut`](crate::ErrorKind::WrongCut). Where cuts leave no point, there is a search
+    /// of twice as many nodes without them. A wrong cut that excludes only points that are never found
+    /// is not noticed.
+    ///
+    /// Rows are checked as [`Model::add`](crate::model::Model::add) checks them; errors call them
+    /// `user_cut[0]` and so on. Backends that cannot use cuts ignore them.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    /// use carom::solution::Point;
+    ///
+    /// // No two of three: half of each is allowed by the pairs, and not by the triangle.
+    /// let mut model = Model::new("triangle");
+    /// let v = model.binary_family("v", 3)?;
+    /// for k in 0..3 {
+    ///     model.add(("pair", k), (v[k] + v[(k + 1) % 3]).le(1.0))?;
+    /// }
+    /// model.maximize(v[0] + v[1] + v[2])?;
+    ///
+    /// let triangle = |_: &Point| Ok(vec![(v[0] + v[1] + v[2]).le(1.0)]);
+    /// let mut control = Control::default().with_user_cuts(&triangle);
+    /// let solution = BranchAndBound::default().solve_with(&model, &mut control)?;
+    /// assert_eq!(solution.objective(), Some(1.0));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    pub fn with_user_cuts(mut self, callback: &'a RowSource<'a>) -> Self {
+        self.user_cuts = Some(callback);
+        self
+    }
+
     /// Stops the solve when the handle is triggered.
     pub fn with_interrupt(mut self, interrupt: &Interrupt) -> Self {
         self.interrupt = interrupt.clone();
@@ -135,6 +233,34 @@ impl<'a> Control<'a> {
     /// The guidance, for backends.
     pub fn guidance(&self) -> &Guidance<'a> {
         &self.guidance
+    }
+
+    /// The source of lazy constraints, for backends.
+    pub fn lazy_constraints(&self) -> Option<&'a RowSource<'a>> {
+        self.lazy_constraints
+    }
+
+    /// The source of user cuts, for backends.
+    pub fn user_cuts(&self) -> Option<&'a RowSource<'a>> {
+        self.user_cuts
+    }
+
+    /// Refuses lazy constraints, for backends that cannot use them: without them they would solve
+    /// another model.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Unsupported`], if there are any.
+    pub fn refuse_lazy_constraints(&self, solver: &str) -> Result<(), Error> {
+        if self.lazy_constraints.is_none() {
+            return Ok(());
+        }
+        Err(ErrorKind::Unsupported {
+            solver: solver.to_owned(),
+            what: "lazy constraints".into(),
+            help: "solve it with `BranchAndBound`, or add all rows to the model".into(),
+        }
+        .into())
     }
 
     /// Whether anything is reported.
@@ -170,6 +296,8 @@ impl fmt::Debug for Control<'_> {
             .field("incumbent", &self.incumbent.is_some())
             .field("seed", &self.seed)
             .field("guidance", &self.guidance)
+            .field("lazy_constraints", &self.lazy_constraints.is_some())
+            .field("user_cuts", &self.user_cuts.is_some())
             .field("interrupt", &self.interrupt)
             .finish()
     }

@@ -98,20 +98,19 @@ pub struct Options {
     pub reductions: bool,
     /// Whether presolve tightens bounds by propagating every case of a covering row
     /// `z_1 + ... + z_k >= 1` (constructive disjunction); default on. Left
-    /// out for pools, leaves and splits, as reductions are.
+    /// out for leaves and splits.
     pub disjunctive_tightening: bool,
     /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on. Left
-    /// out for pools, leaves and splits, as reductions are.
+    /// out for leaves and splits.
     pub big_m_tightening: bool,
     /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
     /// the nodes, to exclude values before a relaxation is solved; default on.
     pub probing: bool,
     /// Whether parts of the program without a common row are searched one after the other; default
-    /// on. Not used without presolve, or with a seed or guidance.
+    /// on. Not used without presolve, for pools and leaves, or with a seed or guidance.
     pub blocks: bool,
     /// Whether the root relaxation is made tighter if that improves its bound: by cuts, and by
-    /// perspectives of squares that binaries switch off; default on. Left out for pools, leaves and
-    /// splits, as reductions are.
+    /// perspectives of squares that binaries switch off; default on. Left out for leaves and splits.
     pub cuts: bool,
     /// The primal heuristics; default [`Heuristics::default`].
     pub heuristics: Heuristics,

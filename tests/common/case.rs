@@ -52,7 +52,7 @@ pub(crate) struct Case {
 }
 
 impl Line {
-    fn row(&self, variables: &[Variable]) -> Row {
+    pub(crate) fn row(&self, variables: &[Variable]) -> Row {
         let row = affine(&self.coefficients, variables) * self.scale;
         row.within(self.lower * self.scale, self.upper * self.scale)
     }

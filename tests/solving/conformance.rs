@@ -352,6 +352,7 @@ impl Solver for Enumeration {
     fn solve_with(&mut self, model: &Model, control: &mut Control<'_>) -> Result<Solution, Error> {
         let start = std::time::Instant::now();
         self.options.check()?;
+        control.refuse_lazy_constraints(self.name())?;
         let linear = model.objective().products().is_empty();
         if !linear || model.variables().any(|v| v.kind() != VariableKind::Binary) {
             return Err(ErrorKind::Unsupported {

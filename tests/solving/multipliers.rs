@@ -67,6 +67,72 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(config(100, "tests/regressions/multipliers.txt"))]
+
+    /// The relaxation is a bound, and its multipliers are a slope of its optimum: wherever the limits
+    /// of the model's own rows move, the new optimum is not below the line.
+    #[test]
+    fn those_of_relaxations_are_a_slope(
+        case in case(Shape::BOUNDED),
+        shifts in prop::collection::vec(-4..=4_i32, 20),
+    ) {
+        let (mut model, variables) = case.build();
+        let solution = solve(&model.relaxed().unwrap(), true);
+        prop_assume!(solution.is_optimal());
+        let objective = solution.objective().unwrap();
+        if let Some(whole) = solve(&model, true).objective() {
+            let above = case.sign() * (whole - objective);
+            prop_assert!(above >= -1e-5 * (1.0 + objective.abs()), "{} below", -above);
+        }
+        prop_assert!(variables.iter().all(|&v| solution.reduced_cost(v).is_ok()));
+        let mut line = objective;
+        let rows: Vec<_> = model.constraints().map(|row| (row.id(), row.limits())).collect();
+        for ((row, limits), t) in rows.into_iter().zip(shifts) {
+            let t = f64::from(t) / 4.0;
+            line += solution.shadow_price(row).unwrap() * t;
+            model.set_limits(row, limits.lower + t, limits.upper + t).unwrap();
+        }
+        let moved = solve(&model.relaxed().unwrap(), true);
+        if moved.is_optimal() {
+            let above = case.sign() * (moved.objective().unwrap() - line);
+            prop_assert!(above >= -1e-5 * (1.0 + objective.abs()), "{} below the line", -above);
+        }
+    }
+}
+
+#[test]
+fn multipliers_of_a_relaxation_are_its_differences() {
+    let mut model = Model::new("m");
+    let x = model.integer_family("x", 3, 0.0, 9.0).unwrap();
+    let z = model.binary("z").unwrap();
+    let need = model.add("need", (2.0 * x[0] + 3.0 * x[1] + x[2]).ge(10.5)).unwrap();
+    let room = model.add("room", (x[0] + x[1]).le(3.7)).unwrap();
+    model.add("some", z.on().implies(x[2].ge(2.0))).unwrap();
+    model.minimize(1.5 * x[0] + 2.0 * x[1] + 1.9 * x[2] - 0.7 * z).unwrap();
+    let value = |model: &Model| solve(&model.relaxed().unwrap(), true).objective().unwrap();
+    let relaxed = solve(&model.relaxed().unwrap(), true);
+    for row in [need, room] {
+        let limits = model.constraints().nth(usize::from(row == room)).unwrap().limits();
+        let mut moved = [1e-3, -1e-3].map(|t| {
+            let mut model = model.clone();
+            model.set_limits(row, limits.lower + t, limits.upper + t).unwrap();
+            value(&model)
+        });
+        moved.reverse();
+        let slope = (moved[1] - moved[0]) / 2e-3;
+        let price = relaxed.shadow_price(row).unwrap();
+        assert!((slope - price).abs() < 1e-4, "{slope} beside {price}");
+    }
+    // The model itself has none, and says which model does.
+    let error = solve(&model, true).shadow_price(need).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the solution has no multipliers (`optimal`); they come with an optimal solution of \
+         `BranchAndBound` for a model without integers, such as `model.relaxed()`"
+    );
+}
+
 /// A product mix: the prices are those of the textbook, with signs for either sense.
 #[test]
 fn signs_are_those_of_the_models_own_sense() {

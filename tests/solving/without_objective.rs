@@ -74,7 +74,7 @@ fn a_limit_of_nodes_counts_all_turns() {
     for limit in [1, 50, 100, 101, 499, 700, 3000] {
         let options = Options::default().with_node_limit(limit);
         let solution = BranchAndBound::new(options).solve(&model).unwrap();
-        if !solution.point().is_some() {
+        if solution.point().is_none() {
             assert_eq!(solution.termination(), Termination::NodeLimit);
             assert_eq!(solution.statistics().nodes, limit);
         }

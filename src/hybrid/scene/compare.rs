@@ -105,7 +105,7 @@ impl ScenePlan {
     ) -> Result<StepComparison, Error> {
         let mut own = scene.clone();
         own.time_step = self.time_step;
-        let halved = own.with_half_steps().shortest_plan(options, solver)?;
+        let halved = own.with_half_steps().shortest_plan(&options.halved(), solver)?;
         Ok(StepComparison { plan: self.clone(), halved })
     }
 

@@ -11,11 +11,13 @@ use super::statement::Scene;
 use super::system::Stated;
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::rows::HybridProgram;
 use crate::hybrid::shortest_horizon::{
     HorizonModel, ShortestHorizon, ShortestOptions, Waiting, shortest_horizon,
 };
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
+use crate::model::Model;
 use crate::solver::Solver;
 
 /// How many times longer the steps of the coarser grid are.
@@ -65,7 +67,7 @@ impl Scene {
         solver: &mut dyn Solver,
     ) -> Result<ShortestScenePlan, Error> {
         let stated = self.stated()?;
-        let waiting = stated.waiting()?;
+        let waiting = options.waiting(stated.waiting()?);
         let mut options = options.clone();
         if let Some((_, longest)) = stated.scene.longest() {
             options.max_steps = options.max_steps.min(longest);
@@ -200,6 +202,13 @@ impl HorizonModel for Task {
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         self.stated.quick_sets()
+    }
+
+    fn hybrid<'p>(
+        &self,
+        program: &'p mut SceneProgram,
+    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
+        Some((&mut program.model, &program.hybrid))
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {

@@ -1,6 +1,6 @@
 //! Coarse to fine: the mode sequence of a plan on a coarser grid as a MIP start.
 
-use super::search::ShortestOptions;
+use super::options::ShortestOptions;
 use super::{HorizonModel, shortest_horizon};
 use crate::error::Error;
 use crate::hybrid::reach::HorizonVariables;
@@ -29,7 +29,7 @@ impl Guess {
         token: &StopToken,
     ) -> Result<Guess, Error> {
         let Some(coarser) = builder.coarser() else { return Ok(Guess::Nothing) };
-        let mut options = options.clone();
+        let mut options = options.without_statements();
         options.time_limit = token.left().map(|left| left / SHARE);
         let found = shortest_horizon(&*coarser, &options, solver)?;
         let (Some(program), Some(solution)) = (&found.program, &found.solution) else {

@@ -2,15 +2,18 @@
 
 mod guess;
 mod look;
+mod options;
 mod outcome;
 mod rest;
 mod run;
 mod search;
+mod statements;
 mod time_step;
 
+pub use options::ShortestOptions;
 pub use outcome::{Attempt, Refutation, ShortestHorizon, ShortestStatus, Verdict};
 pub use run::{RunProgram, ShortestRun};
-pub use search::{HorizonEvent, ShortestOptions, shortest_horizon, shortest_horizon_with};
+pub use search::{HorizonEvent, shortest_horizon, shortest_horizon_with};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
 
@@ -18,6 +21,7 @@ use std::borrow::BorrowMut;
 
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
+use crate::hybrid::rows::HybridProgram;
 use crate::model::Model;
 
 /// A family of programs, one for each number of steps.
@@ -71,6 +75,17 @@ pub trait HorizonModel {
     fn variables(&self, program: &Self::Program) -> HorizonVariables {
         let _ = program;
         HorizonVariables::default()
+    }
+
+    /// The model of a program with its hybrid system, for the
+    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the options; `None`
+    /// by default, and then such options are refused.
+    fn hybrid<'p>(
+        &self,
+        program: &'p mut Self::Program,
+    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
+        let _ = program;
+        None
     }
 
     /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps

@@ -3,8 +3,9 @@
 use std::borrow::{Borrow, BorrowMut};
 use std::fmt;
 
+use super::options::ShortestOptions;
 use super::outcome::ShortestHorizon;
-use super::search::{ShortestOptions, shortest_horizon};
+use super::search::shortest_horizon;
 use super::{HorizonModel, Waiting};
 use crate::error::Error;
 #[cfg(doc)]
@@ -107,7 +108,7 @@ impl HybridSystem {
         options: &ShortestOptions,
         solver: &mut dyn Solver,
     ) -> Result<ShortestRun, Error> {
-        let waiting = self.waiting(start, goal)?;
+        let waiting = options.waiting(self.waiting(start, goal)?);
         let task = Task { system: self, start, goal, time_step, waiting };
         let search = shortest_horizon(&task, options, solver)?;
         let (run, certificate) = match (&search.program, &search.solution) {
@@ -147,6 +148,13 @@ impl HorizonModel for Task<'_> {
 
     fn reach_sets(&self) -> Result<Option<ReachSets>, Error> {
         ReachSets::new(self.system, self.start, self.goal, SetOptions::default()).map(Some)
+    }
+
+    fn hybrid<'p>(
+        &self,
+        program: &'p mut RunProgram,
+    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
+        Some((&mut program.model, &program.program))
     }
 
     fn variables(&self, program: &RunProgram) -> HorizonVariables {

@@ -3,19 +3,17 @@
 
 use std::borrow::{Borrow, BorrowMut};
 
-use web_time::Duration;
-
+use super::HorizonModel;
 use super::guess::{Guess, restricted};
 use super::look::look_token;
+use super::options::ShortestOptions;
 use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
-use super::{HorizonModel, Waiting};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
 use crate::model::Model;
-use crate::setters::setters;
 use crate::solution::{Solution, Termination};
-use crate::solver::{Event, Interrupt, Progress, Solver, StopToken};
+use crate::solver::{Event, Progress, Solver, StopToken};
 
 /// Undecided horizons after which a search gives up, because others would probably stop for the
 /// same reason.
@@ -24,55 +22,13 @@ const MAX_UNDECIDED: usize = 8;
 /// Number of open binaries beyond which a coarser grid is tried. With fewer, a solve is quick.
 const MANY_OPEN: usize = 16;
 
-/// Options of a shortest-horizon search.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct ShortestOptions {
-    /// The largest horizon tried, in steps (`1..=`[`MAX_STEPS`](crate::tolerance::MAX_STEPS));
-    /// default 10 000.
-    pub max_steps: usize,
-    /// Wall-clock limit of the whole search; default none. Each solve gets the remaining time.
-    pub time_limit: Option<Duration>,
-    /// Stops the search and the current solve.
-    pub interrupt: Interrupt,
-    /// Whether the builder's reach sets are used (default yes).
-    pub reach_sets: bool,
-    /// Whether a plan on the builder's coarser grid is used as a MIP start if binaries remain open
-    /// (default yes).
-    pub coarse_guess: bool,
-}
-
-impl Default for ShortestOptions {
-    fn default() -> Self {
-        ShortestOptions {
-            max_steps: 10_000,
-            time_limit: None,
-            interrupt: Interrupt::new(),
-            reach_sets: true,
-            coarse_guess: true,
-        }
-    }
-}
-
-impl ShortestOptions {
-    setters! {
-        /// Sets the largest horizon tried, in steps.
-        with_max_steps(steps: usize) => max_steps = steps;
-        /// Sets the wall-clock limit of the whole search.
-        with_time_limit(limit: Duration) => time_limit = Some(limit);
-        /// Sets whether reach sets are used.
-        with_reach_sets(wanted: bool) => reach_sets = wanted;
-        /// Sets whether a coarser grid is used.
-        with_coarse_guess(wanted: bool) => coarse_guess = wanted;
-        /// Lets a handle stop the search.
-        with_interrupt(interrupt: &Interrupt) => interrupt = interrupt.clone();
-    }
-}
-
 /// A progress event of a search.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-#[expect(clippy::large_enum_variant, reason = "there are few events, and each lives as long as a callback")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are few events, and each lives as long as a callback"
+)]
 pub enum HorizonEvent {
     /// A horizon is about to be solved.
     Started {
@@ -124,6 +80,7 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
 ) -> Result<ShortestHorizon<B::Program>, Error> {
     check_steps("the largest number of steps", options.max_steps)?;
     let mut search = Search {
+        is_free: options.waiting(builder.waiting()).is_free(),
         builder,
         options,
         solver,
@@ -172,6 +129,8 @@ pub(super) struct Feasible<P> {
 
 pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
     builder: &'a B,
+    /// Whether a feasible horizon makes every longer one feasible.
+    is_free: bool,
     pub(super) options: &'a ShortestOptions,
     solver: &'a mut dyn Solver,
     pub(super) token: StopToken,
@@ -194,7 +153,7 @@ pub(super) struct Search<'a, B: HorizonModel + ?Sized> {
 
 impl<B: HorizonModel + ?Sized> Search<'_, B> {
     fn run(&mut self) -> Result<ShortestStatus, Error> {
-        let monotone = matches!(self.builder.waiting(), Waiting::Free(_));
+        let monotone = self.is_free;
         if let Some(reason) = self.ascend_by_sets()? {
             return Ok(ShortestStatus::Stopped(reason));
         }
@@ -330,7 +289,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             self.file(Attempt::by_sets(steps), None);
             return Ok(());
         }
-        let mut program = self.builder.build(steps)?;
+        let mut program = build(self.builder, steps, self.options)?;
         let variables = self.builder.variables(&program);
         let mut open = variables.binaries().map(|family| family.len()).sum();
         if let Some(tube) = &tube {
@@ -416,7 +375,7 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
             Verdict::Refuted(_) => {
                 // If waiting is free, every smaller horizon is refuted as well; otherwise only an
                 // unbroken chain from 1 counts.
-                if self.builder.waiting().is_free() || steps == self.refuted + 1 {
+                if self.is_free || steps == self.refuted + 1 {
                     self.refuted = self.refuted.max(steps);
                 }
             }
@@ -425,4 +384,27 @@ impl<B: HorizonModel + ?Sized> Search<'_, B> {
         self.attempts.push(attempt);
         (self.progress)(&HorizonEvent::Decided(attempt));
     }
+}
+
+/// The program of a horizon with the statements of the options.
+pub(super) fn build<B: HorizonModel + ?Sized>(
+    builder: &B,
+    steps: usize,
+    options: &ShortestOptions,
+) -> Result<B::Program, Error> {
+    let mut program = builder.build(steps)?;
+    if !options.has_statements() {
+        options.prepare(program.borrow_mut());
+        return Ok(program);
+    }
+    let Some((model, hybrid)) = builder.hybrid(&mut program) else {
+        return Err(ErrorKind::Unsupported {
+            solver: "a search over programs without a hybrid system".into(),
+            what: "windows and rows".into(),
+            help: "add them in `HorizonModel::build`, or implement `HorizonModel::hybrid`".into(),
+        }
+        .into());
+    };
+    options.complete(model, hybrid)?;
+    Ok(program)
 }

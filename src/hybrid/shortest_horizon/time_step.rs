@@ -4,9 +4,10 @@ use std::borrow::{Borrow, BorrowMut};
 
 use super::HorizonModel;
 use super::Waiting;
+use super::options::ShortestOptions;
 use super::outcome::{Attempt, Verdict};
 use super::run::Task;
-use super::search::ShortestOptions;
+use super::search::build;
 use crate::error::Error;
 use crate::hybrid::linear::check_time_step;
 use crate::hybrid::rows::HybridRun;
@@ -189,7 +190,7 @@ pub(crate) fn decide<M: HorizonModel>(
     token: &StopToken,
     solver: &mut dyn Solver,
 ) -> Result<(Attempt, Solved<M>), Error> {
-    let mut program = task.build(steps)?;
+    let mut program = build(task, steps, options)?;
     if let Some(mut sets) = if options.reach_sets { task.reach_sets()? } else { None }
         && let Some(tube) = sets.tube_until(steps, token)?
     {

@@ -95,6 +95,11 @@ fn open_columns(ctx: &Context<'_>, x: &[f64]) -> Vec<usize> {
     let mut open: Vec<usize> = integers.filter(|&j| !ctx.node.domain.is_fixed(j)).collect();
     if open.iter().any(|&j| fractional(j)) {
         open.retain(|&j| fractional(j));
+    } else if ctx.wants_all() {
+        // Points that differ elsewhere are the same to the user.
+        let guidance = ctx.shared.task.guidance;
+        let tells: Vec<usize> = open.iter().copied().filter(|&j| guidance.tells_apart(j)).collect();
+        open = if tells.is_empty() { open } else { tells };
     }
     open
 }

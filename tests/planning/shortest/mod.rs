@@ -18,6 +18,7 @@ mod invariance;
 mod least_violation;
 mod random_scenarios;
 mod scenes;
+mod statements;
 
 use carom::collision_tolerant::{PlanningOptions, Scenario, ShortestPlan, shortest_plan};
 use carom::hybrid::{ShortestOptions, ShortestStatus};

@@ -1,6 +1,7 @@
 //! Pools of points, against enumeration.
 
 use carom::ErrorKind;
+use carom::model::PiecewiseAffine;
 use carom::prelude::*;
 use carom::solver::{Heuristics, PoolMode};
 use proptest::prelude::*;
@@ -130,4 +131,84 @@ fn sizes_out_of_range_are_refused() {
         let refused = BranchAndBound::new(options).solve(&knapsack(3, 0));
         assert!(matches!(refused.unwrap_err().kind(), ErrorKind::OutOfRange { .. }));
     }
+}
+
+/// A commitment of units with piecewise costs over some steps: most integers of its lowered form are
+/// auxiliary, and may take either value where nothing flows. With the binaries that are the user's.
+fn commitment(demand: &[u8], prices: &[u8]) -> (Model, Vec<Variable>) {
+    let mut model = Model::new("commitment");
+    let (mut cost, mut switches) = (Affine::zero(), Vec::new());
+    let curve = [(0.0, 0.0), (2.0, 3.0), (4.0, 4.0), (6.0, 9.0)];
+    let curve = PiecewiseAffine::new(curve).unwrap();
+    let units = prices.len();
+    let on: Vec<_> =
+        (0..units).map(|u| model.binary_family(&format!("on{u}"), demand.len()).unwrap()).collect();
+    for (t, &demand) in demand.iter().enumerate() {
+        let mut power = Affine::zero();
+        for (u, &price) in prices.iter().enumerate() {
+            let p = model.semicontinuous((format!("p{u}"), t), 1.0, 6.0).unwrap();
+            let burnt = model.piecewise((format!("cost{u}"), t), p, &curve).unwrap();
+            model.add((format!("off{u}"), t), on[u][t].off().implies(p.le(0.0))).unwrap();
+            model.add((format!("lit{u}"), t), on[u][t].on().implies(p.ge(1.0))).unwrap();
+            cost += (1.0 + 0.1 * f64::from(price)) * burnt + 0.3 * f64::from(price) * on[u][t];
+            if t > 0 {
+                model.add((format!("ramp{u}"), t), (on[u][t] - on[u][t - 1]).ge(-1.0)).unwrap();
+            }
+            power += p;
+            switches.push(on[u][t]);
+        }
+        let store = model.semicontinuous(("store", t), 0.5, 1.0).unwrap();
+        cost += 0.9 * store;
+        model.add(("balance", t), (power + store).ge(f64::from(demand))).unwrap();
+    }
+    model.minimize(cost).unwrap();
+    (model, switches)
+}
+
+proptest! {
+    #![proptest_config(config(20, "tests/regressions/pool.txt"))]
+
+    /// Points differ by the user's integers, however many others the lowered model has.
+    #[test]
+    fn auxiliary_integers_tell_no_points_apart(
+        demand in prop::collection::vec(0_u8..9, 2..4),
+        prices in prop::collection::vec(0_u8..9, 1..3),
+        size in 2_usize..6,
+        threads in 1..=2_usize,
+        deterministic in any::<bool>(),
+        cuts in any::<bool>(),
+    ) {
+        let (mut model, switches) = commitment(&demand, &prices);
+        let options = Options::default()
+            .with_pool(size, PoolMode::Best)
+            .with_threads(threads)
+            .with_deterministic(deterministic)
+            .with_cuts(cuts);
+        let solution = BranchAndBound::new(options).solve(&model).unwrap();
+        prop_assert!(solution.pool().is_complete());
+        let mut values = Vec::new();
+        for code in 0..1_u32 << switches.len() {
+            for (k, &switch) in switches.iter().enumerate() {
+                model.fix(switch, f64::from(code >> k & 1)).unwrap();
+            }
+            values.extend(BranchAndBound::default().solve(&model).unwrap().objective());
+        }
+        values.sort_by(f64::total_cmp);
+        let found: Vec<f64> = solution.pool().iter().map(|point| point.objective()).collect();
+        prop_assert_eq!(found.len(), size.min(values.len()));
+        for (found, value) in found.iter().zip(&values) {
+            prop_assert!((found - value).abs() < 1e-5, "{} instead of {}", found, value);
+        }
+    }
+}
+
+/// Auxiliary binaries that may take either value would each double the leaves; splitting at them, or
+/// leaving out cuts, takes thousands of nodes.
+#[test]
+fn a_pool_of_a_commitment_takes_few_nodes() {
+    let (model, _) = commitment(&[3, 9, 8, 4, 1, 7, 2, 0, 0, 6, 3, 5], &[2, 5, 7, 8]);
+    let options = Options::default().with_pool(5, PoolMode::Best).with_node_limit(1000);
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert!(solution.pool().is_complete(), "{}", solution.statistics().nodes);
+    assert_eq!(solution.pool().len(), 5);
 }
