@@ -41,7 +41,7 @@ pub mod program {
 pub mod relaxation {
     pub use crate::relaxation::{
         ActiveSet, Claim, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        LadderPool, Prover, Relaxation, RelaxationResult, WarmState, polish,
+        LadderPool, Prover, Record, Relaxation, RelaxationResult, WarmState, polish,
     };
 }
 
