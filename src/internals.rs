@@ -41,7 +41,7 @@ pub mod program {
 pub mod relaxation {
     pub use crate::relaxation::{
         ActiveSet, Claim, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        LadderPool, Prover, Relaxation, RelaxationResult, WarmState, polish,
+        LadderPool, Prover, Record, Relaxation, RelaxationResult, WarmState, polish,
     };
 }
 
@@ -59,7 +59,7 @@ pub mod search {
     }
 
     pub mod cuts {
-        pub use crate::search::cuts::{Cut, ROWS, mixed_integer_rounding_cuts};
+        pub use crate::search::cuts::{Cut, ROWS, cut_set_cuts, mixed_integer_rounding_cuts};
     }
 
     pub mod heuristics {

@@ -12,6 +12,7 @@ use super::borderline::{Doubt, WIDER, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
+use super::record::Record;
 use super::simplex::DualSimplex;
 use super::verdict::{Known, Question, Step, Verdict};
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
@@ -24,6 +25,9 @@ use crate::solver::{RelaxationMethod, StopToken};
 /// Where the methods that start from a state stand.
 const ACTIVE_SET: usize = 0;
 const SIMPLEX: usize = 1;
+
+/// Where the first method's record stands, after theirs.
+const FIRST: usize = 2;
 
 /// The attempt at a corner of a program whose bound is blurred.
 const CORNER: Attempt = (Warm, 2000, 1e-14, 1);
@@ -98,6 +102,8 @@ pub struct Ladder {
     first: Entry,
     /// `None` if the first method is alone.
     last: Option<Entry>,
+    /// What the methods that start from a state have shown, and the first one.
+    records: [Record; 3],
     spent: Spent,
     prover: Prover,
     reducer: Reducer,
@@ -132,8 +138,8 @@ impl Ladder {
     }
 
     fn of(warm: Vec<Entry>, first: Entry, last: Option<Entry>) -> Self {
-        let (spent, prover, reducer) = Default::default();
-        Ladder { warm, first, last, spent, prover, reducer }
+        let (records, spent, prover, reducer) = Default::default();
+        Ladder { warm, first, last, records, spent, prover, reducer }
     }
 
     /// Proves bounds, in the memory that the ladder has for that.
@@ -326,20 +332,30 @@ impl Ladder {
         }
         let warm = self.warm_method(program, question);
         let all = self.attempts(question.purpose, warm);
-        let mut at = 0;
+        // Threads of a deterministic search must not differ in what they have seen.
+        let learns = matches!(question.purpose, Purpose::Node | Purpose::Trial)
+            && all.len() > 1
+            && !question.options.deterministic;
+        let who = warm.unwrap_or(FIRST);
+        let start = usize::from(learns && !self.records[who].asks());
+        let mut at = start;
         while let Some(&attempt) = all.get(at) {
             let state = (question.purpose, question.warm);
             let result = self.ask(attempt, program, (known.cutoff, token), (warm, state));
             if result.claim == Claim::Unknown && token.is_over() {
                 return (Verdict::Stopped, Doubt::default());
             }
-            match known.take(result, &mut self.prover) {
+            let step = known.take(result, &mut self.prover);
+            if learns && at == 0 && !matches!(step, Step::Again) {
+                self.records[who].note(matches!(step, Step::Next));
+            }
+            match step {
                 Step::Ended(verdict) => return (verdict, known.doubt),
                 Step::GoodEnough => break,
                 Step::Again => {}
                 Step::Next => {
                     at += 1;
-                    if at == 1 && all.len() > 1 {
+                    if at == 1 && start == 0 && all.len() > 1 {
                         self.spent.counts.given_up += 1;
                     }
                 }

@@ -134,15 +134,17 @@ impl<'a> Known<'a> {
             self.cutoff = f64::INFINITY;
             return Step::Again;
         }
-        let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         // A later attempt wins a tie.
         let distance = (value - self.bound).abs();
         if distance <= self.nearest {
+            let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            // What is only tried or cut off may be rough.
+            let rough = matches!(self.question.purpose, Purpose::Trial | Purpose::Separation);
+            let slack = if rough { 1e-3 } else { 1e-6 };
+            let near = size <= tolerance::FREE_RADIUS;
+            self.converged = near && value - self.bound <= slack * value.abs().max(1.0);
             (self.nearest, self.x) = (distance, x);
         }
-        let slack = if self.question.purpose == Purpose::Trial { 1e-3 } else { 1e-6 };
-        let near = size <= tolerance::FREE_RADIUS;
-        self.converged = near && value - bound <= slack * value.abs().max(1.0);
         if claim == Claim::Solved && value - bound <= self.close(value) {
             return Step::GoodEnough;
         }

@@ -13,6 +13,7 @@ mod name_table;
 mod open_columns;
 mod presolve;
 mod propagation;
+mod records;
 mod relaxation;
 mod search;
 mod semidefinite;

@@ -14,6 +14,7 @@ mod conformance;
 mod convexity;
 mod explain;
 mod far_optima;
+mod fixed_charges;
 mod free_shifts;
 mod gaps;
 mod guidance;

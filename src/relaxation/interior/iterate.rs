@@ -209,6 +209,10 @@ impl Iterate {
             self.solve(program, kkt, (REFINEMENTS, accurate));
             length = (FRACTION * self.longest()).min(1.0);
         }
+        // The point stays where it is if the system was too bad.
+        if !self.right.iter().all(|step| step.is_finite()) {
+            return None;
+        }
         let n = self.x.len();
         for (x, step) in self.x.iter_mut().zip(&self.right) {
             *x += length * step;

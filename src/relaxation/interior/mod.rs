@@ -62,6 +62,9 @@ const WARM_PART: f64 = 0.7;
 /// Number of consecutive iterations with negligible steps after which the method gives up.
 const STUCK: u32 = 3;
 
+/// A start after which the method gives up within so many iterations was no good.
+const EARLY: u64 = 6;
+
 /// Steps below this length are negligible (no unit).
 const SHORT_STEP: f64 = 1e-3;
 
@@ -94,11 +97,21 @@ impl Relaxation for InteriorPoint {
             results.take_back(result);
             at.start(scaled);
         }
-        // Without curvature a start in the middle of the box wastes iterations; with it, it is better.
+        // Without curvature a start in the middle of the box wastes iterations; with it, it is better,
+        // unless it is so far out that the first steps are negligible.
         if linear && !at.improve_start(scaled, kkt, effort.token) {
             return run.nothing(0, results);
         }
-        let result = run.iterate(at, kkt, (kept, results), false);
+        let mut result = run.iterate(at, kkt, (kept, results), false);
+        let lost = result.claim == Claim::Unknown && result.iterations <= EARLY;
+        if lost && !linear && !effort.token.is_over() {
+            at.start(scaled);
+            if at.improve_start(scaled, kkt, effort.token) {
+                spent += result.iterations;
+                results.take_back(result);
+                result = run.iterate(at, kkt, (kept, results), false);
+            }
+        }
         RelaxationResult { iterations: spent + result.iterations, ..result }
     }
 

@@ -119,7 +119,7 @@ fn slack(point: &SeparatedPoint<'_>, row: usize) -> f64 {
 impl Aggregate {
     /// Becomes a row with its slack: `a'x + s = upper`, or `-a'x + s = -lower` if that side is nearer;
     /// `false` if it has none.
-    fn set_to_row(&mut self, point: &SeparatedPoint<'_>, row: usize) -> bool {
+    pub(super) fn set_to_row(&mut self, point: &SeparatedPoint<'_>, row: usize) -> bool {
         let program = point.program;
         let (columns, values) = program.row(row);
         let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
@@ -140,7 +140,12 @@ impl Aggregate {
     }
 
     /// Eliminates a column with another aggregate; `sum` is memory.
-    fn eliminate(&mut self, column: usize, other: &Aggregate, sum: &mut Vec<(usize, f64)>) {
+    pub(super) fn eliminate(
+        &mut self,
+        column: usize,
+        other: &Aggregate,
+        sum: &mut Vec<(usize, f64)>,
+    ) {
         let coefficient = |of: &Aggregate| {
             let place = of.terms.binary_search_by_key(&column, |&(key, _)| key);
             place.ok().map(|place| of.terms[place].1)

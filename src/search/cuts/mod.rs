@@ -5,11 +5,13 @@
 //! bound has hardly improved.
 
 mod cut;
+mod cut_sets;
 mod mixed_integer_rounding;
 mod rounding;
 mod separated_point;
 
 pub use cut::Cut;
+pub use cut_sets::cut_set_cuts;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
 use super::root::Root;
@@ -54,6 +56,9 @@ const AHEAD: f64 = 2.0;
 const NODES: u64 = 6;
 const NEAR: f64 = 0.01;
 
+/// Cut sets stay if a round with them lifts the bound by so many times as much as without them.
+const MORE: f64 = 1.5;
+
 /// Cuts more parallel than this to a better one are left out (cosine).
 const PARALLEL: f64 = 0.7;
 
@@ -95,8 +100,15 @@ pub(crate) fn strengthen(
         return None;
     }
     let domain = &root.domain;
-    let mut rounds =
-        Rounds { program, domain, glances, curved, cuts: Vec::new(), ages: Vec::new() };
+    let mut rounds = Rounds {
+        program,
+        domain,
+        glances,
+        curved,
+        cuts: Vec::new(),
+        ages: Vec::new(),
+        sets: Sets::Untried,
+    };
     let last = rounds.run(&point, options, token, ladder);
     let last = last.filter(|last| rounds.pays([WORTH[curved], CLOSED[1]], &point, last.value));
     let more = last.as_ref().and_then(|last| {
@@ -145,6 +157,15 @@ struct Rounds<'a> {
     cuts: Vec<Cut>,
     /// By cut, the rounds since it was active.
     ages: Vec<u32>,
+    sets: Sets,
+}
+
+/// What is known about cut sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sets {
+    Untried,
+    Help,
+    Idle,
 }
 
 impl Rounds<'_> {
@@ -166,18 +187,8 @@ impl Rounds<'_> {
                 return None;
             }
             let before = last.as_ref().unwrap_or(root);
-            let found =
-                self.separate(more.as_ref().unwrap_or(self.program), &before.x, round, token);
-            if found.is_empty() {
-                break;
-            }
-            self.drop_idle(&before.x, PATIENCE);
-            self.ages.extend(found.iter().map(|_| 0));
-            self.cuts.extend(found);
-            let program = more.insert(with_cuts(self.program, &self.cuts)?);
-            // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
-            let point = RootPoint::new(program, self.domain, ladder, options, token, None);
-            let Some(point) = point else { break };
+            let how = (options, token);
+            let Some(point) = self.cut(before, &mut more, round, how, ladder) else { break };
             let part = PART * (point.value - root.value).max(0.0);
             let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;
             idle = if moved { 0 } else { idle + 1 };
@@ -198,6 +209,55 @@ impl Rounds<'_> {
         last
     }
 
+    /// One round: the relaxed point with further cuts, and the program with them; `None` if there are
+    /// none, or no optimum.
+    fn cut(
+        &mut self,
+        before: &RootPoint,
+        more: &mut Option<Program>,
+        round: usize,
+        (options, token): (&Options, &StopToken),
+        ladder: &mut Ladder,
+    ) -> Option<RootPoint> {
+        let program = more.as_ref().unwrap_or(self.program);
+        let mut found = self.separate(program, &before.x, round, token);
+        let mut sets = self.separate_sets(&before.x, &found, round, token);
+        if self.sets == Sets::Help {
+            found.append(&mut sets);
+        }
+        if found.is_empty() && sets.is_empty() {
+            return None;
+        }
+        self.drop_idle(&before.x, PATIENCE);
+        // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
+        let mut relax = |cuts: &[Cut]| {
+            let program = with_cuts(self.program, cuts)?;
+            let point = RootPoint::new(&program, self.domain, ladder, options, token, None)?;
+            Some((program, point))
+        };
+        let some = !found.is_empty();
+        self.ages.extend(found.iter().map(|_| 0));
+        self.cuts.extend(found);
+        let mut best = if some { relax(&self.cuts) } else { None };
+        if !sets.is_empty() {
+            let value = best.as_ref().map_or(before.value, |(_, point)| point.value);
+            let lift = MORE * (value - before.value).max(0.0);
+            let all = [&self.cuts[..], &sets].concat();
+            let both = relax(&all).filter(|(_, point)| {
+                before.is_lifted_by(LIFT, point.value) && point.value - before.value >= lift
+            });
+            self.sets = if both.is_some() { Sets::Help } else { Sets::Idle };
+            if both.is_some() {
+                self.ages.extend(sets.iter().map(|_| 0));
+                self.cuts = all;
+                best = both;
+            }
+        }
+        let (program, point) = best?;
+        *more = Some(program);
+        Some(point)
+    }
+
     /// Whether a lift of the root's value to another one is large enough, or closes enough of the gap.
     fn pays(&self, [large, closed]: [f64; 2], root: &RootPoint, value: f64) -> bool {
         let closes = |gap| value - root.value >= closed * gap;
@@ -209,8 +269,23 @@ impl Rounds<'_> {
     /// The best cuts that a point violates, from the rows of a program.
     fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
         // Most curved programs gain nothing, and a look at single rows tells.
-        let rows = if self.curved == 1 && round == 0 { 1 } else { ROWS };
-        select(mixed_integer_rounding_cuts(program, self.domain, x, rows, token), x)
+        let rows = if self.looks_at_single_rows(round) { 1 } else { ROWS };
+        let cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
+        select(cuts, &[], x)
+    }
+
+    /// Whether a round rounds single rows only.
+    fn looks_at_single_rows(&self, round: usize) -> bool {
+        self.curved == 1 && round == 0
+    }
+
+    /// The best cut sets that a point violates, besides the cuts of a round; none where they have not
+    /// helped. They are those of the program as it was: cuts would be further ends of its arcs.
+    fn separate_sets(&self, x: &[f64], found: &[Cut], round: usize, token: &StopToken) -> Vec<Cut> {
+        if self.sets == Sets::Idle || self.looks_at_single_rows(round) {
+            return Vec::new();
+        }
+        select(cut_set_cuts(self.program, self.domain, x, token), found, x)
     }
 
     /// Drops the cuts that were not active for more than some rounds.
@@ -225,15 +300,15 @@ impl Rounds<'_> {
     }
 }
 
-/// The deepest cuts, no two of them nearly parallel.
-fn select(mut cuts: Vec<Cut>, x: &[f64]) -> Vec<Cut> {
+/// The deepest cuts, no two of them nearly parallel, nor to those that there are.
+fn select(mut cuts: Vec<Cut>, others: &[Cut], x: &[f64]) -> Vec<Cut> {
     cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));
     let mut chosen: Vec<Cut> = Vec::new();
     for cut in cuts {
         if chosen.len() == CUTS {
             break;
         }
-        if chosen.iter().all(|other| cut.cosine(other) <= PARALLEL) {
+        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= PARALLEL) {
             chosen.push(cut);
         }
     }

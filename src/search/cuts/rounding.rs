@@ -14,6 +14,10 @@ use crate::presolve::Domain;
 /// Fractions of the right side that are rounded.
 const FRACTIONS: std::ops::RangeInclusive<f64> = 0.02..=0.98;
 
+/// The least that is missing to the next multiple of the divisor, relative to the aggregate's size: more
+/// than tolerances of rows sum up to.
+const LEAST: f64 = 1e-6;
+
 /// Divisors are at least this much larger than the noise of the coefficients.
 const CLEAR: f64 = 1e5;
 
@@ -52,6 +56,8 @@ struct Base {
     rest_sum: f64,
     rest_norm: f64,
     right: f64,
+    /// The least change of the right side that is more than what limits of rows allow.
+    least: f64,
     /// The sum of coefficient times value over continuous columns and slacks with positive ones.
     slack: f64,
 }
@@ -116,6 +122,24 @@ impl Rounder {
             }
         }
         let Trial { mut base, divisor, mut depth } = best?;
+        turn_around(&mut base, divisor, &mut depth);
+        let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
+        self.spare.push(base);
+        cut?
+    }
+
+    /// The best rounding of the same in integers alone, if the point violates it: continuous columns are
+    /// measured from where their terms vanish. It is less deep than others that keep them, and the point
+    /// cannot evade it by moving them.
+    pub(super) fn round_integers(
+        &mut self,
+        point: &SeparatedPoint<'_>,
+        aggregate: &Aggregate,
+        sign: f64,
+    ) -> Option<Cut> {
+        let side = (point, aggregate, sign);
+        let trial = self.measure(side, &|j, a| Some(point.vanishing(j, a)), true)?;
+        let Trial { mut base, divisor, mut depth } = trial;
         turn_around(&mut base, divisor, &mut depth);
         let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
         self.spare.push(base);
@@ -278,6 +302,7 @@ impl Base {
         self.rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
         self.rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
         (self.right, self.slack) = (right, slack);
+        self.least = LEAST * aggregate.size;
         Some(())
     }
 
@@ -319,8 +344,11 @@ fn floor(a: f64) -> f64 {
 fn fraction(base: &Base, divisor: f64) -> Option<f64> {
     let quotient = base.right / divisor;
     let fraction = quotient - quotient.floor();
-    let safe = quotient.abs() < 1e7 && FRACTIONS.contains(&fraction);
-    safe.then_some(fraction)
+    let gentle = FRACTIONS.contains(&fraction);
+    // Without continuous terms, nothing is divided by what is missing to the next whole number.
+    let whole = base.rest.is_empty() && fraction > *FRACTIONS.end();
+    let clear = whole && (1.0 - fraction) * divisor >= base.least;
+    (quotient.abs() < 1e7 && (gentle || clear)).then_some(fraction)
 }
 
 /// Distance by which the point violates the rounding, in the measured columns.

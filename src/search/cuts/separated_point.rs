@@ -28,6 +28,8 @@ pub(super) struct SeparatedPoint<'a> {
     simple: Vec<Option<From>>,
     variable: Vec<Option<From>>,
     nearest: Vec<Option<From>>,
+    /// By column, the nearest variable bound from below and from above.
+    sides: Vec<[Option<From>; 2]>,
 }
 
 impl<'a> SeparatedPoint<'a> {
@@ -43,6 +45,7 @@ impl<'a> SeparatedPoint<'a> {
             simple: vec![None; n],
             variable: vec![None; n],
             nearest: Vec::new(),
+            sides: vec![[None; 2]; n],
         };
         point.find_variable_bounds();
         point.find_simple_bounds();
@@ -64,7 +67,9 @@ impl<'a> SeparatedPoint<'a> {
                     let sign = if upper { -1.0 } else { 1.0 };
                     let (constant, slope) = (limit / a, -b / a);
                     let value = (sign * (x[j] - constant - slope * x[z])).max(0.0);
-                    offer(&mut self.variable[j], From { sign, constant, slope, binary: z, value });
+                    let from = From { sign, constant, slope, binary: z, value };
+                    offer(&mut self.variable[j], from);
+                    offer(&mut self.sides[j][usize::from(upper)], from);
                 }
             }
         }
@@ -93,6 +98,24 @@ impl<'a> SeparatedPoint<'a> {
     /// The nearest bound of a continuous column; a variable one wins a tie.
     pub(super) fn nearest(&self, column: usize) -> Option<From> {
         self.nearest[column]
+    }
+
+    /// The bound of a continuous column from which a term `a x` is measured as a nonnegative one: the
+    /// nearest variable bound of that side, or else its simple bound.
+    pub(super) fn vanishing(&self, column: usize, a: f64) -> From {
+        let upper = a < 0.0;
+        self.sides[column][usize::from(upper)].unwrap_or_else(|| {
+            let constant = self.domain.bounds(column)[usize::from(upper)];
+            let sign = if upper { -1.0 } else { 1.0 };
+            let value = (sign * (self.x[column] - constant)).max(0.0);
+            From { sign, constant, slope: 0.0, binary: 0, value }
+        })
+    }
+
+    /// The nearest variable bound of a continuous column from above, or else from below.
+    pub(super) fn opening(&self, column: usize) -> Option<From> {
+        let [lower, upper] = self.sides[column];
+        upper.or(lower)
     }
 
     /// Whether the nearest variable bound of a continuous column is farther than the simple one.
