@@ -102,7 +102,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         write(reformulate::lower(&model)?.model(), &path)?;
     }
     let seed = arguments.start.map(|path| seed(&model, &path)).transpose()?;
-    let (start, cpu) = (Instant::now(), processor_seconds());
+    let threads = arguments.options.threads;
+    let (start, cpu) = (Instant::now(), processor_seconds(threads));
     let (mut log, bar) = (Log::new(std::io::stderr()), Bar::new());
     let mut lines = |event: &Event| log.record(event);
     let mut line = |event: &Event| bar.show(event);
@@ -118,7 +119,8 @@ fn run() -> Result<(), Box<dyn Error>> {
     let solution = solver.solve_with(&model, &mut control);
     bar.clear();
     let (solution, seconds) = (solution?, start.elapsed().as_secs_f64());
-    let spent = processor_seconds().zip(cpu).map(|(end, start)| format!(" cpu={:.6}", end - start));
+    let spent =
+        processor_seconds(threads).zip(cpu).map(|(end, start)| format!(" cpu={:.6}", end - start));
     if let Some(report) = solution.seed_report() {
         eprintln!("{}", start_report(report.guess.as_ref()));
     }
@@ -151,8 +153,16 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Processor time of this thread (s), where the system tells it: not disturbed by other programs.
-fn processor_seconds() -> Option<f64> {
+/// Processor time of this thread (s), or of the process if the search has several, where the system tells
+/// it: not disturbed by other programs.
+fn processor_seconds(threads: usize) -> Option<f64> {
+    if threads > 1 {
+        // User and system time, in hundredths of a second, are the 14th and 15th word; the 2nd is in
+        // parentheses and may have blanks.
+        let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let times = text.rsplit(')').next()?.split_whitespace().skip(11).take(2);
+        return times.map(|ticks| Some(0.01 * ticks.parse::<f64>().ok()?)).sum();
+    }
     std::thread::yield_now(); // brings the count up to date
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
