@@ -14,6 +14,7 @@ mod conformance;
 mod convexity;
 mod explain;
 mod far_optima;
+mod far_starts;
 mod fixed_charges;
 mod free_shifts;
 mod gaps;
