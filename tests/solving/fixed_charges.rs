@@ -47,7 +47,7 @@ fn network(nodes: usize, arcs: usize) -> Model {
 fn sets_of_nodes_that_need_a_flow_bound_the_cost() {
     let model = network(40, 90);
     // Without them, the bound is at 16 after 5,000 nodes.
-    let options = Options::default().with_node_limit(1000);
+    let options = Options::default().with_node_limit(200);
     let solution = BranchAndBound::new(options).solve(&model).unwrap();
     assert_eq!(solution.termination(), Termination::Optimal);
     assert_eq!(solution.objective().map(f64::round), Some(19.0));
