@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::context::{Context, Shared};
 use super::event_windows::EventWindows;
 use super::found::Found;
-use super::heuristics::complete_guess;
+use super::heuristics::{complete_guess, look_for_first_point};
 use super::local_queue::LocalQueue;
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
@@ -18,7 +18,7 @@ use super::time_order;
 use super::trace::span;
 use super::tree::Tree;
 use super::tree_view::TreeView;
-use crate::solution::Heuristic;
+use crate::solution::{Heuristic, Termination};
 use crate::solver::{BranchingRule, Control, Options};
 
 /// Searches the tree of a program, from a seed if there is one.
@@ -96,6 +96,22 @@ pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
     ctx.retire();
     let found = tree.into_found();
     Found { bound: found.bound.max(bound), ..found }
+}
+
+/// A point of a program that is found without a relaxation of it, if one is.
+pub(crate) fn first_point(task: Task<'_>) -> Found {
+    let root = Root::new(task.program, task.token, false);
+    if root.conflict.is_some() || task.token.is_over() {
+        return Found::stopped(Termination::TimeLimit);
+    }
+    let tree = Tree::new(task, &root.domain, None, None, 1);
+    let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
+    let shared = Shared { task, windows: None, root: &root, nested };
+    let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));
+    look_for_first_point(&mut ctx);
+    tree.take_in(&mut tree.lock(), ctx.tree.take_share());
+    ctx.retire();
+    tree.into_found()
 }
 
 /// What the multipliers of an earlier root prove of this one.

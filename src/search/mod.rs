@@ -97,7 +97,7 @@ mod worker;
 
 pub use column_guidance::ColumnGuidance;
 pub use comparison::Contradiction;
-pub(crate) use driver::complete;
+pub(crate) use driver::{complete, first_point};
 pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
 pub use found::Found;

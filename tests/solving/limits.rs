@@ -214,9 +214,7 @@ fn presolve_keeps_limits() {
 }
 
 /// A covering whose factors are nearly dense: one factorisation takes several times the limit.
-#[test]
-fn factorisations_keep_limits() {
-    let n = 14_000;
+fn covering(n: usize) -> Model {
     let mut model = Model::new("covering");
     let x = model.binary_family("x", n).unwrap();
     let mut state = 1_u64;
@@ -229,9 +227,36 @@ fn factorisations_keep_limits() {
         model.add(("cover", i), sum.ge(1.0)).unwrap();
     }
     model.minimize((0..n).map(|i| ((i % 7 + 1) as f64) * x[i]).sum::<Affine>()).unwrap();
+    model
+}
+
+#[test]
+fn factorisations_keep_limits() {
+    let model = covering(14_000);
     let options = Options::default().with_time_limit(Duration::from_secs(2));
     let start = Instant::now();
     let solution = BranchAndBound::new(options).solve(&model).unwrap();
     assert_eq!(solution.termination(), Termination::TimeLimit);
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+}
+
+/// Before a relaxation that may never end, a point is looked for, and callbacks hear of it.
+#[test]
+fn a_large_program_has_a_point_before_its_first_relaxation() {
+    let model = covering(14_000);
+    let mut seen = Vec::new();
+    let mut note = |best: &Incumbent<'_>| {
+        seen.push(best.objective);
+        std::ops::ControlFlow::Continue(())
+    };
+    let mut control = Control::default().with_incumbent(&mut note);
+    let options = Options::default().with_time_limit(Duration::from_secs(6));
+    let solution = BranchAndBound::new(options).solve_with(&model, &mut control).unwrap();
+    assert_eq!(solution.termination(), Termination::TimeLimit);
+    assert!(solution.verification().unwrap().holds());
+    let objective = solution.objective().unwrap();
+    assert_eq!(seen.last(), Some(&objective));
+    // All columns cost 4 on average, and a quarter of them is needed at the least.
+    assert!(objective < 14_000.0 * 2.0, "{objective}");
+    assert!(solution.bound() <= objective);
 }

@@ -16,7 +16,7 @@ use neighbourhood::search_near_incumbent;
 use proposals::try_proposals;
 pub use roll_out::Frontier;
 use roll_out::roll_out;
-use rounding::round_and_propagate;
+use rounding::{fix_at_cheap_ends, round_and_propagate};
 
 use super::clock::Activity;
 use super::context::Context;
@@ -115,6 +115,16 @@ pub(super) fn look_for_points(
     if on.neighbourhood {
         search_near_incumbent(ctx, &mut heuristics.neighbourhood, heuristics.nodes, point, bound);
     }
+    ctx.clock.switch(activity);
+}
+
+/// Tries a point before anything is relaxed.
+pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
+    span!(DEBUG, "heuristic", name = "first point");
+    let activity = ctx.clock.switch(Activity::Heuristic);
+    let before = ctx.tree.begin(Heuristic::Rounding);
+    fix_at_cheap_ends(ctx);
+    ctx.tree.end(before);
     ctx.clock.switch(activity);
 }
 
