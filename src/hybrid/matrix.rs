@@ -1,4 +1,4 @@
-//! What can be given as a matrix.
+//! Types that can be given as a matrix.
 
 use faer::Mat;
 

@@ -1,4 +1,4 @@
-//! What plans of a hybrid system cost, and where they must be when.
+//! Costs of the plans of a hybrid system, and where they must be when.
 //!
 //! | part | file |
 //! | --- | --- |

@@ -114,7 +114,7 @@ impl HybridProgram {
         })
     }
 
-    /// What it means to be in a region at a sample.
+    /// The rows that state that a sample is in a region, modes included.
     fn rows_of(&self, region: &Region, sample: usize) -> Result<Vec<Row>, Error> {
         let states: Vec<Affine> = self
             .states()

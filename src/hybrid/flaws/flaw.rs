@@ -1,4 +1,4 @@
-//! What can be wrong with the statement of a hybrid system, in words.
+//! Possible flaws in the statement of a hybrid system, in words.
 
 use std::fmt;
 

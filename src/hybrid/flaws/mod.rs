@@ -148,7 +148,7 @@ struct Search<'a> {
     system: &'a HybridSystem,
     solver: &'a mut dyn Solver,
     flaws: Vec<Flaw>,
-    /// What has been reported.
+    /// The keys of the flaws reported so far.
     found: BTreeSet<[String; 3]>,
 }
 

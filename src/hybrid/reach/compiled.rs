@@ -58,7 +58,7 @@ pub(super) struct Step {
     pub(super) constant: Vec<f64>,
 }
 
-/// What the inputs add to a flow.
+/// The set that the inputs add to a flow.
 #[derive(Debug, Clone)]
 pub(super) struct Push {
     /// The constant part, with the inputs in the middle of their ranges.
@@ -100,7 +100,7 @@ pub(super) struct Compiled {
     pub(super) relaxed: Vec<usize>,
 }
 
-/// What is compiled.
+/// The data from which a step of a system is compiled.
 pub(super) struct Source<'a> {
     pub(super) system: &'a HybridSystem,
     pub(super) moves: &'a Moves,
@@ -195,7 +195,7 @@ impl Compiled {
     }
 }
 
-/// What inputs within ranges add to a flow.
+/// The set that inputs within ranges add to a flow.
 pub(super) fn push(gains: &Matrix, constant: &[f64], inputs: &[Interval], margin: f64) -> Push {
     let mut shift = constant.to_vec();
     let mut slack = vec![0.0; constant.len()];

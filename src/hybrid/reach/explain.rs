@@ -40,7 +40,7 @@ pub struct ReachExplanation {
     pub remedies: Vec<String>,
 }
 
-/// What excludes plans with a certain number of events.
+/// The reason why plans with a certain number of events are excluded.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Finding {
@@ -54,7 +54,7 @@ pub struct Finding {
     pub obstacle: Obstacle,
 }
 
-/// What empties a set.
+/// The reason why a set is empty.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Obstacle {
@@ -280,7 +280,7 @@ impl Finding {
     }
 }
 
-/// What separates two sets of one system.
+/// The range or combination of states that separates two sets of one system; `None` if none is found.
 fn between(reached: &ReachSet, needed: &ReachSet) -> Option<Obstacle> {
     let system = Arc::clone(&reached.system);
     let mut rest = reached.clone();

@@ -1,4 +1,4 @@
-//! What guards leave to the inputs.
+//! The ranges that guards leave to the inputs.
 
 use super::rounding::EPSILON;
 use super::shape::Shape;

@@ -68,7 +68,7 @@ impl<'a> Local<'a> {
         self.guards.iter().map(slab).collect()
     }
 
-    /// What the inputs other than the kept one add.
+    /// The set that the inputs other than the kept one add.
     fn others(&self, kept: usize) -> Push {
         let mut gains = self.step.gains.clone();
         gains.iter_mut().for_each(|row| row[kept] = 0.0);

@@ -59,7 +59,7 @@ pub(super) struct Law {
     pub(super) before: Vec<Guard>,
     pub(super) after: Vec<Guard>,
     pub(super) reset: Option<(Mat<f64>, Vec<f64>)>,
-    /// What the next state may differ by in addition: disturbance, relaxed choices, rounding.
+    /// The most by which each next state may differ in addition: disturbance, relaxed choices, rounding.
     pub(super) loose: Vec<f64>,
     /// Number of resets whose margin is added to the next state.
     pub(super) resets: usize,
@@ -70,7 +70,7 @@ pub(super) struct Law {
     pub(super) is_possible: bool,
 }
 
-/// What a law is made for.
+/// The data from which the laws of a step are made.
 pub(super) struct Context<'a> {
     pub(super) system: &'a HybridSystem,
     pub(super) transitions: Vec<&'a Transition>,

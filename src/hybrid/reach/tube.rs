@@ -18,7 +18,7 @@ const MOST_SWEEPS: usize = 4;
 /// Number of steps after which a sweep checks the stop token.
 const STOP_EVERY: usize = 64;
 
-/// What a plan over exactly τ steps can do, according to reach sets.
+/// The states and transitions that reach sets leave possible for plans over exactly τ steps.
 ///
 /// A tube combines forward and backward sets: a transition is possible in a step if it leads from a
 /// state that can be reached to one from which the goal can be reached in the remaining steps. What

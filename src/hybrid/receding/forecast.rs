@@ -5,7 +5,7 @@ use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::model::{Model, Variable};
 
-/// What parameters other than the measured state are worth in a step.
+/// The values of parameters other than the measured state in each step of the loop.
 #[derive(Default)]
 pub(super) struct Forecasts<'a> {
     known: Vec<(Vec<Variable>, Vec<f64>)>,

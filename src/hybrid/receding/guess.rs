@@ -1,4 +1,4 @@
-//! What a step proposes to the next one: the integers of the last plan, moved ahead.
+//! The guess that a step hands to the next one: the integers of the last plan, moved ahead.
 
 use std::collections::BTreeMap;
 

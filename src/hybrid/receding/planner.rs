@@ -25,7 +25,7 @@ pub(super) enum Planner<'a> {
 /// Builds the program of a step.
 pub(super) type Build<'a> = dyn FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a;
 
-/// What the program of a step is asked for by.
+/// The number of steps with which the program of a step is asked for.
 pub(super) enum Clock {
     /// The steps that are left.
     Left(usize),
@@ -33,7 +33,7 @@ pub(super) enum Clock {
     Passed(usize),
 }
 
-/// What a step asks for.
+/// The request of a step to its planner.
 pub(super) struct Question<'q> {
     /// The number of the step.
     pub(super) step: usize,

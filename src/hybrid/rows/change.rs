@@ -1,4 +1,4 @@
-//! What the transitions of a choice change about the next state, and in how many independent ways.
+//! Changes of the next state by the transitions of a choice, and the number of independent ones.
 //!
 //! Every next state and every output is that of one transition, the *reference*, plus a change,
 //! which is 0 in the reference. Changes that do not depend on state and input are sums of
@@ -99,7 +99,7 @@ impl Changes {
         Changes { reference, parts, groups: own }
     }
 
-    /// What a transition changes about a quantity.
+    /// The change that a transition makes to a quantity.
     pub(super) fn of(&self, step: &[Behaviour], transition: usize, number: usize) -> Map {
         quantity(&step[transition], number).minus(quantity(&step[self.reference], number))
     }

@@ -60,7 +60,7 @@ impl HybridSystem {
     /// Adds the system over a horizon to a model: variables and statements, none of which fix the
     /// beginning or the end.
     ///
-    /// What all transitions of a choice share is stated once. Only what they change about the next
+    /// A part that all transitions of a choice share is stated once. Only what they change about the next
     /// state is switched, by variables whose bounds come from guards and domains. A [tube](
     /// super::reach::Tube::tighten) makes the bounds narrower.
     ///

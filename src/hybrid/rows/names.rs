@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::switch::Label;
 
-/// What a statement of a choice is about: the numbers of the choice and the transition, the row, and
+/// The subject of a statement of a choice: the numbers of the choice and the transition, the row, and
 /// whether it holds in every transition.
 pub(super) type Key = (usize, usize, Option<Label>, bool);
 

@@ -33,7 +33,7 @@ pub(super) struct ChoiceStep<'a> {
 /// A statement's family, the row, and whether it describes the system.
 type Named = (String, Row, bool);
 
-/// What a row compares.
+/// The inequalities of a change that a row states: at least, at most, or both.
 #[derive(Clone, Copy, PartialEq)]
 enum Halves {
     Lower,

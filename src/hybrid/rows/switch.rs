@@ -70,7 +70,7 @@ pub(super) fn never(range: Interval) -> (f64, f64) {
     (1.0, range.lower - 1.0)
 }
 
-/// What a row says.
+/// The meaning of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Label {
     /// A group's variable is at most (or at least) the transition's change.
@@ -109,7 +109,7 @@ struct Analysis<'a> {
     changes: Vec<Vec<Map>>,
     /// Ranges of states and inputs in any transition, and then of the groups' variables.
     domain: Vec<Interval>,
-    /// What holds in any transition, in these variables.
+    /// Rows that hold in any transition, in these variables.
     known: Vec<LinearRow>,
     width: usize,
 }
@@ -286,7 +286,7 @@ impl Analysis<'_> {
         common.push((from, row));
     }
 
-    /// What holds in a transition besides its own rows, in states and inputs alone: the rows that
+    /// The rows that hold in a transition besides its own, in states and inputs alone: the rows that
     /// hold everywhere, and the bounds of the changes.
     fn given(&self, transition: usize) -> Vec<LinearRow> {
         let split = |row: &LinearRow| {

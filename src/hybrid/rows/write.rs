@@ -17,7 +17,7 @@ use crate::hybrid::system::{Choice, HybridSystem};
 use crate::interval::Interval;
 use crate::model::{Affine, Family, Model, Variable};
 
-/// What is known about a choice before its variables are made.
+/// The changes and rows of a choice, known before its variables are made.
 struct Plan {
     changes: Changes,
     /// The transitions and their rows at every step that differs from others.
@@ -33,7 +33,7 @@ fn input_ranges(system: &HybridSystem, step: usize) -> Vec<Interval> {
     (0..system.inputs.len()).map(range).collect()
 }
 
-/// What holds at the start of a step in any case: the limits of the system.
+/// The rows that hold at the start of a step in any case: the limits of the system.
 fn known(system: &HybridSystem, step: usize) -> Vec<LinearRow> {
     let width = system.states.len() + system.inputs.len();
     let limits = system.limits.iter().filter(|limit| !limit.is_limit);
@@ -209,7 +209,7 @@ pub(super) fn expression(program: &HybridProgram, map: &Map, step: usize) -> Aff
     sum
 }
 
-/// What a choice adds to a quantity of its reference in a step, as an expression.
+/// The change that a choice adds to a quantity of its reference in a step, as an expression.
 fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize) -> Affine {
     match program.changes.parts[number] {
         Part::Same => Affine::zero(),

@@ -1,4 +1,4 @@
-//! What can touch what: a body and an obstacle, or two bodies, face by face in one frame.
+//! Contacts: a body and an obstacle, or two bodies, that can touch, face by face in one frame.
 
 use super::body::Body;
 use super::geometry::{self, Across, Side, dot};

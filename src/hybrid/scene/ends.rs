@@ -1,4 +1,4 @@
-//! What is refused of starts and goals: other lengths, states beyond the limits of their body, places
+//! Checks that refuse starts and goals: wrong lengths, states beyond the limits of their body, places
 //! inside something.
 
 use super::body::Body;

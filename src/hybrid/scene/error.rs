@@ -72,7 +72,7 @@ pub enum SceneError {
         end: &'static str,
         /// `x`, `vy`, ...
         what: String,
-        /// What the start or the goal says of it, in m or m/s.
+        /// The range that the start or the goal gives it, in m or m/s.
         range: Interval,
         /// The limit in words, with its range and unit.
         limit: String,
@@ -130,7 +130,7 @@ pub enum SceneError {
     Replay {
         /// The step.
         step: usize,
-        /// What disagrees, with its unit.
+        /// The disagreement in words, with its unit.
         what: String,
         /// By how much.
         by: f64,

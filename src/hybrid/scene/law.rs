@@ -34,7 +34,7 @@ pub(super) struct Law {
     pub(super) name: String,
     /// M - 1, by rows.
     pub(super) change: Vec<Vec<f64>>,
-    /// What the relative velocity at the start of the step adds to the change; 0 in mirrored hits.
+    /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored hits.
     pub(super) at_start: Vec<Vec<f64>>,
     pub(super) guards: Vec<Guard>,
 }

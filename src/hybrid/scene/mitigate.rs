@@ -182,7 +182,7 @@ impl SceneProgram {
     }
 }
 
-/// What a later objective may make of the least value of an earlier one.
+/// The largest value that a later objective may give an earlier one, from the least value of that one.
 fn kept(least: f64) -> f64 {
     least + FEASIBILITY * (1.0 + least.abs())
 }

@@ -69,7 +69,7 @@ pub struct ScenePlan {
     pub hits: Vec<SceneHit>,
     /// The run of the scene's hybrid system.
     pub run: HybridRun,
-    /// What the replay says.
+    /// The result of the replay.
     pub certificate: SceneCertificate,
 }
 

@@ -10,7 +10,7 @@ use crate::setters::setters;
 /// Number of chords of the energy between 0 and its largest value.
 pub(super) const CHORDS: usize = 16;
 
-/// What a hit costs.
+/// The quantity that measures the damage of a hit.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -47,7 +47,7 @@ pub enum DamageMeasure {
 pub struct DamageRule {
     /// Its name.
     pub name: String,
-    /// What is measured.
+    /// The measured quantity.
     pub measure: DamageMeasure,
     /// The body whose hits count; all by default.
     pub body: Option<String>,

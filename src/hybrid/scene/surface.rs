@@ -4,11 +4,11 @@ use super::error::SceneError;
 use crate::hybrid::contact::Restitution;
 use crate::setters::setters;
 
-/// What happens to the velocity along a surface.
+/// The law for the velocity along a surface in a hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Tangential {
-    /// Nothing.
+    /// No change.
     Frictionless,
     /// `u⁺ = keep u + from_normal f`, with the impact speed f.
     Linear { keep: f64, from_normal: f64 },
@@ -17,7 +17,7 @@ pub(super) enum Tangential {
     Coulomb { coefficient: f64, directions: usize },
 }
 
-/// What a body may do at a surface, and what happens there.
+/// The rules of a surface: whether bodies may bounce off it or rest at it, and how.
 ///
 /// ```
 /// use carom::hybrid::Restitution;

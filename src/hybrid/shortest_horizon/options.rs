@@ -22,7 +22,7 @@ pub struct ShortestOptions {
     /// Whether a plan on the builder's coarser grid is used as a MIP start if binaries remain open
     /// (default yes).
     pub coarse_guess: bool,
-    /// What programs get besides the rows of their system.
+    /// Statements that programs get besides the rows of their system.
     pub(super) statements: Statements,
 }
 

@@ -141,7 +141,7 @@ pub struct ShortestHorizon<P> {
 }
 
 impl<P> ShortestHorizon<P> {
-    /// What was found, in words, with the law and the time step that it is about.
+    /// Writes the result in words, with the law and the time step that it is about.
     pub(crate) fn claim(&self, time_step: f64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let law = format!("the time-stepped law with Δt = {time_step} s");
         let steps = |count: usize| match count {

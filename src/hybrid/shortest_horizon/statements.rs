@@ -1,4 +1,4 @@
-//! What the programs of a search get besides the rows of their system.
+//! Statements that the programs of a search get besides the rows of their system.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -173,7 +173,8 @@ impl ShortestOptions {
     }
 }
 
-/// What is left of a window in a run of some steps; nothing if it begins after the end.
+/// The part of a window in a run of some steps; `None` if it begins after the end. An empty window is
+/// returned as it is.
 fn within(when: &When, steps: usize) -> Option<When> {
     let clipped = |window: &RangeInclusive<usize>| match window.is_empty() {
         // It is refused as it is.

@@ -17,7 +17,7 @@ use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 /// agree to `REPLAY`.
 const MISS: f64 = FEASIBILITY + REPLAY;
 
-/// What the replay of a run says, if the run is what the system states.
+/// The result of replaying a run, if the run is what the system states.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -7,7 +7,7 @@ use crate::interval::Interval;
 use crate::sum::Sum;
 use crate::tolerance::margin_scale;
 
-/// What a step or a sample of a run must satisfy, for reports.
+/// A condition on a step or a sample of a run, for reports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -80,7 +80,7 @@ pub(super) struct Slack {
     pub(super) condition: Condition,
     /// In the condition's unit; negative if it is violated.
     pub(super) slack: f64,
-    /// What a tolerance of 1 means for it: more than 1 for large numbers.
+    /// The violation that a tolerance of 1 allows, in the condition's unit: more than 1 for large numbers.
     pub(super) scale: f64,
 }
 

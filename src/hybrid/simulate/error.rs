@@ -74,7 +74,7 @@ pub enum RunError {
     Sample {
         /// The sample.
         sample: usize,
-        /// What is violated.
+        /// The violated condition.
         condition: Condition,
         /// By how much, in its unit.
         violation: f64,
@@ -91,7 +91,7 @@ pub enum RunError {
         choice: String,
         /// The transition.
         transition: String,
-        /// What is violated.
+        /// The violated condition.
         condition: Condition,
         /// By how much, in its unit; infinite for a condition that holds or not.
         violation: f64,

@@ -1,4 +1,4 @@
-//! What a run remembers: modes, how long they have lasted, and the number of events.
+//! The memory of a run: modes, how long they have lasted, and the number of events.
 
 use super::condition::{Condition, Slack};
 use crate::error::{Error, ErrorKind};
@@ -14,7 +14,7 @@ struct Held {
     is_first: bool,
 }
 
-/// What a run remembers at a sample.
+/// The memory of a run at a sample.
 #[derive(Debug, Clone)]
 pub(super) struct Memory {
     /// By choice; `None` without memory, and if the mode of the first sample is open.
@@ -44,7 +44,7 @@ impl Memory {
         self.held.get(choice)?.as_ref().map(|held| held.mode.as_str())
     }
 
-    /// What the memory demands of a transition of a choice.
+    /// The conditions that the memory puts on a transition of a choice.
     pub(super) fn conditions(
         &self,
         system: &HybridSystem,

@@ -25,7 +25,7 @@ pub struct SimulationOptions {
     pub modes: Vec<(String, String)>,
     /// Which of several possible transitions is taken.
     pub follow: Follow,
-    /// What is added to the next state, by step; no disturbance after the last entry.
+    /// The disturbance that is added to the next state, by step; none after the last entry.
     pub disturbances: Vec<Vec<f64>>,
     /// By how much a condition may be violated, in its unit; 1e-9 by default, for rounding. Beyond
     /// a magnitude of 1000 it grows in proportion.

@@ -41,7 +41,7 @@ impl fmt::Display for Candidate {
     }
 }
 
-/// What happened in one step of a simulation.
+/// A record of one step of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -69,7 +69,7 @@ pub enum DeadEnd {
     Sample {
         /// The sample.
         step: usize,
-        /// What is violated.
+        /// The violated condition.
         condition: Condition,
         /// By how much, in its unit.
         violation: f64,
@@ -87,7 +87,7 @@ pub enum DeadEnd {
     Combination {
         /// The step.
         step: usize,
-        /// What the least violating combination violates.
+        /// The condition that the least violating combination violates.
         condition: Condition,
         /// By how much, in its unit.
         violation: f64,
@@ -100,7 +100,7 @@ pub enum DeadEnd {
         choice: String,
         /// The planned transition; with what it violates, unless it does not exist.
         transition: String,
-        /// What it violates.
+        /// The transition and the condition that it violates; `None` if it does not exist.
         candidate: Option<Candidate>,
     },
 }
@@ -165,7 +165,7 @@ pub struct Simulation {
     pub modes: Vec<Vec<Option<String>>>,
     /// The input of every step that was taken.
     pub inputs: Vec<Vec<f64>>,
-    /// What happened in every step that was taken.
+    /// The record of every step that was taken.
     pub steps: Vec<SimulatedStep>,
     /// Why the run ended early, if it did.
     pub dead_end: Option<DeadEnd>,

@@ -114,7 +114,7 @@ impl StepStart<'_> {
         Ok(next.collect())
     }
 
-    /// What the transitions of a step must satisfy together: the limit on events and the conditions
+    /// The conditions on the transitions of a step together: the limit on events and the conditions
     /// of the next sample.
     pub(super) fn together(
         &self,

@@ -16,7 +16,7 @@ pub(super) struct Stepper<'a> {
     pub(super) start: StepStart<'a>,
     pub(super) memory: &'a Memory,
     pub(super) options: &'a SimulationOptions,
-    /// What is added to the next state; empty for nothing.
+    /// The disturbance that is added to the next state; empty if there is none.
     pub(super) disturbance: &'a [f64],
 }
 
@@ -33,7 +33,8 @@ struct Way<'a> {
     transition: &'a Transition,
     flown: Flown,
     own: Option<Slack>,
-    /// What it must satisfy with the others: the best over the combinations that contain it.
+    /// The tightest condition on it and the others together: the best over the combinations that
+    /// contain it.
     joint: Option<Slack>,
     is_possible: bool,
 }

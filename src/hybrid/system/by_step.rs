@@ -65,7 +65,7 @@ impl HybridSystem {
         system
     }
 
-    /// What depends on the step, in words, if something does.
+    /// A part that depends on the step, in words; `None` if there is none.
     pub(crate) fn by_step(&self) -> Option<String> {
         let range = |(name, range): &(String, Schedule<Interval>)| {
             range.varies().then(|| format!("the range of the input `{name}`"))
@@ -107,7 +107,7 @@ impl Transition {
         }
     }
 
-    /// What else than a guard depends on the step.
+    /// A part other than a guard that depends on the step, in words; `None` if there is none.
     fn by_step(&self) -> Option<String> {
         if let Some((name, _)) = self.inputs.iter().find(|(_, range)| range.varies()) {
             return Some(format!("the range of the input `{name}`"));

@@ -1,4 +1,4 @@
-//! What a hybrid system refuses.
+//! Checks that refuse hybrid systems whose parts do not fit together.
 
 use faer::Mat;
 

@@ -89,7 +89,7 @@ pub struct HybridSystem {
     pub choices: Vec<Choice>,
     /// The most events of a run, if they are limited.
     pub most_events: Option<usize>,
-    /// What a disturbance may add to each next state; empty if there is none. Only simulations and
+    /// The range of the disturbance added to each next state; empty if there is none. Only simulations and
     /// robust sets see it.
     pub disturbance: Vec<Interval>,
 }

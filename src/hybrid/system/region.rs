@@ -154,7 +154,7 @@ impl Region {
         rows.map(|(k, row)| model.add((name, k), row)).collect()
     }
 
-    /// What it means for a sample to be in the region, without modes.
+    /// The rows that state that a sample is in the region, without modes.
     pub(crate) fn rows<X>(&self, states: &[X]) -> Result<Vec<Row>, Error>
     where
         for<'a> Affine: From<&'a X>,

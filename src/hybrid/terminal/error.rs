@@ -80,7 +80,7 @@ pub enum TerminalError {
     CannotStay {
         /// The transition.
         transition: String,
-        /// What ends it.
+        /// The reason why it cannot be repeated, in words.
         reason: String,
     },
     /// The feedback does not stabilise the mode.
@@ -111,7 +111,7 @@ pub enum TerminalError {
         limit: String,
         /// The proved bound on what a step can reach, as a fraction of the facet's distance.
         reached: f64,
-        /// What is allowed.
+        /// The largest allowed value, as a fraction of the facet's distance.
         allowed: f64,
     },
 }

@@ -11,10 +11,10 @@ use crate::hybrid::scene::surface::Tangential;
 /// The most combinations of directions of friction that are compared.
 const MOST_COMBINATIONS: usize = 1 << 16;
 
-/// What touches, the face, and the number of the hit; `None` if the body rests there.
+/// The things that touch, the face, and the number of the hit; `None` if the body rests there.
 pub(super) type Claim = (Touch, usize, Option<usize>);
 
-/// What a contact does: by how many gaps it moves the body, and the change of the relative velocity.
+/// The effect of a contact: by how many gaps it moves the body, and the change of the relative velocity.
 #[derive(Clone)]
 struct Effect {
     lift: f64,
@@ -86,8 +86,8 @@ impl Played<'_> {
         });
     }
 
-    /// What each contact of a step does: where laws allow several changes, those that together come
-    /// nearest to the plan, because what the contacts of a body do adds.
+    /// The effect of each contact of a step: where laws allow several changes, those that together come
+    /// nearest to the plan, because the effects of the contacts of a body add up.
     fn effects(&self, step: usize, start: &State, flown: &State, claimed: &[Claim]) -> Vec<Effect> {
         let world = &self.world;
         let allowed = |&(touch, face, number): &Claim| {

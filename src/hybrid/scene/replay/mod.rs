@@ -22,7 +22,7 @@ use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
 /// agree to `REPLAY`.
 const MISS: f64 = FEASIBILITY + REPLAY;
 
-/// What the replay of a plan says, if the plan is what the scene does.
+/// The result of replaying a plan, if the plan is what the scene does.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

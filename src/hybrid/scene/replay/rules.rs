@@ -1,4 +1,4 @@
-//! What plans must keep beside the laws of motion: rules about damage, limits of bodies, starts and
+//! Checks of plans beside the laws of motion: rules about damage, limits of bodies, starts and
 //! goals.
 
 use super::world::Touch;
@@ -81,7 +81,7 @@ impl Played<'_> {
         all
     }
 
-    /// What an impact speed (m/s) does, in the rule's unit.
+    /// The damage of a hit with an impact speed (m/s), in the rule's unit.
     fn measured(&self, rule: &DamageRule, touch: Touch, face: usize, speed: f64) -> f64 {
         let e = self.world.surface(touch, face).restitution.map_or(0.0, |e| e.value());
         let mass = self.world.mass(touch);

@@ -19,7 +19,7 @@ pub(super) struct State {
     pub(super) v: Vec<Vec<f64>>,
 }
 
-/// What may touch: a body and an obstacle, or two bodies.
+/// A body and an obstacle, or two bodies, that may touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Touch {
     Obstacle(usize, usize),
@@ -218,7 +218,7 @@ impl World<'_> {
         if surface.rests { 1.0 } else { 1.0 + surface.restitution.map_or(0.0, |e| e.value()) }
     }
 
-    /// What a hit may change about the relative velocity `r` at the end of its step: one possibility,
+    /// The changes that a hit may make to the relative velocity `r` at the end of its step: one possibility,
     /// or, where friction may act in several directions, one for each that its law allows up to
     /// `slack` (m/s). At a surface with rest the relative velocity `before`, at the start of the
     /// step, decides about the rebound.
