@@ -1,5 +1,5 @@
-//! What the tests and benches of this crate use of the solving tower. No part of the public
-//! interface: it may change in any release.
+//! The parts of the solving tower that the tests and benches of this crate use. No part of the
+//! public interface: it may change in any release.
 
 pub mod conformance {
     pub use crate::conformance::answer::{Case, Truth};

@@ -115,9 +115,9 @@ pub(crate) fn allowed_miss(feasibility: f64, magnitude: f64) -> f64 {
     feasibility + ROUNDING * magnitude
 }
 
-/// What a relative gap is relative to: the magnitude of the objective with or without its constant,
-/// whichever is smaller, so that no constant hides a part of the program. At least a hundred millionth
-/// of the objective, below which digits end.
+/// The magnitude that a relative gap is relative to: that of the objective with or without its
+/// constant, whichever is smaller, so that no constant hides a part of the program. At least a
+/// hundred millionth of the objective, below which digits end.
 ///
 /// # Arguments
 ///

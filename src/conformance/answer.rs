@@ -21,7 +21,7 @@ pub enum Truth {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Case {
-    /// What it tests; the model has the same name.
+    /// The name of the case, which says what it tests; the model has the same name.
     pub name: String,
     /// The program.
     pub model: Model,

@@ -1,4 +1,4 @@
-//! What a backend may lack.
+//! The capabilities that a backend may lack.
 
 use std::fmt;
 

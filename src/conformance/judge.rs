@@ -1,4 +1,4 @@
-//! What every solution must satisfy, and what a right answer is.
+//! The conditions that every solution must satisfy, and those of a right answer.
 
 use crate::model::{Affine, Model};
 use crate::solution::{PrimalStatus, Solution, Termination, Verification};
@@ -10,7 +10,7 @@ use super::report::CaseOutcome;
 /// Slack of a bound, relative and absolute: "never beyond the optimum" up to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What is wrong with a backend, in words.
+/// The faults of a backend, in words.
 #[derive(Debug, Default)]
 pub(super) struct Complaints {
     texts: Vec<String>,

@@ -10,7 +10,7 @@ use super::capability::Capability;
 pub enum CaseOutcome {
     /// Everything is as it must be.
     Passed,
-    /// What is wrong, in words.
+    /// The faults, in words.
     Failed(Vec<String>),
     /// Left out, because the backend lacks this capability.
     Skipped(Capability),

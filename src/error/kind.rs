@@ -1,10 +1,10 @@
-//! What can go wrong, a variant each, with the text that says so.
+//! The kinds of errors, a variant each, with the text that says what went wrong.
 
 use thiserror::Error;
 
 use crate::number::Exact;
 
-/// What went wrong; the kind of an [`Error`](super::Error).
+/// The kind of an [`Error`](super::Error).
 ///
 /// The text of a kind says what is wrong, and after a semicolon what to do.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -205,7 +205,7 @@ pub enum ErrorKind {
         name: String,
         /// The variables of the direction with their steps, the largest ones first.
         direction: String,
-        /// What to do.
+        /// The advice on what to do.
         help: &'static str,
     },
     /// An indicator's row has no finite big-M because a variable has no bound.
@@ -264,7 +264,7 @@ pub enum ErrorKind {
     /// A number outside its range.
     #[error("{what} is {}; it must be {range}", Exact(*.value))]
     OutOfRange {
-        /// What the number is.
+        /// The name of the number, as a noun phrase.
         what: String,
         /// Its value.
         value: f64,
@@ -292,7 +292,7 @@ pub enum ErrorKind {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong, and what was expected.
+        /// The fault, and what was expected.
         message: String,
     },
     /// A value was asked for, but the solution holds no point.
@@ -315,9 +315,9 @@ pub enum ErrorKind {
     Unsupported {
         /// The solver.
         solver: String,
-        /// What it does not take.
+        /// The statement or feature that it does not take.
         what: String,
-        /// What to do instead.
+        /// The advice on what to do instead.
         help: String,
     },
     /// A list of a wrong length.
@@ -340,9 +340,9 @@ pub enum ErrorKind {
     /// The source is a [`std::io::Error`].
     #[error("{what}; {help}")]
     Io {
-        /// What could not be done.
+        /// The action that failed, in words.
         what: String,
-        /// What to do.
+        /// The advice on what to do.
         help: &'static str,
     },
     /// A solver broke down, or answered something that its contract excludes.
@@ -350,7 +350,7 @@ pub enum ErrorKind {
     Backend {
         /// The solver.
         solver: String,
-        /// What it did, in words.
+        /// The failure, in words.
         message: String,
     },
     /// An error that has a type of its own, such as a

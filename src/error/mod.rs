@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 pub use kind::ErrorKind;
 
-/// What can go wrong when a model is written, lowered, solved or read.
+/// An error in writing, lowering, solving or reading a model.
 ///
 /// [`kind`](Self::kind) is what programs match on. The text is for people: what is wrong, then what
 /// to do. [`source`](StdError::source) is the error underneath, if there is one: of the operating
@@ -74,7 +74,7 @@ impl Error {
         }
     }
 
-    /// What went wrong.
+    /// The kind of the error.
     pub fn kind(&self) -> &ErrorKind {
         &self.inner.kind
     }

@@ -21,7 +21,7 @@ pub struct Explanation {
     pub(super) propagations: usize,
 }
 
-/// What is known about the set of an [`Explanation`].
+/// The status of an [`Explanation`]: how much is known about its set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,7 +48,7 @@ pub struct Group {
 }
 
 impl Explanation {
-    /// What is known about the set.
+    /// The status: how much is known about the set.
     pub fn status(&self) -> ExplanationStatus {
         self.status
     }

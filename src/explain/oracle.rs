@@ -20,7 +20,7 @@ const TRIALS: usize = 4000;
 /// How far to search where neither bounds nor rows limit a variable of a part, in its unit.
 const FAR: f64 = 1e5;
 
-/// What is known about a part of a model.
+/// The answer to whether a part of a model has a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Answer {
     /// A point satisfies it: its place among the known points.
@@ -76,7 +76,7 @@ impl<'a> Oracle<'a> {
         Oracle { model, solver, token, solve_limit, places, wide, known, solves, propagations }
     }
 
-    /// What ends the explanation.
+    /// The stop token that ends the explanation.
     pub(super) fn token(&self) -> &StopToken {
         &self.token
     }

@@ -25,8 +25,9 @@ use crate::tolerance;
 pub struct ElasticOptions {
     /// Statements that never give, in addition to those that the model declares as background.
     pub background: Vec<Name>,
-    /// What it costs if a statement gives by one of its own units; greater than 0, default 1. The last
-    /// entry for a statement counts. A statement with an infinite weight (1e20 or more) never gives.
+    /// The cost if a statement gives by one of its own units; greater than 0, default 1. The last
+    /// entry for a statement counts. A statement with an infinite weight (1e20 or more) never
+    /// gives.
     pub weights: Vec<(Name, f64)>,
     /// Wall-clock limit; default none.
     pub time_limit: Option<Duration>,

@@ -1,4 +1,4 @@
-//! What a point violates.
+//! The violations of a model at a point.
 
 #[cfg(doc)]
 use crate::error::ErrorKind;

@@ -22,7 +22,7 @@ pub struct Files {
     pub settings: PathBuf,
 }
 
-/// What a program claims.
+/// The claim of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claim {
     /// The values are optimal within the gap that was asked for.

@@ -20,7 +20,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// Time that a program gets after its own time limit to write its answer.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// What helps when the folder or its files cannot be made.
+/// The advice if the folder or its files cannot be made.
 const FOLDER: &str = "check that the folder for temporary files exists, is writable and has room";
 
 /// One call of a program.

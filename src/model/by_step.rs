@@ -1,4 +1,5 @@
-//! What depends on the step of a loop, for controllers whose program stays the same in every step.
+//! The values that depend on the step of a loop, for controllers whose program stays the same in
+//! every step.
 
 use super::Model;
 
@@ -8,7 +9,7 @@ impl Model {
         self.stored.by_step.get_or_insert(what);
     }
 
-    /// What was noted first.
+    /// The first note, in words; `None` if there is none.
     pub(crate) fn by_step(&self) -> Option<&str> {
         self.stored.by_step.as_deref()
     }

@@ -10,11 +10,11 @@ use crate::tolerance;
 /// Entries of a direction that an error names.
 const NAMED: usize = 6;
 
-/// What the square of a variable without bounds may lack until bounds are looked for, as a part of its
-/// coefficient (no unit).
+/// The amount that the square of a variable without bounds may lack until bounds are looked for, as
+/// a part of its coefficient (no unit).
 const UNDECIDED: f64 = 1e-9;
 
-/// What is known of an objective that may be set.
+/// The convexity of an objective that may be set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Convexity {
     Proved,
@@ -92,8 +92,8 @@ impl Model {
     }
 }
 
-/// What the square of a variable may lack so that, with as much for each of the others, the objective is
-/// nowhere below its tangents by more than the tolerance.
+/// The amount that the square of a variable may lack so that, with as much for each of the others,
+/// the objective is nowhere below its tangents by more than the tolerance.
 fn slack(width: f64, count: usize) -> f64 {
     if width > 0.0 { tolerance::CONVEXITY / (count as f64 * width * width) } else { f64::MAX }
 }

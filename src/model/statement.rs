@@ -1,4 +1,4 @@
-//! What can be added to a model: the trait of all statements, and rows.
+//! The statements that can be added to a model: their trait, and rows.
 
 use super::checks::{finite, limits};
 use super::ids::Constraint;

@@ -5,7 +5,7 @@ use std::slice;
 
 use super::ids::Variable;
 
-/// What values a variable may take.
+/// The values that a variable may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum VariableKind {

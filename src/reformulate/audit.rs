@@ -13,11 +13,11 @@ use super::report::{BigMEntry, BigMSource, Share, Side};
 use super::{BigMReport, Lowered};
 use crate::model::{ConstraintRef, Model, VariableKind};
 
-/// What to do about a row of the model itself.
+/// The advice about a row of the model itself.
 const BY_HAND: &str = "write it as an indicator, so that its M comes from the bounds, or tighten \
                        the bounds that it comes from";
 
-/// What to do about a row of a function or a hull.
+/// The advice about a row of a function or a hull.
 const WITHOUT_M: &str = "tighten the bounds of the continuous variables in it, from which its \
                          coefficients come";
 
@@ -39,7 +39,7 @@ pub struct Leak {
     pub leak: f64,
     /// The feasibility tolerance of the row, in its unit.
     pub allowed: f64,
-    /// What to do about it.
+    /// The advice on what to do about it.
     pub advice: String,
 }
 

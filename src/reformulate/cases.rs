@@ -32,7 +32,7 @@ pub(super) struct Cases {
     only: Option<usize>,
 }
 
-/// What holds in one case.
+/// The literal, the rows and the nested cases that hold in one case.
 #[derive(Debug, Default)]
 struct Case {
     when: Option<Literal>,

@@ -126,7 +126,7 @@ fn arcs(balances: &[ConstraintRef<'_>], candidates: &[bool]) -> (Vec<Arc>, Vec<b
     (arcs, is_arc)
 }
 
-/// What may enter and leave at a balance: its limits less all terms that are no flows.
+/// The amounts that may enter and leave at a balance: its limits less all terms that are no flows.
 fn node(model: &Model, row: &ConstraintRef<'_>, is_arc: &[bool], known: &Maximizer<'_>) -> Node {
     let [lower, upper] = loosened(model, row.terms(), row.limits());
     let mut net = Interval::new(lower, upper);

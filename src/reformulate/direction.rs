@@ -29,7 +29,7 @@ pub(super) struct Harm {
 }
 
 impl Harm {
-    /// What the objective and all statements but rows and functions require.
+    /// The harm to the objective and to all statements but rows and functions.
     pub(super) fn without_rows(model: &Model) -> Harm {
         let count = model.variable_count();
         let mut harm = Harm { lowering: vec![false; count], raising: vec![false; count] };

@@ -43,7 +43,7 @@ const ROUNDS: usize = 100;
 /// The same, in total.
 const WORK: usize = 100_000_000;
 
-/// What rows imply about a model's variables.
+/// The bounds that rows imply for a model's variables.
 pub(super) struct ImpliedBounds<'a> {
     /// Only rows: those of the model and those that functions imply in every case.
     rows: Model,

@@ -19,7 +19,7 @@ pub(super) struct Lowering<'a> {
     pub(super) report: BigMReport,
     /// Bounds expressions by linear programs, if requested.
     pub(super) maximizer: Option<Maximizer<'a>>,
-    /// What rows imply, once a bound was missing.
+    /// The bounds that rows imply, sought once a bound was missing.
     pub(super) implied: Option<ImpliedBounds<'a>>,
     /// Ends the linear programs.
     pub(super) token: &'a StopToken,

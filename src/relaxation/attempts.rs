@@ -1,6 +1,6 @@
-//! What relaxations are solved for, and the attempts that each purpose is worth.
+//! The purposes that relaxations are solved for, and the attempts that each is worth.
 
-/// What a relaxation is solved for.
+/// The purpose that a relaxation is solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// The root, where it may turn out that the objective falls without limit.
@@ -22,7 +22,7 @@ pub enum Purpose {
     Multipliers,
 }
 
-/// Who is asked.
+/// The method that is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Who {
     /// The method that starts from the parent's state, where there is one for the program.
@@ -34,7 +34,8 @@ pub(super) enum Who {
 }
 pub(super) use Who::{First, Last, Warm};
 
-/// Who is asked, with how many iterations, at which tolerance, with how many refinements.
+/// An attempt: the method that is asked, the number of iterations, the tolerance, and the number of
+/// refinements.
 pub(super) type Attempt = (Who, u32, f64, u32);
 
 /// The attempts of a purpose, in their order. Iterations are capped: a program infeasible by a hair

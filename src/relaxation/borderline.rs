@@ -26,12 +26,12 @@ const VISIBLE: f64 = 1e-7;
 /// How many times what their own multipliers explain two bounds may be apart.
 const EXPLAINED: f64 = 100.0;
 
-/// What is doubtful about a bound and a point.
+/// The doubts about a bound and a point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Doubt {
     /// Rounding of the rows' terms would move the bound visibly.
     pub(super) blurred: bool,
-    /// What the point of a leaf misses of the rows makes a visible part of its value.
+    /// The violations of rows at the point of a leaf make a visible part of its value.
     pub(super) rough: bool,
 }
 
@@ -54,7 +54,8 @@ fn size(program: &Reduced, x: &[f64], row: usize, limit: f64) -> f64 {
     terms.sum::<f64>() + if limit.is_finite() { limit.abs() } else { 0.0 }
 }
 
-/// What a relative change of the rows' terms may make of the bound that multipliers prove.
+/// The amount by which a relative change of the rows' terms may move the bound that multipliers
+/// prove.
 fn effect(program: &Reduced, x: &[f64], y: &[f64], part: f64) -> f64 {
     let effect = |(row, y): (usize, &f64)| {
         let limit = if *y > 0.0 { program.row_upper[row] } else { program.row_lower[row] };

@@ -58,7 +58,7 @@ impl Entry {
     }
 }
 
-/// What a ladder has taken since it was last asked.
+/// The attempts, iterations and time that a ladder has taken since it was last asked.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spent {
     /// Attempts by method.
@@ -78,7 +78,7 @@ impl Spent {
     }
 }
 
-/// What [`Verdict::Relaxed`] says.
+/// The contents of [`Verdict::Relaxed`].
 struct Relaxed {
     bound: f64,
     x: Vec<f64>,
@@ -102,7 +102,7 @@ pub struct Ladder {
     first: Entry,
     /// `None` if the first method is alone.
     last: Option<Entry>,
-    /// What the methods that start from a state have shown, and the first one.
+    /// The records of the methods that start from a state, and of the first one.
     records: [Record; 3],
     spent: Spent,
     prover: Prover,
@@ -164,7 +164,7 @@ impl Ladder {
         }
     }
 
-    /// What was taken since this was last called.
+    /// The attempts, iterations and time taken since this was last called.
     pub fn take_spent(&mut self) -> Spent {
         std::mem::take(&mut self.spent)
     }

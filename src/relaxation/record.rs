@@ -1,10 +1,10 @@
-//! What methods have shown: one that always gives up is asked less often.
+//! The records of methods: one that always gives up is asked less often.
 
 /// A method that has given up so many times in a row is asked every so many times only.
 const PATIENCE: u32 = 16;
 const EVERY: u32 = 8;
 
-/// What a method has shown at the programs of a search.
+/// The record of a method at the programs of a search.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Record {
     /// How often in a row it has given up.

@@ -1,4 +1,4 @@
-//! What a relaxation, verified, says about a node.
+//! The verdict on a node from a verified relaxation.
 
 use super::Prover;
 use super::attempts::Purpose;
@@ -9,7 +9,7 @@ use crate::presolve::Reduced;
 use crate::solver::{Options, StopToken};
 use crate::tolerance;
 
-/// What is asked about a node.
+/// A question about a node.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
     /// One of the first four.
@@ -28,7 +28,7 @@ pub struct Question<'a> {
     pub warm: Option<&'a WarmState>,
 }
 
-/// What a relaxation, verified, says about a node.
+/// The verdict on a node from a verified relaxation.
 #[derive(Debug)]
 pub enum Verdict {
     /// No feasible point: proved by multipliers, one a row.
@@ -46,12 +46,12 @@ pub enum Verdict {
         y: Vec<f64>,
         /// Whether bound and point are close together.
         converged: bool,
-        /// What the children's relaxations may start from.
+        /// The state that the children's relaxations may start from; `None` if there is none.
         warm: Option<WarmState>,
     },
 }
 
-/// What the attempts at a node have shown so far.
+/// The findings of the attempts at a node so far.
 pub(super) struct Known<'a> {
     program: &'a Reduced,
     question: &'a Question<'a>,
@@ -68,7 +68,7 @@ pub(super) struct Known<'a> {
     pub(super) warm: Option<WarmState>,
 }
 
-/// What follows from an attempt.
+/// The outcome of an attempt.
 pub(super) enum Step {
     Ended(Verdict),
     GoodEnough,

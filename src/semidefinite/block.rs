@@ -32,7 +32,7 @@ pub(super) struct Block {
     longest: usize,
 }
 
-/// What is known of a block.
+/// The verdict on a block.
 enum Verdict {
     Proved,
     Negative(Direction),

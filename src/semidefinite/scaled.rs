@@ -7,7 +7,7 @@ pub(super) struct Scaled {
     pub(super) pairs: Vec<(usize, usize, f64)>,
 }
 
-/// What a factorisation has found.
+/// The result of a factorisation.
 pub(super) enum Factored {
     /// The factor misses no more of the matrix than there is room for.
     Covered,

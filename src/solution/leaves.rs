@@ -53,21 +53,21 @@ impl LeafBox {
     }
 }
 
-/// What became of a [`TreeSeed`](crate::solver::TreeSeed).
+/// The report on a [`TreeSeed`](crate::solver::TreeSeed) after a solve.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SeedReport {
-    /// What became of the guess, if there was one and the solver tried it.
+    /// The outcome of the guess; `None` if there was none or the solver did not try it.
     pub guess: Option<GuessStatus>,
-    /// What became of the boxes, if there were any and the root was split.
+    /// The report on the boxes; `None` if there were none or the root was not split.
     pub leaves: Option<LeafReport>,
     /// Number of entries that were ignored because they name a variable of another model or a
     /// continuous one, or because their value is NaN.
     pub ignored: usize,
 }
 
-/// What became of a guess.
+/// The outcome of a guess.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

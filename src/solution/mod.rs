@@ -1,4 +1,4 @@
-//! What comes back from a solve: values by handle, statuses, bound, and an independent check.
+//! The result of a solve: values by handle, statuses, bound, and an independent check.
 //!
 //! Why the solver stopped ([`Termination`]) and what it holds ([`PrimalStatus`]) are separate
 //! answers: a search stopped by its time limit may hold a very good plan. Every [`Solution`] with
@@ -74,7 +74,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// What a backend reports; the fields say what each part means.
+    /// The result that a backend reports; the fields say what each part means.
     pub fn new(
         termination: Termination,
         values: Option<Vec<f64>>,
@@ -269,7 +269,7 @@ impl Solution {
         &self.leaves
     }
 
-    /// What became of the seed of the solve, if it had one.
+    /// The report on the seed of the solve; `None` if it had none.
     pub fn seed_report(&self) -> Option<&SeedReport> {
         self.seed.as_ref()
     }

@@ -75,9 +75,9 @@ pub struct Statistics {
     pub blocks: u64,
     /// Threads that took part.
     pub threads: u64,
-    /// What the threads spent their time on.
+    /// The time that the threads spent, by activity.
     pub times: Times,
-    /// What each source of points tried and found.
+    /// The calls, finds and time of each source of points.
     pub heuristics: HeuristicCounts,
     /// Wall-clock time of the solve.
     pub time: Duration,
@@ -114,8 +114,8 @@ impl RelaxationCounts {
     }
 }
 
-/// What the threads of a search spent their time on. The parts do not overlap, and are summed over
-/// all threads: a relaxation inside a heuristic counts as relaxation.
+/// The time that the threads of a search spent, by activity. The parts do not overlap, and are
+/// summed over all threads: a relaxation inside a heuristic counts as relaxation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -161,7 +161,7 @@ pub enum Heuristic {
     Neighbourhood,
 }
 
-/// What one source of points tried and found.
+/// The calls, finds and time of one source of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -179,7 +179,7 @@ pub struct HeuristicCount {
     pub time: Duration,
 }
 
-/// What each source of points tried and found.
+/// The calls, finds and time of each source of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct HeuristicCounts {

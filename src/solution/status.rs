@@ -51,7 +51,7 @@ impl fmt::Display for Termination {
     }
 }
 
-/// What a solution holds, apart from why the solver stopped.
+/// Whether a solution holds a point, apart from why the solver stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

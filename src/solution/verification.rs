@@ -58,7 +58,7 @@ pub struct Checked {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Violation {
-    /// What is violated.
+    /// The kind of statement that is violated.
     pub kind: ViolationKind,
     /// The variable or statement.
     pub name: String,
@@ -71,7 +71,7 @@ pub struct Violation {
     pub relative: f64,
 }
 
-/// What kind of statement a [`Violation`] is about.
+/// The kind of statement that a [`Violation`] is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -237,7 +237,7 @@ impl Verification {
         self.violations.is_empty()
     }
 
-    /// What is violated by more than the tolerance.
+    /// The violations by more than the tolerance.
     pub fn violations(&self) -> &[Violation] {
         &self.violations
     }

@@ -165,7 +165,7 @@ impl<W: Write> fmt::Debug for Log<W> {
     }
 }
 
-/// What the nearest refused point of a stalled search violates, in a line.
+/// The violations of the nearest refused point of a stalled search, in a line.
 fn refusal(check: &Verification) -> String {
     let violations = check.violations();
     let named: Vec<String> = violations.iter().take(NAMED).map(ToString::to_string).collect();

@@ -9,9 +9,9 @@ use crate::solution::Solution;
 /// A model that is solved again and again for other values of its parameters; made by
 /// [`Solver::prepare`].
 ///
-/// What holds for all values in the declared ranges is done once, when the model is prepared. The
-/// integers of the last point are tried first, unless a seed is given. A solve has the status and,
-/// within the gaps, the objective of a solve from nothing.
+/// The work that is the same for all values in the declared ranges is done once, when the model is
+/// prepared. The integers of the last point are tried first, unless a seed is given. A solve has
+/// the status and, within the gaps, the objective of a solve from nothing.
 ///
 /// ```
 /// use carom::prelude::*;

@@ -44,7 +44,7 @@ pub struct Progress {
     pub elapsed: Duration,
     /// Largest depth of a node so far, in decisions.
     pub depth: u64,
-    /// What found the best point so far, if that is known.
+    /// The source of the best point so far; `None` if it is not known.
     pub found_by: Option<Heuristic>,
     /// The part of the objective that all points have in common; 0 if it is not known.
     pub constant: f64,
@@ -82,7 +82,7 @@ pub struct Incumbent<'a> {
     pub point: &'a Point,
     /// Its objective, in the model's own sense.
     pub objective: f64,
-    /// What found it.
+    /// The source of the point.
     pub found_by: Heuristic,
     /// The state of the search when the point was reported, which may be later than when it was
     /// found.

@@ -7,7 +7,7 @@ const HELP: &str = "this is the LP format of lp_solve, with `max:` and `;`, and 
                     which is read here; `lp_solve -S1 -parse FILE -wfmps OUT.mps` writes such a file \
                     as MPS";
 
-/// What to say of a text that cannot be read: nothing unless it is a file of lp_solve.
+/// The error for a text that cannot be read; `None` unless it is a file of lp_solve.
 pub(super) fn hint(text: &str) -> Option<Error> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut in_comment = false;

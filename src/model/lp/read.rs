@@ -261,7 +261,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// What is said about a file without an end.
+/// The message about a file without an end.
 const CUT_OFF: &str = "the file ends without `End`; it may have been cut off";
 
 /// Whether a word means infinity.

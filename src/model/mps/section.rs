@@ -54,7 +54,7 @@ impl Section {
     }
 }
 
-/// What to do about sections that a model cannot hold.
+/// The advice about a section that a model cannot hold; `None` for any other section.
 fn refused(name: &str) -> Option<&'static str> {
     Some(match name {
         "QCMATRIX" | "CSECTION" => "rows must be linear; only the objective can be quadratic",

@@ -74,8 +74,8 @@ pub(crate) fn upper(value: f64, token: &Token<'_>) -> Result<f64, Error> {
     Err(token.error("an upper bound cannot be -infinity"))
 }
 
-/// What is said about a semi-continuous variable with crossed bounds: only 0 is left, as most solvers
-/// take it.
+/// The message about a semi-continuous variable with crossed bounds: only 0 is left, as most
+/// solvers take it.
 pub(crate) fn only_zero(name: &str, (lower, upper): (f64, f64)) -> String {
     let (low, high) = (Exact(lower), Exact(upper));
     let doubt = if upper < 0.0 { "; some solvers take the program as infeasible" } else { "" };

@@ -1,4 +1,4 @@
-//! What reading a file returns: the model, and where the reader had to decide.
+//! The result of reading a file: the model, and where the reader had to decide.
 
 use std::fmt;
 
@@ -36,7 +36,7 @@ pub struct Warning {
     pub line: usize,
     /// Column, from 1.
     pub column: usize,
-    /// What was found, and how it was taken.
+    /// The finding in words, and how the reader took it.
     pub message: String,
 }
 

@@ -36,7 +36,7 @@ impl Side {
 struct Image {
     /// Where its unit vector begins.
     begin: usize,
-    /// What the unit vector has to be multiplied with.
+    /// The factor from the unit vector to the vector itself.
     size: f64,
     /// The unit vector times `L⁻¹q`.
     shift: f64,

@@ -28,7 +28,7 @@ pub(super) struct Condensed {
     pub(super) constant: Vec<f64>,
     /// By unknown, the entry on the diagonal.
     pub(super) diagonal: Vec<usize>,
-    /// What the weights of short rows add.
+    /// The terms of short rows, each added times the weight of its row.
     pub(super) terms: Vec<Term>,
     /// Rows with an unknown of their own, after the equalities.
     pub(super) long: Vec<usize>,

@@ -29,8 +29,8 @@ use warm_start::{Kept, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
-/// What it computes with is kept between solves, so that one takes memory only for a system that is
-/// unlike the last ones, and for its result, unless others were given back.
+/// Its working memory is kept between solves, so that a solve takes memory only for a system that
+/// is unlike the last ones, and for its result, unless others were given back.
 #[derive(Default)]
 pub struct InteriorPoint {
     scaled: Scaled,
@@ -216,7 +216,8 @@ impl Run<'_> {
         solved
     }
 
-    /// What a measured iterate shows, and whether that is all that was asked for.
+    /// The claim that a measured iterate supports, and whether that is all that was asked for;
+    /// `None` if it supports none.
     fn judge(&self, at: &Iterate, iterations: u32) -> Option<(Claim, bool)> {
         let (scaled, effort) = (self.scaled, self.effort);
         let objective = |value: f64| value / scaled.objective + self.program.offset;

@@ -18,7 +18,7 @@ const EXCHANGES: usize = 50;
 /// No slot.
 pub(super) const NONE: usize = usize::MAX;
 
-/// What follows from a step.
+/// The outcome of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Step {
     Moved,

@@ -17,7 +17,7 @@ struct Pivot {
     value: f64,
 }
 
-/// What keeps columns from being a basis.
+/// The slots and rows that keep columns from being a basis.
 #[derive(Debug)]
 pub(super) struct Deficit {
     /// Slots of columns that depend on others.
@@ -48,7 +48,7 @@ impl Factors {
     ///
     /// # Errors
     ///
-    /// What is missing, if they are none.
+    /// The deficit, if the columns are no basis.
     pub(super) fn new(columns: SparseVectors, rows: usize) -> Result<Self, Deficit> {
         let mut factors = Factors { entering: SparseVectors::new(), ..Factors::default() };
         let by_row = columns.transposed(rows);
