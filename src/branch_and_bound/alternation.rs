@@ -3,8 +3,8 @@
 //! Without an objective, a relaxation says of a node only whether it is empty, and a tree over windows
 //! of events decides many programs of horizons in a few nodes. Where it does not, an objective of one's
 //! own helps, though any point will do: the relaxed values tell how far a split moves what is left, so
-//! splits are chosen by gains, and cuts are looked for. Nobody knows beforehand which of the two is the
-//! faster one, so they take turns with growing limits. All turns together take a small multiple of the
+//! splits are chosen by gains, and cuts are looked for. It is not known beforehand which of the two is
+//! faster, so they take turns with growing limits. All turns together take a small multiple of the
 //! nodes of the faster way alone.
 
 use std::cell::RefCell;
@@ -119,7 +119,8 @@ impl Stage<'_> {
     }
 }
 
-/// What was found with an objective of our own, as an answer without one: no point is better than another.
+/// The result of a search with an objective of our own, as an answer without an objective: no point is
+/// better than another.
 fn without_objective(found: Found, offset: f64) -> Found {
     let bound = if found.bound == f64::INFINITY { found.bound } else { offset };
     Found { bound, proofs: Vec::new(), forks: Vec::new(), strengthened: None, ..found }

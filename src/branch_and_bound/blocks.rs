@@ -30,7 +30,7 @@ struct Part {
     gap: [f64; 2],
 }
 
-/// What a search may spend: time from now on, and nodes.
+/// The limits of a search: time from now on, and nodes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Grant {
     time: Option<Duration>,
@@ -44,11 +44,11 @@ impl Grant {
     }
 }
 
-/// What the other blocks add to the figures of one, in the model's own sense.
+/// The figures that the other blocks add to those of one, in the model's own sense.
 struct Others {
     nodes: u64,
     relaxations: u64,
-    /// Their objective, where each of them has a point.
+    /// Their objective; `None` if one of them has no point.
     value: Option<f64>,
     bound: f64,
     /// The constant of the whole objective.
@@ -89,13 +89,13 @@ struct Parts<'a> {
     any_point: bool,
     /// As in [`Found`].
     is_widened: bool,
-    /// Also over when the user has had enough.
+    /// Also over when the user stops the solve.
     token: StopToken,
 }
 
 impl Stage<'_> {
-    /// What is found of the program block by block; nothing where it is a single one, or where the
-    /// blocks come to no conclusion.
+    /// The result of searching the program block by block; `None` if it must not be split, if it is a
+    /// single block, or if the blocks come to no conclusion.
     pub(super) fn run_blocks(&self, control: &mut Control<'_>) -> Option<Found> {
         if !self.options.blocks || self.as_is || self.options.pool > 1 {
             return None;
@@ -158,7 +158,7 @@ impl Parts<'_> {
         ended || (self.any_point && best.is_some())
     }
 
-    /// The share of a block in what is left; nothing where nothing is left.
+    /// The share of a block in the time and nodes that are left; `None` if none are left.
     fn grant(&self, k: usize) -> Option<Grant> {
         let waiting = (k..self.parts.len()).filter(|&k| !self.is_done(k)).count().max(1);
         let (limits, time) = (self.stage.options, self.token.left());
@@ -265,7 +265,7 @@ impl Parts<'_> {
         }
     }
 
-    /// The best points of all blocks, but perhaps one, put together; nothing where one is missing.
+    /// The best points of all blocks, but perhaps one, put together; `None` if one is missing.
     fn point(&self, except: Option<usize>) -> Option<Vec<f64>> {
         let mut point = vec![0.0; self.stage.program.column_count()];
         for (k, part) in self.parts.iter().enumerate() {
@@ -287,8 +287,8 @@ impl Parts<'_> {
         self.stage.options.allowed_gap(value, self.stage.program.constant)
     }
 
-    /// Where all blocks are solved and the whole is not: opens those again that are further from
-    /// their bounds than their share. Whether there are any.
+    /// If all blocks are solved and the whole is not, reopens those that are further from their bounds
+    /// than their share. Returns whether there are any.
     fn tighten(&mut self) -> bool {
         let solved = |part: &Part| part.ended == Some(Termination::Optimal);
         let Some(point) = self.point(None).filter(|_| self.parts.iter().all(solved)) else {
@@ -308,7 +308,7 @@ impl Parts<'_> {
         true
     }
 
-    /// What follows from all blocks for the whole, where anything does.
+    /// The result for the whole that follows from all blocks; `None` if nothing follows.
     fn conclude(&self) -> Option<Found> {
         let reason = self.limit();
         let point = self.point(None);

@@ -1,5 +1,5 @@
-//! What a prepared model keeps from solve to solve: the integers of the best point, and the tree with
-//! what closed its ends.
+//! The data that a prepared model keeps from solve to solve: the integers of the best point, and the
+//! tree with the proofs that closed its ends.
 //!
 //! The integers are a start for the next solve: fixed, completed and verified like any other point.
 //! The tree is gone through again, and the bounds of the multipliers are proved anew. Nothing is
@@ -23,7 +23,7 @@ const REST: u32 = 15;
 /// without preparation, which costs as much as a few nodes.
 const TREE: u64 = 3;
 
-/// What is kept of the last solves of a prepared model; columns and rows are those of the program.
+/// The data kept from the last solves of a prepared model; columns and rows are those of the program.
 #[derive(Debug, Default)]
 pub(super) struct History {
     /// Values of integral columns at the last point that was found, the earliest steps first.
@@ -48,7 +48,7 @@ impl History {
         History { next: next_of(columns), ..History::default() }
     }
 
-    /// What the last solve proposes for the next one.
+    /// The seed that the last solve leaves for the next one.
     pub(super) fn seed(&self) -> Seed {
         let proofs = Some(Arc::new(Proofs::new(&self.proofs, &self.forks)));
         Seed { guess: self.guess.clone(), proofs, ..Seed::default() }

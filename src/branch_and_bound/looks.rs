@@ -14,7 +14,7 @@ pub(super) struct Looks<'a> {
     left: RefCell<Left>,
 }
 
-/// What looks have left.
+/// The results that looks leave to the search.
 #[derive(Default)]
 struct Left {
     best: Option<Start>,
@@ -83,15 +83,16 @@ impl<'a> Looks<'a> {
         Looked { value, bound: found.bound, is_closed }
     }
 
-    /// What a search may begin with: `same_root` if it has the root that was looked at.
+    /// The seed from the looks; `None` if there was no look. `same_root` if the search has the root that was
+    /// looked at.
     fn begun(&self, same_root: bool) -> Option<Seed> {
         let Left { best, looked, .. } = &*self.left.borrow();
         let point = best.clone();
         looked.then(|| Seed { point, looked: Some(same_root), ..Seed::default() })
     }
 
-    /// What the search may begin with, its own seed included; `None` if that is all. `same_root` as
-    /// above. A guess is judged without a point to beat.
+    /// The seed from the looks together with the given one; `None` if the given one is to be used as it is,
+    /// or if there is neither. `same_root` as above. A guess is judged without a point to beat.
     pub(super) fn seed(&self, same_root: bool) -> Option<Seed> {
         let own = self.begun(same_root);
         match self.given {

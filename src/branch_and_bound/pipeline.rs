@@ -22,7 +22,7 @@ const VISIBLE: f64 = 1e-10;
 /// the point keeps the equalities that were used up to the feasibility tolerance only.
 const CHANGED: f64 = 1e-6;
 
-/// What the steps of a solve share.
+/// The data that the steps of a solve share.
 #[derive(Clone, Copy)]
 pub(super) struct Pipeline<'a> {
     pub(super) model: &'a Model,
@@ -37,8 +37,9 @@ pub(super) struct Pipeline<'a> {
 }
 
 impl Pipeline<'_> {
-    /// What is found of the model's program; points are values of its variables. Nothing is known if a
-    /// limit comes before the search. With multipliers of the lowered model if it has no integers.
+    /// The result of searching the model's program; points are values of its variables. If a limit comes
+    /// before the search, there is no point and no bound. With multipliers of the lowered model if it has
+    /// no integers.
     pub(super) fn run(
         &self,
         control: &mut Control<'_>,
@@ -186,13 +187,13 @@ impl Pipeline<'_> {
         Ok(())
     }
 
-    /// Whether somebody speaks of the tree or of all columns: pools, leaves and splits do.
+    /// Whether an option or the guidance refers to the tree or to all columns: pools, leaves and splits do.
     pub(super) fn is_about_columns(&self) -> bool {
         self.options.pool > 1 || self.is_about_tree()
     }
 
-    /// Whether somebody speaks of the tree: leaves and splits do. Pools do not mind rows that all points
-    /// satisfy.
+    /// Whether an option or the guidance refers to the tree: leaves and splits do. Rows that all points
+    /// satisfy do not affect pools.
     fn is_about_tree(&self) -> bool {
         let boxes = self.seed.is_some_and(|seed| !seed.leaves.is_empty());
         self.options.keep_leaves || boxes || self.guidance.splits()

@@ -42,7 +42,7 @@ struct LoweredProgram {
     parameters: Vec<Variable>,
 }
 
-/// What presolve has left, for all values of the parameters.
+/// The result of presolve for all values of the parameters.
 #[derive(Debug)]
 enum Reduced {
     /// Presolve is off.

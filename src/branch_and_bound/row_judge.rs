@@ -25,7 +25,7 @@ pub(super) struct RowJudge<'a> {
     noted: Mutex<Noted>,
 }
 
-/// What the points of a search tell.
+/// The rows and points noted while the points of a search are judged.
 #[derive(Default)]
 pub(super) struct Noted {
     /// Lazy constraints, some of them perhaps twice.

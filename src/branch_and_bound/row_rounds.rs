@@ -68,14 +68,14 @@ pub(super) fn solve_in_rounds(
     answer(model, options, found, derivatives, seed_report, refusals.take())
 }
 
-/// What the rounds of a solve know.
+/// The state of the rounds of a solve.
 struct Rounds<'a> {
     model: &'a Model,
     options: &'a Options,
     token: &'a StopToken,
     ladders: LadderPool,
     refusals: Refusals,
-    /// The user's seed, and how many of its entries mean nothing.
+    /// The user's seed, and how many of its entries are ignored.
     given: Option<(Seed, usize)>,
     seed_report: Option<SeedReport>,
     lazy: Vec<StoredRow>,

@@ -30,7 +30,7 @@ pub(super) fn seed_of(model: &Model, given: &TreeSeed) -> (Seed, usize) {
     (Seed { guess, leaves, ..Seed::default() }, ignored)
 }
 
-/// What became of a seed, in words and variables of the model; columns and points are the model's.
+/// The report on the outcome of a seed, in variables of the model; columns and points are the model's.
 pub(super) fn report(model: &Model, found: &Found, seed: &Seed, ignored: usize) -> SeedReport {
     let variables: Vec<Variable> = model.variables().map(|variable| variable.id()).collect();
     let name = |column: usize| match model.variables().nth(column) {

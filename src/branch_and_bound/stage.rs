@@ -30,7 +30,7 @@ pub(super) struct Stage<'a> {
     pub(super) restore: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
     /// Whether the columns must stay as they are.
     pub(super) as_is: bool,
-    /// What was done before for all values of parameters.
+    /// The program tightened beforehand for all values of the parameters, if it was.
     pub(super) tightened: Option<&'a Tightened>,
     /// Whether cuts and tighter costs are tried.
     pub(super) strengthens: bool,
@@ -65,19 +65,19 @@ const LARGE: usize = 10_000;
 /// The part of the time that is left which a first point may take (no unit).
 const SHARE: f64 = 0.25;
 
-/// A program to search, and who judges its points.
+/// A program to search, and the check of its points.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
     pub(super) program: &'a Program,
     pub(super) accept: &'a Accept<'a>,
-    /// The user's point that a point stands for, where it is one.
+    /// The user's point that a point stands for; `None` if there is none.
     pub(super) describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
 }
 
 impl Stage<'_> {
-    /// What is found of the program, in blocks where it has any.
+    /// The result of searching the program, block by block if it has several.
     pub(super) fn run(&self, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
         if seed.is_none()
             && self.guidance.is_idle()

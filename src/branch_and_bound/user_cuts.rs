@@ -18,7 +18,7 @@ const PASSES: usize = 200;
 const LIFT: f64 = 1e-4;
 const IDLE: usize = 5;
 
-/// What the root is relaxed with.
+/// The options and methods for relaxing the root.
 #[derive(Clone, Copy)]
 pub(super) struct Relaxing<'a> {
     pub(super) options: &'a Options,

@@ -79,7 +79,7 @@ impl OneSided {
     }
 }
 
-/// What is known of columns.
+/// The bounds and the integrality of columns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns<'a> {
     pub(super) lower: &'a [f64],

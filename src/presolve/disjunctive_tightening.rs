@@ -54,7 +54,7 @@ pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<P
     Some(tight)
 }
 
-/// Tightens the rows of a program to its bounds; nothing if no whole point satisfies one of them, or if
+/// Tightens the rows of a program to its bounds; `None` if no whole point satisfies one of them, or if
 /// they cannot be allocated.
 fn tighten_rows(program: &mut Program) -> Option<()> {
     let columns =

@@ -16,7 +16,7 @@ impl Implications {
         self.implied.is_empty()
     }
 
-    /// What a literal implies.
+    /// The literals that a literal implies.
     pub fn of(&self, literal: usize) -> &[usize] {
         match self.start.get(literal..=literal + 1) {
             Some(&[begin, end]) => &self.implied[begin..end],
@@ -25,15 +25,15 @@ impl Implications {
     }
 }
 
-/// What probing has found out about literals.
+/// The implications that probing has found, by literal.
 pub(super) struct Noted {
-    /// By literal, where what it implies is; nothing where it was not probed.
+    /// By literal, the range of the literals that it implies; `None` if it was not probed.
     ranges: Vec<Option<[usize; 2]>>,
     implied: Vec<usize>,
 }
 
 impl Noted {
-    /// Nothing about so many literals.
+    /// No implications yet, for so many literals.
     pub(super) fn new(literals: usize) -> Self {
         Noted { ranges: vec![None; literals], implied: Vec::new() }
     }

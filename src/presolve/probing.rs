@@ -4,7 +4,7 @@
 //! costs one propagation, a small fraction of a relaxation. It often excludes most impacts and
 //! refutes many horizons without a relaxation.
 //!
-//! What is excluded at one step often lets the next step be excluded, forwards or backwards in
+//! An exclusion at one step often lets the next step be excluded, forwards or backwards in
 //! time, so rounds alternate in direction, and a whole chain is excluded in one round instead of
 //! one link per round.
 //!
@@ -26,7 +26,7 @@ const JUDGED_AFTER: u32 = 100;
 const EXPECTED: u32 = 30;
 const RARELY: u32 = 8;
 
-/// What earlier trials looked at, and what came of them.
+/// The rows that earlier trials visited, and the results of these trials.
 #[derive(Debug, Clone)]
 pub(crate) struct ProbingRecord {
     /// By column, the last one of its upper value and of its lower one.
@@ -48,7 +48,7 @@ struct Trial {
 }
 
 impl ProbingRecord {
-    /// Nothing was tried yet; `columns` is the number of columns of the program.
+    /// A record without trials; `columns` is the number of columns of the program.
     pub(crate) fn new(columns: usize) -> Self {
         ProbingRecord {
             trials: vec![[Trial::default(); 2]; columns],

@@ -23,12 +23,12 @@ const WHOLE: f64 = 1e-6;
 /// A reduced program without the binaries that only link two rows.
 #[derive(Debug, Clone)]
 pub struct Projection {
-    /// What is left.
+    /// The program without these binaries.
     pub reduced: Reduced,
     taken: Taken,
 }
 
-/// What was taken out.
+/// The binaries and rows that were taken out.
 #[derive(Debug, Clone, Default)]
 struct Taken {
     members: Vec<Member>,
@@ -168,7 +168,7 @@ pub(super) struct Projector {
     dropped: Vec<bool>,
     /// By column: its position in what is left.
     position: Vec<usize>,
-    /// Of projections that are over.
+    /// Memory of projections that are no longer needed.
     spare: Vec<Taken>,
 }
 
@@ -205,7 +205,7 @@ impl Projector {
         Projection { reduced: rest, taken }
     }
 
-    /// Takes back a projection that is no longer needed; what is left of the program.
+    /// Takes back a projection that is no longer needed. Returns its reduced program.
     pub(super) fn reuse(&mut self, projection: Projection) -> Reduced {
         let Projection { reduced, taken } = projection;
         if !taken.members.is_empty() {

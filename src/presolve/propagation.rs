@@ -43,11 +43,11 @@ pub struct Propagator {
     pub(super) implications: Implications,
     token: StopToken,
     pub(super) change_log: ChangeLog,
-    /// What a bound of a continuous column must gain, of its width, to be followed.
+    /// The least gain of a bound of a continuous column, as a part of its width, that is followed.
     pub(super) least_gain: f64,
 }
 
-/// What the worklist knows of a row.
+/// The status of a row in the worklist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Status {
     Idle,
@@ -67,7 +67,7 @@ struct Uses {
 }
 
 impl Uses {
-    /// Of lines of which the last one is the objective, whose upper limit comes later.
+    /// The uses of columns in lines, the last of which is the objective, whose upper limit comes later.
     fn new(columns: usize, lines: &[Line], entries: &[Entry], change_log: &ChangeLog) -> Self {
         let mut blocks = vec![0; columns];
         for (row, line) in lines.iter().enumerate() {

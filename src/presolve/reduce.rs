@@ -15,7 +15,7 @@ use crate::program::Program;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// What counts as closed or implied at inner nodes, absolute.
+/// The margin up to which columns count as closed and rows as implied at inner nodes, absolute.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Bounds or limits crossed by more than this, relative, prove infeasibility.

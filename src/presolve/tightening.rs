@@ -70,7 +70,7 @@ pub(super) struct Tightening {
     pub(super) value: f64,
 }
 
-/// What a visit says about a row.
+/// The state of a row after a visit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RowState {
     /// No point of the domain satisfies it.
@@ -243,7 +243,7 @@ fn tighten_binding(
     RowState::Open
 }
 
-/// What a row is not known to, in its unit.
+/// The uncertainty of a row because of rounding, in its unit.
 struct Doubt {
     /// The sum of the largest magnitudes of terms that are not exact, and of a limit that presolve may have
     /// rounded.
@@ -251,7 +251,7 @@ struct Doubt {
     /// Accumulated rounding of an activity: of a plain sum, and of a compensated one.
     plain_rounding: f64,
     rounding: f64,
-    /// By how much the row may be missed by what its soft terms are not known to.
+    /// By how much the row may be missed because of the uncertainty of its soft terms.
     excess: f64,
 }
 

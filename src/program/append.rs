@@ -62,7 +62,7 @@ impl Program {
     }
 
     /// Replaces the objective: one linear coefficient a column, and the entries of the symmetric
-    /// matrix, of which equal places are added up; nothing where it cannot be allocated.
+    /// matrix, of which equal places are added up; `None` if it cannot be allocated.
     pub(crate) fn replace_objective(
         &mut self,
         linear: Vec<f64>,

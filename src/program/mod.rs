@@ -54,7 +54,7 @@ pub struct Program {
     /// By how much presolve has widened the limits of rows and the bounds of columns, in their units; empty
     /// if it has not. Rows and columns that were appended are not widened.
     pub(crate) widened: [Vec<f64>; 2],
-    /// How steep the objective is, once somebody has asked.
+    /// How steep the objective is; computed at the first request.
     pub(crate) steepness: OnceLock<Vec<f64>>,
 }
 

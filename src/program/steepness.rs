@@ -16,7 +16,8 @@ const MOST: usize = 200;
 /// Steepness below this part of the diagonal is not used (no unit).
 const FLAT: f64 = 1e-9;
 
-/// What is tried, as a part of the smallest squared pivot, which no eigenvalue falls short of by much.
+/// The parts of the diagonal that are tried, as parts of the smallest squared pivot, which no eigenvalue
+/// falls short of by much.
 const PARTS: [f64; 3] = [0.1, 1e-3, 1e-5];
 
 impl Program {

@@ -1,10 +1,10 @@
-//! What a worker spends its time on: one reading of the clock per change of activity.
+//! The time that a worker spends on each activity: one reading of the clock per change of activity.
 
 use web_time::{Duration, Instant};
 
 use crate::solution::Times;
 
-/// What a worker is doing.
+/// The activity of a worker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Activity {
     Propagation,
@@ -49,7 +49,7 @@ impl Clock {
         *own = own.saturating_sub(time);
     }
 
-    /// Stops measuring while somebody else's clock runs; what was going on.
+    /// Stops measuring while another clock runs. Returns the activity before the pause.
     pub(super) fn pause(&mut self) -> Activity {
         self.switch(Activity::Other)
     }

@@ -51,7 +51,7 @@ pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], ch
         ctx.tree.keep_leaf(&ctx.tree.path_with(&path, &[opposite(*fact)]), bound);
         path = ctx.tree.path_with(&path, &[*fact]);
     }
-    // What a split into both sides of a column leaves is nothing.
+    // A split into both sides of a single column covers the whole node.
     let covers = children.len() == 2 && last.decisions.len() == 1;
     if let Some((last, before)) = last.decisions.split_last().filter(|_| !covers) {
         let neither: Vec<Decision> = before.iter().copied().chain([opposite(*last)]).collect();
@@ -59,7 +59,7 @@ pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], ch
     }
 }
 
-/// What a decision excludes.
+/// The decision that allows exactly the values that this one excludes.
 pub(super) fn opposite(decision: Decision) -> Decision {
     let value = decision.value + if decision.is_upper { 1.0 } else { -1.0 };
     Decision { is_upper: !decision.is_upper, value, ..decision }

@@ -62,7 +62,7 @@ impl<'a> ColumnGuidance<'a> {
         ColumnGuidance { excludes: Some(Excludes(excludes)), ..self }
     }
 
-    /// Whether a verified point is excluded; it is asked for if anybody judges it.
+    /// Whether a verified point is excluded; the point is only computed if there is a judge.
     pub(super) fn excludes(&self, point: impl FnOnce() -> Option<Point>) -> bool {
         let judged = |Excludes(excludes)| point().is_none_or(|point| excludes(&point));
         self.excludes.is_some_and(judged)

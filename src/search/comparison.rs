@@ -20,10 +20,10 @@ const ROUNDED: f64 = 1e-8;
 /// By how much a value of the objective may be off, relative to the sum of its terms (no unit).
 const OFF: f64 = 1e-9;
 
-/// What a strengthened program gets wrong about an accepted point.
+/// An error of a strengthened program about an accepted point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contradiction {
-    /// It is dearer than it is.
+    /// Its objective is higher in the strengthened program than in the original.
     Objective,
     /// The row excludes it.
     Row(usize),
@@ -32,7 +32,7 @@ pub enum Contradiction {
 }
 
 /// Compares the program of a task, and the bounds of its root, with the exact program at an accepted
-/// point. Nothing where the task has no exact program.
+/// point. `None` if they agree, or if the task has no exact program.
 pub(super) fn contradiction(
     task: &Task<'_>,
     root: &Domain,

@@ -14,14 +14,14 @@ use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{NodeView, Options, PoolMode, StopToken};
 
-/// What the start of a relaxation from its parent's state counts in the budgets of heuristics, in
+/// The cost of starting a relaxation from its parent's state, in the budgets of heuristics, in
 /// iterations.
 const START: u64 = 8;
 
 /// The search itself, for heuristics that solve smaller programs with it.
 pub(super) type NestedSearch = fn(Task<'_>) -> Found;
 
-/// What all workers of a search have in common, and none of them changes.
+/// The data that all workers of a search share and none of them changes.
 #[derive(Clone, Copy)]
 pub(super) struct Shared<'a> {
     /// The task, whose program has the columns of the event windows.

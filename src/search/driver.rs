@@ -114,7 +114,7 @@ pub(crate) fn first_point(task: Task<'_>) -> Found {
     tree.into_found()
 }
 
-/// What the multipliers of an earlier root prove of this one.
+/// The bound on this root that the multipliers of an earlier root prove; `-inf` if they prove none.
 fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
     let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
     let Some((proof, root)) = proof.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };

@@ -26,13 +26,13 @@ pub(super) struct FocusNode {
     root_mark: usize,
     /// The cutoff that propagation uses here.
     pub(super) cutoff: f64,
-    /// What its relaxation has left, or its parent's before it is relaxed.
+    /// The state left by its relaxation, or by its parent's before it is relaxed.
     pub(super) warm: Option<WarmState>,
     /// Its name in a tree that is kept.
     pub(super) id: u32,
     /// Sides that trials have closed here, if the tree is kept.
     pub(super) closed: Vec<Decision>,
-    /// What its bound is proved by, if that is kept.
+    /// The multipliers that prove its bound, if they are kept.
     pub(super) multipliers: Option<Arc<Multipliers>>,
 }
 

@@ -6,18 +6,19 @@ use super::proofs::{Fork, Proof};
 use super::seed::{GuessEnd, Seeded};
 use crate::solution::{Heuristic, Statistics, Termination};
 
-/// What a search found. Objective values are those of the minimised program.
+/// The result of a search. Objective values are those of the minimised program.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// Why it stopped.
     pub termination: Termination,
     /// The best accepted points, best first.
     pub points: Vec<Vec<f64>>,
-    /// What found the best one.
+    /// The heuristic that found the best one.
     pub(crate) found_by: Option<Heuristic>,
     /// Whether a point owes a visible part of its value to limits that presolve has widened for rounding.
     pub is_widened: bool,
-    /// What an accepted point contradicts in the strengthened program. Then no bound is known.
+    /// The part of the strengthened program that an accepted point contradicts, if there is one. Then no
+    /// bound is known.
     pub contradiction: Option<Contradiction>,
     /// Whether these are proved to be the best ones.
     pub pool_complete: bool,
@@ -27,16 +28,16 @@ pub struct Found {
     pub statistics: Statistics,
     /// The ends of the tree, if they were asked for.
     pub leaves: Vec<ClosedNode>,
-    /// What closed nodes, if it is to be kept.
+    /// The proofs that closed nodes, if they are to be kept.
     pub(crate) proofs: Vec<Proof>,
-    /// How nodes were split, if it is to be kept.
+    /// The splits of nodes, if they are to be kept.
     pub(crate) forks: Vec<Fork>,
     /// The part of the gap between the relaxed root and the best point that cuts and tighter costs have
     /// closed, if they were tried.
     pub(crate) strengthened: Option<f64>,
-    /// What became of a guess.
+    /// The outcome of a guess, if there was one.
     pub guess: Option<GuessEnd>,
-    /// What became of the boxes of a seed.
+    /// The outcome of the boxes of a seed, if there were any.
     pub seeded: Option<Seeded>,
 }
 

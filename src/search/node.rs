@@ -104,12 +104,12 @@ impl Path {
     }
 }
 
-/// What is known of a node's relaxation before it is visited.
+/// The result of a node's relaxation that is known before the node is visited.
 #[derive(Debug, Clone)]
 pub(super) struct Known {
     /// The relaxed point, over all columns.
     pub(super) point: Vec<f64>,
-    /// What the relaxation has left.
+    /// The state left by the relaxation.
     pub(super) warm: Option<WarmState>,
 }
 
@@ -124,13 +124,13 @@ pub struct Node {
     pub(super) fraction: f64,
     /// The relaxation of a trial, if there was one.
     pub(super) known: Option<Box<Known>>,
-    /// What the parent's relaxation has left.
+    /// The state left by the parent's relaxation.
     pub(super) warm: Option<WarmState>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
     pub serial: u64,
     /// Its name in a tree that is kept for a later solve; 0 for the root.
     pub(super) id: u32,
-    /// What its bound was proved by, if that is kept.
+    /// The multipliers that proved its bound, if they are kept.
     pub(super) multipliers: Option<Arc<Multipliers>>,
 }
 

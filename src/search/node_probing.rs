@@ -17,7 +17,7 @@ const PATIENCE: usize = 10;
 /// The credit at first and at most, in trials; about that of ten full nodes.
 const CREDIT: i64 = 2000;
 
-/// What a bound of an integer moved by probing is worth, and a refuted node, in trials. A tenth of
+/// The credit for a bound of an integer that probing moves, and for a refuted node, in trials. A tenth of
 /// these left a pendulum of 40 steps open after 40 s that takes 0.4 s; more changes little.
 const BOUND: i64 = 50;
 const REFUTED: i64 = 400;
@@ -28,7 +28,7 @@ pub struct NodeProbing {
     credit: i64,
     /// Whether the root, probed before the search, is still to come.
     at_root: bool,
-    /// What was tried, and where.
+    /// The record of earlier trials.
     pub(super) record: ProbingRecord,
 }
 

@@ -8,13 +8,13 @@ use super::proofs::Multipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
 use crate::relaxation::{Purpose, Question, Verdict};
 
-/// What is to be relaxed at the node of the domain; `None` if it is refuted.
+/// The program to relax at the node of the domain; `None` if the node is refuted.
 pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
     let reduced = reduce_node(ctx)?;
     Some(project_reduced(ctx, reduced))
 }
 
-/// The same without the binaries that a relaxation does not need.
+/// The reduced program without the binaries that a relaxation does not need.
 pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projection {
     let activity = ctx.clock.switch(Activity::Reduction);
     let integral = &ctx.program().integral;
@@ -85,7 +85,7 @@ pub(super) fn relax_and_keep(
     (verdict, multipliers)
 }
 
-/// What the exact program says of the node of the domain.
+/// The relaxation of the exact program at the node of the domain.
 pub(super) struct Exact {
     /// A proved bound; infinite if there is no point.
     pub(super) bound: f64,

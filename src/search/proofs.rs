@@ -63,7 +63,7 @@ impl Proof {
     }
 }
 
-/// What an earlier proof is worth now.
+/// The result of trying an earlier proof on a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Tried {
     /// It closes the node.
@@ -128,7 +128,7 @@ impl Fork {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Proofs {
     forks: BTreeMap<u32, Fork>,
-    /// What closed nodes and sides.
+    /// The multipliers that closed nodes and sides.
     ends: BTreeMap<EndKey, Arc<Multipliers>>,
 }
 
@@ -150,7 +150,7 @@ impl Proofs {
         all
     }
 
-    /// How a node was split.
+    /// The split of a node; `None` if none was kept.
     pub(super) fn fork(&self, node: u32) -> Option<&Fork> {
         self.forks.get(&node)
     }
@@ -165,7 +165,7 @@ impl Proofs {
         self.forks.len() >= LARGE
     }
 
-    /// What closed an end.
+    /// The multipliers that closed an end; `None` if none were kept.
     pub(super) fn of(&self, end: End) -> Option<&Arc<Multipliers>> {
         self.ends.get(&end.key())
     }

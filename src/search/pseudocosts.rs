@@ -13,11 +13,11 @@ pub struct Pseudocosts {
     count: Vec<[u32; 2]>,
     /// Over all columns, by direction.
     total: [(f64, u32); 2],
-    /// What was learned and not yet told to other workers, if there are any.
+    /// The lessons that other workers were not told yet; `None` if there are no other workers.
     fresh: Option<Vec<Lesson>>,
 }
 
-/// What one child taught about a column.
+/// The gain of one child of a split at a column.
 #[derive(Debug, Clone, Copy)]
 struct Lesson {
     column: usize,
@@ -26,7 +26,7 @@ struct Lesson {
 }
 
 impl Pseudocosts {
-    /// Nothing known of so many columns.
+    /// Empty pseudocosts for so many columns.
     pub fn new(columns: usize) -> Self {
         Pseudocosts {
             sum: vec![[0.0; 2]; columns],

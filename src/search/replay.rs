@@ -84,7 +84,7 @@ pub(super) fn replay(
     Some(parts.into_iter().map(node_of).collect())
 }
 
-/// What has become of the root so far.
+/// The state of a replay: the parts of the root so far.
 #[derive(Default)]
 struct Replay {
     /// The decisions that lead to the part in hand, from the root on.

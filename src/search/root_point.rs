@@ -17,7 +17,7 @@ pub(super) struct RootPoint {
     pub(super) bound: f64,
     pub(super) value: f64,
     pub(super) x: Vec<f64>,
-    /// What the relaxation has left.
+    /// The state left by the relaxation.
     pub(super) warm: Option<WarmState>,
     /// Whether the nodes below would start from the state of another method.
     lacks_state: bool,
@@ -30,7 +30,7 @@ pub(crate) struct Strengthened {
     pub(crate) values: [f64; 2],
 }
 
-/// What a short search from a root has shown.
+/// The result of a short search from a root.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Looked {
     /// The value of its best point, if it found one.

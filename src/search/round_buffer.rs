@@ -1,4 +1,4 @@
-//! What a worker of the deterministic search sees and finds during a round.
+//! The view and the finds of a worker of the deterministic search during a round.
 
 use super::best_points::Accepted;
 use super::node::Node;

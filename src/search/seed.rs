@@ -14,7 +14,7 @@ use crate::presolve::Domain;
 use crate::program::Program;
 use crate::solution::Heuristic;
 
-/// What an earlier solve hands over, in columns of the program.
+/// The hints that a search begins with, from the user or from earlier searches, in columns of the program.
 #[derive(Debug, Clone, Default)]
 pub struct Seed {
     /// Values of integral columns to try.
@@ -36,12 +36,12 @@ pub struct Seed {
 pub struct Start {
     /// A value a column.
     pub values: Vec<f64>,
-    /// What found it.
+    /// The heuristic that found it.
     pub found_by: Heuristic,
 }
 
 impl Seed {
-    /// Nothing but a point to beat.
+    /// A seed with only a point to beat.
     pub fn from_point(point: Option<Start>) -> Self {
         Seed { point, ..Seed::default() }
     }
@@ -56,18 +56,18 @@ pub struct SeedBox {
     pub order: f64,
 }
 
-/// What became of the boxes of a seed.
+/// The outcome of the boxes of a seed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Seeded {
     /// By box: whether a part of the root lies in it.
     pub used: Vec<bool>,
     /// Parts of the root that lie in a box.
     pub inside: usize,
-    /// Parts that lie in none: what the boxes left open.
+    /// Parts of the root that lie in no box: the boxes left them open.
     pub outside: usize,
 }
 
-/// What became of a guess, in columns and values of the program.
+/// The outcome of a guess, in columns and values of the program.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GuessEnd {
     /// A verified point, with all guessed values or most of them.

@@ -11,7 +11,7 @@ use crate::solver::{Options, StopToken};
 /// accepted.
 pub type Accept<'a> = dyn Fn(&[f64]) -> bool + Sync + 'a;
 
-/// What a search needs to know.
+/// The input of a search.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The program.
@@ -26,7 +26,7 @@ pub struct Task<'a> {
     pub key: &'a (dyn Fn(&[f64]) -> Vec<i64> + Sync),
     /// The user's point that a point stands for.
     pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
-    /// What the user knows about the search.
+    /// The user's guidance of the search.
     pub guidance: &'a ColumnGuidance<'a>,
     /// The methods of the workers.
     pub ladders: &'a LadderPool,

@@ -44,9 +44,9 @@ pub(super) struct Tree<'a> {
     pub(super) proofs: AtomicUsize,
     /// The next name of a node.
     pub(super) ids: AtomicU32,
-    /// What the root's relaxation left: a start for nodes that have kept none.
+    /// The state left by the root's relaxation: a start for nodes that have kept none.
     pub(super) root_state: OnceLock<WarmState>,
-    /// What all workers learned about columns.
+    /// The pseudocosts from all workers.
     pub(super) pseudocosts: Mutex<Pseudocosts>,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct State {
     pub(super) stop: Option<Termination>,
     /// Whether a point owes a visible part of its value to what presolve has widened.
     pub(super) is_widened: bool,
-    /// What the strengthened program got wrong.
+    /// The error of the strengthened program, if an accepted point shows one.
     contradiction: Option<Contradiction>,
     /// Bytes of the tree when they were last counted: in rounds, before the present one.
     bytes: u64,
@@ -82,7 +82,7 @@ pub(super) struct State {
     pub(super) seeded: Option<Seeded>,
 }
 
-/// What a worker found since it last handed over.
+/// The finds of a worker since it last handed them over.
 #[derive(Default)]
 pub(super) struct Share {
     pub(super) statistics: Statistics,
@@ -286,7 +286,7 @@ impl<'a> Tree<'a> {
         state.forks.extend(share.forks);
     }
 
-    /// Closes a node that is beyond the cutoff before anybody has looked at it.
+    /// Closes a node that is beyond the cutoff before any worker has processed it.
     pub(super) fn close_unseen(&self, state: &mut State, node: Node) {
         self.open.fetch_sub(1, Ordering::Relaxed);
         state.closed = state.closed.min(node.bound);
@@ -421,7 +421,8 @@ fn granularity(program: &Program) -> f64 {
 }
 
 impl Tree<'_> {
-    /// What makes points distinct: the integers of the user's model.
+    /// An accepted point with the key that tells points apart: the integers of the user's model. The key is
+    /// empty if one point is enough.
     pub(super) fn accepted(&self, value: f64, point: Vec<f64>, found_by: Heuristic) -> Accepted {
         let key = if self.task.options.pool > 1 { (self.task.key)(&point) } else { Vec::new() };
         Accepted { value, key, point, found_by }

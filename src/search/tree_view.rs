@@ -100,12 +100,12 @@ impl<'a> TreeView<'a> {
         few && self.tree.task.options.memory_limit.is_none()
     }
 
-    /// What the root's relaxation left.
+    /// The state left by the root's relaxation, if it was kept.
     pub(super) fn root_state(&self) -> Option<WarmState> {
         self.tree.root_state.get().cloned()
     }
 
-    /// Keeps what the root's relaxation leaves.
+    /// Keeps the state left by the root's relaxation.
     pub(super) fn keep_root_state(&self, state: &WarmState) {
         // A root that is relaxed again leaves no better one.
         let _ = self.tree.root_state.set(state.clone());
@@ -284,7 +284,7 @@ impl<'a> TreeView<'a> {
         update(&mut self.share.borrow_mut().statistics);
     }
 
-    /// What was found since this was last asked for.
+    /// Takes the finds since the last call.
     pub(super) fn take_share(&self) -> Share {
         self.share.take()
     }
@@ -296,7 +296,7 @@ impl<'a> TreeView<'a> {
         }
     }
 
-    /// What a round kept back.
+    /// Takes what a round kept back; empty if the search does not run in rounds.
     pub(super) fn end_round(&self) -> RoundBuffer {
         match &self.exchange {
             Exchange::Immediate(_) => RoundBuffer::default(),

@@ -55,17 +55,17 @@ impl<'a> Worker<'a> {
         self.context.retire();
     }
 
-    /// What this worker sees of the tree.
+    /// This worker's view of the tree.
     pub(super) fn tree(&self) -> &TreeView<'a> {
         &self.context.tree
     }
 
-    /// What this worker knows about columns.
+    /// This worker's pseudocosts.
     pub(super) fn pseudocosts(&mut self) -> &mut Pseudocosts {
         &mut self.branching.pseudocosts
     }
 
-    /// Nothing that happened since this worker last did anything is its own time.
+    /// Restarts the clock: the time since this worker was last active does not count as its own.
     pub(super) fn restart_clock(&mut self) {
         self.context.clock.restart();
     }
@@ -229,7 +229,7 @@ fn relax_node(
     relaxed
 }
 
-/// What the verdict on a node means for it. Returns its bound and its point, or `None` if it is done.
+/// Acts on the verdict on a node. Returns its bound and its point, or `None` if the node is done.
 fn conclude_from(
     ctx: &mut Context<'_>,
     pseudocosts: &mut Pseudocosts,

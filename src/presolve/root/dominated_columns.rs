@@ -61,7 +61,7 @@ fn is_bounded(work: &Work) -> bool {
     })
 }
 
-/// What the limits of a row say about its multiplier.
+/// The smallest and the largest multiplier of a row that its limits allow.
 fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] + Copy + '_ {
     |row| {
         let most = if work.row_upper[row].is_finite() { f64::INFINITY } else { 0.0 };
@@ -70,7 +70,7 @@ fn signs(work: &Work) -> impl Fn(usize) -> [f64; 2] + Copy + '_ {
     }
 }
 
-/// Where a column belongs, when its reduced cost has a known sign.
+/// The value to fix a column at, from the known sign of its reduced cost; `None` if there is none.
 fn decided(
     work: &Work,
     column: usize,

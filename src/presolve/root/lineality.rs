@@ -55,7 +55,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
     changes
 }
 
-/// Fixes the first column of a direction unless bounds notice a shift both ways.
+/// Fixes the first column of a direction, unless both senses of the direction run into bounds.
 fn fix_along(work: &mut Work, mut direction: Sparse) -> bool {
     let leaves = |j: usize, d: f64| {
         let (lower, upper) = (work.lower[j].is_finite(), work.upper[j].is_finite());
@@ -155,8 +155,8 @@ impl Elimination {
         self.left = self.left.saturating_sub(entries);
     }
 
-    /// What is not to change: rows, costs and gradients over open columns, less those that a row by
-    /// itself keeps from moving.
+    /// The linear forms that must not change: rows, costs and gradients over open columns, without the
+    /// columns that a row by itself keeps from moving.
     fn rows(&mut self, work: &Work) -> Vec<Sparse> {
         let open = |&(j, _): &(usize, f64)| self.open[j];
         let count = |row: &Sparse| row.iter().filter(|entry| open(entry)).count();
@@ -181,7 +181,7 @@ impl Elimination {
         all.filter(|row: &Sparse| !row.is_empty()).collect()
     }
 
-    /// What `a'd` is as a combination of parameters, and whether nothing was rounded.
+    /// The product `a'd` as a combination of parameters, and whether it is exact.
     fn expand(&mut self, row: &[(usize, f64)]) -> (BTreeMap<usize, f64>, bool) {
         let (mut sum, mut exact) = (BTreeMap::new(), true);
         for &(j, a) in row {

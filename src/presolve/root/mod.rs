@@ -48,7 +48,7 @@ pub enum Rule {
     BinaryCodes,
     /// Equalities over two columns replace one of them.
     Doubletons,
-    /// Of columns that can be shifted together without any row or cost noticing, one is fixed.
+    /// If columns can be shifted together without changing any row or the objective, one of them is fixed.
     Lineality,
     /// Continuous columns in one row only become part of its limits.
     SlackColumns,

@@ -40,12 +40,12 @@ pub struct Restored {
 /// A presolved program and the way back.
 #[derive(Debug)]
 pub struct Presolved {
-    /// What is left; its optimum is that of the original.
+    /// The presolved program; its optimum is that of the original.
     pub program: Program,
     /// From its points to those of the original.
     pub postsolve: Postsolve,
-    /// How far rounding may have moved the objective, in its unit. What a bound on the presolved
-    /// program says of the original is less by this much: constants of 1e8 may cancel down to 1.
+    /// How far rounding may have moved the objective, in its unit. A bound on the presolved program, less
+    /// this much, is a bound on the original: constants of 1e8 may cancel down to 1.
     pub rounding: f64,
 }
 

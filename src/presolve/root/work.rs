@@ -16,7 +16,7 @@ use crate::tolerance;
 /// Bounds or limits crossed by more than this, relative, prove infeasibility; large ones less than that.
 const CROSSED: f64 = 1e-8;
 
-/// Rounding of bounds, and of limits of equalities, up to this is allowed for by whoever gets them,
+/// Rounding of bounds, and of limits of equalities, up to this is allowed for wherever they are used,
 /// relative to the limit. A smaller part is allowed for in other rows, and in rows of exact terms: their
 /// large limits come from big-Ms, and must not hide by how much a row is missed without them.
 const IMPERCEPTIBLE: f64 = 1e-9;
@@ -383,8 +383,8 @@ impl Work {
         Ok(())
     }
 
-    /// Widens limits and bounds that rounding may have moved further than whoever gets them will
-    /// suppose from their size.
+    /// Widens limits and bounds that rounding may have moved further than is allowed for, given their
+    /// size, wherever they are used.
     ///
     /// Returns by how much: of rows, and of columns.
     fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {

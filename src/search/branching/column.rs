@@ -21,7 +21,7 @@ pub(super) struct Chosen {
     pub(super) fixed: bool,
 }
 
-/// What a trial has found out about a column.
+/// The result of a trial of a column.
 enum Tried {
     /// One side is closed, and the column decided.
     Fixed,

@@ -104,7 +104,7 @@ fn score_of(pseudocosts: &Pseudocosts, sides: &[usize], x: &[f64], average: f64)
     log / (sides.len() as f64) - (sides.len() as f64).ln()
 }
 
-/// What turning each side on is expected to gain.
+/// The expected gain of turning each side on.
 fn gains_of(pseudocosts: &Pseudocosts, sides: &[usize], x: &[f64], average: f64) -> Vec<f64> {
     let gain = |&j: &usize| {
         let fraction = 1.0 - x[j];

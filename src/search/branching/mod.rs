@@ -36,7 +36,7 @@ use crate::solver::BranchingRule;
 /// the tree of an earlier solve.
 const WORTH_FIXING: f64 = 2.0;
 
-/// What a worker has learned about splits.
+/// The experience of a worker with splits.
 pub(super) struct Branching {
     pub(super) pseudocosts: Pseudocosts,
     credit: FixingCredit,

@@ -25,7 +25,7 @@ pub(crate) struct Child {
     pub(crate) decisions: Vec<Decision>,
     pub(crate) bound: f64,
     pub(crate) known: Option<Box<Known>>,
-    /// What its bound was proved by, if that is kept.
+    /// The multipliers that proved its bound, if they are kept.
     pub(crate) multipliers: Option<Arc<Multipliers>>,
 }
 

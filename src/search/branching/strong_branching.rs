@@ -29,11 +29,11 @@ pub(super) struct Trial {
     pub(super) known: Option<Box<Known>>,
     /// Bounds of integral columns that propagation moved in the child.
     moved: Vec<Decision>,
-    /// What its bound was proved by, if that is kept.
+    /// The multipliers that proved its bound, if they are kept.
     pub(super) multipliers: Option<Arc<Multipliers>>,
 }
 
-/// What holds in both of two children: bounds that both moved, at the weaker of both values.
+/// The bounds that hold in both of two children: those that both moved, at the weaker of both values.
 pub(super) fn common(one: &Trial, other: &Trial) -> Vec<Decision> {
     let mut facts = Vec::new();
     for a in &one.moved {

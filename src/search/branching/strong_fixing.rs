@@ -17,7 +17,7 @@ const PATIENCE: usize = 8;
 /// The credit at most, in trials.
 const MOST: f64 = 16.0;
 
-/// What a fixing is worth, in trials, and what a node without credit gains.
+/// The credit that a fixing adds, and the credit that a node without credit gains, in trials.
 const FIXED: f64 = 2.0;
 const DRIP: f64 = 0.05;
 

@@ -25,8 +25,8 @@ pub struct Cut {
 
 impl Cut {
     /// A cut from exact-looking terms: small coefficients leave at their bounds, the limit is loosened.
-    /// Nothing when a bound for that is missing or the point satisfies the cut. `size` is the largest
-    /// magnitude of what was added up to terms and limit.
+    /// `None` if a bound for that is missing or the point satisfies the cut. `size` is the largest
+    /// magnitude of the numbers that were added up to terms and limit.
     pub(super) fn new(
         terms: BTreeMap<usize, f64>,
         mut limit: f64,

@@ -160,7 +160,7 @@ struct Rounds<'a> {
     sets: Sets,
 }
 
-/// What is known about cut sets.
+/// The experience with cut sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sets {
     Untried,
@@ -279,7 +279,7 @@ impl Rounds<'_> {
         self.curved == 1 && round == 0
     }
 
-    /// The best cut sets that a point violates, besides the cuts of a round; none where they have not
+    /// The best cut sets that a point violates, besides the cuts of a round; none if they have not
     /// helped. They are those of the program as it was: cuts would be further ends of its arcs.
     fn separate_sets(&self, x: &[f64], found: &[Cut], round: usize, token: &StopToken) -> Vec<Cut> {
         if self.sets == Sets::Idle || self.looks_at_single_rows(round) {

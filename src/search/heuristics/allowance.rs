@@ -4,7 +4,7 @@
 /// free start: while there is no point.
 const START: u64 = 50;
 
-/// What it may take of the iterations of the whole search while every call is a success.
+/// The share of the iterations of the whole search that it may take while every call is a success.
 const SHARE: f64 = 0.15;
 
 /// The account of one heuristic at one worker.

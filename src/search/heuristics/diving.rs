@@ -27,7 +27,7 @@ const STEPS: usize = 20;
 /// A step fixes one in so many of the fractional integers.
 const PART: usize = 2;
 
-/// What is surest.
+/// The measure of how sure a value of an integer is; the surest ones are fixed first.
 #[derive(Debug, Clone, Copy)]
 enum Rule<'r> {
     /// Nearest to a whole value.

@@ -32,7 +32,7 @@ const LONG_PAUSE: u64 = 50;
 /// A point is good if no point can be better by more than this part of its value.
 const FAR: f64 = 0.5;
 
-/// What the heuristics of one worker have spent.
+/// The accounts of the heuristics of one worker.
 pub(super) struct Heuristics {
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,

@@ -78,7 +78,7 @@ fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<V
     Some(modes)
 }
 
-/// What is known, and where to go on.
+/// The columns that are known, and the rows in which the roll-out goes on.
 #[derive(Debug)]
 pub struct Frontier<'a> {
     program: &'a Program,

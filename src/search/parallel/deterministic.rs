@@ -27,7 +27,7 @@ const NODES: u64 = 4;
 #[derive(Default)]
 struct Slot<'a> {
     worker: Option<Worker<'a>>,
-    /// What it is to process in the present round, and at most how many nodes from there.
+    /// The node to process in the present round, and the largest number of nodes to process from there.
     assignment: Option<(Node, u64)>,
     /// Where its plunge goes on.
     plunge: Option<Node>,

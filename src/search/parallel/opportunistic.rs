@@ -21,7 +21,7 @@ use crate::search::tree::{State, Tree};
 use crate::search::tree_view::TreeView;
 use crate::search::worker::Worker;
 
-/// What the workers of a search know of each other.
+/// The data that the workers of a search share about each other.
 struct Peers {
     /// The thieves' ends of all local queues.
     stealers: Vec<Stealer<Node>>,
