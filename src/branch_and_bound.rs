@@ -5,6 +5,7 @@ mod answer;
 mod blocks;
 mod curvature;
 mod far;
+mod first_point;
 mod history;
 mod looks;
 mod multipliers;

@@ -1,5 +1,6 @@
 //! Cuts and search after presolve.
 
+use super::first_point::FirstPoint;
 use super::looks::Looks;
 use super::refusals::Refusals;
 use super::row_judge::RowJudge;
@@ -9,11 +10,11 @@ use crate::program::Program;
 use crate::relaxation::LadderPool;
 use crate::search::cuts::strengthen;
 use crate::search::{
-    Accept, ColumnGuidance, Found, Root, Seed, Strengthened, Task, complete, first_point, search,
+    Accept, ColumnGuidance, Found, Root, Seed, Strengthened, Task, complete, search,
     search_unstrengthened, with_perspective,
 };
-use crate::solution::{Heuristic, Point, Verification};
-use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
+use crate::solution::{Point, Verification};
+use crate::solver::{Control, Options, StopToken};
 
 /// A presolved program, and the way back to the model.
 #[derive(Clone, Copy)]
@@ -58,12 +59,6 @@ impl Tightened {
         Tightened { program, root }
     }
 }
-
-/// Entries of the rows of a program whose first relaxation may take longer than a limit allows.
-const LARGE: usize = 10_000;
-
-/// The part of the time that is left which a first point may take (no unit).
-const SHARE: f64 = 0.25;
 
 /// A program to search, and the check of its points.
 #[derive(Clone, Copy)]
@@ -141,47 +136,21 @@ impl Stage<'_> {
         control: &mut Control<'_>,
         seed: Option<&Seed>,
     ) -> Found {
-        let begun = self.first_point(&search, seed);
+        let mut begun = self.first_point(&search, seed);
+        if FirstPoint::suffices(&search)
+            && let Some(point) = begun.take()
+        {
+            return point.answer(&search, control);
+        }
         let mut found = if self.alternates(&search) {
             self.search_in_turns(search, control, seed)
         } else {
             self.search_once(search, control, seed)
         };
-        if let Some(begun) =
-            begun.filter(|_| found.points.is_empty() && found.termination.is_limit())
-        {
-            report_first(&search, &begun, control);
-            (found.points, found.found_by) = (begun.points, begun.found_by);
-            found.statistics.add(&begun.statistics);
+        if let Some(begun) = begun {
+            begun.serve(&search, &mut found, control);
         }
         found
-    }
-
-    /// A point of a large program in case that a time limit comes before the first relaxation is solved.
-    fn first_point(&self, search: &Search<'_>, seed: Option<&Seed>) -> Option<Found> {
-        let Search { program, accept, describe, options, token } = *search;
-        let left = token.left()?;
-        let has_start = seed.is_some_and(|seed| seed.point.is_some() || !seed.guess.is_empty());
-        let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
-        let is_large = entries > LARGE && !program.integers.is_empty();
-        if !is_large || has_start || !options.heuristics.rounding {
-            return None;
-        }
-        let token = &token.child(Some(left.mul_f64(SHARE)));
-        let found = first_point(Task {
-            program,
-            exact: None,
-            root: None,
-            accept,
-            key: &|_: &[f64]| Vec::new(),
-            describe,
-            guidance: self.guidance,
-            ladders: self.ladders,
-            options,
-            cutoff: f64::INFINITY,
-            token,
-        });
-        (!found.points.is_empty()).then_some(found)
     }
 
     /// Cuts a program and searches it once.
@@ -264,21 +233,6 @@ impl Stage<'_> {
         found.strengthened = strengthens.then(|| closed([&bent, &cut], best));
         found
     }
-}
-
-/// Reports a point that was found before the search, once it is the best one.
-fn report_first(search: &Search<'_>, found: &Found, control: &mut Control<'_>) {
-    let Some(values) = found.points.first().filter(|_| control.is_watched()) else { return };
-    let Search { program, describe, token, .. } = search;
-    let Some(point) = describe(values) else { return };
-    let value = program.sign * program.objective(&values[..program.column_count()]);
-    let unknown = program.sign * f64::NEG_INFINITY;
-    let mut figures = Progress::new(0, 0, 0, Some(value), unknown, token.elapsed());
-    let found_by = found.found_by.unwrap_or(Heuristic::Rounding);
-    (figures.found_by, figures.constant) = (Some(found_by), program.sign * program.constant);
-    control.report(&Event::Incumbent(figures));
-    // The search is over.
-    let _ = control.report_incumbent(&Incumbent::new(&point, value, found_by, figures));
 }
 
 /// The part of the gap between the first relaxed root and a value that steps have closed.

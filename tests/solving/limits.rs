@@ -259,4 +259,12 @@ fn a_large_program_has_a_point_before_its_first_relaxation() {
     // All columns cost 4 on average, and a quarter of them is needed at the least.
     assert!(objective < 14_000.0 * 2.0, "{objective}");
     assert!(solution.bound() <= objective);
+    // Without an objective it is the answer.
+    let mut model = model;
+    model.minimize(0.0).unwrap();
+    let options = Options::default().with_time_limit(Duration::from_secs(6));
+    let solution = BranchAndBound::new(options).solve(&model).unwrap();
+    assert!(solution.is_optimal(), "{}", solution.termination());
+    assert!(solution.verification().unwrap().holds());
+    assert_eq!((solution.objective(), solution.bound()), (Some(0.0), 0.0));
 }
