@@ -7,7 +7,8 @@ use carom::collision_tolerant::{
     Objective, PlanningOptions, PlanningProgram, Scenario, explain, shortest_plan,
 };
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{Choice, HybridSystem, LinearSystem, Mat, ShortestOptions, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, ShortestOptions};
+use carom::internals::hybrid::{Choice, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
@@ -127,7 +128,7 @@ fn more_states(criterion: &mut Criterion) {
     for (name, flow) in [("three_axes", masses(3)), ("jerk", chain)] {
         let flow = flow.expect("finite matrices");
         let (states, inputs) = (flow.states(), flow.inputs());
-        let mut system = HybridSystem::new().with_transition(Transition::new("flight", flow));
+        let mut system = HybridSystem::new(1.0).with_transition(Transition::new("flight", flow));
         for i in 0..states {
             system = system.with_state(format!("s{i}"), Interval::new(-50.0, 50.0));
         }
@@ -167,7 +168,7 @@ fn rooms(criterion: &mut Criterion) {
             .with_transition(Transition::new("heat", flow(3.0)).within("on"))
             .with_transition(Transition::new("stop", flow(0.0)).between("on", "off"))
             .with_dwell("on", 3, None);
-        let mut system = HybridSystem::new().with_choice(heater);
+        let mut system = HybridSystem::new(1.0).with_choice(heater);
         for i in 0..count {
             system = system.with_state(format!("room {i}"), Interval::new(0.0, 60.0));
         }

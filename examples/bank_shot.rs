@@ -21,9 +21,9 @@ fn main() -> Result<(), Box<dyn StdError>> {
         let scene = Scene::new(0.05).with_body(puck.clone()).with_room("cushion", &table, surface);
         let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
         let Some(plan) = found.plan else {
-            return Err(format!("{name}: {}", found.search.status).into());
+            return Err(format!("{name}: {}", found.status).into());
         };
-        let solves = found.search.attempts.iter().filter(|attempt| attempt.is_solve()).count();
+        let solves = found.attempts.iter().filter(|attempt| attempt.is_solve()).count();
         println!(
             "{name}: {} steps, {:.2} s; every smaller horizon refuted, {solves} solves in all",
             plan.steps(),

@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
         for (name, surface) in [("avoid", Surface::avoid()), ("bounce", bumper)] {
             let scene = scene(start, goal, surface);
             let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
-            let steps = found.search.steps.ok_or("no horizon found")?;
+            let steps = found.steps.ok_or("no horizon found")?;
             // The least effort in the shortest time.
             let mut program = scene.program(steps)?;
             let effort = program.effort()?;

@@ -21,9 +21,10 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use carom::hybrid::{
-    Disturbance, Halfspace, HybridSystem, LinearSystem, Lqr, Mat, Move, MoveSource,
-    RecedingHorizon, TerminalOptions, TerminalSet, Transition,
+    Disturbance, HybridSystem, LinearSystem, Lqr, Mat, Move, MoveSource, RecedingHorizon,
+    TerminalOptions, TerminalSet,
 };
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -143,7 +144,7 @@ fn cart_pole() -> Result<CartPole, Error> {
 
 /// The states from which the regulator keeps all limits for ever without touching a wall.
 fn terminal_set(flow: LinearSystem, lqr: &Lqr) -> Result<TerminalSet, Error> {
-    let mut system = HybridSystem::new().with_input("push", Interval::new(-1.0, 1.0));
+    let mut system = HybridSystem::new(1.0).with_input("push", Interval::new(-1.0, 1.0));
     for (name, most) in ["q", "angle", "v", "rate"].into_iter().zip(MOST) {
         system = system.with_state(name, Interval::new(-most, most));
     }

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
         let options = ShortestOptions::default().with_max_steps(40);
         let found = scene.shortest_plan(&options, &mut solver)?;
         let Some(plan) = found.plan else {
-            println!("{name}: {}", found.search.status);
+            println!("{name}: {}", found.status);
             continue;
         };
         println!("{name}: {:.2} s", plan.duration());

@@ -32,15 +32,15 @@ fn main() -> Result<(), Box<dyn StdError>> {
     let mut solver = BranchAndBound::default();
     let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
     println!("waiting: {}", found.waiting.reason());
-    let Some(plan) = &found.plan else { return Err(format!("{}", found.search.status).into()) };
-    let solves = found.search.attempts.iter().filter(|attempt| attempt.is_solve()).count();
+    let Some(plan) = &found.plan else { return Err(format!("{}", found.status).into()) };
+    let solves = found.attempts.iter().filter(|attempt| attempt.is_solve()).count();
     println!(
         "{} steps ({:.1} s); {} refuted one by one, {} attempts with {solves} solves, {:.2} s",
         plan.steps(),
         plan.duration(),
         plan.steps() - 1,
-        found.search.attempts.len(),
-        found.search.time.as_secs_f64()
+        found.attempts.len(),
+        found.time.as_secs_f64()
     );
     let mut paths = std::env::args().skip(1);
     if let Some(path) = paths.next() {

@@ -6,51 +6,39 @@
 //! constraints", Automatica 35, 1999) turns by 60° a step: to the left where x1 >= 0, to the right
 //! where x1 <= 0. Each move plans ten steps, applies the first input, and simulates the system.
 
-use std::error::Error as StdError;
 use std::f64::consts::FRAC_PI_3;
 
-use carom::hybrid::{Cost, Horizon, HybridSystem, LinearSystem};
 use carom::interval::Interval;
 use carom::picture::{COLOURS, Chart};
 use carom::prelude::*;
 
-fn rotation() -> Result<HybridSystem, Error> {
-    let turn = |angle: f64| {
-        let (s, c) = angle.sin_cos();
-        LinearSystem::new([[0.8 * c, -0.8 * s], [0.8 * s, 0.8 * c]], [[0.0], [1.0]], [0.0, 0.0])
-    };
-    let domain = Interval::new(-10.0, 10.0);
-    HybridSystem::piecewise_affine(
-        [("x1", domain), ("x2", domain)],
-        [("u", Interval::new(-1.0, 1.0))],
-        [
-            ("right half", turn(FRAC_PI_3)?, [[-1.0, 0.0]], [0.0]),
-            ("left half", turn(-FRAC_PI_3)?, [[1.0, 0.0]], [0.0]),
-        ],
-    )
-}
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut system = HybridSystem::new(1.0);
+    let [x1, x2] = [system.state("x1", -10.0, 10.0)?, system.state("x2", -10.0, 10.0)?];
+    let u = system.input("u", -1.0, 1.0)?;
+    for (name, angle, half) in
+        [("right half", FRAC_PI_3, x1.ge(0.0)), ("left half", -FRAC_PI_3, x1.le(0.0))]
+    {
+        let (s, c) = (0.8 * angle.sin(), 0.8 * angle.cos());
+        system.mode(name)?.next([(x1, c * x1 - s * x2), (x2, s * x1 + c * x2 + u)])?.guard(half)?;
+    }
 
-fn main() -> Result<(), Box<dyn StdError>> {
-    let system = rotation()?;
-    let mut model = Model::new("rotation");
-    let program = system.write(&mut model, "", &Horizon::new(10, 1.0)?)?;
-    let identity = [[1.0, 0.0], [0.0, 1.0]];
-    let cost = Cost::quadratic(identity, [[1.0]]).with_terminal(identity);
-    let cost = program.add_cost(&mut model, "cost", &cost)?;
-    model.minimize(cost)?;
+    let mut program = system.program(10)?;
+    let cost = program.sum(x1.square() + x2.square() + u.square())?;
+    program.minimize(cost + program.end(x1.square() + x2.square())?)?;
+    let first = [program.variable(x1, 0)?, program.variable(x2, 0)?];
 
     let (mut solver, mut states) = (BranchAndBound::default(), vec![vec![5.0, 5.0]]);
     println!("step      x1      x2       u      cost  nodes  mode");
     for step in 0..15 {
         let now = states[step].clone();
-        for (family, value) in program.states().iter().zip(&now) {
-            model.fix(family[0], *value)?;
+        for (variable, value) in first.into_iter().zip(&now) {
+            program.model_mut().fix(variable, *value)?;
         }
-        let solution = solver.solve(&model)?;
-        let (plan, _) = program.certified(&solution)?;
-        let (u, mode) = (plan.input("u")?[0], &plan.transitions("mode")?[0]);
-        let cost = solution.objective().unwrap_or(f64::NAN);
-        let nodes = solution.statistics().nodes;
+        let plan = program.solve(&mut solver)?;
+        let (u, mode) = (plan.value(u, 0)?, &plan.run.transitions("mode")?[0]);
+        let cost = plan.solution.objective().unwrap_or(f64::NAN);
+        let nodes = plan.solution.statistics().nodes;
         println!(
             "{step:>4} {:>7.3} {:>7.3} {u:>7.3} {cost:>9.5} {nodes:>6}  {mode}",
             now[0], now[1]
@@ -65,7 +53,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
 }
 
 /// The states in their plane; the modes meet at x1 = 0.
-fn draw(states: &[Vec<f64>], path: &str) -> Result<(), Box<dyn StdError>> {
+fn draw(states: &[Vec<f64>], path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let range = Interval::new(-6.0, 6.0);
     let mut chart = Chart::new("x1", "x2").with_size(480.0, 480.0).with_ranges(range, range);
     let points = || states.iter().map(|state| [state[0], state[1]]);

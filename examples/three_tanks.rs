@@ -8,16 +8,14 @@
 //! c9a0d3a9), rounded to nine digits, with flows in 1e-5 m³/s. That controller looks one step
 //! ahead, this one HORIZON.
 
-use carom::hybrid::{
-    Cost, Horizon, HybridSystem, IntoMatrix, LinearSystem, Region, Transition, When,
-};
-use carom::interval::Interval;
+use carom::hybrid::LinearSystem;
 use carom::prelude::*;
 
 const HORIZON: usize = 3;
 const REFERENCE: [f64; 3] = [0.444, 0.35, 0.2]; // m
 
-fn tanks() -> Result<HybridSystem, Error> {
+/// With both valves open, the first, the second, and none.
+fn flows() -> Result<[LinearSystem; 4], Error> {
     // Levels to levels, flows to levels, and constant part.
     let both = LinearSystem::new(
         [
@@ -43,45 +41,51 @@ fn tanks() -> Result<HybridSystem, Error> {
         [[8.13008130e-3, 0.0], [0.0, 8.13008130e-3], [0.0, 0.0]],
         [0.0, 0.0, -1.19828989e-4],
     )?;
-    let (level, flow) = (Interval::new(0.0, 0.66), Interval::new(0.0, 2.0)); // m, 1e-5 m³/s
-    let tanks = ["level 1", "level 2", "level 3"];
-    let system = tanks.iter().fold(HybridSystem::new(), |s, name| s.with_state(*name, level));
-    Ok(system
-        .with_input("flow 1", flow)
-        .with_input("flow 2", flow)
-        .with_transition(Transition::new("both open", both))
-        .with_transition(Transition::new("first open", first))
-        .with_transition(Transition::new("second open", second))
-        .with_transition(Transition::new("closed", closed)))
+    Ok([both, first, second, closed])
 }
 
 fn main() -> Result<(), Error> {
-    let system = tanks()?;
-    let levels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_matrix();
-    let cost = Cost::one_norm(&levels, [[1e-5, 0.0], [0.0, 1e-5]])
-        .with_terminal(&levels)
-        .with_state_reference(REFERENCE.to_vec())
-        .with_transition_cost("mode", "both open", 0.002)
-        .with_transition_cost("mode", "first open", 0.001)
-        .with_transition_cost("mode", "second open", 0.001);
+    let mut tanks = HybridSystem::new(1.0);
+    let levels = ["level 1", "level 2", "level 3"].map(|name| tanks.state(name, 0.0, 0.66)); // m
+    let levels = levels.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let flows_in = [tanks.input("flow 1", 0.0, 2.0)?, tanks.input("flow 2", 0.0, 2.0)?]; // 1e-5 m³/s
+    let mut price = Affine::zero();
+    let valves = [("both open", 0.002), ("first open", 0.001), ("second open", 0.001)];
+    for (flow, (name, cost)) in
+        flows()?.into_iter().zip(valves.into_iter().chain([("closed", 0.0)]))
+    {
+        price += cost * tanks.mode(name)?.flow(flow)?.taken();
+    }
+
+    let mut program = tanks.program(HORIZON)?;
+    let mut cost = Affine::zero();
+    for t in 0..=HORIZON {
+        for (k, (level, wanted)) in levels.iter().zip(REFERENCE).enumerate() {
+            let off = program.at(level - wanted, t)?;
+            cost += program.model_mut().absolute((format!("off {k}"), t), off)?;
+        }
+        for (k, flow) in flows_in.iter().enumerate().filter(|_| t < HORIZON) {
+            let flow = program.at(1e-5 * flow, t)?;
+            cost += program.model_mut().absolute((format!("pump {k}"), t), flow)?;
+        }
+    }
+    program.minimize(cost + program.sum(price)?)?;
 
     let (mut solver, mut now) = (BranchAndBound::default(), vec![0.0; 3]);
     println!("step  level 1  level 2  level 3  valves       nodes");
     for step in 0..60 {
-        let mut model = Model::new("tanks");
-        let program = system.write(&mut model, "", &Horizon::new(HORIZON, 1.0)?)?;
-        program.require(&mut model, "start", &Region::point(&now), When::At(0))?;
-        let cost = program.add_cost(&mut model, "cost", &cost)?;
-        model.minimize(cost)?;
-        let solution = solver.solve(&model)?;
-        let (plan, _) = program.certified(&solution)?;
-        let valves = &plan.transitions("mode")?[0];
+        for (level, value) in levels.iter().zip(&now) {
+            let first = program.variable(*level, 0)?;
+            program.model_mut().fix(first, *value)?;
+        }
+        let plan = program.solve(&mut solver)?;
+        let valves = &plan.run.transitions("mode")?[0];
         if step % 5 == 0 {
-            let nodes = solution.statistics().nodes;
+            let nodes = plan.solution.statistics().nodes;
             let [a, b, c] = [now[0], now[1], now[2]];
             println!("{step:>4} {a:>8.3} {b:>8.3} {c:>8.3}  {valves:<12} {nodes:>5}");
         }
-        now = plan.states.iter().map(|(_, values)| values[1]).collect();
+        now = levels.iter().map(|level| plan.value(level, 1)).collect::<Result<_, _>>()?;
     }
     Ok(())
 }

@@ -8,6 +8,8 @@ pub mod conformance {
 
 pub mod hybrid {
     pub use crate::hybrid::exponential::exponential;
+    pub use crate::hybrid::rows::SystemVariables;
+    pub use crate::hybrid::system::{Choice, Halfspace, Transition};
 }
 
 pub mod model {

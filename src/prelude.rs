@@ -6,6 +6,10 @@
 
 pub use crate::BranchAndBound;
 pub use crate::error::Error;
+pub use crate::hybrid::{
+    HybridPlan, HybridProgram, HybridSystem, Move, RecedingHorizon, ShortestOptions,
+    SimulationOptions, State, When,
+};
 pub use crate::model::{
     Affine, Constraint, Either, Family, Implication, Indicator, Literal, Logic, LogicalConstraint,
     Model, Name, Quadratic, Row, Sense, Variable, VariableKind, at_least, at_most, either, exactly,

@@ -5,7 +5,8 @@ use std::borrow::{Borrow, BorrowMut};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
-use crate::hybrid::{ContactLaw, Damage, Horizon, HybridProgram, ImpactSpeed, When};
+use crate::hybrid::rows::SystemVariables;
+use crate::hybrid::{ContactLaw, Damage, Horizon, ImpactSpeed, When};
 use crate::model::{Affine, Family, Model, Quadratic, Variable};
 
 /// The objective of a plan over a fixed horizon.
@@ -55,7 +56,8 @@ pub struct PlanningProgram {
     /// Impact speed of each step, in m/s, valid if ζ(t) = 1; empty if collisions are forbidden.
     pub impact_speed: Vec<Affine>,
     /// The system's variables by name: (3)-(7), and (8)-(13) or the reflecting law instead.
-    pub hybrid: HybridProgram,
+    #[doc(hidden)]
+    pub hybrid: SystemVariables,
     /// The damage states, if the scenario or the objective needs them.
     pub damage: Option<Damage>,
 }
@@ -109,7 +111,7 @@ impl PlanningProgram {
             Collisions::Forbidden => "collision_free",
         });
 
-        let hybrid = scenario.system(&horizon, None)?.write(&mut model, "", &horizon)?;
+        let hybrid = scenario.system(&horizon, None)?.write(&mut model, "", steps)?;
         // a(τ) does not enter the dynamics.
         let limits = scenario.acceleration;
         let last = model.continuous(("a", steps), limits.lower, limits.upper)?;
@@ -231,7 +233,7 @@ impl PlanningProgram {
 }
 
 /// ζ(0), ..., ζ(τ-1), the choice of the second transition, if there is a choice.
-fn contacts(hybrid: &HybridProgram) -> Option<Family> {
+fn contacts(hybrid: &SystemVariables) -> Option<Family> {
     let variables = hybrid.horizon_variables();
     variables.transitions.into_iter().find(|(number, _)| *number == 1).map(|(_, zeta)| zeta)
 }

@@ -4,9 +4,9 @@ use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
+use crate::hybrid::system::{Halfspace, Transition};
 use crate::hybrid::{
-    ContactLaw, Halfspace, Horizon, HorizonModel, HybridProgram, HybridSystem, LinearSystem,
-    Transition, Waiting,
+    ContactLaw, Horizon, HorizonModel, HybridProgram, HybridSystem, LinearSystem, Waiting,
 };
 use crate::interval::Interval;
 use crate::model::Model;
@@ -43,7 +43,7 @@ impl Scenario {
         horizon: &Horizon,
         max_impact_speed: Option<f64>,
     ) -> Result<HybridSystem, Error> {
-        let system = HybridSystem::new()
+        let system = HybridSystem::new(self.time_step)
             .with_state("x", self.positions(horizon))
             .with_state("v", Interval::new(-self.max_speed, self.max_speed))
             .with_input("a", self.acceleration);
@@ -145,11 +145,16 @@ impl HorizonModel for Programs {
         self.scenario.reach_sets().map(Some)
     }
 
-    fn hybrid<'p>(
+    fn time_step(&self) -> Option<f64> {
+        Some(self.scenario.time_step)
+    }
+
+    fn with_hybrid(
         &self,
-        program: &'p mut PlanningProgram,
-    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
-        Some((&mut program.model, &program.hybrid))
+        program: &mut PlanningProgram,
+        statements: &mut dyn FnMut(&mut HybridProgram),
+    ) {
+        HybridProgram::lend(&mut program.model, &program.hybrid, statements);
     }
 
     fn variables(&self, program: &PlanningProgram) -> HorizonVariables {

@@ -7,9 +7,10 @@ use super::program::{Objective, PlanningProgram};
 use super::reach::Programs;
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
+use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::Tube;
 use crate::hybrid::{
-    Attempt, HorizonEvent, ShortestOptions, ShortestStatus, shortest_horizon_with,
+    Attempt, HorizonEvent, ShortestOptions, ShortestStatus, Solved, shortest_horizon_with,
 };
 use crate::setters::setters;
 use crate::solution::{Solution, Statistics};
@@ -136,15 +137,13 @@ pub fn shortest_plan_with(
     let token = StopToken::new(options.search.time_limit, &options.search.interrupt);
     let programs = Programs { scenario: scenario.clone(), upper_hint: options.upper_hint };
     let found = shortest_horizon_with(&programs, &options.search, solver, progress)?;
-    let plan = match (&found.program, &found.solution) {
-        (Some(program), Some(solution)) => Some(Plan::certify(scenario, program, solution)?),
-        _ => None,
-    };
+    let certify = |solved: Solved<_>| Plan::certify(scenario, &solved.program, &solved.solution);
+    let found = found.try_map(certify)?;
     let mut shortest = ShortestPlan {
         status: found.status,
         steps: found.steps,
         refuted_steps: found.refuted_steps,
-        plan,
+        plan: found.plan,
         fewest_impacts: scenario.collisions == Collisions::Forbidden,
         tube: found.tube,
         attempts: found.attempts,
@@ -199,7 +198,11 @@ impl Refinement<'_> {
         }
         // As few as possible.
         let mut program = PlanningProgram::build(self.scenario, steps, Objective::Impacts)?;
-        self.options.complete(&mut program.model, &program.hybrid)?;
+        let mut stated = Ok(());
+        HybridProgram::lend(&mut program.model, &program.hybrid, &mut |hybrid| {
+            stated = self.options.complete(hybrid);
+        });
+        stated?;
         if needed {
             program.require_contact()?;
         }

@@ -320,6 +320,16 @@ pub enum ErrorKind {
         /// The advice on what to do instead.
         help: String,
     },
+    /// A variable of a hybrid system at a place where it has no meaning.
+    #[error("{name} cannot stand in {place}; {help}")]
+    Misplaced {
+        /// The variable, in words.
+        name: String,
+        /// Where it was used.
+        place: String,
+        /// The advice on what to do instead.
+        help: &'static str,
+    },
     /// A list of a wrong length.
     #[error("the length of {what} is {found}; it must be {expected}")]
     Length {

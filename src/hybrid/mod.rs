@@ -1,25 +1,24 @@
 #![doc = include_str!("../../docs/modules/hybrid.md")]
 
 pub mod contact;
-mod costs;
 pub mod damage;
 pub(crate) mod exponential;
 mod flaws;
 pub mod horizon;
 pub mod linear;
 mod matrix;
+pub(crate) mod program;
 pub mod reach;
 mod receding;
 pub(crate) mod rows;
 pub mod scene;
 pub mod shortest_horizon;
 pub mod simulate;
-mod system;
+pub(crate) mod system;
 mod terminal;
 pub mod wall;
 
 pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution, RollOut};
-pub use costs::{Cost, When};
 pub use damage::{Damage, DamageFunction, DamageLimits, ImpactEstimate};
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;
@@ -27,20 +26,19 @@ pub use flaws::{Flaw, Witness};
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::IntoMatrix;
+pub use program::{AtSample, HybridPlan, HybridProgram, IntoRegion, SoftLimit, When};
 pub use receding::{ClosedLoop, Disturbance, Move, MoveSource, RecedingHorizon};
-pub use rows::{HybridProgram, HybridRun, RowOptions};
+pub use rows::HybridRun;
 pub use shortest_horizon::{
-    Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, RunProgram, ShortestHorizon,
-    ShortestOptions, ShortestRun, ShortestStatus, TimeStepGrid, Verdict, Waiting, least_time_step,
-    shortest_horizon, shortest_horizon_with,
+    Attempt, HorizonEvent, HorizonModel, LeastTimeStep, Refutation, Shortest, ShortestOptions,
+    ShortestStatus, Solved, TimeStepGrid, Verdict, Waiting, least_time_step, shortest_horizon,
+    shortest_horizon_with,
 };
 pub use simulate::{
     Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError,
     RunCertificate, RunError, Samples, SimulatedStep, Simulation, SimulationOptions,
     replay_continuous, replay_discrete,
 };
-pub use system::{
-    Choice, Halfspace, HybridSystem, MixedLogicalDynamical, Region, Schedule, Transition,
-};
+pub use system::{HybridSystem, MixedLogicalDynamical, Region, Schedule, State, TransitionMut};
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub use wall::{FreeSide, Wall};

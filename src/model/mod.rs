@@ -66,5 +66,7 @@ pub(crate) use affine::merge;
 pub(crate) use ids::ModelTag;
 pub(crate) use logic::Formula;
 pub(crate) use name::is_name;
+pub(crate) use operators::{products, scaling, sums};
+pub(crate) use row::comparisons;
 pub(crate) use stored::{StoredRow, StoredTerm};
 pub(crate) use subset::{AnyStatement, statements, subset};

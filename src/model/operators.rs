@@ -144,6 +144,8 @@ macro_rules! assigning {
     };
 }
 
+pub(crate) use {products, scaling, sums};
+
 impl From<&Variable> for Quadratic {
     fn from(variable: &Variable) -> Self {
         Quadratic::from(*variable)

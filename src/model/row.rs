@@ -35,6 +35,12 @@ impl Row {
     pub fn upper(&self) -> f64 {
         self.upper
     }
+
+    /// Whether the row has no variable and holds.
+    pub(crate) fn is_constant_and_holds(&self) -> bool {
+        let value = self.expression.offset();
+        self.expression.terms().is_empty() && self.lower <= value && value <= self.upper
+    }
 }
 
 macro_rules! comparisons {
@@ -64,6 +70,8 @@ macro_rules! comparisons {
         }
     };
 }
+
+pub(crate) use comparisons;
 
 comparisons!(Affine);
 comparisons!(Variable);

@@ -10,7 +10,8 @@ use carom::collision_tolerant::{
     ShortestPlan, Trajectory, explain, plan, shortest_plan,
 };
 use carom::explain::{ExplainOptions, infeasibility};
-use carom::hybrid::{ContactLaw, Halfspace, Region, RunError, ShortestOptions, Wall};
+use carom::hybrid::{ContactLaw, Region, RunError, ShortestOptions, Wall};
+use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;

@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use crate::common::config;
 use carom::hybrid::{
-    Contact, ContactLaw, Damage, DamageLimits, FreeSide, Horizon, HorizonEvent, HorizonModel,
-    HybridProgram, HybridRun, HybridSystem, LinearSystem, Mat, Refutation, Restitution,
-    ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
-    shortest_horizon_with,
+    Contact, ContactLaw, Damage, DamageLimits, FreeSide, HorizonEvent, HorizonModel, HybridRun,
+    HybridSystem, LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus,
+    Verdict, Waiting, Wall, shortest_horizon, shortest_horizon_with,
 };
+use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::{Outcome, Point};
@@ -164,7 +164,7 @@ fn horizons_out_of_range_are_refused_before_anything_is_built() {
 /// One step of a double integrator beside a wall: x, v, a and the contact.
 struct OneStep {
     model: Model,
-    program: HybridProgram,
+    program: SystemVariables,
 }
 
 fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> OneStep {
@@ -179,7 +179,7 @@ fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> On
         FreeSide::Above => (at - 20.0, at + 50.0),
         _ => (at - 50.0, at + 20.0),
     };
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(0.1)
         .with_state("x", Interval::new(low, high))
         .with_state("v", Interval::new(-30.0, 30.0))
         .with_input("a", Interval::new(-3.0, 3.0))

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Cost, Disturbance, Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Lqr, Move,
-    MoveSource, RecedingHorizon, Region, TerminalOptions, TerminalSet, Transition, When,
+    Disturbance, HybridSystem, LinearSystem, Lqr, Move, MoveSource, RecedingHorizon, Region,
+    TerminalOptions, TerminalSet, When,
 };
+use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -20,7 +21,7 @@ fn cart() -> HybridSystem {
     };
     let apart = Halfspace::new("apart", [1.0, 0.0], 1.0);
     let touching = Halfspace::new("touching", [-1.0, 0.0], -1.0);
-    HybridSystem::new()
+    HybridSystem::new(H)
         .with_state("x", Interval::new(-2.0, 2.0))
         .with_state("v", Interval::new(-3.0, 3.0))
         .with_input("u", Interval::new(-2.0, 2.0))
@@ -28,9 +29,9 @@ fn cart() -> HybridSystem {
         .with_transition(Transition::new("pushed", flow(20.0)).with_guard(touching))
 }
 
-fn program(steps: usize) -> Result<(HybridProgram, Model), Error> {
+fn program(steps: usize) -> Result<(SystemVariables, Model), Error> {
     let mut model = Model::new("cart");
-    let program = cart().write(&mut model, "", &Horizon::new(steps, H)?)?;
+    let program = cart().write(&mut model, "", steps)?;
     let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.05]]);
     let cost = program.add_cost(&mut model, "cost", &cost)?;
     model.minimize(cost)?;
@@ -117,7 +118,7 @@ fn a_state_out_of_range_gets_a_fallback_and_bad_numbers_an_error() {
 fn a_terminal_set_keeps_the_loop_going() {
     let line = LinearSystem::double_integrator(H).unwrap();
     let lqr = Lqr::new(&line, [[1.0, 0.0], [0.0, 1.0]], [[1.0]]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(H)
         .with_state("x", Interval::new(-2.0, 2.0))
         .with_state("v", Interval::new(-2.0, 2.0))
         .with_input("a", Interval::new(-1.0, 1.0))
@@ -127,7 +128,7 @@ fn a_terminal_set_keeps_the_loop_going() {
     let set =
         TerminalSet::new(&system, &["drive"], &lqr, &[0.0, 0.0], &options, &mut solver).unwrap();
     let mut model = Model::new("drive");
-    let handles = system.write(&mut model, "", &Horizon::new(5, H).unwrap()).unwrap();
+    let handles = system.write(&mut model, "", 5).unwrap();
     handles.require(&mut model, "end", &set.region, When::At(5)).unwrap();
     model.minimize(0.0).unwrap();
     let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();

@@ -10,6 +10,7 @@ use super::set::{Emptied, Layers, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
+use crate::hybrid::program::IntoRegion;
 use crate::hybrid::system::{HybridSystem, Region, check_ends};
 use crate::interval::Interval;
 #[cfg(doc)]
@@ -25,17 +26,16 @@ pub(super) type Shared = Arc<Layers>;
 ///
 /// ```
 /// use carom::hybrid::reach::{ReachSets, SetOptions};
-/// use carom::hybrid::{HybridSystem, LinearSystem, Transition};
-/// use carom::interval::Interval;
+/// use carom::prelude::*;
 ///
 /// // One metre from rest to rest with at most 1 m/s², in steps of 0.1 s.
-/// let push = HybridSystem::new()
-///     .with_state("x", Interval::new(-9.0, 9.0))
-///     .with_state("v", Interval::new(-9.0, 9.0))
-///     .with_input("a", Interval::new(-1.0, 1.0))
-///     .with_transition(Transition::new("flight", LinearSystem::double_integrator(0.1)?));
-/// let at_rest = |x| [Interval::point(x), Interval::point(0.0)];
-/// let mut sets = ReachSets::new(&push, &at_rest(0.0), &at_rest(1.0), SetOptions::default())?;
+/// let mut push = HybridSystem::new(0.1); // s
+/// let x = push.state("x", -9.0, 9.0)?; // m
+/// let v = push.state("v", -9.0, 9.0)?; // m/s
+/// let a = push.input("a", -1.0, 1.0)?; // m/s²
+/// push.mode("flight")?.rates([(x, v.into()), (v, a.into())])?;
+/// let at_rest = |at: f64| [x.equals(at), v.equals(0.0)];
+/// let mut sets = ReachSets::new(&push, at_rest(0.0), at_rest(1.0), SetOptions::default())?;
 ///
 /// assert!(!sets.may_finish(19)?); // proved: 19 steps are too few
 /// assert!(sets.may_finish(20)?);
@@ -71,7 +71,7 @@ impl ReachSets {
     ///
     /// # Arguments
     ///
-    /// * `start`, `goal`: a [`Region`], or one interval per state, in the state's unit.
+    /// * `start`, `goal`: rows of states and modes, or a [`Region`].
     ///
     /// # Errors
     ///
@@ -80,11 +80,11 @@ impl ReachSets {
     /// [`ErrorKind::OutOfRange`] for bad options and for numbers of 1e20 and more in magnitude.
     pub fn new(
         system: &HybridSystem,
-        start: impl Into<Region>,
-        goal: impl Into<Region>,
+        start: impl IntoRegion,
+        goal: impl IntoRegion,
         options: SetOptions,
     ) -> Result<Self, Error> {
-        let (start, goal) = (start.into(), goal.into());
+        let (start, goal) = (start.stated().of(system)?, goal.stated().of(system)?);
         system.check()?;
         options.check(system.states.len())?;
         start.check(system, "the start")?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::fallback::TOLERANCE;
 use crate::error::Error;
-use crate::hybrid::rows::HybridProgram;
+use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::simulate::SimulationOptions;
 use crate::model::{Model, Variable};
 use crate::solution::Point;
@@ -63,7 +63,7 @@ impl LastIntegers {
 /// The transitions and modes that a simulation of the last plan's inputs takes from a measured state,
 /// as far as it comes.
 pub(super) fn simulated(
-    program: &HybridProgram,
+    program: &SystemVariables,
     state: &[f64],
     inputs: &[Vec<f64>],
 ) -> Result<Option<TreeSeed>, Error> {

@@ -25,7 +25,7 @@ pub use step::{Move, MoveSource};
 
 use web_time::{Duration, Instant};
 
-use super::rows::HybridProgram;
+use super::program::HybridProgram;
 use super::system::HybridSystem;
 use super::terminal::TerminalSet;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
@@ -52,28 +52,22 @@ use planner::{Clock, Handles, Planned, Planner, Question};
 /// [fallback](Self::with_fallback) the loop.
 ///
 /// ```
-/// use carom::hybrid::{
-///     Cost, Horizon, HybridSystem, LinearSystem, MoveSource, RecedingHorizon, Transition,
-/// };
-/// use carom::interval::Interval;
+/// use carom::hybrid::MoveSource;
 /// use carom::prelude::*;
 ///
-/// let line = LinearSystem::double_integrator(0.5)?;
-/// let system = HybridSystem::new()
-///     .with_state("x", Interval::new(-5.0, 5.0))
-///     .with_state("v", Interval::new(-2.0, 2.0))
-///     .with_input("a", Interval::new(-1.0, 1.0))
-///     .with_transition(Transition::new("drive", line));
-/// let mut model = Model::new("drive");
-/// let program = system.write(&mut model, "", &Horizon::new(8, 0.5)?)?;
-/// let cost = Cost::quadratic([[1.0, 0.0], [0.0, 1.0]], [[0.1]]);
-/// let cost = program.add_cost(&mut model, "cost", &cost)?;
-/// model.minimize(cost)?;
+/// let mut cart = HybridSystem::new(0.5); // s
+/// let x = cart.state("x", -5.0, 5.0)?; // m
+/// let v = cart.state("v", -2.0, 2.0)?; // m/s
+/// let a = cart.input("a", -1.0, 1.0)?; // m/s²
+/// cart.mode("drive")?.rates([(x, v.into()), (v, a.into())])?;
+/// let mut program = cart.program(8)?;
+/// let cost = program.sum(x.square() + v.square() + 0.1 * a.square())?;
+/// program.minimize(cost)?;
 ///
 /// let mut solver = BranchAndBound::default();
-/// let mut controller = RecedingHorizon::new(&program, model, &mut solver)?;
-/// let plant = |state: &[f64], next: &carom::hybrid::Move| {
-///     Ok(system.simulate(state, &[&next.input])?.last().to_vec())
+/// let mut controller = RecedingHorizon::new(program, &mut solver)?;
+/// let plant = |state: &[f64], next: &Move| {
+///     Ok(cart.simulate(state, &[&next.input])?.last().to_vec())
 /// };
 /// let run = controller.run(&[4.0, 0.0], 20, plant)?;
 /// assert!(run.states[20].iter().all(|x| x.abs() < 0.1));
@@ -111,18 +105,15 @@ impl<'a> RecedingHorizon<'a> {
     ///
     /// Those of [`Solver::prepare`]; [`ErrorKind::DuplicateName`] if the model has a variable
     /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
-    /// the system, a reference of a [cost](super::Cost) or a [soft limit](HybridProgram::soften) depends
-    /// on the step.
-    pub fn new(
-        program: &HybridProgram,
-        mut model: Model,
-        solver: &'a mut dyn Solver,
-    ) -> Result<Self, Error> {
-        check_moves(&model)?;
-        let handles = Handles::measure(program, &mut model)?;
-        let (prepared, own) = (solver.prepare(&model)?, Some(Box::new(program.clone())));
-        let planner = Planner::Receding { prepared, handles, program: own };
-        Ok(RecedingHorizon::of(planner, Some(program.system().clone())))
+    /// the system, or a [series](HybridSystem::series), depends on the step.
+    pub fn new(mut program: HybridProgram, solver: &'a mut dyn Solver) -> Result<Self, Error> {
+        check_moves(&program.model)?;
+        let handles = Handles::measure(&mut program)?;
+        let HybridProgram { model, members } = program;
+        let system = members.only().map(|only| only.system().clone());
+        let prepared = solver.prepare(&model)?;
+        let planner = Planner::Receding { prepared, handles, members: Some(members) };
+        Ok(RecedingHorizon::of(planner, system))
     }
 
     /// A controller for any model in which parameters are the measured state. Without a system
@@ -162,7 +153,7 @@ impl<'a> RecedingHorizon<'a> {
         };
         check_moves(model)?;
         let planner =
-            Planner::Receding { prepared: solver.prepare(model)?, handles, program: None };
+            Planner::Receding { prepared: solver.prepare(model)?, handles, members: None };
         Ok(RecedingHorizon::of(planner, None))
     }
 
@@ -172,12 +163,13 @@ impl<'a> RecedingHorizon<'a> {
     /// # Arguments
     ///
     /// * `steps`: those of the first program.
-    /// * `build`: the program of so many steps, and the model that holds it.
-    pub fn shrinking(
+    /// * `build`: the program of so many steps, of a system or of a scene.
+    pub fn shrinking<P: Into<HybridProgram>>(
         steps: usize,
-        build: impl FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a,
+        mut build: impl FnMut(usize) -> Result<P, Error> + 'a,
         solver: &'a mut dyn Solver,
     ) -> Self {
+        let build = move |steps| build(steps).map(P::into);
         RecedingHorizon::built(solver, Box::new(build), Clock::Left(steps))
     }
 
@@ -186,33 +178,27 @@ impl<'a> RecedingHorizon<'a> {
     /// plan, moved one step ahead.
     ///
     /// ```
-    /// use carom::hybrid::{
-    ///     Cost, Halfspace, Horizon, HybridSystem, LinearSystem, RecedingHorizon, Transition,
-    /// };
-    /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
     /// // A cart that wants to be at 3 m, and that must be within 1 m from step 10 on.
-    /// let system = HybridSystem::new()
-    ///     .with_state("x", Interval::new(-5.0, 5.0))
-    ///     .with_state("v", Interval::new(-2.0, 2.0))
-    ///     .with_input("a", Interval::new(-1.0, 1.0))
-    ///     .with_limit(Halfspace::new("gate", [1.0, 0.0], [vec![5.0; 10], vec![1.0]].concat()))
-    ///     .with_transition(Transition::new("drive", LinearSystem::double_integrator(0.5)?));
+    /// let mut cart = HybridSystem::new(0.5); // s
+    /// let x = cart.state("x", -5.0, 5.0)?; // m
+    /// let v = cart.state("v", -2.0, 2.0)?; // m/s
+    /// let a = cart.input("a", -1.0, 1.0)?; // m/s²
+    /// let gate = cart.series("gate", [vec![5.0; 10], vec![1.0]].concat())?;
+    /// cart.limit("before the gate", x.le(gate))?;
+    /// cart.mode("drive")?.rates([(x, v.into()), (v, a.into())])?;
     /// let build = |step: usize| {
-    ///     let mut model = Model::new("drive");
-    ///     let program = system.from_step(step).write(&mut model, "", &Horizon::new(8, 0.5)?)?;
-    ///     let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.1]])
-    ///         .with_state_reference(vec![3.0, 0.0]);
-    ///     let cost = program.add_cost(&mut model, "cost", &cost)?;
-    ///     model.minimize(cost)?;
-    ///     Ok((program, model))
+    ///     let mut program = cart.from_step(step).program(8)?;
+    ///     let cost =
+    ///         program.sum((x - 3.0).square() + 0.1 * v.square() + 0.1 * a.square())?;
+    ///     program.minimize(cost)?;
+    ///     Ok(program)
     /// };
     /// let mut solver = BranchAndBound::default();
     /// let mut controller = RecedingHorizon::moving(build, &mut solver);
-    /// let plant = |state: &[f64], next: &carom::hybrid::Move| {
-    ///     let system = system.from_step(next.step);
-    ///     Ok(system.simulate(state, &[&next.input])?.last().to_vec())
+    /// let plant = |state: &[f64], next: &Move| {
+    ///     Ok(cart.from_step(next.step).simulate(state, &[&next.input])?.last().to_vec())
     /// };
     /// let run = controller.run(&[0.0, 0.0], 14, plant)?;
     /// assert!(run.states.iter().any(|state| state[0] > 1.5));
@@ -222,13 +208,13 @@ impl<'a> RecedingHorizon<'a> {
     ///
     /// # Arguments
     ///
-    /// * `build`: the program that begins with a step of the loop, and the model that holds it. See
-    ///   [`HybridSystem::from_step`], [`Cost::from_step`](super::Cost::from_step) and
-    ///   [`Scene::from_step`](super::scene::Scene::from_step).
-    pub fn moving(
-        build: impl FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a,
+    /// * `build`: the program that begins with a step of the loop, of a system or of a scene. See
+    ///   [`HybridSystem::from_step`] and [`Scene::from_step`](super::scene::Scene::from_step).
+    pub fn moving<P: Into<HybridProgram>>(
+        mut build: impl FnMut(usize) -> Result<P, Error> + 'a,
         solver: &'a mut dyn Solver,
     ) -> Self {
+        let build = move |step| build(step).map(P::into);
         RecedingHorizon::built(solver, Box::new(build), Clock::Passed(0))
     }
 
@@ -275,32 +261,27 @@ impl<'a> RecedingHorizon<'a> {
     /// sides and references that are parameters move with the loop.
     ///
     /// ```
-    /// use carom::hybrid::{Horizon, HybridSystem, LinearSystem, RecedingHorizon, Transition};
-    /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
-    /// // A store that is filled at a changing price.
-    /// let store = HybridSystem::new()
-    ///     .with_state("full", Interval::new(0.0, 9.0))
-    ///     .with_input("buy", Interval::new(0.0, 3.0))
-    ///     .with_transition(Transition::new("use", LinearSystem::new([[1.0]], [[1.0]], [-1.0])?));
-    /// let mut model = Model::new("store");
-    /// let program = store.write(&mut model, "", &Horizon::new(4, 1.0)?)?;
-    /// // What the rest of the store must be at each step is forecast.
+    /// // A store that is filled by the hour.
+    /// let mut store = HybridSystem::new(3600.0); // s
+    /// let full = store.state("full", 0.0, 9.0)?;
+    /// let buy = store.input("buy", 0.0, 3.0)?;
+    /// store.mode("use")?.next([(full, full + buy - 1.0)])?;
+    /// let mut program = store.program(4)?;
+    /// // What must be in the store at each step is forecast.
     /// let mut demand = Vec::new();
     /// for t in 0..4 {
-    ///     let need = model.parameter(("need", t), 0.0, 0.0, 9.0)?;
-    ///     model.add(("covers", t), program.states()[0][t + 1].ge(need))?;
+    ///     let need = program.model_mut().parameter(("need", t), 0.0, 0.0, 9.0)?;
+    ///     program.add(("covers", t), program.at(full, t + 1)?.ge(need))?;
     ///     demand.push(need);
     /// }
-    /// model.minimize(program.inputs()[0].iter().map(Affine::from).sum::<Affine>())?;
+    /// program.minimize(program.sum(buy)?)?;
     /// let mut solver = BranchAndBound::default();
-    /// let controller = RecedingHorizon::new(&program, model, &mut solver)?;
+    /// let controller = RecedingHorizon::new(program, &mut solver)?;
     /// let mut controller =
     ///     controller.with_forecast(demand, [vec![0.0; 6], vec![5.0, 0.0]].concat())?;
-    /// let plant = |state: &[f64], next: &carom::hybrid::Move| {
-    ///     Ok(vec![state[0] + next.input[0] - 1.0])
-    /// };
+    /// let plant = |state: &[f64], next: &Move| Ok(vec![state[0] + next.input[0] - 1.0]);
     /// let run = controller.run(&[2.0], 8, plant)?;
     /// assert!(run.states[7][0] > 5.0 - 1e-6 && run.states[4][0] < 3.0);
     /// # Ok::<(), carom::Error>(())

@@ -1,10 +1,12 @@
 //! Where plans come from: one prepared program, or one that is built for each step.
 
+use std::sync::Arc;
+
 use web_time::Duration;
 
 use super::guess::{LastIntegers, simulated};
 use crate::error::{Error, ErrorKind, check_length};
-use crate::hybrid::rows::HybridProgram;
+use crate::hybrid::program::{HybridProgram, Members};
 use crate::hybrid::system::HybridSystem;
 use crate::model::{Affine, Family, Model, Variable};
 use crate::solution::{Point, Solution};
@@ -13,17 +15,13 @@ use crate::solver::{Control, Prepared, Solver};
 /// Where plans come from.
 pub(super) enum Planner<'a> {
     /// One program for all steps.
-    Receding {
-        prepared: Box<dyn Prepared + 'a>,
-        handles: Handles,
-        program: Option<Box<HybridProgram>>,
-    },
+    Receding { prepared: Box<dyn Prepared + 'a>, handles: Handles, members: Option<Arc<Members>> },
     /// A program for each step.
     Built { solver: &'a mut dyn Solver, build: Box<Build<'a>>, clock: Clock, last: LastIntegers },
 }
 
 /// Builds the program of a step.
-pub(super) type Build<'a> = dyn FnMut(usize) -> Result<(HybridProgram, Model), Error> + 'a;
+pub(super) type Build<'a> = dyn FnMut(usize) -> Result<HybridProgram, Error> + 'a;
 
 /// The number of steps with which the program of a step is asked for.
 pub(super) enum Clock {
@@ -54,21 +52,25 @@ pub(super) struct Handles {
 }
 
 impl Handles {
-    /// Adds parameters for the state at the first sample of a program.
-    pub(super) fn measure(program: &HybridProgram, model: &mut Model) -> Result<Self, Error> {
-        let mut measured = Vec::new();
-        for (k, (name, domain)) in program.system().states.iter().enumerate() {
-            let Some(first) = program.states().get(k).and_then(|family| family.get(0)) else {
-                continue;
-            };
-            let middle = 0.0_f64.clamp(domain.lower, domain.upper);
-            let name = format!("measured_{}", name.replace(char::is_whitespace, "_"));
-            let parameter = model.parameter(name.as_str(), middle, domain.lower, domain.upper)?;
-            model.add(format!("{name}_row").as_str(), (first - parameter).equals(0.0))?;
-            measured.push(parameter);
+    /// Adds parameters for the states at the first sample of a program.
+    pub(super) fn measure(program: &mut HybridProgram) -> Result<Self, Error> {
+        let HybridProgram { model, members } = program;
+        let mut handles = Handles { measured: Vec::new(), states: Vec::new(), inputs: Vec::new() };
+        for (k, own) in members.iter().enumerate() {
+            for ((name, domain), family) in own.system().states.iter().zip(own.states()) {
+                let Some(first) = family.get(0) else { continue };
+                let middle = 0.0_f64.clamp(domain.lower, domain.upper);
+                let number = if k == 0 { String::new() } else { format!("{k}_") };
+                let name = format!("measured_{number}{}", name.replace(char::is_whitespace, "_"));
+                let parameter =
+                    model.parameter(name.as_str(), middle, domain.lower, domain.upper)?;
+                model.add(format!("{name}_row").as_str(), (first - parameter).equals(0.0))?;
+                handles.measured.push(parameter);
+            }
+            handles.states.extend(own.states().iter().cloned());
+            handles.inputs.extend(own.inputs().iter().cloned());
         }
-        let (states, inputs) = (program.states().to_vec(), program.inputs().to_vec());
-        Ok(Handles { measured, states, inputs })
+        Ok(handles)
     }
 
     fn values(&self, state: &[f64]) -> Vec<(Variable, f64)> {
@@ -147,15 +149,16 @@ impl Planner<'_> {
     ) -> Result<Planned, Error> {
         let state = question.state;
         match self {
-            Planner::Receding { prepared, handles, program } => {
+            Planner::Receding { prepared, handles, members } => {
                 check_length("the measured state", state.len(), handles.measured.len())?;
                 if question.budget.is_some() {
                     prepared.options_mut().time_limit = question.budget;
                 }
                 let mut values = handles.values(state);
                 values.extend(question.parameters);
-                let seed = match (program, question.missed) {
-                    (Some(program), Some(rest)) => simulated(program, state, rest)?,
+                let only = members.as_ref().and_then(|members| members.only());
+                let seed = match (only, question.missed) {
+                    (Some(variables), Some(rest)) => simulated(variables, state, rest)?,
                     _ => None,
                 };
                 let mut control = Control::default();
@@ -178,16 +181,17 @@ impl Planner<'_> {
                     Clock::Left(left) => *left,
                     Clock::Passed(passed) => *passed,
                 };
-                let (program, mut model) = build(step)?;
-                check_length("the measured state", state.len(), program.states().len())?;
-                let handles = Handles::measure(&program, &mut model)?;
-                *system = Some(program.system().clone());
+                let mut program = build(step)?;
+                let handles = Handles::measure(&mut program)?;
+                check_length("the measured state", state.len(), handles.measured.len())?;
+                let HybridProgram { mut model, members } = program;
+                *system = members.only().map(|only| only.system().clone());
                 if question.budget.is_some() {
                     solver.options_mut().time_limit = question.budget;
                 }
-                let seed = match question.missed {
-                    Some(rest) => simulated(&program, state, rest)?,
-                    None => None,
+                let seed = match (members.only(), question.missed) {
+                    (Some(variables), Some(rest)) => simulated(variables, state, rest)?,
+                    _ => None,
                 };
                 let seed = seed.or_else(|| last.seed(&model));
                 let mut control = Control::default();

@@ -1,6 +1,6 @@
 //! Extreme points of what a run leaves free.
 
-use super::program::HybridProgram;
+use super::program::SystemVariables;
 use super::run::HybridRun;
 use crate::error::{Error, check_length};
 use crate::model::{Affine, Model, Quadratic, Sense, Variable};
@@ -12,62 +12,9 @@ use crate::tolerance::FEASIBILITY;
 /// are idle.
 const IDLE: f64 = 1e-3;
 
-impl HybridProgram {
-    /// An extreme point near a run: the same transitions, and each input as far as it can go to the
-    /// side of its range on which it is in the run. All but a few inputs are then at an end of their
-    /// range, or idle as before.
-    ///
-    /// If many runs are as good, an interior-point method finds one in the middle of all of them,
-    /// whose inputs change smoothly where a time-optimal controller switches. An extreme point
-    /// switches.
-    ///
-    /// ```
-    /// use carom::hybrid::{Horizon, HybridSystem, LinearSystem, Region, Transition, When};
-    /// use carom::interval::Interval;
-    /// use carom::prelude::*;
-    ///
-    /// let cart = HybridSystem::new()
-    ///     .with_state("x", Interval::new(-9.0, 9.0))
-    ///     .with_state("v", Interval::new(-9.0, 9.0))
-    ///     .with_input("a", Interval::new(-1.0, 1.0))
-    ///     .with_transition(Transition::new("roll", LinearSystem::double_integrator(0.1)?));
-    /// let mut model = Model::new("cart");
-    /// let program = cart.write(&mut model, "", &Horizon::new(21, 0.1)?)?;
-    /// program.require(&mut model, "start", &Region::point([0.0, 0.0]), When::At(0))?;
-    /// program.require(&mut model, "goal", &Region::point([1.0, 0.0]), When::At(21))?;
-    /// let mut solver = BranchAndBound::default();
-    /// let (run, _) = program.certified(&solver.solve(&model)?)?;
-    /// let solution = program.extreme(&model, &run, &mut solver)?.expect("there is one");
-    /// let (run, _) = program.certified(&solution)?;
-    /// // Two equations of the goal leave two inputs between the ends of their range.
-    /// let between = run.input("a")?.iter().filter(|a| a.abs() < 1.0 - 1e-6).count();
-    /// assert!(between <= 2);
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    ///
-    /// # Arguments
-    ///
-    /// * `model`: the model of the program; it stays as it is. An affine objective keeps the least
-    ///   value that it has with these transitions.
-    /// * `run`: a run of the program.
-    ///
-    /// # Returns
-    ///
-    /// A solution of the model; `None` for a quadratic objective, which leaves nothing free, and if
-    /// the solver finds none.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::Length`](crate::ErrorKind::Length) and
-    /// [`ErrorKind::UnknownName`](crate::ErrorKind::UnknownName) for a run of another program;
-    /// those of the solver.
-    pub fn extreme(
-        &self,
-        model: &Model,
-        run: &HybridRun,
-        solver: &mut dyn Solver,
-    ) -> Result<Option<Solution>, Error> {
-        let mut model = model.clone();
+impl SystemVariables {
+    /// Fixes the transitions of a run in a model.
+    pub(crate) fn fix_transitions(&self, model: &mut Model, run: &HybridRun) -> Result<(), Error> {
         for choice in &self.system.choices {
             let names = run.transitions(&choice.name)?;
             check_length("the steps of the run", names.len(), self.horizon.steps())?;
@@ -77,13 +24,31 @@ impl HybridProgram {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// The inputs with their values in a run.
+    pub(crate) fn input_values(&self, run: &HybridRun) -> Result<Vec<(Variable, f64)>, Error> {
         let mut values = Vec::new();
         for ((name, _), family) in self.system.inputs.iter().zip(&self.inputs) {
             let own = run.input(name)?;
             check_length("the steps of the run", own.len(), family.len())?;
             values.extend(family.iter().zip(own.iter().copied()));
         }
-        push_outward(model, &values, solver)
+        Ok(values)
+    }
+
+    /// A solution near a run of a model: the same transitions, and each input as far as it can go to the
+    /// side of its range on which it is in the run.
+    pub(crate) fn extreme(
+        &self,
+        model: &Model,
+        run: &HybridRun,
+        solver: &mut dyn Solver,
+    ) -> Result<Option<Solution>, Error> {
+        let mut model = model.clone();
+        self.fix_transitions(&mut model, run)?;
+        push_outward(model, &self.input_values(run)?, solver)
     }
 }
 

@@ -27,106 +27,48 @@ mod switch;
 mod write;
 
 pub(crate) use extreme::push_outward;
-pub use program::HybridProgram;
+#[doc(hidden)]
+pub use program::SystemVariables;
+pub(crate) use program::SystemVariables as HybridProgram;
 pub use run::HybridRun;
 
 use super::horizon::Horizon;
 use super::system::HybridSystem;
 use crate::error::Error;
-#[cfg(doc)]
-use crate::error::ErrorKind;
 use crate::model::{Method, Model};
-use crate::setters::setters;
-
-/// How a hybrid system is written as rows.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RowOptions {
-    /// How the choices among transitions become rows. By default, two transitions are a pair of
-    /// implications, and three or more a disjunction, which the model's
-    /// [`Reformulation`](crate::model::Reformulation) lowers.
-    pub method: Option<Method>,
-}
-
-impl RowOptions {
-    setters! {
-        /// Lowers every choice by one method.
-        with_method(method: Method) => method = Some(method);
-    }
-}
 
 impl HybridSystem {
     /// Adds the system over a horizon to a model: variables and statements, none of which fix the
     /// beginning or the end.
     ///
-    /// A part that all transitions of a choice share is stated once. Only what they change about the next
-    /// state is switched, by variables whose bounds come from guards and domains. A [tube](
-    /// super::reach::Tube::tighten) makes the bounds narrower.
-    ///
-    /// Statements that describe the system are [background](Model::set_background); ranges of
-    /// inputs and half-spaces that [could be dropped](super::Halfspace::limit) are not.
-    ///
     /// # Arguments
     ///
     /// * `prefix`: the beginning of every name, as in `cab_x[3]`; empty for plain names. Blanks in
     ///   names become underscores.
+    /// * `method`: how the choices become rows; by default, two transitions are a pair of
+    ///   implications, and three or more a disjunction.
     ///
-    /// ```
-    /// use carom::hybrid::{Horizon, HybridSystem, LinearSystem, Transition};
-    /// use carom::interval::Interval;
-    /// use carom::prelude::*;
-    ///
-    /// // A cart with a weak and a strong drive.
-    /// let drive = |a: f64| LinearSystem::new([[1.0]], [[a]], [0.0]);
-    /// let system = HybridSystem::new()
-    ///     .with_state("x", Interval::new(-9.0, 9.0))
-    ///     .with_input("u", Interval::new(-1.0, 1.0))
-    ///     .with_transition(Transition::new("weak", drive(1.0)?))
-    ///     .with_transition(Transition::new("strong", drive(3.0)?));
-    ///
-    /// let mut model = Model::new("m");
-    /// let cart = system.write(&mut model, "cart", &Horizon::new(2, 0.1)?)?;
-    /// let x = cart.state("x")?.clone();
-    /// model.fix(x[0], 0.0)?;
-    /// model.fix(x[2], 4.0)?;
-    /// let strong = cart.taken("mode", "strong", 0)?.expect("one of two transitions");
-    /// model.add("late", strong.variable().off())?;
-    ///
-    /// let solution = BranchAndBound::default().solve(&model)?;
-    /// let run = cart.read(&solution)?;
-    /// assert_eq!(run.transitions("mode")?, ["weak", "strong"]);
-    /// assert!((run.state("x")?[1] - 1.0).abs() < 1e-6);
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Those of [`HybridSystem::check`]; [`ErrorKind::DuplicateName`] if a name is taken;
-    /// [`ErrorKind::CrossedBounds`] if an input has no value that any transition allows. The model
-    /// then stays as it was.
+    /// An error leaves the model as it was.
+    #[doc(hidden)]
+    pub fn write_by(
+        &self,
+        model: &mut Model,
+        prefix: &str,
+        steps: usize,
+        method: Option<Method>,
+    ) -> Result<SystemVariables, Error> {
+        self.check()?;
+        write::write(self, model, prefix, &Horizon::new(steps, self.time_step)?, method)
+    }
+
+    /// As [`write_by`](HybridSystem::write_by), by the default method.
+    #[doc(hidden)]
     pub fn write(
         &self,
         model: &mut Model,
         prefix: &str,
-        horizon: &Horizon,
-    ) -> Result<HybridProgram, Error> {
-        self.write_with(model, prefix, horizon, &RowOptions::default())
-    }
-
-    /// As [`write`](HybridSystem::write), with options.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`write`](HybridSystem::write).
-    pub fn write_with(
-        &self,
-        model: &mut Model,
-        prefix: &str,
-        horizon: &Horizon,
-        options: &RowOptions,
-    ) -> Result<HybridProgram, Error> {
-        self.check()?;
-        write::write(self, model, prefix, horizon, options)
+        steps: usize,
+    ) -> Result<SystemVariables, Error> {
+        self.write_by(model, prefix, steps, None)
     }
 }

@@ -1,7 +1,7 @@
 //! Modes with memory: how transitions link the modes of neighbouring samples, and dwell times.
 
 use super::names::Names;
-use super::program::{ChoiceProgram, HybridProgram, OneOf};
+use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::switch::never;
 use crate::error::Error;
 use crate::hybrid::system::Choice;
@@ -67,7 +67,7 @@ pub(super) struct ModeRow {
 pub(super) fn add(
     model: &mut Model,
     names: &mut Names,
-    program: &HybridProgram,
+    program: &SystemVariables,
     number: usize,
 ) -> Result<Vec<String>, Error> {
     let (choice, steps) = (&program.system.choices[number], program.horizon.steps());
@@ -99,7 +99,7 @@ pub(super) fn constant(row: &Row) -> Option<bool> {
 }
 
 /// A row that no state at a sample satisfies, for what has no variables of its own.
-pub(super) fn never_at(program: &HybridProgram, sample: usize) -> Row {
+pub(super) fn never_at(program: &SystemVariables, sample: usize) -> Row {
     let first = program.states.first().and_then(|family| family.get(sample));
     let domain = program.system.states.first().map_or(Interval::REALS, |(_, domain)| *domain);
     let (factor, limit) = never(domain);

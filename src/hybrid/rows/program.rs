@@ -54,9 +54,10 @@ pub(super) struct ChoiceProgram {
     pub(super) groups: Vec<Family>,
 }
 
-/// A hybrid system in a model: its variables by name and step. Made by [`HybridSystem::write`].
+/// A hybrid system in a model: its variables by name and step.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
-pub struct HybridProgram {
+pub struct SystemVariables {
     pub(super) system: HybridSystem,
     pub(super) horizon: Horizon,
     pub(super) states: Vec<Family>,
@@ -68,7 +69,7 @@ pub struct HybridProgram {
     pub(super) own_outputs: Vec<Vec<(String, Vec<Affine>)>>,
 }
 
-impl HybridProgram {
+impl SystemVariables {
     /// The system.
     pub fn system(&self) -> &HybridSystem {
         &self.system
@@ -160,6 +161,23 @@ impl HybridProgram {
         Ok(own.iter().find(|(own, _)| own == name).map(|(_, values)| &values[..]))
     }
 
+    /// 1 if a choice is in a mode at a sample, and 0 otherwise.
+    pub(crate) fn mode_value(
+        &self,
+        choice: usize,
+        mode: &str,
+        sample: usize,
+    ) -> Result<Affine, Error> {
+        let modes = self.system.choices[choice].modes();
+        let k = find(modes.into_iter(), mode, "mode of the choice")?;
+        Ok(self.choices[choice].modes.value(k, sample))
+    }
+
+    /// 1 if a choice takes a transition in a step, and 0 otherwise.
+    pub(crate) fn taken_value(&self, choice: usize, transition: usize, step: usize) -> Affine {
+        self.choices[choice].taken.value(transition, step)
+    }
+
     /// The number of events in a step, over all choices.
     ///
     /// # Errors
@@ -227,7 +245,7 @@ impl HybridProgram {
         let reference = &choice.transitions[program.changes.reference];
         let own = program.changes.groups[group];
         let outputs = map::output_names(&choice.transitions);
-        let value = |transition: &crate::hybrid::Transition| -> Option<(Vec<f64>, f64)> {
+        let value = |transition: &crate::hybrid::system::Transition| -> Option<(Vec<f64>, f64)> {
             if own >= n {
                 let name = outputs.get(own - n)?;
                 let output = transition.outputs.iter().find(|output| output.name == **name);
@@ -245,7 +263,7 @@ impl HybridProgram {
             Some((factors, offset.get(own).copied()?))
         };
         let (common, constant) = value(reference)?;
-        let difference = |transition: &crate::hybrid::Transition| {
+        let difference = |transition: &crate::hybrid::system::Transition| {
             let (factors, own) = value(transition)?;
             let factors = factors.iter().zip(&common).map(|(a, b)| a - b).collect();
             (transition.flow == reference.flow).then_some((factors, own - constant))

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::program::{HybridProgram, OneOf, find};
+use super::program::{OneOf, SystemVariables, find};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::model::Variable;
 use crate::number::{DIGITS, rounded};
@@ -117,7 +117,7 @@ fn series<'a, T>(
     find(of.iter().map(|(name, _)| name.as_str()), name, kind).map(|k| &of[k].1[..])
 }
 
-impl HybridProgram {
+impl SystemVariables {
     /// The run of a solution.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::change::{Part, quantity};
 use super::map::{self, Behaviour};
 use super::names::Names;
-use super::program::{ChoiceProgram, HybridProgram};
+use super::program::{ChoiceProgram, SystemVariables};
 use super::switch::{Label, Switch, SwitchRow};
 use super::write::expression;
 use crate::error::Error;
@@ -19,7 +19,7 @@ const RATIO: f64 = 0.5;
 
 /// A choice at a step.
 pub(super) struct ChoiceStep<'a> {
-    pub(super) program: &'a HybridProgram,
+    pub(super) program: &'a SystemVariables,
     /// The number of the choice.
     pub(super) number: usize,
     pub(super) own: &'a [Behaviour],

@@ -2,20 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use super::RowOptions;
 use super::bound::LinearRow;
 use super::change::{Changes, Part, quantity};
 use super::map::{self, Behaviour, Map};
 use super::modes;
 use super::names::Names;
-use super::program::{ChoiceProgram, HybridProgram, OneOf};
+use super::program::{ChoiceProgram, OneOf, SystemVariables};
 use super::statements::ChoiceStep;
 use super::switch::{Region, Switch, below, switch};
 use crate::error::Error;
 use crate::hybrid::horizon::Horizon;
 use crate::hybrid::system::{Choice, HybridSystem};
 use crate::interval::Interval;
-use crate::model::{Affine, Family, Model, Variable};
+use crate::model::{Affine, Family, Method, Model, Variable};
 
 /// The changes and rows of a choice, known before its variables are made.
 struct Plan {
@@ -77,8 +76,8 @@ pub(super) fn write(
     model: &mut Model,
     prefix: &str,
     horizon: &Horizon,
-    options: &RowOptions,
-) -> Result<HybridProgram, Error> {
+    method: Option<Method>,
+) -> Result<SystemVariables, Error> {
     let count = system.settles().min(horizon.steps() - 1) + 1;
     let plans: Vec<Plan> = system.choices.iter().map(|own| plan(system, own, count)).collect();
     let (program, background) = model.all_or_nothing(|model| {
@@ -90,7 +89,7 @@ pub(super) fn write(
             names: Names::new(prefix),
             program: &program,
             plans: &plans,
-            options,
+            method,
             as_predicted: as_predicted(system),
             background: BTreeSet::new(),
         };
@@ -114,9 +113,9 @@ fn variables(
     names: &mut Names,
     horizon: &Horizon,
     plans: &[Plan],
-) -> Result<HybridProgram, Error> {
+) -> Result<SystemVariables, Error> {
     let steps = horizon.steps();
-    let mut program = HybridProgram {
+    let mut program = SystemVariables {
         system: system.clone(),
         horizon: *horizon,
         states: Vec::new(),
@@ -198,7 +197,7 @@ fn at<T>(list: &[T], step: usize) -> &T {
 }
 
 /// A map of states and inputs at a step, as an expression.
-pub(super) fn expression(program: &HybridProgram, map: &Map, step: usize) -> Affine {
+pub(super) fn expression(program: &SystemVariables, map: &Map, step: usize) -> Affine {
     let mut sum = Affine::constant(map.constant);
     let variables = program.states.iter().chain(&program.inputs).map(|family| family.get(step));
     for (factor, variable) in map.factors.iter().zip(variables) {
@@ -226,7 +225,7 @@ fn change(program: &ChoiceProgram, own: &[Behaviour], number: usize, step: usize
 }
 
 /// Adds the outputs of all choices, by name.
-fn outputs(program: &mut HybridProgram, plans: &[Plan]) {
+fn outputs(program: &mut SystemVariables, plans: &[Plan]) {
     let (n, steps) = (program.states.len(), program.horizon.steps());
     let mut outputs: Vec<(String, Vec<Affine>)> = Vec::new();
     let mut by_choice = Vec::new();
@@ -272,9 +271,9 @@ struct Writer<'a> {
     system: &'a HybridSystem,
     model: &'a mut Model,
     names: Names,
-    program: &'a HybridProgram,
+    program: &'a SystemVariables,
     plans: &'a [Plan],
-    options: &'a RowOptions,
+    method: Option<Method>,
     /// Which states are as predicted.
     as_predicted: Vec<bool>,
     /// Families of statements that describe the system.
@@ -325,7 +324,7 @@ impl Writer<'_> {
             }
             for (number, plan) in self.plans.iter().enumerate() {
                 let (own, rows) = at(&plan.steps, t);
-                let method = self.options.method;
+                let method = self.method;
                 let as_predicted = &self.as_predicted;
                 let step = ChoiceStep {
                     program: self.program,

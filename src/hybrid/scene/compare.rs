@@ -3,11 +3,11 @@
 use std::fmt;
 
 use super::plan::ScenePlan;
-use super::shortest::{ShortestScenePlan, Task};
+use super::shortest::Task;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::shortest_horizon::{
-    LeastTimeStep, ShortestOptions, TimeStepGrid, Verdict, Waiting, decide, least_of,
+    LeastTimeStep, Shortest, ShortestOptions, TimeStepGrid, Verdict, Waiting, decide, least_of,
 };
 use crate::solver::Solver;
 
@@ -19,7 +19,7 @@ pub struct StepComparison {
     /// The plan.
     pub plan: ScenePlan,
     /// The shortest plan with half of its Δt.
-    pub halved: ShortestScenePlan,
+    pub halved: Shortest<ScenePlan>,
 }
 
 impl fmt::Display for StepComparison {

@@ -32,7 +32,6 @@ pub use plan::{BodyPath, SceneHit, ScenePlan};
 pub use program::SceneProgram;
 pub use replay::SceneCertificate;
 pub use rule::{DamageMeasure, DamageRule};
-pub use shortest::ShortestScenePlan;
 pub use solid::Solid;
 pub use statement::Scene;
 pub use surface::Surface;

@@ -8,9 +8,8 @@ use super::rule::DamageRule;
 use super::statement::{INSIDE, Scene};
 use super::system::{AXES, Stated};
 use crate::error::{Error, ErrorKind};
-use crate::hybrid::costs::When;
 use crate::hybrid::damage::ImpactEstimate;
-use crate::hybrid::horizon::Horizon;
+use crate::hybrid::program::When;
 use crate::hybrid::rows::HybridProgram;
 use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable, either};
 
@@ -22,6 +21,7 @@ pub struct SceneProgram {
     /// [`Model::minimize`].
     pub model: Model,
     /// The variables by name and step.
+    #[doc(hidden)]
     pub hybrid: HybridProgram,
     pub(super) scene: Scene,
     pub(super) contacts: Vec<Contact>,
@@ -110,13 +110,12 @@ impl Stated {
     /// The program from the starts to the goals.
     pub(super) fn program(&self, steps: usize) -> Result<SceneProgram, Error> {
         let Stated { scene, contacts, system } = self;
-        let horizon = Horizon::new(steps, scene.time_step)?;
         if let Some((obstacle, last)) = scene.longest().filter(|(_, last)| *last < steps) {
             let obstacle = obstacle.name.clone();
             return Err(super::SceneError::Course { obstacle, last, needed: steps }.into());
         }
         let mut model = Model::new("scene");
-        let hybrid = system.write(&mut model, "", &horizon)?;
+        let hybrid = system.write(&mut model, "", steps)?;
         hybrid.require(&mut model, "start", &scene.ends(system, true), When::At(0))?;
         hybrid.require(&mut model, "goal", &scene.ends(system, false), When::At(steps))?;
         let mut program = SceneProgram {

@@ -1,7 +1,5 @@
 //! The shortest plan of a scene.
 
-use std::fmt;
-
 use super::body::Body;
 use super::contact::{Contact, ContactFace};
 use super::loose::loose;
@@ -10,14 +8,13 @@ use super::program::{SceneProgram, exclusive};
 use super::statement::Scene;
 use super::system::Stated;
 use crate::error::Error;
+use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use crate::hybrid::rows::HybridProgram;
 use crate::hybrid::shortest_horizon::{
-    HorizonModel, ShortestHorizon, ShortestOptions, Waiting, shortest_horizon,
+    HorizonModel, Shortest, ShortestOptions, Solved, Waiting, shortest_horizon,
 };
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
-use crate::model::Model;
 use crate::solver::Solver;
 
 /// How many times longer the steps of the coarser grid are.
@@ -26,27 +23,6 @@ const COARSER: f64 = 8.0;
 /// The most combinations of modes of a step for which sets of coupled axes are kept: they are
 /// templates of all states, each image of which costs many times a polygon's.
 const MOST_MOVES: usize = 4;
-
-/// The outcome of [`Scene::shortest_plan`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-#[must_use]
-pub struct ShortestScenePlan {
-    /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it.
-    pub time_step: f64,
-    /// How the search ended, its horizons, its sets and its attempts.
-    pub search: ShortestHorizon<SceneProgram>,
-    /// Whether waiting is free, and why.
-    pub waiting: Waiting,
-    /// The plan of `search.steps` steps.
-    pub plan: Option<ScenePlan>,
-}
-
-impl fmt::Display for ShortestScenePlan {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.search.claim(self.time_step, f)
-    }
-}
 
 impl Scene {
     /// Finds the smallest number of steps in which all bodies get from their starts to their goals,
@@ -65,7 +41,7 @@ impl Scene {
         &self,
         options: &ShortestOptions,
         solver: &mut dyn Solver,
-    ) -> Result<ShortestScenePlan, Error> {
+    ) -> Result<Shortest<ScenePlan>, Error> {
         let stated = self.stated()?;
         let waiting = options.waiting(stated.waiting()?);
         let mut options = options.clone();
@@ -73,13 +49,8 @@ impl Scene {
             options.max_steps = options.max_steps.min(longest);
         }
         let task = Task { stated, waiting };
-        let search = shortest_horizon(&task, &options, solver)?;
-        let plan = match (&search.program, &search.solution) {
-            (Some(program), Some(solution)) => Some(program.certified(solution)?),
-            _ => None,
-        };
-        let time_step = self.time_step;
-        Ok(ShortestScenePlan { time_step, search, waiting: task.waiting, plan })
+        let found = shortest_horizon(&task, &options, solver)?;
+        found.try_map(|Solved { program, solution }| program.certified(&solution))
     }
 
     /// Reach sets of the scene, from its starts to its goals. They refute horizons, say why in
@@ -204,11 +175,16 @@ impl HorizonModel for Task {
         self.stated.quick_sets()
     }
 
-    fn hybrid<'p>(
+    fn time_step(&self) -> Option<f64> {
+        Some(self.stated.scene.time_step)
+    }
+
+    fn with_hybrid(
         &self,
-        program: &'p mut SceneProgram,
-    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
-        Some((&mut program.model, &program.hybrid))
+        program: &mut SceneProgram,
+        statements: &mut dyn FnMut(&mut HybridProgram),
+    ) {
+        HybridProgram::lend(&mut program.model, &program.hybrid, statements);
     }
 
     fn variables(&self, program: &SceneProgram) -> HorizonVariables {

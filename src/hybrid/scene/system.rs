@@ -42,7 +42,7 @@ impl Scene {
         let scene = self.checked()?;
         let mut contacts = contacts(&scene);
         let flow = scene.flow()?;
-        let mut system = HybridSystem::new();
+        let mut system = HybridSystem::new(scene.time_step);
         let mut limits = Vec::new();
         let mut domains: Vec<Interval> = Vec::new();
         for body in &scene.bodies {

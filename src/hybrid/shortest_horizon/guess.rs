@@ -1,6 +1,7 @@
 //! Coarse to fine: the mode sequence of a plan on a coarser grid as a MIP start.
 
 use super::options::ShortestOptions;
+use super::outcome::Solved;
 use super::{HorizonModel, shortest_horizon};
 use crate::error::Error;
 use crate::hybrid::reach::HorizonVariables;
@@ -32,9 +33,7 @@ impl Guess {
         let mut options = options.without_statements();
         options.time_limit = token.left().map(|left| left / SHARE);
         let found = shortest_horizon(&*coarser, &options, solver)?;
-        let (Some(program), Some(solution)) = (&found.program, &found.solution) else {
-            return Ok(Guess::Nothing);
-        };
+        let Some(Solved { program, solution }) = &found.plan else { return Ok(Guess::Nothing) };
         let mut modes = Vec::new();
         for family in coarser.variables(program).binaries() {
             let values = family.iter().map(|z| Ok(solution.value(z)? > 0.5));

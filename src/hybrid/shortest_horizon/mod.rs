@@ -11,8 +11,7 @@ mod statements;
 mod time_step;
 
 pub use options::ShortestOptions;
-pub use outcome::{Attempt, Refutation, ShortestHorizon, ShortestStatus, Verdict};
-pub use run::{RunProgram, ShortestRun};
+pub use outcome::{Attempt, Refutation, Shortest, ShortestStatus, Solved, Verdict};
 pub use search::{HorizonEvent, shortest_horizon, shortest_horizon_with};
 pub use time_step::{LeastTimeStep, TimeStepGrid, least_time_step};
 pub(crate) use time_step::{decide, least_of};
@@ -20,8 +19,8 @@ pub(crate) use time_step::{decide, least_of};
 use std::borrow::BorrowMut;
 
 use crate::error::Error;
+use crate::hybrid::program::HybridProgram;
 use crate::hybrid::reach::{HorizonVariables, ReachSets};
-use crate::hybrid::rows::HybridProgram;
 use crate::model::Model;
 
 /// A family of programs, one for each number of steps.
@@ -77,15 +76,20 @@ pub trait HorizonModel {
         HorizonVariables::default()
     }
 
-    /// The model of a program with its hybrid system, for the
-    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the options; `None`
-    /// by default, and then such options are refused.
-    fn hybrid<'p>(
-        &self,
-        program: &'p mut Self::Program,
-    ) -> Option<(&'p mut Model, &'p HybridProgram)> {
-        let _ = program;
+    /// Δt of the programs, in s, for the words of the result; `None` by default.
+    fn time_step(&self) -> Option<f64> {
         None
+    }
+
+    /// Hands a program with a hybrid system to `statements`, for the
+    /// [windows](ShortestOptions::with_window) and [rows](ShortestOptions::with_rows) of the options; by
+    /// default it does not, and then such options are refused.
+    fn with_hybrid(
+        &self,
+        program: &mut Self::Program,
+        statements: &mut dyn FnMut(&mut HybridProgram),
+    ) {
+        let _ = (program, statements);
     }
 
     /// The same task on a coarser grid, if there is one. Its shortest plan suggests at which steps

@@ -4,6 +4,8 @@ use std::fmt;
 
 use web_time::Duration;
 
+use super::Waiting;
+use crate::error::Error;
 use crate::hybrid::reach::{ReachSets, Tube};
 use crate::solution::{Solution, Statistics, Termination};
 
@@ -112,23 +114,30 @@ fn seconds(steps: usize, time_step: f64) -> String {
     format!("{} s", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// The outcome of a shortest-horizon search.
+/// The outcome of a search for the shortest horizon: of a system, of a scene, of the paper's vehicle, or
+/// of any [`HorizonModel`](super::HorizonModel).
+///
+/// `{}` prints what is proved, with the law and the time step that it is about.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 #[must_use]
-pub struct ShortestHorizon<P> {
+pub struct Shortest<P> {
     /// How the search ended.
     pub status: ShortestStatus,
     /// The smallest horizon found feasible, in steps. It is the shortest one if the status is
     /// [`Found`](ShortestStatus::Found).
     pub steps: Option<usize>,
+    /// A plan of so many steps.
+    pub plan: Option<P>,
     /// The largest horizon, in steps, that is proved infeasible together with every smaller one: by
     /// reach sets or by a solver, each separately or (if waiting is free) by monotonicity.
     pub refuted_steps: Option<usize>,
-    /// The program of `steps`, with the bounds that reach sets tightened.
-    pub program: Option<P>,
-    /// Its solution.
-    pub solution: Option<Solution>,
+    /// Δt of the time-stepped law, in s: what is found and what is refuted is said of it. `None` if the
+    /// search does not know it.
+    pub time_step: Option<f64>,
+    /// Whether waiting is free, and why: whether smaller horizons were refuted by monotonicity or each
+    /// separately.
+    pub waiting: Waiting,
     /// The reach sets that were used, for further questions.
     pub sets: Option<ReachSets>,
     /// The tube of `steps`, if reach sets were used.
@@ -140,17 +149,32 @@ pub struct ShortestHorizon<P> {
     pub time: Duration,
 }
 
-impl<P> ShortestHorizon<P> {
-    /// Writes the result in words, with the law and the time step that it is about.
-    pub(crate) fn claim(&self, time_step: f64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let law = format!("the time-stepped law with Δt = {time_step} s");
-        let steps = |count: usize| match count {
-            1 => "1 step".to_owned(),
-            _ => format!("{count} steps"),
+/// The program of a horizon and its solution.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Solved<P> {
+    /// The program, with the bounds that reach sets tightened.
+    pub program: P,
+    /// Its solution.
+    pub solution: Solution,
+}
+
+impl<P> fmt::Display for Shortest<P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let law = match self.time_step {
+            Some(time_step) => format!("the time-stepped law with Δt = {time_step} s"),
+            None => "the programs of the search".to_owned(),
+        };
+        let horizon = |steps: usize| {
+            let count = if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") };
+            match self.time_step {
+                Some(time_step) => format!("{count}, {}", seconds(steps, time_step)),
+                None => count,
+            }
         };
         match (self.status, self.steps) {
             (ShortestStatus::Found, Some(found)) => {
-                write!(f, "{} at least, {}", steps(found), seconds(found, time_step))?;
+                write!(f, "{}", horizon(found).replacen(',', " at least,", 1))?;
                 match found {
                     1 => write!(f, ", under {law}"),
                     _ => write!(f, ": fewer are refuted for {law}"),
@@ -158,19 +182,40 @@ impl<P> ShortestHorizon<P> {
             }
             (ShortestStatus::NoneWithin { max_steps }, _) => write!(
                 f,
-                "no plan of up to {}, {}, under {law}; a smaller Δt, or a law with rest at its \
+                "no plan of up to {}, under {law}; a smaller Δt, or a law with rest at its \
                  contacts, may have one",
-                steps(max_steps),
-                seconds(max_steps, time_step)
+                horizon(max_steps)
             ),
             (status, found) => {
                 write!(f, "{status}, under {law}")?;
                 match found {
-                    Some(found) => write!(f, ": {} are enough", steps(found)),
+                    Some(1) => write!(f, ": 1 step is enough"),
+                    Some(found) => write!(f, ": {found} steps are enough"),
                     None => Ok(()),
                 }
             }
         }
+    }
+}
+
+impl<P> Shortest<P> {
+    /// The same with a plan that is made of this one's.
+    pub(crate) fn try_map<Q>(
+        self,
+        plan: impl FnOnce(P) -> Result<Q, Error>,
+    ) -> Result<Shortest<Q>, Error> {
+        Ok(Shortest {
+            status: self.status,
+            steps: self.steps,
+            plan: self.plan.map(plan).transpose()?,
+            refuted_steps: self.refuted_steps,
+            time_step: self.time_step,
+            waiting: self.waiting,
+            sets: self.sets,
+            tube: self.tube,
+            attempts: self.attempts,
+            time: self.time,
+        })
     }
 
     /// Whether the shortest horizon was found and proved.
@@ -181,6 +226,11 @@ impl<P> ShortestHorizon<P> {
     /// The refuted horizons, in the order in which they were refuted.
     pub fn refutations(&self) -> impl Iterator<Item = &Attempt> {
         self.attempts.iter().filter(|attempt| matches!(attempt.verdict, Verdict::Refuted(_)))
+    }
+
+    /// How many programs were solved.
+    pub fn solves(&self) -> usize {
+        self.attempts.iter().filter(|attempt| attempt.is_solve()).count()
     }
 
     /// Nodes over all solves.

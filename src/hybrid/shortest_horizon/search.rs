@@ -7,7 +7,7 @@ use super::HorizonModel;
 use super::guess::{Guess, restricted};
 use super::look::look_token;
 use super::options::ShortestOptions;
-use super::outcome::{Attempt, ShortestHorizon, ShortestStatus, Verdict};
+use super::outcome::{Attempt, Shortest, ShortestStatus, Solved, Verdict};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::horizon::check_steps;
 use crate::hybrid::reach::{HorizonVariables, ReachSets, Tube};
@@ -60,7 +60,7 @@ pub fn shortest_horizon<B: HorizonModel + ?Sized>(
     builder: &B,
     options: &ShortestOptions,
     solver: &mut dyn Solver,
-) -> Result<ShortestHorizon<B::Program>, Error> {
+) -> Result<Shortest<Solved<B::Program>>, Error> {
     shortest_horizon_with(builder, options, solver, &mut |_| {})
 }
 
@@ -77,10 +77,11 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     options: &ShortestOptions,
     solver: &mut dyn Solver,
     progress: &mut dyn FnMut(&HorizonEvent),
-) -> Result<ShortestHorizon<B::Program>, Error> {
+) -> Result<Shortest<Solved<B::Program>>, Error> {
     check_steps("the largest number of steps", options.max_steps)?;
+    let waiting = options.waiting(builder.waiting());
     let mut search = Search {
-        is_free: options.waiting(builder.waiting()).is_free(),
+        is_free: waiting.is_free(),
         builder,
         options,
         solver,
@@ -101,12 +102,13 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     let status = search.run()?;
     let time = search.token.elapsed();
     let (refuted, attempts, sets) = (search.refuted, search.attempts, search.sets);
-    let mut found = ShortestHorizon {
+    let mut found = Shortest {
         status,
         steps: None,
+        plan: None,
         refuted_steps: (refuted > 0).then_some(refuted),
-        program: None,
-        solution: None,
+        time_step: builder.time_step(),
+        waiting,
         sets,
         tube: None,
         attempts,
@@ -114,8 +116,8 @@ pub fn shortest_horizon_with<B: HorizonModel + ?Sized>(
     };
     if let Some(best) = search.best {
         found.steps = Some(best.steps);
-        (found.program, found.solution, found.tube) =
-            (Some(best.program), Some(best.solution), best.tube);
+        found.plan = Some(Solved { program: best.program, solution: best.solution });
+        found.tube = best.tube;
     }
     Ok(found)
 }
@@ -397,14 +399,18 @@ pub(super) fn build<B: HorizonModel + ?Sized>(
         options.prepare(program.borrow_mut());
         return Ok(program);
     }
-    let Some((model, hybrid)) = builder.hybrid(&mut program) else {
+    let mut done = Ok(false);
+    builder.with_hybrid(&mut program, &mut |hybrid| {
+        done = options.complete(hybrid).map(|()| true);
+    });
+    if !done? {
         return Err(ErrorKind::Unsupported {
             solver: "a search over programs without a hybrid system".into(),
             what: "windows and rows".into(),
-            help: "add them in `HorizonModel::build`, or implement `HorizonModel::hybrid`".into(),
+            help: "add them in `HorizonModel::build`, or implement `HorizonModel::with_hybrid`"
+                .into(),
         }
         .into());
-    };
-    options.complete(model, hybrid)?;
+    }
     Ok(program)
 }

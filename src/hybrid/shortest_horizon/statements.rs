@@ -7,18 +7,16 @@ use std::sync::Arc;
 use super::Waiting;
 use super::options::ShortestOptions;
 use crate::error::Error;
-use crate::hybrid::costs::When;
-use crate::hybrid::rows::HybridProgram;
-use crate::hybrid::system::Region;
+use crate::hybrid::program::{HybridProgram, IntoRegion, StatedRegion, When};
 use crate::model::{Model, Reformulation};
 
 /// Writes statements into the program of a horizon.
-type Write = dyn Fn(&mut Model, &HybridProgram) -> Result<(), Error> + Send + Sync;
+type Write = dyn Fn(&mut HybridProgram) -> Result<(), Error> + Send + Sync;
 
 /// Windows, rows, and how all of it is lowered.
 #[derive(Clone, Default)]
 pub(super) struct Statements {
-    windows: Vec<(String, Region, When)>,
+    windows: Vec<(String, StatedRegion, When)>,
     rows: Vec<Arc<Write>>,
     reformulation: Option<Reformulation>,
 }
@@ -34,71 +32,63 @@ impl fmt::Debug for Statements {
 }
 
 impl ShortestOptions {
-    /// Requires every run to be in a region, in one of its modes, at given samples, as
-    /// [`HybridProgram::require`] does.
+    /// Requires every run to be in a region at given samples, as [`HybridProgram::require`] does.
     ///
     /// A window may reach beyond the end of a run; what is left of it counts. A run that ends before
     /// the first sample of a window does not meet it, so the shortest run may be longer. Since
     /// windows depend on the step, waiting is not free, and every smaller horizon is refuted separately.
     ///
     /// ```
-    /// use carom::hybrid::{HybridSystem, LinearSystem, Region, ShortestOptions, Transition, When};
-    /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
-    /// let cart = HybridSystem::new()
-    ///     .with_state("x", Interval::new(-9.0, 9.0))
-    ///     .with_input("v", Interval::new(-1.0, 1.0))
-    ///     .with_transition(Transition::new("roll", LinearSystem::new([[1.0]], [[1.0]], [0.0])?));
-    /// let (start, goal) = (Region::point([0.0]), Region::point([3.0]));
-    /// let depot = Region::from([Interval::new(-2.0, -1.0)]);
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", -9.0, 9.0)?;
+    /// let v = cart.input("v", -1.0, 1.0)?;
+    /// cart.mode("roll")?.next([(x, x + v)])?;
     /// // At the depot at one of the samples 2 to 5, then to the goal.
+    /// let depot = [x.within(-2.0, -1.0)];
     /// let options = ShortestOptions::default().with_window("depot", depot, When::OnceIn(2..=5));
-    /// let mut solver = BranchAndBound::default();
-    /// let found = cart.shortest_run(&start, &goal, 1.0, &options, &mut solver)?;
-    /// assert_eq!(found.search.steps, Some(6));
+    /// let (start, goal) = ([x.equals(0.0)], [x.equals(3.0)]);
+    /// let found = cart.shortest_with(start, goal, &options, &mut BranchAndBound::default())?;
+    /// assert_eq!(found.steps, Some(6));
     /// # Ok::<(), carom::Error>(())
     /// ```
     #[must_use]
-    pub fn with_window(mut self, name: &str, region: impl Into<Region>, when: When) -> Self {
-        self.statements.windows.push((name.to_owned(), region.into(), when));
+    pub fn with_window(mut self, name: &str, region: impl IntoRegion, when: When) -> Self {
+        self.statements.windows.push((name.to_owned(), region.stated(), when));
         self
     }
 
     /// Adds statements of your own to the program of every horizon: rows, indicators, disjunctions,
     /// logic over the states, inputs and transitions of the system.
     ///
-    /// The callback gets the model, and the system's variables in it with the
-    /// [horizon](HybridProgram::horizon). It is called for each horizon that is solved. Nothing is known of
-    /// what it adds, so waiting is not free, and every smaller horizon is refuted separately. Sets still
-    /// refute what the system alone cannot do.
+    /// The callback is called for each horizon that is solved. Nothing is known of what it adds, so
+    /// waiting is not free, and every smaller horizon is refuted separately. Sets still refute what the
+    /// system alone cannot do.
     ///
     /// ```
-    /// use carom::hybrid::{HybridSystem, LinearSystem, Region, ShortestOptions, Transition};
-    /// use carom::interval::Interval;
     /// use carom::prelude::*;
     ///
-    /// let cart = HybridSystem::new()
-    ///     .with_state("x", Interval::new(-9.0, 9.0))
-    ///     .with_input("v", Interval::new(-2.0, 2.0))
-    ///     .with_transition(Transition::new("roll", LinearSystem::new([[1.0]], [[1.0]], [0.0])?));
-    /// let (start, goal) = (Region::point([0.0]), Region::point([6.0]));
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", -9.0, 9.0)?;
+    /// let v = cart.input("v", -2.0, 2.0)?;
+    /// cart.mode("roll")?.next([(x, x + v)])?;
     /// // Every second step at walking pace.
-    /// let options = ShortestOptions::default().with_rows(|model, program| {
-    ///     for (t, v) in program.input("v")?.iter().enumerate().filter(|(t, _)| t % 2 == 0) {
-    ///         model.add(("slow", t), v.le(0.5))?;
+    /// let options = ShortestOptions::default().with_rows(move |program| {
+    ///     for t in (0..program.steps()).step_by(2) {
+    ///         program.add(("slow", t), program.at(v.le(0.5), t)?)?;
     ///     }
     ///     Ok(())
     /// });
-    /// let mut solver = BranchAndBound::default();
-    /// let found = cart.shortest_run(&start, &goal, 1.0, &options, &mut solver)?;
-    /// assert_eq!(found.search.steps, Some(6));
+    /// let (start, goal) = ([x.equals(0.0)], [x.equals(6.0)]);
+    /// let found = cart.shortest_with(start, goal, &options, &mut BranchAndBound::default())?;
+    /// assert_eq!(found.steps, Some(6));
     /// # Ok::<(), carom::Error>(())
     /// ```
     #[must_use]
     pub fn with_rows(
         mut self,
-        rows: impl Fn(&mut Model, &HybridProgram) -> Result<(), Error> + Send + Sync + 'static,
+        rows: impl Fn(&mut HybridProgram) -> Result<(), Error> + Send + Sync + 'static,
     ) -> Self {
         self.statements.rows.push(Arc::new(rows));
         self
@@ -157,19 +147,21 @@ impl ShortestOptions {
     }
 
     /// Completes the program of a horizon.
-    pub(crate) fn complete(&self, model: &mut Model, program: &HybridProgram) -> Result<(), Error> {
-        self.prepare(model);
+    pub(crate) fn complete(&self, program: &mut HybridProgram) -> Result<(), Error> {
+        self.prepare(&mut program.model);
         for (name, region, when) in &self.statements.windows {
-            match within(when, program.horizon().steps()) {
-                Some(when) => program.require(model, name, region, when)?,
+            match within(when, program.steps()) {
+                Some(when) => program.require_stated(name, region, when)?,
                 None => {
-                    region.check(program.system(), "the region")?;
-                    let late = model.continuous(format!("{name} after the end"), 0.0, 0.0)?;
-                    model.add(name.as_str(), late.ge(1.0))?;
+                    let system = program.members.first().system();
+                    region.of(system)?.check(system, "the region")?;
+                    let late =
+                        program.model.continuous(format!("{name} after the end"), 0.0, 0.0)?;
+                    program.model.add(name.as_str(), late.ge(1.0))?;
                 }
             }
         }
-        self.statements.rows.iter().try_for_each(|rows| rows(model, program))
+        self.statements.rows.iter().try_for_each(|rows| rows(program))
     }
 }
 

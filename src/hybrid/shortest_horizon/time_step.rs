@@ -10,8 +10,9 @@ use super::run::Task;
 use super::search::build;
 use crate::error::Error;
 use crate::hybrid::linear::check_time_step;
+use crate::hybrid::program::IntoRegion;
 use crate::hybrid::rows::HybridRun;
-use crate::hybrid::system::{HybridSystem, Region};
+use crate::hybrid::system::HybridSystem;
 use crate::setters::setters;
 use crate::solution::Solution;
 use crate::solver::{Solver, StopToken};
@@ -81,26 +82,21 @@ pub struct LeastTimeStep {
 /// number of steps, and refutes all smaller ones of the grid.
 ///
 /// ```
-/// use carom::hybrid::{
-///     HybridSystem, LinearSystem, Region, ShortestOptions, TimeStepGrid, Transition,
-///     least_time_step,
-/// };
-/// use carom::interval::Interval;
+/// use carom::hybrid::{TimeStepGrid, least_time_step};
 /// use carom::prelude::*;
 ///
 /// let cart = |dt: f64| {
-///     let line = LinearSystem::double_integrator(dt)?;
-///     Ok(HybridSystem::new()
-///         .with_state("x", Interval::new(-9.0, 9.0))
-///         .with_state("v", Interval::new(-9.0, 9.0))
-///         .with_input("a", Interval::new(-1.0, 1.0))
-///         .with_transition(Transition::new("roll", line)))
+///     let mut cart = HybridSystem::new(dt);
+///     let x = cart.state("x", -9.0, 9.0)?; // m
+///     let v = cart.state("v", -9.0, 9.0)?; // m/s
+///     let a = cart.input("a", -1.0, 1.0)?; // m/s²
+///     cart.mode("roll")?.rates([(x, v.into()), (v, a.into())])?;
+///     Ok((cart, [x.equals(0.0), v.equals(0.0)], [x.equals(1.0), v.equals(0.0)]))
 /// };
-/// let (start, goal) = (Region::point([0.0, 0.0]), Region::point([1.0, 0.0]));
 /// // 1 m at 1 m/s² takes 2 s: ten steps of 0.2 s.
 /// let grid = TimeStepGrid::new(10, [0.1, 0.15, 0.19, 0.2, 0.25]);
-/// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
-/// let found = least_time_step(cart, &start, &goal, &grid, &options, &mut solver)?;
+/// let options = ShortestOptions::default();
+/// let found = least_time_step(cart, &grid, &options, &mut BranchAndBound::default())?;
 /// assert!(found.is_proved);
 /// assert_eq!((found.time_step, found.refuted), (Some(0.2), Some(0.19)));
 /// # Ok::<(), carom::Error>(())
@@ -108,29 +104,28 @@ pub struct LeastTimeStep {
 ///
 /// # Arguments
 ///
-/// * `system`: the system for a time step in s.
+/// * `task`: the system for a time step in s, where it starts, and where it must get.
 /// * `options`: `max_steps` and `coarse_guess` have no effect.
 ///
 /// # Errors
 ///
 /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for an empty grid, for one that is not
-/// ascending, and for a bad number of steps; errors of `system`, of a start or goal that does not
+/// ascending, and for a bad number of steps; errors of `task`, of a start or goal that does not
 /// fit, and of the solver.
-pub fn least_time_step(
-    system: impl Fn(f64) -> Result<HybridSystem, Error>,
-    start: &Region,
-    goal: &Region,
+pub fn least_time_step<R: IntoRegion>(
+    task: impl Fn(f64) -> Result<(HybridSystem, R, R), Error>,
     grid: &TimeStepGrid,
     options: &ShortestOptions,
     solver: &mut dyn Solver,
 ) -> Result<LeastTimeStep, Error> {
     least_of(grid, options, |time_step, token| {
-        let system = system(time_step)?;
+        let (system, start, goal) = task(time_step)?;
+        let (start, goal) = (&start.stated().of(&system)?, &goal.stated().of(&system)?);
         let waiting = Waiting::NotFree("the number of steps is fixed".into());
-        let task = Task { system: &system, start, goal, time_step, waiting };
+        let task = Task { system: &system, start, goal, waiting };
         let (attempt, solved) = decide(&task, grid.steps, options, token, solver)?;
         let run = match solved.filter(|_| attempt.verdict == Verdict::Feasible) {
-            Some((program, solution)) => Some(program.program.certified(&solution)?.0),
+            Some((program, solution)) => Some(program.plan(&solution)?.run),
             None => None,
         };
         Ok((attempt, run))

@@ -8,7 +8,7 @@ use super::step::{Flown, StepStart, sample_conditions};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::hybrid::rows::{HybridProgram, HybridRun};
+use crate::hybrid::rows::{HybridRun, SystemVariables};
 use crate::hybrid::system::{HybridSystem, Transition};
 use crate::solution::Solution;
 use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
@@ -96,34 +96,9 @@ impl HybridSystem {
     }
 }
 
-impl HybridProgram {
-    /// Reads a solution and [certifies](HybridSystem::certify) its run. Use this rather than
-    /// [`read`](HybridProgram::read) for every plan that is carried out.
-    ///
-    /// ```
-    /// use carom::hybrid::{Horizon, HybridSystem, LinearSystem, Transition};
-    /// use carom::interval::Interval;
-    /// use carom::prelude::*;
-    ///
-    /// let system = HybridSystem::new()
-    ///     .with_state("x", Interval::new(0.0, 9.0))
-    ///     .with_input("u", Interval::new(-1.0, 1.0))
-    ///     .with_transition(Transition::new("push", LinearSystem::new([[1.0]], [[1.0]], [0.0])?));
-    /// let mut model = Model::new("m");
-    /// let program = system.write(&mut model, "", &Horizon::new(3, 0.1)?)?;
-    /// model.maximize(program.state("x")?[3] - 2.0 * program.state("x")?[0])?;
-    ///
-    /// let solution = BranchAndBound::default().solve(&model)?;
-    /// let (run, certificate) = program.certified(&solution)?;
-    /// assert!((run.state("x")?[3] - 3.0).abs() < 1e-6);
-    /// assert!(certificate.drift < 1e-6);
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Those of [`read`](HybridProgram::read) and [`certify`](HybridSystem::certify): a solution
-    /// whose run is not what the system states is an error.
+impl SystemVariables {
+    /// Reads a solution and [certifies](HybridSystem::certify) its run: a solution whose run is not what
+    /// the system states is an error.
     pub fn certified(&self, solution: &Solution) -> Result<(HybridRun, RunCertificate), Error> {
         let run = self.read(solution)?;
         let certificate = self.system().certify(&run)?;

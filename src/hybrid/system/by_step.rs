@@ -40,24 +40,23 @@ impl HybridSystem {
     /// [moving horizon](crate::hybrid::RecedingHorizon::moving).
     ///
     /// ```
-    /// use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Transition};
-    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
     ///
     /// // A door that closes after step 2.
-    /// let door = Halfspace::new("door", [1.0, 0.0], vec![9.0, 9.0, 9.0, 4.0]);
-    /// let system = HybridSystem::new()
-    ///     .with_state("x", Interval::new(0.0, 9.0))
-    ///     .with_state("v", Interval::new(-1.0, 1.0))
-    ///     .with_input("a", Interval::new(-1.0, 1.0))
-    ///     .with_limit(door)
-    ///     .with_transition(Transition::new("drive", LinearSystem::double_integrator(0.1)?));
-    /// let later = system.from_step(2);
-    /// assert_eq!(later.limits[0].limit, vec![9.0, 4.0].into());
+    /// let mut cart = HybridSystem::new(0.5); // s
+    /// let x = cart.state("x", 0.0, 9.0)?;
+    /// let u = cart.input("u", -1.0, 1.0)?;
+    /// let door = cart.series("door", [9.0, 9.0, 9.0, 4.0])?;
+    /// cart.limit("behind the door", x.le(door))?;
+    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// assert!(cart.to_string().contains("x <= 9 until step 2, 4 from then on"));
+    /// assert!(cart.from_step(2).to_string().contains("x <= 9 until step 0, 4 from then on"));
     /// # Ok::<(), carom::Error>(())
     /// ```
     #[must_use]
     pub fn from_step(&self, step: usize) -> Self {
         let mut system = self.clone();
+        system.handles.begin_at(step);
         system.inputs.iter_mut().for_each(|(_, range)| *range = range.from_step(step));
         system.limits.iter_mut().for_each(|limit| *limit = limit.from_step(step));
         let choices = system.choices.iter_mut();
@@ -87,7 +86,9 @@ impl HybridSystem {
         };
         let mut transitions =
             self.choices.iter().flat_map(|own| own.transitions.iter().map(move |t| (own, t)));
-        let own = self.inputs.iter().find_map(range);
+        let mut series = self.handles.series().filter(|(_, values)| values.varies());
+        let series = series.next().map(|(name, _)| format!("the series `{name}`"));
+        let own = self.inputs.iter().find_map(range).or(series);
         own.or_else(|| self.limits.iter().find_map(limit))
             .or_else(|| transitions.find_map(transition))
     }

@@ -6,7 +6,7 @@ use super::halfspace::Halfspace;
 use super::transition::{Reset, Transition};
 use super::{Choice, HybridSystem};
 use crate::error::{Error, ErrorKind, check_finite, check_length};
-use crate::hybrid::linear::LinearSystem;
+use crate::hybrid::linear::{LinearSystem, check_time_step};
 use crate::interval::Interval;
 use crate::model::is_name;
 use crate::tolerance::INFINITE;
@@ -21,8 +21,15 @@ impl HybridSystem {
     /// [`ErrorKind::OutOfRange`] for a system without states or transitions, for several choices
     /// without a common flow, and for numbers of 1e20 and more in magnitude.
     pub fn check(&self) -> Result<(), Error> {
+        check_time_step(self.time_step)?;
         at_least_one("states", self.states.len())?;
         at_least_one("transitions", self.transitions().count())?;
+        if let Some(&(choice, number)) = self.unstated.first() {
+            let name = format!("`{}`", self.choices[choice].transitions[number].name);
+            let place = "the system without a flow".to_owned();
+            let help = "state it by `rates` or by `next`, or state a common flow first";
+            return Err(ErrorKind::Misplaced { name, place, help }.into());
+        }
         for (name, domain) in &self.states {
             check_ends(name, *domain)?;
         }
@@ -43,7 +50,8 @@ impl HybridSystem {
             Some(flow) => check_flow("the common flow", flow, n, m)?,
             None if self.choices.len() > 1 => {
                 let count = self.choices.len() as f64;
-                let mend = "at most 1 without a common flow; give one with `with_flow`";
+                let mend =
+                    "at most 1 without a common flow; state one by `rates` or `next` of the system";
                 return Err(Error::out_of_range("the number of choices", count, mend));
             }
             None => {}
@@ -72,13 +80,7 @@ impl HybridSystem {
             if !modes.contains(&dwell.mode.as_str()) {
                 return Err(unknown(&dwell.mode, "mode of the system"));
             }
-            let (least, most) = (dwell.least, dwell.most.unwrap_or(usize::MAX));
-            if least == 0 || most < least {
-                let what = format!("the dwell time of `{}`", dwell.mode);
-                let value = if least == 0 { least } else { most };
-                let range = "at least 1 step, and at most not below at least";
-                return Err(Error::out_of_range(what, value as f64, range));
-            }
+            dwell.check()?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! A choice among transitions, with or without memory.
 
 use super::transition::Transition;
+use crate::error::Error;
 use crate::setters::setters;
 
 /// How long a mode lasts once it is entered, in steps.
@@ -13,6 +14,20 @@ pub(crate) struct Dwell {
     pub(crate) least: usize,
     /// At most this many samples in a row.
     pub(crate) most: Option<usize>,
+}
+
+impl Dwell {
+    /// Refuses times below 1 sample, and a longest time below the shortest one.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let (least, most) = (self.least, self.most.unwrap_or(usize::MAX));
+        if least == 0 || most < least {
+            let what = format!("the dwell time of `{}`", self.mode);
+            let value = if least == 0 { least } else { most };
+            let range = "at least 1 step, and at most not below at least";
+            return Err(Error::out_of_range(what, value as f64, range));
+        }
+        Ok(())
+    }
 }
 
 /// One of the independent choices of a step: exactly one of its transitions is taken.
@@ -36,6 +51,7 @@ pub(crate) struct Dwell {
 /// # Ok::<(), carom::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[doc(hidden)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Choice {

@@ -17,6 +17,7 @@ use super::schedule::Schedule;
 /// let door = Halfspace::new("door", [1.0, 0.0], vec![9.0, 9.0, 9.0, 4.0]);
 /// assert_eq!(door.limit.get(8), Some(&4.0));
 /// ```
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,12 +1,23 @@
 //! A hybrid system, stated once.
 //!
+//! Statements are made of handles and their expressions, and kept as matrices and half-spaces:
+//!
 //! | part | file |
 //! | --- | --- |
-//! | states, inputs, limits, common flow | `system/mod.rs` |
+//! | the handles | `system/handles.rs` |
+//! | states, inputs, series, limits, choices | `system/declarations.rs` |
+//! | a transition that is being stated | `system/transition_mut.rs` |
+//! | rates and next values | `system/flow.rs` |
+//! | expressions and rows as coefficients | `system/coefficients.rs` |
+//!
+//! | part as numbers | file |
+//! | --- | --- |
+//! | the system | `system/mod.rs` |
 //! | a choice among transitions, modes, dwell times | `system/choice.rs` |
 //! | a transition: flow, guards, reset, outputs | `system/transition.rs` |
 //! | a half-space | `system/halfspace.rs` |
 //! | values by step | `system/schedule.rs` |
+//! | building it from numbers | `system/matrices.rs` |
 //! | ranges of inputs under several choices | `system/input_range.rs` |
 //! | starts and goals | `system/region.rs` |
 //! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
@@ -17,8 +28,13 @@
 mod by_step;
 mod check;
 mod choice;
+mod coefficients;
+mod declarations;
+mod flow;
 mod halfspace;
+mod handles;
 mod input_range;
+mod matrices;
 mod mixed_logical_dynamical;
 mod mixed_logical_rows;
 mod named;
@@ -29,23 +45,30 @@ mod schedule;
 mod serialized;
 mod text;
 mod transition;
+mod transition_mut;
 
 pub use choice::Choice;
 
 pub use halfspace::Halfspace;
+pub use handles::State;
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub use region::Region;
 pub(crate) use region::check_cut;
 pub use schedule::Schedule;
 pub use transition::Transition;
+pub use transition_mut::TransitionMut;
 
-pub(crate) use check::{check_ends, check_halfspace};
+pub(crate) use handles::Meaning;
+
+pub(crate) use check::check_ends;
 
 #[cfg(feature = "serde")]
 use serialized::StoredSystem;
 
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
+use flow::FlowRows;
+use handles::Handles;
 
 /// The name of the choice to which [`HybridSystem::with_transition`] adds.
 pub(crate) const MODE: &str = "mode";
@@ -53,119 +76,110 @@ pub(crate) const MODE: &str = "mode";
 /// A discrete-time hybrid system with bounded states and inputs.
 ///
 /// The state at every sample lies in its domain and satisfies the limits. Each step takes one
-/// transition of every [`Choice`], with every input within its range.
+/// transition of every choice, with every input within its range. Everything about the system is
+/// said with [expressions](crate::model::Affine) and [rows](crate::model::Row) of its handles.
+///
+/// ```
+/// use carom::prelude::*;
+///
+/// // High gear is stronger but allowed only above 0.4 m/s.
+/// let mut lift = HybridSystem::new(0.1); // s
+/// let x = lift.state("x", 0.0, 15.0)?; // m
+/// let v = lift.state("v", -2.5, 2.5)?; // m/s
+/// let u = lift.input("u", -1.0, 1.0)?;
+/// lift.mode("low gear")?.rates([(x, v.into()), (v, 0.6 * u)])?;
+/// lift.mode("high gear")?.rates([(x, v.into()), (v, 1.5 * u)])?.guard(v.ge(0.4))?;
+///
+/// let (start, goal) = ([x.equals(0.0), v.equals(0.0)], [x.equals(3.0), v.equals(0.0)]);
+/// let found = lift.shortest(start, goal, &mut BranchAndBound::default())?;
+/// assert_eq!(found.steps, Some(36));
+/// # Ok::<(), carom::Error>(())
+/// ```
+///
+/// # Several choices
 ///
 /// With one choice, the next state is the one to which its transition leads. With several, each
 /// transition adds what it changes: if `y` is the common flow's result and `x⁺_c` the state to which
 /// the transition of choice c leads, the next state is `y + Σ_c (x⁺_c - y)`.
-///
-/// ```
-/// use carom::hybrid::{HybridSystem, LinearSystem, Transition};
-/// use carom::interval::Interval;
-///
-/// let push = HybridSystem::new()
-///     .with_state("x", Interval::new(-9.0, 9.0))
-///     .with_state("v", Interval::new(-9.0, 9.0))
-///     .with_input("a", Interval::new(-1.0, 1.0))
-///     .with_transition(Transition::new("flight", LinearSystem::double_integrator(0.1)?));
-/// push.check()?;
-/// # Ok::<(), carom::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, Default)]
-#[non_exhaustive]
+#[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "StoredSystem", into = "StoredSystem"))]
 pub struct HybridSystem {
+    /// Δt, in s.
+    pub(crate) time_step: f64,
     /// Names and domains (finite) of the states.
+    #[doc(hidden)]
     pub states: Vec<(String, Interval)>,
     /// Names and ranges (finite) of the inputs, by step.
+    #[doc(hidden)]
     pub inputs: Vec<(String, Schedule<Interval>)>,
     /// Limits in addition to the domains: at every sample, or, if they depend on the inputs, at the
     /// start of every step.
+    #[doc(hidden)]
     pub limits: Vec<Halfspace>,
     /// The common flow, to which the choices add; needed with two choices or more.
+    #[doc(hidden)]
     pub flow: Option<LinearSystem>,
     /// The choices of a step, at least one.
+    #[doc(hidden)]
     pub choices: Vec<Choice>,
     /// The most events of a run, if they are limited.
+    #[doc(hidden)]
     pub most_events: Option<usize>,
     /// The range of the disturbance added to each next state; empty if there is none. Only simulations and
     /// robust sets see it.
+    #[doc(hidden)]
     pub disturbance: Vec<Interval>,
+    pub(crate) handles: Handles,
+    /// The common flow as it was stated.
+    common: Option<FlowRows>,
+    /// Transitions, by choice and number, whose flow is not yet known.
+    unstated: Vec<(usize, usize)>,
+}
+
+impl PartialEq for HybridSystem {
+    /// Whether two systems state the same, whatever their handles.
+    fn eq(&self, other: &Self) -> bool {
+        let parts = |of: &HybridSystem| (of.time_step, of.most_events);
+        parts(self) == parts(other)
+            && self.states == other.states
+            && self.inputs == other.inputs
+            && self.limits == other.limits
+            && self.flow == other.flow
+            && self.choices == other.choices
+            && self.disturbance == other.disturbance
+    }
 }
 
 impl HybridSystem {
     /// A system without states, inputs and choices.
-    pub fn new() -> Self {
-        HybridSystem::default()
+    ///
+    /// # Arguments
+    ///
+    /// * `time_step`: Δt, the length of a step, in s; finite and positive.
+    pub fn new(time_step: f64) -> Self {
+        HybridSystem {
+            time_step,
+            states: Vec::new(),
+            inputs: Vec::new(),
+            limits: Vec::new(),
+            flow: None,
+            choices: Vec::new(),
+            most_events: None,
+            disturbance: Vec::new(),
+            handles: Handles::default(),
+            common: None,
+            unstated: Vec::new(),
+        }
     }
 
-    /// Adds a state with its domain, in the state's unit.
-    #[must_use]
-    pub fn with_state(mut self, name: impl Into<String>, domain: Interval) -> Self {
-        self.states.push((name.into(), domain));
-        self
-    }
-
-    /// Adds an input with its range, in the input's unit.
-    #[must_use]
-    pub fn with_input(
-        mut self,
-        name: impl Into<String>,
-        range: impl Into<Schedule<Interval>>,
-    ) -> Self {
-        self.inputs.push((name.into(), range.into()));
-        self
-    }
-
-    /// Adds a limit on the states at every sample, or on states and inputs at every step.
-    #[must_use]
-    pub fn with_limit(mut self, limit: Halfspace) -> Self {
-        self.limits.push(limit);
-        self
-    }
-
-    /// Sets the common flow, whose result the choices change.
-    #[must_use]
-    pub fn with_flow(mut self, flow: LinearSystem) -> Self {
-        self.flow = Some(flow);
-        self
-    }
-
-    /// Adds a transition to the choice named `mode`, which is made if there is none.
-    #[must_use]
-    pub fn with_transition(mut self, transition: Transition) -> Self {
-        let k = self.choices.iter().position(|choice| choice.name == MODE).unwrap_or_else(|| {
-            self.choices.push(Choice::new(MODE));
-            self.choices.len() - 1
-        });
-        self.choices[k].transitions.push(transition);
-        self
-    }
-
-    /// Adds a choice, independent of the others.
-    #[must_use]
-    pub fn with_choice(mut self, choice: Choice) -> Self {
-        self.choices.push(choice);
-        self
-    }
-
-    /// Limits the number of events of a run, over all choices.
-    #[must_use]
-    pub fn with_most_events(mut self, most: usize) -> Self {
-        self.most_events = Some(most);
-        self
-    }
-
-    /// Sets what a disturbance may add to each next state, in the states' units. Rows, refutations
-    /// and certificates do not see it.
-    #[must_use]
-    pub fn with_disturbance(mut self, ranges: impl Into<Vec<Interval>>) -> Self {
-        self.disturbance = ranges.into();
-        self
+    /// Δt, in s.
+    pub fn time_step(&self) -> f64 {
+        self.time_step
     }
 
     /// All transitions, in the order of the choices. Their positions are their numbers.
+    #[doc(hidden)]
     pub fn transitions(&self) -> impl Iterator<Item = &Transition> {
         self.choices.iter().flat_map(|choice| &choice.transitions)
     }

@@ -1,12 +1,12 @@
 //! Systems with a name, as examples and for tests.
 
-use super::{Choice, Halfspace, HybridSystem, Transition};
+use super::HybridSystem;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::contact::Restitution;
-use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
+use crate::model::Affine;
 
 /// Gravitational acceleration on earth, in m/s².
 const GRAVITY: f64 = 9.81;
@@ -43,23 +43,19 @@ impl HybridSystem {
         top_speed: f64,
     ) -> Result<Self, Error> {
         let e = restitution.value();
-        let rates = [[0.0, 1.0], [0.0, 0.0]];
-        let fall = LinearSystem::zero_order_hold(rates, [[]; 2], [0.0, -GRAVITY], time_step)?;
-        let above = Halfspace::new("it ends above the floor", [-1.0, 0.0], 0.0);
-        let below = Halfspace::new("it ends below the floor", [1.0, 0.0], 0.0);
-        let down = Halfspace::new("it moves down", [0.0, 1.0], 0.0);
-        let bounce = Transition::event("bounce", fall.clone())
-            .with_prediction_guard(below)
-            .with_prediction_guard(down)
-            .with_reset([[-e, 0.0], [0.0, -e]], [0.0, 0.0])
-            .with_output("impact speed", [0.0, -1.0], 0.0);
-        let system = HybridSystem::new()
-            .with_state("height", Interval::new(0.0, ceiling))
-            .with_state("speed", Interval::new(-top_speed, top_speed))
-            .with_transition(Transition::new("fall", fall).with_prediction_guard(above))
-            .with_transition(bounce);
-        system.check()?;
-        Ok(system)
+        let mut ball = HybridSystem::new(time_step);
+        let h = ball.state("height", 0.0, ceiling)?;
+        let v = ball.state("speed", -top_speed, top_speed)?;
+        let impact = ball.output("impact speed")?;
+        ball.rates([(h, v.into()), (v, Affine::constant(-GRAVITY))])?;
+        ball.mode("fall")?.guard(h.predicted().ge(0.0))?;
+        ball.event("bounce")?
+            .guard(h.predicted().le(0.0))?
+            .guard(v.predicted().le(0.0))?
+            .reset([(h, -e * h.predicted()), (v, -e * v.predicted())])?
+            .output(impact, -v.predicted())?;
+        ball.check()?;
+        Ok(ball)
     }
 
     /// A room with a heater that a thermostat switches: the state `temperature` (°C), no inputs,
@@ -105,23 +101,15 @@ impl HybridSystem {
         check_finite("the thermostat", "a temperature", [cold, hot])?;
         band.check("the band of the thermostat")?;
         let rate = 1.0 / time_constant;
-        let towards =
-            |end: f64| LinearSystem::zero_order_hold([[-rate]], [[]; 1], [rate * end], time_step);
-        let at_most = |limit: f64| Halfspace::new("at most", [1.0], limit);
-        let at_least = |limit: f64| Halfspace::new("at least", [-1.0], -limit);
-        let idle = Transition::new("idle", towards(cold)?).within("off");
-        let start = Transition::event("start", towards(hot)?).between("off", "on");
-        let heat = Transition::new("heat", towards(hot)?).within("on");
-        let stop = Transition::event("stop", towards(cold)?).between("on", "off");
-        let heater = Choice::new("heater")
-            .with_transition(idle.with_guard(at_least(band.lower)))
-            .with_transition(start.with_guard(at_most(band.lower)))
-            .with_transition(heat.with_guard(at_most(band.upper)))
-            .with_transition(stop.with_guard(at_least(band.upper)));
-        let system = HybridSystem::new()
-            .with_state("temperature", Interval::new(cold, hot))
-            .with_choice(heater);
-        system.check()?;
-        Ok(system)
+        let mut room = HybridSystem::new(time_step);
+        let t = room.state("temperature", cold, hot)?;
+        let [off, on] = room.modes("heater", ["off", "on"])?;
+        let towards = |end: f64| [(t, rate * (end - t))];
+        room.stay(off)?.named("idle")?.rates(towards(cold))?.guard(t.ge(band.lower))?;
+        room.stay(on)?.named("heat")?.rates(towards(hot))?.guard(t.le(band.upper))?;
+        room.switch(off, on)?.named("start")?.guard(t.le(band.lower))?;
+        room.switch(on, off)?.named("stop")?.guard(t.ge(band.upper))?;
+        room.check()?;
+        Ok(room)
     }
 }

@@ -14,6 +14,7 @@ impl HybridSystem {
     ///
     /// # Arguments
     ///
+    /// * `time_step`: Δt, in s.
     /// * `states`, `inputs`: names with domains and ranges, finite.
     /// * `modes`: for each mode its name, its flow, H and k. H has a column per state, or one per
     ///   state and input.
@@ -29,6 +30,7 @@ impl HybridSystem {
     /// };
     /// let third = std::f64::consts::FRAC_PI_3;
     /// let rotation = HybridSystem::piecewise_affine(
+    ///     1.0,
     ///     [("x1", Interval::new(-10.0, 10.0)), ("x2", Interval::new(-10.0, 10.0))],
     ///     [("u", Interval::new(-1.0, 1.0))],
     ///     [
@@ -46,6 +48,7 @@ impl HybridSystem {
     /// [`ErrorKind::Length`] if H has not as many rows as k has entries; the errors of
     /// [`HybridSystem::check`].
     pub fn piecewise_affine<S, U, M, H, K>(
+        time_step: f64,
         states: impl IntoIterator<Item = (S, Interval)>,
         inputs: impl IntoIterator<Item = (U, Interval)>,
         modes: impl IntoIterator<Item = (M, LinearSystem, H, K)>,
@@ -57,7 +60,7 @@ impl HybridSystem {
         H: IntoMatrix,
         K: Into<Vec<f64>>,
     {
-        let mut system = HybridSystem::new();
+        let mut system = HybridSystem::new(time_step);
         for (name, domain) in states {
             system = system.with_state(name, domain);
         }

@@ -15,6 +15,7 @@ use crate::interval::Interval;
 /// The serialised form of a system.
 #[derive(Serialize, Deserialize)]
 pub(super) struct StoredSystem {
+    time_step: f64,
     states: Vec<(String, Interval)>,
     inputs: Vec<(String, Schedule<Interval>)>,
     #[serde(default)]
@@ -30,9 +31,16 @@ pub(super) struct StoredSystem {
 
 impl From<HybridSystem> for StoredSystem {
     fn from(system: HybridSystem) -> Self {
-        let HybridSystem { states, inputs, limits, flow, choices, most_events, disturbance } =
-            system;
-        StoredSystem { states, inputs, limits, flow, choices, most_events, disturbance }
+        StoredSystem {
+            time_step: system.time_step,
+            states: system.states,
+            inputs: system.inputs,
+            limits: system.limits,
+            flow: system.flow,
+            choices: system.choices,
+            most_events: system.most_events,
+            disturbance: system.disturbance,
+        }
     }
 }
 
@@ -40,10 +48,16 @@ impl TryFrom<StoredSystem> for HybridSystem {
     type Error = Error;
 
     fn try_from(stored: StoredSystem) -> Result<Self, Error> {
-        let StoredSystem { states, inputs, limits, flow, choices, most_events, disturbance } =
-            stored;
-        let system =
-            HybridSystem { states, inputs, limits, flow, choices, most_events, disturbance };
+        let mut system = HybridSystem::new(stored.time_step);
+        for (name, domain) in stored.states {
+            system = system.with_state(name, domain);
+        }
+        for (name, range) in stored.inputs {
+            system = system.with_input(name, range);
+        }
+        system = stored.choices.into_iter().fold(system, HybridSystem::with_choice);
+        (system.limits, system.flow) = (stored.limits, stored.flow);
+        (system.most_events, system.disturbance) = (stored.most_events, stored.disturbance);
         system.check()?;
         Ok(system)
     }

@@ -57,6 +57,7 @@ pub(crate) struct TransitionOutput {
 /// assert!(bounce.is_event);
 /// # Ok::<(), carom::Error>(())
 /// ```
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,9 +1,8 @@
 //! Costs in the three norms against plain sums and hand-written epigraphs.
 
 use carom::ErrorKind;
-use carom::hybrid::{
-    Cost, Horizon, HybridProgram, HybridSystem, LinearSystem, Mat, Region, Transition, When,
-};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, Region, When};
+use carom::internals::hybrid::{SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -15,7 +14,7 @@ fn system(entries: &[f64]) -> (HybridSystem, LinearSystem) {
     let a = Mat::from_fn(2, 2, |i, j| entries[2 * i + j]);
     let b = Mat::from_fn(2, 2, |i, j| entries[4 + 2 * i + j]);
     let flow = LinearSystem::new(a, b, [0.1, -0.2]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-40.0, 40.0))
         .with_state("v", Interval::new(-40.0, 40.0))
         .with_input("a", Interval::new(-1.0, 1.0))
@@ -24,9 +23,9 @@ fn system(entries: &[f64]) -> (HybridSystem, LinearSystem) {
     (system, flow)
 }
 
-fn program(system: &HybridSystem, steps: usize, start: &[f64]) -> (Model, HybridProgram) {
+fn program(system: &HybridSystem, steps: usize, start: &[f64]) -> (Model, SystemVariables) {
     let mut model = Model::new("m");
-    let program = system.write(&mut model, "", &Horizon::new(steps, 1.0).unwrap()).unwrap();
+    let program = system.write(&mut model, "", steps).unwrap();
     program.require(&mut model, "start", &Region::point(start), When::At(0)).unwrap();
     (model, program)
 }
@@ -166,7 +165,7 @@ proptest! {
 fn transitions_cost_what_is_said() {
     // Three steps of 1 cost nothing each, a step of 2 costs 5.
     let drive = |by: f64| LinearSystem::new([[1.0]], [[]], [by]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 9.0))
         .with_transition(Transition::new("slow", drive(1.0)))
         .with_transition(Transition::new("fast", drive(2.0)))

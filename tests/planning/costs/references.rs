@@ -1,14 +1,13 @@
 //! Optima that other solvers found (CPLEX 22.2) for the same systems and costs.
 
-use carom::hybrid::{
-    Cost, Horizon, HybridSystem, IntoMatrix, LinearSystem, Mat, Region, Transition, When,
-};
+use carom::hybrid::{HybridSystem, IntoMatrix, LinearSystem, Mat, Region, When};
+use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::prelude::*;
 
 fn optimum(system: &HybridSystem, steps: usize, start: &[f64], cost: &Cost) -> f64 {
     let mut model = Model::new("m");
-    let program = system.write(&mut model, "", &Horizon::new(steps, 1.0).unwrap()).unwrap();
+    let program = system.write(&mut model, "", steps).unwrap();
     program.require(&mut model, "start", &Region::point(start), When::At(0)).unwrap();
     let cost = program.add_cost(&mut model, "cost", cost).unwrap();
     model.minimize(cost).unwrap();
@@ -32,6 +31,7 @@ fn rotation() -> HybridSystem {
     let domain = Interval::new(-10.0, 10.0);
     let third = std::f64::consts::FRAC_PI_3;
     HybridSystem::piecewise_affine(
+        1.0,
         [("x1", domain), ("x2", domain)],
         [("u", Interval::new(-1.0, 1.0))],
         [("left", turn(-third), [[1.0, 0.0]], [0.0]), ("right", turn(third), [[-1.0, 0.0]], [0.0])],
@@ -81,7 +81,7 @@ fn three_tanks_cost_what_they_cost_elsewhere() {
         [[g, 0.0], [0.0, g], [0.0, 0.0]],
         [0.0, 0.0, -1.19828989e-4],
     );
-    let mut system = HybridSystem::new();
+    let mut system = HybridSystem::new(1.0);
     for name in ["h1", "h2", "h3"] {
         system = system.with_state(name, Interval::new(0.0, 0.66));
     }

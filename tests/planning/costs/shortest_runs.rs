@@ -2,9 +2,10 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Choice, Halfspace, HybridRun, HybridSystem, LinearSystem, Mat, Region, ShortestOptions,
-    ShortestStatus, TimeStepGrid, Transition, Waiting, least_time_step,
+    HybridRun, HybridSystem, LinearSystem, Mat, Region, ShortestOptions, ShortestStatus,
+    TimeStepGrid, Waiting, least_time_step,
 };
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -103,7 +104,7 @@ fn enumerated(transitions: &[Plain], start: [f64; 2], goal: &[Interval; 2]) -> O
 }
 
 fn system(transitions: &[Plain]) -> HybridSystem {
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-DOMAIN, DOMAIN))
         .with_state("y", Interval::new(-DOMAIN, DOMAIN))
         .with_input("u", Interval::new(-1.0, 1.0));
@@ -163,11 +164,11 @@ proptest! {
         let options = ShortestOptions::default().with_max_steps(MOST).with_reach_sets(sets);
         let (from, to) = (Region::point(start), Region::from(goal));
         let mut solver = BranchAndBound::default();
-        let found = system.shortest_run(&from, &to, 1.0, &options, &mut solver).unwrap();
-        prop_assert_eq!(found.search.steps, expected);
+        let found = system.shortest_with(&from, &to, 1.0, &options, &mut solver).unwrap();
+        prop_assert_eq!(found.steps, expected);
         match expected {
             Some(steps) => {
-                prop_assert!(found.search.is_found());
+                prop_assert!(found.is_found());
                 let run = found.run.expect("a run");
                 prop_assert_eq!(run.transitions("mode").unwrap().len(), steps);
                 let end = [run.states[0].1[steps], run.states[1].1[steps]];
@@ -177,7 +178,7 @@ proptest! {
             }
             None => {
                 let none = ShortestStatus::NoneWithin { max_steps: MOST };
-                prop_assert_eq!(found.search.status, none);
+                prop_assert_eq!(found.status, none);
             }
         }
     }
@@ -189,7 +190,7 @@ fn elevator() -> HybridSystem {
         let gain = Mat::from_fn(2, 1, |i, _| strength * line.b()[(i, 0)]);
         LinearSystem::new(line.a(), gain, [0.0, 0.0]).unwrap()
     };
-    HybridSystem::new()
+    HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 15.0))
         .with_state("v", Interval::new(-2.5, 2.5))
         .with_input("u", Interval::new(-1.0, 1.0))
@@ -206,9 +207,9 @@ fn the_elevator_takes_72_steps() {
     let (start, goal) = (Region::point([0.0, 0.0]), Region::point([12.0, 0.0]));
     let mut solver = BranchAndBound::default();
     let options = ShortestOptions::default();
-    let found = elevator().shortest_run(&start, &goal, 0.1, &options, &mut solver).unwrap();
-    assert!(found.search.is_found());
-    assert_eq!(found.search.steps, Some(72));
+    let found = elevator().shortest_with(&start, &goal, 0.1, &options, &mut solver).unwrap();
+    assert!(found.is_found());
+    assert_eq!(found.steps, Some(72));
     let expected = "the start is held by `low gear` with u = 0, and nothing depends on the step";
     assert_eq!(found.waiting, Waiting::Free(expected.into()));
     let run = found.run.unwrap();
@@ -253,7 +254,7 @@ fn waiting_holds_in_every_mode_of_the_end() {
         .with_transition(Transition::new("heat", flow(2.0)).within("on"))
         .with_transition(Transition::event("stop", flow(2.0)).between("on", "off"));
     let with = |heater: Choice| {
-        HybridSystem::new()
+        HybridSystem::new(1.0)
             .with_state("T", Interval::new(0.0, 30.0))
             .with_input("u", Interval::new(-1.0, 1.0))
             .with_choice(heater)
@@ -275,7 +276,7 @@ fn waiting_holds_in_every_mode_of_the_end() {
 #[test]
 fn time_steps_are_refuted_one_by_one_or_by_bisection() {
     let cart = |dt: f64| {
-        Ok(HybridSystem::new()
+        Ok(HybridSystem::new(1.0)
             .with_state("x", Interval::new(-9.0, 9.0))
             .with_state("v", Interval::new(-9.0, 9.0))
             .with_input("a", Interval::new(-1.0, 1.0))
@@ -315,16 +316,16 @@ fn time_steps_are_refuted_one_by_one_or_by_bisection() {
 /// Feasible with five steps only, so a search that takes waiting for free misses it.
 #[test]
 fn a_single_feasible_horizon_is_found() {
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 20.0))
         .with_transition(Transition::new("on", LinearSystem::new([[1.0]], [[]], [1.0]).unwrap()));
     let (start, goal) = (Region::point([0.0]), Region::point([5.0]));
     for sets in [false, true] {
         let options = ShortestOptions::default().with_max_steps(8).with_reach_sets(sets);
         let mut solver = BranchAndBound::default();
-        let found = system.shortest_run(&start, &goal, 1.0, &options, &mut solver).unwrap();
+        let found = system.shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap();
         assert!(!found.waiting.is_free());
-        assert!(found.search.is_found());
-        assert_eq!((found.search.steps, found.search.refuted_steps), (Some(5), Some(4)));
+        assert!(found.is_found());
+        assert_eq!((found.steps, found.refuted_steps), (Some(5), Some(4)));
     }
 }

@@ -1,17 +1,16 @@
 //! Limits that a run may exceed at a price.
 
 use carom::ErrorKind;
-use carom::hybrid::{
-    Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Region, Transition, When,
-};
+use carom::hybrid::{HybridSystem, LinearSystem, Region, When};
+use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
 
 use crate::common::config;
 
-fn cart(steps: usize, start: f64) -> (Model, HybridProgram) {
-    let system = HybridSystem::new()
+fn cart(steps: usize, start: f64) -> (Model, SystemVariables) {
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new(
@@ -19,7 +18,7 @@ fn cart(steps: usize, start: f64) -> (Model, HybridProgram) {
             LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap(),
         ));
     let mut model = Model::new("m");
-    let program = system.write(&mut model, "", &Horizon::new(steps, 1.0).unwrap()).unwrap();
+    let program = system.write(&mut model, "", steps).unwrap();
     program.require(&mut model, "start", &Region::point([start]), When::At(0)).unwrap();
     (model, program)
 }

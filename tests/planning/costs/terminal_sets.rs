@@ -1,9 +1,9 @@
 //! Terminal sets: points inside stay, points outside do not.
 
 use carom::hybrid::{
-    Choice, Halfspace, HybridSystem, LinearSystem, Lqr, Mat, TerminalError, TerminalOptions,
-    TerminalSet, Transition,
+    HybridSystem, LinearSystem, Lqr, Mat, TerminalError, TerminalOptions, TerminalSet,
 };
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -65,7 +65,7 @@ proptest! {
         joint.push(normal[3]);
         let at = |x: &[f64], u: f64| joint[..n].iter().zip(x).map(|(a, x)| a * x).sum::<f64>() + joint[n] * u;
         let limit = at(target, 0.1) + 0.7;
-        let mut system = HybridSystem::new().with_input("u", Interval::new(-1.0, 1.0));
+        let mut system = HybridSystem::new(1.0).with_input("u", Interval::new(-1.0, 1.0));
         for i in 0..n {
             system = system.with_state(format!("x{i}"), Interval::new(-2.0, 2.0));
         }
@@ -126,7 +126,7 @@ proptest! {
 fn elevator() -> (HybridSystem, LinearSystem) {
     let line = LinearSystem::double_integrator(0.1).unwrap();
     let fast = LinearSystem::new(line.a(), line.b() * faer::Scale(2.0), [0.0, 0.0]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 15.0))
         .with_state("v", Interval::new(-2.5, 2.5))
         .with_input("u", Interval::new(-1.0, 1.0))
@@ -183,7 +183,7 @@ fn what_has_no_terminal_set_is_refused() {
 #[test]
 fn limits_that_cut_only_after_a_step_are_seen() {
     let flow = LinearSystem::new([[0.0, -1.5], [0.0, 0.2]], [[0.0], [0.1]], [0.0; 2]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-2.0, 2.0))
         .with_state("y", Interval::new(-2.0, 2.0))
         .with_input("u", Interval::new(-9.0, 9.0))
@@ -204,7 +204,7 @@ fn the_mode_is_part_of_the_set() {
         .with_transition(Transition::event("start", flow(1.0)).between("off", "on"))
         .with_transition(Transition::new("heat", flow(1.0)).within("on"))
         .with_transition(Transition::event("stop", flow(0.0)).between("on", "off"));
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("T", Interval::new(0.0, 30.0))
         .with_input("fan", Interval::new(-9.0, 9.0))
         .with_choice(heater.clone());
@@ -235,7 +235,7 @@ fn choices_add_up() {
             .with_transition(Transition::new(format!("{name} on"), flow(0.2)))
             .with_transition(Transition::new(format!("{name} off"), flow(0.0)))
     };
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("v", Interval::new(-3.0, 3.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_flow(flow(0.0))

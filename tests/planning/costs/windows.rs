@@ -1,10 +1,8 @@
 //! Way-points and time windows against all the samples at which they can be met.
 
 use carom::ErrorKind;
-use carom::hybrid::{
-    Choice, Cost, Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Region,
-    Transition, When,
-};
+use carom::hybrid::{HybridSystem, LinearSystem, Region, When};
+use carom::internals::hybrid::{Choice, Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -13,15 +11,15 @@ use crate::common::config;
 
 const STEPS: usize = 6;
 
-fn cart() -> (Model, HybridProgram, Quadratic) {
+fn cart() -> (Model, SystemVariables, Quadratic) {
     let line = LinearSystem::double_integrator(1.0).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_state("v", Interval::new(-5.0, 5.0))
         .with_input("a", Interval::new(-2.0, 2.0))
         .with_transition(Transition::new("go", line));
     let mut model = Model::new("m");
-    let program = system.write(&mut model, "", &Horizon::new(STEPS, 1.0).unwrap()).unwrap();
+    let program = system.write(&mut model, "", STEPS).unwrap();
     program.require(&mut model, "start", &Region::point([0.0, 0.0]), When::At(0)).unwrap();
     let effort = Cost::quadratic([[0.1, 0.0], [0.0, 0.0]], [[1.0]]);
     let effort = program.add_cost(&mut model, "effort", &effort).unwrap();
@@ -70,10 +68,11 @@ fn regions_may_ask_for_modes() {
         .with_transition(Transition::event("start", flow(-1.0)).between("off", "on"))
         .with_transition(Transition::new("heat", flow(2.0)).within("on"))
         .with_transition(Transition::event("stop", flow(2.0)).between("on", "off"));
-    let system = HybridSystem::new().with_state("T", Interval::new(0.0, 30.0)).with_choice(heater);
+    let system =
+        HybridSystem::new(1.0).with_state("T", Interval::new(0.0, 30.0)).with_choice(heater);
     let run = |mode: &str| {
         let mut model = Model::new("m");
-        let program = system.write(&mut model, "", &Horizon::new(4, 1.0).unwrap()).unwrap();
+        let program = system.write(&mut model, "", 4).unwrap();
         let start = Region::point([10.0]).with_mode("heater", "off");
         program.require(&mut model, "start", &start, When::At(0)).unwrap();
         let any = Region::from([Interval::REALS]);
@@ -87,7 +86,7 @@ fn regions_may_ask_for_modes() {
     assert!((run("off") - 15.0).abs() < 1e-6);
     // At the second sample it can be on only at 9.
     let mut model = Model::new("m");
-    let program = system.write(&mut model, "", &Horizon::new(2, 1.0).unwrap()).unwrap();
+    let program = system.write(&mut model, "", 2).unwrap();
     let start = Region::point([10.0]).with_mode("heater", "off");
     program.require(&mut model, "start", &start, When::At(0)).unwrap();
     let hot = Region::from([Interval::new(9.5, 30.0)]).with_mode("heater", "on");

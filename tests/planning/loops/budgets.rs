@@ -2,10 +2,8 @@
 
 use std::time::Duration;
 
-use carom::hybrid::{
-    Cost, Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Move, MoveSource,
-    RecedingHorizon, Transition,
-};
+use carom::hybrid::{HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon};
+use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solver::Prepared;
@@ -69,7 +67,7 @@ fn cart() -> HybridSystem {
     };
     let apart = Halfspace::new("apart", [1.0, 0.0], 1.0);
     let touching = Halfspace::new("touching", [-1.0, 0.0], -1.0);
-    HybridSystem::new()
+    HybridSystem::new(H)
         .with_state("x", Interval::new(-2.0, 2.0))
         .with_state("v", Interval::new(-3.0, 3.0))
         .with_input("u", Interval::new(-2.0, 2.0))
@@ -77,9 +75,9 @@ fn cart() -> HybridSystem {
         .with_transition(Transition::new("pushed", flow(20.0)).with_guard(touching))
 }
 
-fn program() -> Result<(HybridProgram, Model), Error> {
+fn program() -> Result<(SystemVariables, Model), Error> {
     let mut model = Model::new("cart");
-    let program = cart().write(&mut model, "", &Horizon::new(10, H)?)?;
+    let program = cart().write(&mut model, "", 10)?;
     let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.05]]);
     let cost = program.add_cost(&mut model, "cost", &cost)?;
     model.minimize(cost)?;

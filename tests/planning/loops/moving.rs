@@ -2,10 +2,8 @@
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-use carom::hybrid::{
-    Cost, Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Move, MoveSource,
-    RecedingHorizon, Region, Transition, When,
-};
+use carom::hybrid::{HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon, Region, When};
+use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -13,7 +11,7 @@ const H: f64 = 0.5;
 
 /// A cart on a line, within a gate that may depend on the step.
 fn cart(gate: Vec<f64>) -> HybridSystem {
-    HybridSystem::new()
+    HybridSystem::new(H)
         .with_state("x", Interval::new(-5.0, 5.0))
         .with_state("v", Interval::new(-2.0, 2.0))
         .with_input("a", Interval::new(-1.0, 1.0))
@@ -25,9 +23,9 @@ fn program(
     system: &HybridSystem,
     steps: usize,
     cost: &Cost,
-) -> Result<(HybridProgram, Model), Error> {
+) -> Result<(SystemVariables, Model), Error> {
     let mut model = Model::new("cart");
-    let program = system.write(&mut model, "", &Horizon::new(steps, H)?)?;
+    let program = system.write(&mut model, "", steps)?;
     let cost = program.add_cost(&mut model, "cost", cost)?;
     model.minimize(cost)?;
     Ok((program, model))
@@ -85,7 +83,7 @@ fn a_reference_by_step_is_followed() {
 /// A store that loses 1 in each step, and is filled at a price by step.
 #[test]
 fn a_price_by_step_is_paid_when_it_is_low() {
-    let store = HybridSystem::new()
+    let store = HybridSystem::new(H)
         .with_state("full", Interval::new(0.0, 4.0))
         .with_input("buy", Interval::new(0.0, 3.0))
         .with_transition(Transition::new(
@@ -96,7 +94,7 @@ fn a_price_by_step_is_paid_when_it_is_low() {
     let price = |k: usize| if k % 5 >= 3 { 1.0 } else { 10.0 };
     let build = |step: usize| {
         let mut model = Model::new("store");
-        let program = store.write(&mut model, "", &Horizon::new(5, 1.0)?)?;
+        let program = store.write(&mut model, "", 5)?;
         let buy = program.inputs()[0].iter().enumerate();
         let cost: Affine = buy.map(|(t, buy)| price(step + t) * buy).sum();
         // What is left in the end is worth the usual price.
@@ -202,7 +200,7 @@ fn forecasts_move_with_the_loop() {
 
 #[test]
 fn what_cannot_move_is_refused() {
-    let refused = |(program, model): (HybridProgram, Model), name: &str| {
+    let refused = |(program, model): (SystemVariables, Model), name: &str| {
         let mut solver = BranchAndBound::default();
         let error = RecedingHorizon::new(&program, model, &mut solver).unwrap_err();
         assert!(matches!(error.kind(), ErrorKind::Unsupported { .. }), "{error}");
@@ -218,7 +216,7 @@ fn what_cannot_move_is_refused() {
     tired.choices.clear();
     let tired = tired.with_transition(Transition::new("drive", two.unwrap()));
     let mut model = Model::new("tired");
-    let written = tired.write(&mut model, "", &Horizon::new(4, H).unwrap()).unwrap();
+    let written = tired.write(&mut model, "", 4).unwrap();
     refused((written, model), "the range of the input `b`");
     let guarded = Transition::new("drive", LinearSystem::double_integrator(H).unwrap())
         .with_guard(Halfspace::new("slow", [0.0, 1.0], vec![2.0, 1.0]));

@@ -2,9 +2,8 @@
 
 use crate::common::config;
 use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
-use carom::hybrid::{
-    Contact, Halfspace, HybridSystem, LinearSystem, Mat, Restitution, Transition, Wall,
-};
+use carom::hybrid::{Contact, HybridSystem, LinearSystem, Mat, Restitution, Wall};
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 
@@ -26,7 +25,7 @@ fn masses(axes: usize, dt: f64) -> HybridSystem {
         _ => 0.0,
     });
     let flow = LinearSystem::new(a, b, vec![0.0; n]).unwrap();
-    let mut system = HybridSystem::new().with_transition(Transition::new("flight", flow));
+    let mut system = HybridSystem::new(1.0).with_transition(Transition::new("flight", flow));
     for k in 0..axes {
         system = system.with_state(format!("x{k}"), Interval::new(-1e3, 1e3));
         system = system.with_state(format!("v{k}"), Interval::new(-1e3, 1e3));
@@ -107,7 +106,7 @@ fn one_state_is_an_interval() {
         Mat::from_fn(1, 1, |_, _| 1.0),
         vec![0.0],
     );
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-50.0, 50.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("step", flow.unwrap()));
@@ -133,7 +132,7 @@ fn three_coupled_states_are_bounded_tightly_along_the_axes() {
     let a = faer_chain(dt);
     let b = Mat::from_fn(3, 1, |i, _| [dt * dt * dt / 6.0, dt * dt / 2.0, dt][i]);
     let flow = LinearSystem::new(a, b, vec![0.0; 3]).unwrap();
-    let mut system = HybridSystem::new()
+    let mut system = HybridSystem::new(1.0)
         .with_input("jerk", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("flight", flow));
     for name in ["x", "v", "a"] {
@@ -178,7 +177,7 @@ fn layers_tell_bounces_apart() {
     // A ball from 5 m at 0 m/s, no input to speak of: each bounce halves its speed.
     let wall = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.5).unwrap());
     let [flight, impact] = wall.transitions(0.1, None).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 9.0))
         .with_state("v", Interval::new(-15.0, 15.0))
         .with_input("a", Interval::point(-10.0))
@@ -222,7 +221,7 @@ fn sets_that_grow_no_more_are_recognised() {
         Mat::from_fn(1, 1, |_, _| 1.0),
         vec![0.0],
     );
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("v", Interval::new(-50.0, 50.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("step", flow.unwrap()));

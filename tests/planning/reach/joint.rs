@@ -2,7 +2,8 @@
 
 use crate::common::config;
 use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
-use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Region, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Region};
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 
@@ -15,7 +16,7 @@ fn options() -> SetOptions {
 fn vehicle(contact: Transition) -> HybridSystem {
     let flow = LinearSystem::double_integrator(STEP).unwrap();
     let outside = Halfspace::new("outside", [-1.0, 0.0], 0.0);
-    HybridSystem::new()
+    HybridSystem::new(1.0)
         .with_state("x", Interval::new(-5.0, 20.0))
         .with_state("v", Interval::new(-15.0, 15.0))
         .with_input("a", Interval::new(-6.0, 6.0))
@@ -132,7 +133,7 @@ proptest! {
         for (normal, limit) in &guards {
             transition = transition.with_guard(Halfspace::new("guard", *normal, *limit));
         }
-        let system = HybridSystem::new()
+        let system = HybridSystem::new(1.0)
             .with_state("x", Interval::new(-9.0, 9.0))
             .with_state("v", Interval::new(-9.0, 9.0))
             .with_input("u", Interval::new(-1.0, 1.0))
@@ -162,7 +163,7 @@ fn backward_sets_with_an_input_guard_are_exact() {
     // x⁺ = x + v, v⁺ = v + u, |u| <= 1 and u <= v, to x in [0, 1], v in [-1, 1]: u <= v means
     // v⁺ <= 2 v.
     let flow = LinearSystem::new([[1.0, 1.0], [0.0, 1.0]], [[0.0], [1.0]], [0.0; 2]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_state("v", Interval::new(-9.0, 9.0))
         .with_input("u", Interval::new(-1.0, 1.0))
@@ -185,7 +186,7 @@ fn backward_sets_with_an_input_guard_are_exact() {
 fn guards_on_inputs_alone_tighten_every_block() {
     // Two carts pushed by two inputs whose sum is limited.
     let flow = LinearSystem::new([[1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 1.0]], [0.0; 2]);
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_state("y", Interval::new(-9.0, 9.0))
         .with_input("u", Interval::new(0.0, 1.0))
@@ -209,7 +210,7 @@ fn one_state_and_one_input_are_exact() {
     // x = 1/2. Backward to [1.25, 2]: x = 0.25 with u = 1, up to 0.75 with u = 1/2.
     let flow = LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap();
     let brake = Halfspace::new("brake", [2.0, 1.0], 2.0);
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("step", flow).with_guard(brake));

@@ -1,7 +1,8 @@
 //! Modes, dwell times, events, choices and values by step, in cases with known answers.
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{Choice, Halfspace, HybridSystem, LinearSystem, Region, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Region};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 
 fn options() -> SetOptions {
@@ -17,7 +18,7 @@ fn heater(least: usize, most: Option<usize>) -> HybridSystem {
         .with_transition(Transition::new("heat", flow(2.0)).within("on"))
         .with_transition(Transition::new("stop", flow(2.0)).between("on", "off"))
         .with_dwell("on", least, most);
-    HybridSystem::new().with_state("T", Interval::new(0.0, 30.0)).with_choice(choice)
+    HybridSystem::new(1.0).with_state("T", Interval::new(0.0, 30.0)).with_choice(choice)
 }
 
 fn from(temperature: f64, mode: &str) -> Region {
@@ -124,7 +125,7 @@ fn most_events_are_followed_exactly() {
 }
 
 fn cart(states: usize) -> HybridSystem {
-    let mut system = HybridSystem::new().with_input("u", Interval::new(-1.0, 1.0));
+    let mut system = HybridSystem::new(1.0).with_input("u", Interval::new(-1.0, 1.0));
     for i in 0..states {
         system = system.with_state(format!("x{i}"), Interval::new(-50.0, 50.0));
     }
@@ -154,7 +155,7 @@ fn doors_close_and_winds_turn() {
         .with_guard(Halfspace::new("not yet", [1.0], vec![-1.0, f64::INFINITY, -1.0]));
     let roll = LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap();
     let ranges = vec![Interval::point(0.0), Interval::new(-1.0, 1.0)];
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-50.0, 50.0))
         .with_input("u", ranges)
         .with_transition(Transition::new("roll", roll))
@@ -247,7 +248,7 @@ fn robust_sets_hold_disturbed_states() {
 #[test]
 fn regions_are_cut_by_halfspaces() {
     let flow = LinearSystem::double_integrator(1.0).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_state("v", Interval::new(-9.0, 9.0))
         .with_input("a", Interval::new(-1.0, 1.0))

@@ -1,7 +1,8 @@
 //! Random systems with memory, dwell times, several choices, guards on inputs and values by step,
 //! and runs through them, in plain numbers.
 
-use carom::hybrid::{Choice, Halfspace, HybridSystem, LinearSystem, Mat, Schedule, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, Schedule};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 
 /// A small generator of numbers (xorshift), so that a plant is one seed.
@@ -301,7 +302,7 @@ impl Plant {
     }
 
     pub(crate) fn hybrid(&self) -> HybridSystem {
-        let mut system = HybridSystem::new();
+        let mut system = HybridSystem::new(1.0);
         for i in 0..self.states {
             system = system.with_state(format!("s{i}"), Interval::new(-DOMAIN, DOMAIN));
         }

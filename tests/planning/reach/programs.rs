@@ -3,7 +3,8 @@
 use crate::common::config;
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
-use carom::hybrid::{ContactLaw, DamageLimits, HybridSystem, LinearSystem, Mat, Transition, Wall};
+use carom::hybrid::{ContactLaw, DamageLimits, HybridSystem, LinearSystem, Mat, Wall};
+use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -173,7 +174,7 @@ fn modes_that_are_no_events_need_no_row() {
         let (a, b) = (Mat::from_fn(1, 1, |_, _| 1.0), Mat::from_fn(1, 1, |_, _| gain));
         LinearSystem::new(a, b, vec![0.0]).unwrap()
     };
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("first", gear(0.5)))

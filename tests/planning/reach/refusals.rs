@@ -3,12 +3,13 @@
 use carom::ErrorKind;
 use carom::collision_tolerant::Scenario;
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Mat, Region, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, Region};
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
 fn push() -> HybridSystem {
-    HybridSystem::new()
+    HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_state("v", Interval::new(-9.0, 9.0))
         .with_input("a", Interval::new(-1.0, 1.0))
@@ -25,10 +26,10 @@ fn refused(system: HybridSystem) -> String {
 #[test]
 fn systems_whose_parts_do_not_fit() {
     assert_eq!(
-        refused(HybridSystem::new()),
+        refused(HybridSystem::new(1.0)),
         "the number of states of the hybrid system is 0; it must be at least 1"
     );
-    let still = HybridSystem::new().with_state("x", Interval::new(0.0, 1.0));
+    let still = HybridSystem::new(1.0).with_state("x", Interval::new(0.0, 1.0));
     assert_eq!(
         refused(still),
         "the number of transitions of the hybrid system is 0; it must be at least 1"

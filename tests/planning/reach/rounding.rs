@@ -23,7 +23,7 @@ impl Ball {
         let contact = Contact::new(wall.unwrap(), Restitution::new(0.5).unwrap());
         let [flight, impact] = contact.transitions(dt, None).unwrap();
         let far = self.wall + 1e4 * self.normal;
-        HybridSystem::new()
+        HybridSystem::new(1.0)
             .with_state("x", Interval::new(self.wall.min(far), self.wall.max(far)))
             .with_state("v", Interval::new(-20.0, 20.0))
             .with_input("a", accelerations)

@@ -2,7 +2,8 @@
 
 use crate::common::config;
 use carom::hybrid::reach::{ReachSets, SetOptions, Tube};
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat};
+use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use proptest::prelude::*;
 
@@ -154,7 +155,7 @@ fn resting_under_damping_is_never_excluded() {
         let a = Mat::from_fn(2, 2, |i, j| [[1.0, 0.01], [0.0, damping]][i][j]);
         let b = Mat::from_fn(2, 1, |i, _| [0.0, 0.01][i]);
         let glide = LinearSystem::new(a, b, vec![0.0; 2]).unwrap();
-        let vehicle = HybridSystem::new()
+        let vehicle = HybridSystem::new(1.0)
             .with_state("x", Interval::new(-50.0, 50.0))
             .with_state("v", Interval::new(-10.0, 10.0))
             .with_input("a", Interval::new(-1.0, 1.0))

@@ -9,10 +9,10 @@ use carom::collision_tolerant::{
 };
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::{
-    DamageLimits, Halfspace, HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat,
-    Refutation, ShortestOptions, ShortestStatus, Transition, Verdict, Waiting, Wall,
-    shortest_horizon,
+    DamageLimits, HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat, Refutation,
+    ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
 };
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Termination;
@@ -273,7 +273,7 @@ impl HorizonModel for Planar {
             (true, false) => 1.0,
             _ => 0.0,
         });
-        let system = HybridSystem::new()
+        let system = HybridSystem::new(1.0)
             .with_state("x", Interval::new(0.0, 8.0))
             .with_state("vx", Interval::new(-8.0, 8.0))
             .with_state("y", Interval::new(-8.0, 8.0))

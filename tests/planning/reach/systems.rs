@@ -1,6 +1,7 @@
 //! Random hybrid systems, and runs through them in plain numbers.
 
-use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Mat, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat};
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 
@@ -64,7 +65,7 @@ impl Mode {
 
 impl System {
     pub(crate) fn hybrid(&self) -> HybridSystem {
-        let mut system = HybridSystem::new();
+        let mut system = HybridSystem::new(1.0);
         for i in 0..self.states {
             system = system.with_state(format!("s{i}"), Interval::new(-DOMAIN, DOMAIN));
         }

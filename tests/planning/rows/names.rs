@@ -1,7 +1,8 @@
 //! Names, prefixes, several systems in one model, look-ups, files of values.
 
 use carom::ErrorKind;
-use carom::hybrid::{Choice, Halfspace, Horizon, HybridSystem, LinearSystem, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -24,7 +25,7 @@ fn heater() -> HybridSystem {
                 .with_guard(Halfspace::limit("not in the cold", [-1.0], -5.0))
                 .with_output("noise", [0.0], 40.0),
         );
-    HybridSystem::new()
+    HybridSystem::new(0.5)
         .with_state("air temperature", Interval::new(0.0, 30.0))
         .with_input("window", Interval::new(-1.0, 1.0))
         .with_flow(flow(0.1, 0.0))
@@ -85,7 +86,7 @@ fn several_systems_share_a_model() {
 #[test]
 fn names_are_words() {
     for name in ["", " air", "air  temperature", "air\ttemperature", "air\n"] {
-        let system = HybridSystem::new()
+        let system = HybridSystem::new(0.5)
             .with_state(name, Interval::new(0.0, 30.0))
             .with_input("window", Interval::new(-1.0, 1.0))
             .with_flow(flow(0.1, 0.0))

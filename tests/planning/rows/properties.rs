@@ -1,7 +1,7 @@
 //! Random systems: runs satisfy the rows, integer points replay, and every method has the optimum of
 //! an enumeration over transitions.
 
-use carom::hybrid::{Horizon, HybridProgram, HybridRun, RowOptions};
+use carom::hybrid::{HybridProgram, HybridRun};
 use carom::model::Method;
 use carom::prelude::*;
 use carom::solution::{Point, Verification};

@@ -1,17 +1,18 @@
 //! How many variables and rows systems get.
 
-use carom::hybrid::{Halfspace, Horizon, HybridProgram, HybridSystem, LinearSystem, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem};
+use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
-fn written(system: &HybridSystem) -> (Model, HybridProgram) {
+fn written(system: &HybridSystem) -> (Model, SystemVariables) {
     let mut model = Model::new("shapes");
-    let program = system.write(&mut model, "", &Horizon::new(1, 0.1).unwrap()).unwrap();
+    let program = system.write(&mut model, "", 1).unwrap();
     (model, program)
 }
 
 fn line() -> HybridSystem {
-    HybridSystem::new()
+    HybridSystem::new(0.1)
         .with_state("x", Interval::new(0.0, 15.0))
         .with_state("v", Interval::new(-2.5, 2.5))
         .with_input("u", Interval::new(-1.0, 1.0))
@@ -38,7 +39,7 @@ fn gears_share_one_variable() {
 #[test]
 fn constant_changes_need_no_variable() {
     let push = |c: f64| LinearSystem::new([[1.0]], [[]], [c]).unwrap();
-    let mut system = HybridSystem::new().with_state("x", Interval::new(0.0, 9.0));
+    let mut system = HybridSystem::new(0.1).with_state("x", Interval::new(0.0, 9.0));
     for (k, name) in ["rest", "walk", "run"].into_iter().enumerate() {
         system = system.with_transition(Transition::new(name, push(k as f64)));
     }

@@ -1,6 +1,7 @@
 //! Random hybrid systems in plain numbers, and runs through them.
 
-use carom::hybrid::{Choice, Halfspace, HybridSystem, LinearSystem, Mat, Schedule, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, Schedule};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 
@@ -235,7 +236,7 @@ impl Plain {
         let halfspace = |name: &str, (normal, limits): &(Vec<f64>, Vec<f64>)| {
             Halfspace::new(name, normal.clone(), Schedule::from(limits.clone()))
         };
-        let mut system = HybridSystem::new();
+        let mut system = HybridSystem::new(1.0);
         for i in 0..self.states {
             system = system.with_state(format!("s{i}"), Interval::new(-DOMAIN, DOMAIN));
         }

@@ -1,9 +1,8 @@
 //! The reflecting wall: the general rows beside the hand-written ones.
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{
-    Contact, Horizon, HybridProgram, HybridSystem, LinearSystem, Restitution, Wall,
-};
+use carom::hybrid::{Contact, HybridSystem, LinearSystem, Restitution, Wall};
+use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::reformulate;
@@ -20,7 +19,7 @@ fn contact(e: f64) -> Contact {
 /// The wall as a system.
 fn system(e: f64) -> HybridSystem {
     let [flight, impact] = contact(e).transitions(TIME_STEP, None).unwrap();
-    HybridSystem::new()
+    HybridSystem::new(TIME_STEP)
         .with_state("x", POSITIONS)
         .with_state("v", SPEEDS)
         .with_input("a", FORCES)
@@ -28,7 +27,7 @@ fn system(e: f64) -> HybridSystem {
         .with_transition(impact)
 }
 
-fn general(e: f64, steps: usize) -> (Model, HybridProgram) {
+fn general(e: f64, steps: usize) -> (Model, SystemVariables) {
     let mut model = Model::new("general");
     let horizon = Horizon::new(steps, TIME_STEP).unwrap();
     let program = system(e).write(&mut model, "", &horizon).unwrap();
@@ -144,7 +143,7 @@ fn a_limit_on_the_impact_speed_can_be_blamed() {
     limited.choices.clear();
     let limited = limited.with_transition(flight).with_transition(impact);
     let mut model = Model::new("limited");
-    let program = limited.write(&mut model, "", &Horizon::new(1, TIME_STEP).unwrap()).unwrap();
+    let program = limited.write(&mut model, "", 1).unwrap();
     // It holds in flight as well, where the impact speed is 0, and does not tighten anything else.
     let row = "  impact_the_limit_on_the_impact_speed[0]: impact_speed[0] <= 2";
     assert!(model.to_string().contains(row), "{model}");

@@ -6,7 +6,8 @@ use carom::ErrorKind;
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, Scene, SceneError, ScenePlan, Solid, Surface,
 };
-use carom::hybrid::{Halfspace, ImpactEstimate, Region, Restitution};
+use carom::hybrid::{ImpactEstimate, Region, Restitution};
+use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
 

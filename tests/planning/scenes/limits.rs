@@ -3,7 +3,8 @@
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
-use carom::hybrid::{Halfspace, Region, Restitution};
+use carom::hybrid::{Region, Restitution};
+use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use carom::prelude::*;
 

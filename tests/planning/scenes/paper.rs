@@ -68,7 +68,7 @@ fn limits_of_damage_and_other_goals_give_as_many_steps() {
         }
         let found = own.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
         assert!(expected.steps.is_some());
-        assert_eq!(found.search.steps, expected.steps);
+        assert_eq!(found.steps, expected.steps);
     }
 }
 
@@ -81,9 +81,9 @@ fn a_scene_on_a_line_needs_as_many_steps_as_the_papers_planner() {
         let expected = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
         let found = scene(&scenario).shortest_plan(&ShortestOptions::default(), &mut solver);
         let found = found.unwrap();
-        assert!(found.search.is_found() && found.waiting.is_free());
+        assert!(found.is_found() && found.waiting.is_free());
         let plan = expected.plan.unwrap();
-        assert_eq!(found.search.steps, Some(plan.trajectory.steps()));
+        assert_eq!(found.steps, Some(plan.trajectory.steps()));
         let replayed = found.plan.unwrap();
         assert!(replayed.certificate.drift < 1e-6);
     }

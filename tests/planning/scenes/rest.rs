@@ -58,7 +58,7 @@ fn a_bouncing_ball_comes_to_rest() {
     // Mirrored, what each step adds keeps it bouncing.
     let mirrored = ball(bounce(0.8), 0.05, near());
     let found = mirrored.shortest_plan(&options, &mut BranchAndBound::default()).unwrap();
-    assert_eq!(found.search.status, ShortestStatus::NoneWithin { max_steps: 10_000 });
+    assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 10_000 });
     for e in [0.0, 0.5, 0.8] {
         for (time_step, goal) in [(0.05, near()), (0.05, Region::point([0.0, 0.0]))] {
             let scene = ball(bounce(e).with_rest(), time_step, goal.clone());
@@ -109,7 +109,7 @@ fn the_stepped_law_says_what_it_adds() {
 #[test]
 fn systems_come_to_rest_as_scenes_do() {
     let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.8).unwrap());
-    let mut system = HybridSystem::new()
+    let mut system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 2.0))
         .with_state("v", Interval::new(-10.0, 10.0))
         .with_input("a", Interval::point(-9.81));
@@ -120,7 +120,7 @@ fn systems_come_to_rest_as_scenes_do() {
     let steps = |sets: bool| {
         let options = ShortestOptions::default().with_reach_sets(sets).with_max_steps(80);
         let mut solver = BranchAndBound::default();
-        system.shortest_run(&start, &rest, 0.05, &options, &mut solver).unwrap().search.steps
+        system.shortest_with(&start, &rest, 0.05, &options, &mut solver).unwrap().steps
     };
     let law = fall(0.8, 0.05, 80);
     let expected = law.iter().position(|states| states.contains(&(0.0, 0.0)));
@@ -262,7 +262,7 @@ fn claims_name_the_stepped_law_and_its_time_step() {
     let refuted = ball(bounce(0.8), 0.05, near.clone());
     let refuted = refuted.shortest_plan(&options, &mut solver).unwrap();
     assert_eq!(
-        refuted.search.status.to_string(),
+        refuted.status.to_string(),
         "no feasible horizon up to 200 steps of the time-stepped law"
     );
     assert_eq!(

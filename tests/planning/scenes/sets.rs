@@ -132,7 +132,7 @@ fn a_pillar_to_bounce_off_is_followed_by_the_sets_of_a_room() {
         let found = scene
             .shortest_plan(&ShortestOptions::default(), &mut BranchAndBound::default())
             .unwrap();
-        let solves = found.search.attempts.iter().filter(|a| a.is_solve()).count();
+        let solves = found.attempts.iter().filter(|a| a.is_solve()).count();
         assert!(solves <= 3, "{solves}");
         let plan = found.plan.unwrap();
         let hits: Vec<String> = plan.hits.iter().map(|hit| hit.contact.clone()).collect();

@@ -7,9 +7,10 @@ use crate::common::config;
 use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    HorizonModel, HybridSystem, LinearSystem, Region, ShortestOptions, Transition, Waiting, When,
+    HorizonModel, HybridSystem, LinearSystem, Region, ShortestOptions, Waiting, When,
     shortest_horizon,
 };
+use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::model::{Method, Reformulation};
 use carom::prelude::*;
@@ -18,7 +19,7 @@ use proptest::prelude::*;
 /// A cart that moves by at most 1 a step.
 fn cart() -> HybridSystem {
     let line = LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap();
-    HybridSystem::new()
+    HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_input("v", Interval::new(-1.0, 1.0))
         .with_transition(Transition::new("roll", line))
@@ -89,12 +90,12 @@ proptest! {
             .with_window("window", [region], when.clone());
         let (start, end) = (Region::point([0.0]), Region::point([goal]));
         let mut solver = BranchAndBound::default();
-        let found = cart().shortest_run(&start, &end, 1.0, &options, &mut solver).unwrap();
+        let found = cart().shortest_with(&start, &end, 1.0, &options, &mut solver).unwrap();
         let wanted = (1..=16).find(|&steps| reaches(goal, region, &when, steps));
-        prop_assert_eq!(found.search.steps, wanted, "{:?} in {:?} to {}", when, region, goal);
+        prop_assert_eq!(found.steps, wanted, "{:?} in {:?} to {}", when, region, goal);
         if let (Some(steps), Some(run)) = (wanted, &found.run) {
             prop_assert!(!found.waiting.is_free());
-            prop_assert_eq!(found.search.refuted_steps.unwrap_or(0), steps - 1);
+            prop_assert_eq!(found.refuted_steps.unwrap_or(0), steps - 1);
             prop_assert_eq!(run.state("x").unwrap().len(), steps + 1);
             let program = found.search.program.as_ref().unwrap();
             prop_assert_eq!(program.model.reformulation().method(), method);
@@ -122,9 +123,9 @@ fn rows_are_in_every_program() {
     });
     let (start, goal) = (Region::point([0.0]), Region::point([3.0]));
     let mut solver = BranchAndBound::default();
-    let found = cart().shortest_run(&start, &goal, 1.0, &options, &mut solver).unwrap();
-    assert_eq!(found.search.steps, Some(6));
-    assert!(found.search.is_found());
+    let found = cart().shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap();
+    assert_eq!(found.steps, Some(6));
+    assert!(found.is_found());
     assert!(!found.waiting.is_free());
     // The sets have refuted the first two without a program.
     assert_eq!(called.load(Ordering::Relaxed), 4);
@@ -135,7 +136,7 @@ fn bad_windows_and_failing_rows_end_the_search() {
     let (start, goal) = (Region::point([0.0]), Region::point([3.0]));
     let run = |options: ShortestOptions| {
         let mut solver = BranchAndBound::default();
-        cart().shortest_run(&start, &goal, 1.0, &options, &mut solver).unwrap_err().to_string()
+        cart().shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap_err().to_string()
     };
     let plain = ShortestOptions::default;
     let twice = [Interval::new(0.0, 1.0), Interval::new(0.0, 1.0)];
@@ -205,7 +206,7 @@ fn scenes_take_windows_and_rows() {
     ));
     let mut solver = BranchAndBound::default();
     let plain = scene.shortest_plan(&ShortestOptions::default(), &mut solver).unwrap();
-    let steps = plain.search.steps.unwrap();
+    let steps = plain.steps.unwrap();
     let far = [
         Interval::new(0.0, 4.0),
         Interval::new(1.8, 2.0),
@@ -218,8 +219,8 @@ fn scenes_take_windows_and_rows() {
         When::OnceIn(2..=3 * steps),
     );
     let window = scene.shortest_plan(&options, &mut solver).unwrap();
-    assert!(window.search.is_found());
-    assert!(window.search.steps.unwrap() >= steps);
+    assert!(window.is_found());
+    assert!(window.steps.unwrap() >= steps);
     let plan = window.search.program.as_ref().zip(window.search.solution.as_ref());
     let (program, solution) = plan.unwrap();
     let heights = program.hybrid.states()[1].iter().map(|y| solution.value(y).unwrap());
@@ -231,7 +232,7 @@ fn scenes_take_windows_and_rows() {
         Ok(())
     });
     let slow = scene.shortest_plan(&slow, &mut solver).unwrap();
-    assert!(slow.search.is_found() && slow.search.steps.unwrap() > steps);
+    assert!(slow.is_found() && slow.steps.unwrap() > steps);
 }
 
 /// Rows of one's own also hold where the impacts are minimised afterwards.

@@ -2,9 +2,7 @@
 
 use std::error::Error as _;
 
-use carom::hybrid::{
-    Condition, Contact, Horizon, HybridRun, HybridSystem, Restitution, RunError, Wall,
-};
+use carom::hybrid::{Condition, Contact, HybridRun, HybridSystem, Restitution, RunError, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
@@ -130,7 +128,7 @@ proptest! {
     ) {
         let system = raw.hybrid();
         let mut model = Model::new("m");
-        let program = system.write(&mut model, "", &Horizon::new(steps, 0.5).unwrap()).unwrap();
+        let program = system.write(&mut model, "", steps).unwrap();
         let families = program.states().iter().chain(program.inputs());
         let terms = families.zip(&weights).flat_map(|(family, weight)| {
             family.iter().enumerate().map(move |(t, v)| (1.0 + t as f64) * *weight * v)
@@ -210,7 +208,7 @@ fn modes_are_compared() {
 fn solutions_are_certified() {
     let system = wall();
     let mut model = Model::new("m");
-    let program = system.write(&mut model, "", &Horizon::new(15, 0.1).unwrap()).unwrap();
+    let program = system.write(&mut model, "", 15).unwrap();
     let (x, v) = (program.state("x").unwrap().clone(), program.state("v").unwrap().clone());
     for (variable, value) in [(x[0], 1.0), (v[0], -2.0)] {
         model.fix(variable, value).unwrap();

@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Horizon, HybridSystem, LinearSystem, Mat, MixedLogicalDynamical, Restitution, SimulationOptions,
+    HybridSystem, LinearSystem, Mat, MixedLogicalDynamical, Restitution, SimulationOptions,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -22,7 +22,7 @@ fn folded() -> MixedLogicalDynamical {
 
 #[test]
 fn products_are_eliminated() {
-    let system = HybridSystem::mixed_logical_dynamical(&folded()).unwrap();
+    let system = HybridSystem::mixed_logical_dynamical(1.0, &folded()).unwrap();
     assert_eq!((system.inputs.len(), system.choices[0].transitions.len()), (1, 2));
     for transition in &system.choices[0].transitions {
         let sign = if transition.name == "1" { 1.0 } else { -1.0 };
@@ -46,7 +46,7 @@ fn free_auxiliaries_become_inputs() {
         .with_states([("x", range)], [[0.5]], [[0.0]; 2])
         .with_binaries(1, [[0.0]], [[-2.0], [0.0]])
         .with_auxiliaries([Interval::new(0.0, 3.0)], [[1.0]], [[1.0], [-1.0]]);
-    let system = HybridSystem::mixed_logical_dynamical(&mld).unwrap();
+    let system = HybridSystem::mixed_logical_dynamical(1.0, &mld).unwrap();
     assert_eq!(system.inputs[0].0, "z0");
     let run = system.simulate(&[1.0], &[[2.0]]).unwrap();
     assert_eq!((run.taken(), run.last()), (vec![vec!["1".to_owned()]], &[2.5][..]));
@@ -60,7 +60,7 @@ fn outputs_have_names() {
         let d = [[1.0, 3.0, -1.0], [0.5, 0.0, 0.0]];
         mld.with_outputs(["y", "twice"], [[2.0], [2.0]], d, [1.0, 0.0])
     };
-    let system = HybridSystem::mixed_logical_dynamical(&outputs(folded())).unwrap();
+    let system = HybridSystem::mixed_logical_dynamical(1.0, &outputs(folded())).unwrap();
     let y = |x: f64, u: f64| 2.0 * x + u + if x > 0.0 { 4.0 - x } else { 1.0 };
     for (x, u) in [(5.0, -1.0), (-3.0, 0.25)] {
         let run = system.simulate(&[x], &[[u]]).unwrap();
@@ -73,7 +73,7 @@ fn outputs_have_names() {
     }
     // As rows: the least y over three steps.
     let mut model = Model::new("outputs");
-    let program = system.write(&mut model, "", &Horizon::new(3, 1.0).unwrap()).unwrap();
+    let program = system.write(&mut model, "", 3).unwrap();
     model.fix(program.states()[0][0], -4.0).unwrap();
     let total: Affine = program.output("y").unwrap().iter().sum();
     model.minimize(total).unwrap();
@@ -94,11 +94,11 @@ fn outputs_have_names() {
         .with_states([("x", range)], [[0.5]], [[0.0]])
         .with_auxiliaries([Interval::new(0.0, 3.0)], [[1.0]], [[-1.0]])
         .with_outputs(["y"], [[1.0]], [[2.0]], [0.0]);
-    let system = HybridSystem::mixed_logical_dynamical(&mld).unwrap();
+    let system = HybridSystem::mixed_logical_dynamical(1.0, &mld).unwrap();
     let run = system.simulate(&[1.0], &[[2.0]]).unwrap();
     assert_eq!(run.steps[0].outputs, [("y".to_owned(), 5.0)]);
     let narrow = mld.with_outputs(["y"], [[1.0]], [[2.0, 1.0]], [0.0]);
-    let error = HybridSystem::mixed_logical_dynamical(&narrow).unwrap_err();
+    let error = HybridSystem::mixed_logical_dynamical(1.0, &narrow).unwrap_err();
     assert!(error.to_string().starts_with("the matrices D1, D2 and D3 has shape 1x2"), "{error}");
 }
 
@@ -115,7 +115,7 @@ fn combinations_that_contradict_are_left_out() {
         let mld = MixedLogicalDynamical::new([0.0], e5)
             .with_states([("x", Interval::new(0.0, 9.0))], [[1.0]], [[0.0]; 4])
             .with_binaries(4, [[1.0, 2.0, 3.0, 0.5]], e2);
-        HybridSystem::mixed_logical_dynamical(&mld)
+        HybridSystem::mixed_logical_dynamical(1.0, &mld)
     };
     let one = system([1.0, -1.0, 0.0, 0.0]).unwrap();
     let mut names: Vec<&str> = one.choices[0].transitions.iter().map(|t| t.name.as_str()).collect();
@@ -128,10 +128,10 @@ fn combinations_that_contradict_are_left_out() {
     let many = MixedLogicalDynamical::new([0.0], [])
         .with_states([("x", Interval::new(0.0, 9.0))], [[1.0]], Mat::zeros(0, 1))
         .with_binaries(13, Mat::zeros(1, 13), Mat::zeros(0, 13));
-    let error = HybridSystem::mixed_logical_dynamical(&many).unwrap_err();
+    let error = HybridSystem::mixed_logical_dynamical(1.0, &many).unwrap_err();
     assert!(error.to_string().contains("at most 4096"), "{error}");
     let wrong = folded().with_binaries(2, [[0.0]], [[0.0]; 6]);
-    let error = HybridSystem::mixed_logical_dynamical(&wrong).unwrap_err();
+    let error = HybridSystem::mixed_logical_dynamical(1.0, &wrong).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Shape { what: "the matrix B2", .. }), "{error}");
 }
 
@@ -154,7 +154,7 @@ proptest! {
         // Continuous: the slope changes at the thresholds.
         let (c1, c2) = ((slopes[0] - slopes[1]) * low, (slopes[1] - slopes[2]) * high);
         let flow = |slope: f64, c: f64| LinearSystem::new([[slope]], [[1.0]], [c]).unwrap();
-        let pieces = HybridSystem::piecewise_affine(
+        let pieces = HybridSystem::piecewise_affine(1.0,
             states(),
             input(),
             [
@@ -186,7 +186,7 @@ proptest! {
                 [[slopes[1] - slopes[0], slopes[2] - slopes[1]]],
                 column(&|i, j| rows[i].1[j], 2),
             );
-        let mld = HybridSystem::mixed_logical_dynamical(&mld).unwrap();
+        let mld = HybridSystem::mixed_logical_dynamical(1.0, &mld).unwrap();
         prop_assert_eq!((mld.choices[0].transitions.len(), mld.inputs.len()), (3, 1));
         let inputs: Vec<[f64; 1]> = inputs.into_iter().map(|u| [u]).collect();
         let (a, b) = (pieces.simulate(&[start], &inputs), mld.simulate(&[start], &inputs));
@@ -243,6 +243,7 @@ fn a_polyhedron_has_a_limit_per_row() {
     let flow = LinearSystem::new([[1.0]], [[]; 1], [0.0]).unwrap();
     let inputs: [(&str, Interval); 0] = [];
     let modes = [("only", flow, [[1.0], [-1.0]], vec![1.0])];
-    let error = HybridSystem::piecewise_affine([("x", Interval::new(0.0, 1.0))], inputs, modes);
+    let error =
+        HybridSystem::piecewise_affine(1.0, [("x", Interval::new(0.0, 1.0))], inputs, modes);
     assert!(matches!(error.unwrap_err().kind(), ErrorKind::Length { found: 1, expected: 2, .. }));
 }

@@ -1,8 +1,7 @@
 //! Slips in the statement of a hybrid system are named, and nothing else is.
 
-use carom::hybrid::{
-    Choice, Contact, Flaw, Halfspace, HybridSystem, LinearSystem, Restitution, Transition, Wall,
-};
+use carom::hybrid::{Contact, Flaw, HybridSystem, LinearSystem, Restitution, Wall};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -77,7 +76,7 @@ fn gears_overlap_unless_the_choice_is_free() {
     let gears = Choice::new("gear")
         .with_transition(Transition::new("low", gear(0.6)))
         .with_transition(Transition::new("high", gear(1.5)).with_guard(fast));
-    let elevator = HybridSystem::new()
+    let elevator = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 15.0))
         .with_state("v", Interval::new(-2.5, 2.5))
         .with_input("u", Interval::new(-1.0, 1.0));
@@ -105,7 +104,7 @@ fn gears_overlap_unless_the_choice_is_free() {
 /// A tank whose outflow changes at 2 m: level in m, inflow in m per step.
 fn tank(below: Halfspace, above: Halfspace) -> HybridSystem {
     let flow = |decay: f64| LinearSystem::new([[decay]], [[1.0]], [0.0]).unwrap();
-    HybridSystem::new()
+    HybridSystem::new(1.0)
         .with_state("level", Interval::new(0.0, 5.0))
         .with_input("inflow", Interval::new(0.0, 0.5))
         .with_transition(Transition::new("low", flow(0.9)).with_guard(below))
@@ -148,7 +147,7 @@ fn resets_that_leave_the_domain_are_named() {
     // A wall at 3 m whose offset was forgotten.
     let contact = Contact::new(Wall::below(3.0).unwrap(), Restitution::new(0.5).unwrap());
     let [flight, impact] = contact.transitions(0.1, None).unwrap();
-    let ceiling = HybridSystem::new()
+    let ceiling = HybridSystem::new(1.0)
         .with_state("x", Interval::new(1.0, 3.0))
         .with_state("v", Interval::new(-8.0, 8.0))
         .with_input("a", Interval::new(-1.0, 1.0))
@@ -159,7 +158,7 @@ fn resets_that_leave_the_domain_are_named() {
     assert_eq!(findings(&ceiling), expected);
     // A flow without inputs that leaves it.
     let grow = LinearSystem::new([[1.1]], [[]; 1], [0.0]).unwrap();
-    let growing = HybridSystem::new()
+    let growing = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 1.0))
         .with_transition(Transition::new("grow", grow));
     assert_eq!(findings(&growing), ["leaves grow x"]);
@@ -170,7 +169,7 @@ fn states_without_a_way_to_stay_are_named() {
     let domain = Interval::new(0.0, 10.0);
     // One step of 1 s: x + v + a/2 <= 10 needs x + v <= 10.5.
     let line = LinearSystem::double_integrator(1.0).unwrap();
-    let cart = HybridSystem::new()
+    let cart = HybridSystem::new(1.0)
         .with_state("x", domain)
         .with_state("v", Interval::new(-1.0, 1.0))
         .with_input("a", Interval::new(-1.0, 1.0))
@@ -193,7 +192,7 @@ fn states_without_a_way_to_stay_are_named() {
         let brakes = Choice::new("brake")
             .with_transition(Transition::new("release", flow(1.0)).within("off"))
             .with_transition(Transition::new("press", flow(1.0 - brake)).within("on"));
-        HybridSystem::new()
+        HybridSystem::new(1.0)
             .with_state("x", domain)
             .with_input("u", Interval::new(-0.5, 0.5))
             .with_flow(flow(1.0))
@@ -227,7 +226,7 @@ proptest! {
             LinearSystem::new([[a, b], [c, d]], gains, shift.clone()).unwrap()
         };
         let (left, right) = (flow(1.0), flow(-1.0));
-        let system = HybridSystem::new()
+        let system = HybridSystem::new(1.0)
             .with_state("x", unit)
             .with_state("y", unit)
             .with_input("u", Interval::new(-0.3, 0.3))
@@ -275,20 +274,21 @@ fn modes_without_a_way_are_named() {
         .with_transition(Transition::new("repair", flow(0.0)).between("shelf", "off"))
         .with_free_choice(true)
         .with_dwell("on", 3, None);
-    let system =
-        HybridSystem::new().with_state("T", Interval::new(0.0, 40.0)).with_choice(heater.clone());
+    let system = HybridSystem::new(1.0)
+        .with_state("T", Interval::new(0.0, 40.0))
+        .with_choice(heater.clone());
     let expected = ["never entered shelf", "never kept on 3", "no way on broken"];
     assert_eq!(findings(&system), expected);
 
     let stay = Transition::new("heat", flow(1.0)).within("on");
-    let whole = HybridSystem::new().with_state("T", Interval::new(0.0, 40.0));
+    let whole = HybridSystem::new(1.0).with_state("T", Interval::new(0.0, 40.0));
     let whole = whole.with_choice(heater.clone().with_transition(stay));
     assert_eq!(findings(&whole), ["never entered shelf", "no way on broken"]);
 
     // Three samples at a strong heat do not fit into the domain.
     let strong = Transition::new("heat", flow(20.0)).within("on");
     let strong = strong.with_guard(Halfspace::new("warm", [-1.0], -10.0));
-    let narrow = HybridSystem::new().with_state("T", Interval::new(0.0, 31.0));
+    let narrow = HybridSystem::new(1.0).with_state("T", Interval::new(0.0, 31.0));
     let narrow = narrow.with_choice(heater.with_transition(strong).with_dead_ends(true));
     assert_eq!(findings(&narrow), ["never entered shelf", "never kept on 3"]);
 }
@@ -296,7 +296,7 @@ fn modes_without_a_way_are_named() {
 #[test]
 fn idle_inputs_and_huge_domains_are_named() {
     let flow = LinearSystem::new([[0.5]], [[1.0, 0.0]], [0.0]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-1e12, 1e12))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_input("idle", Interval::new(-1.0, 1.0))
@@ -316,7 +316,7 @@ fn steps_and_choices_are_looked_at() {
     // A second choice whose transition is possible only with the first one's help.
     let flow = |shift: f64| LinearSystem::new([[1.0]], [[]; 1], [shift]).unwrap();
     let system = |lift: f64| {
-        HybridSystem::new()
+        HybridSystem::new(1.0)
             .with_state("h", Interval::new(0.0, 10.0))
             .with_flow(flow(0.0))
             .with_choice(

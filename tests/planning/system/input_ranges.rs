@@ -3,9 +3,10 @@
 
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{
-    Choice, Horizon, HybridRun, HybridSystem, LinearSystem, Lqr, Region, ShortestOptions,
-    TerminalOptions, TerminalSet, Transition, Waiting,
+    HybridRun, HybridSystem, LinearSystem, Lqr, Region, ShortestOptions, TerminalOptions,
+    TerminalSet, Waiting,
 };
+use carom::internals::hybrid::{Choice, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -20,7 +21,7 @@ fn system(shut: Option<f64>) -> HybridSystem {
         Some(most) => closed.with_input_range("u", range(most)),
         None => closed,
     };
-    HybridSystem::new()
+    HybridSystem::new(1.0)
         .with_state("x", Interval::new(-100.0, 100.0))
         .with_input("u", range(1.0))
         .with_flow(flow(0.0))
@@ -82,7 +83,7 @@ fn rows_sets_and_replays_have_the_same_ranges() {
         assert!(system.certify(&run(taken, -most - 0.01)).is_err(), "{taken:?}, {most}");
         // Rows.
         let mut model = Model::new("step");
-        let program = system.write(&mut model, "", &Horizon::new(1, 1.0).unwrap()).unwrap();
+        let program = system.write(&mut model, "", 1).unwrap();
         for (choice, name) in ["engine", "brake"].into_iter().zip(taken) {
             let literal = program.taken(choice, name, 0).unwrap().unwrap();
             model.fix(literal.variable(), f64::from(u8::from(literal.is_on()))).unwrap();
@@ -112,7 +113,7 @@ fn waiting_and_terminal_sets_have_the_same_ranges() {
             Some(most) => idle.with_input_range("u", Interval::new(-most, most)),
             None => idle,
         };
-        HybridSystem::new()
+        HybridSystem::new(1.0)
             .with_state("x", Interval::new(-9.0, 9.0))
             .with_input("u", Interval::new(-1.0, 1.0))
             .with_flow(flow(0.0))
@@ -149,7 +150,7 @@ fn an_input_without_any_value_at_a_step_is_infeasible_with_and_without_sets() {
         Choice::new(name)
             .with_transition(Transition::new("go", flow()).with_input_range("u", ranges))
     };
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_input("u", Interval::new(-1.0, 1.0))
         .with_flow(flow())
@@ -160,8 +161,8 @@ fn an_input_without_any_value_at_a_step_is_infeasible_with_and_without_sets() {
             let (start, goal) = (Region::point([0.0]), Region::point([goal]));
             let options = ShortestOptions::default().with_max_steps(4).with_reach_sets(sets);
             let mut solver = BranchAndBound::default();
-            let run = system.shortest_run(&start, &goal, 1.0, &options, &mut solver).unwrap();
-            assert_eq!(run.search.steps, found, "{sets}");
+            let run = system.shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap();
+            assert_eq!(run.steps, found, "{sets}");
         }
     }
 }

@@ -1,9 +1,8 @@
 //! Systems of others, stated once. Their optima are those of the same programs, written by hand as
 //! rows by an independent script and solved by another solver (CPLEX 22.2).
 
-use carom::hybrid::{
-    Horizon, HybridProgram, HybridSystem, LinearSystem, Mat, MixedLogicalDynamical,
-};
+use carom::hybrid::{HybridSystem, LinearSystem, Mat, MixedLogicalDynamical};
+use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -12,7 +11,7 @@ fn least_cost(
     system: &HybridSystem,
     start: &[f64],
     steps: usize,
-    cost: impl Fn(&mut Model, &HybridProgram) -> Quadratic,
+    cost: impl Fn(&mut Model, &SystemVariables) -> Quadratic,
 ) -> f64 {
     let mut model = Model::new("m");
     let horizon = Horizon::new(steps, 1.0).unwrap();
@@ -42,10 +41,10 @@ fn rotation() -> HybridSystem {
     let modes =
         [("left", turn(-third), [[1.0, 0.0]], [0.0]), ("right", turn(third), [[-1.0, 0.0]], [0.0])];
     let inputs = [("u", Interval::new(-1.0, 1.0))];
-    HybridSystem::piecewise_affine([("x1", range), ("x2", range)], inputs, modes).unwrap()
+    HybridSystem::piecewise_affine(1.0, [("x1", range), ("x2", range)], inputs, modes).unwrap()
 }
 
-fn squares(program: &HybridProgram) -> Quadratic {
+fn squares(program: &SystemVariables) -> Quadratic {
     let all = program.states().iter().chain(program.inputs());
     all.flat_map(|family| family.iter()).map(|variable| variable.square()).sum()
 }
@@ -75,7 +74,7 @@ fn the_rotation_of_bemporad_and_morari() {
     for (steps, optimum) in
         [(2, 13.264_101_615_137_754), (10, 18.407_929_006_813_39), (20, 18.407_929_006_813_39)]
     {
-        let cost = |model: &mut Model, program: &HybridProgram| {
+        let cost = |model: &mut Model, program: &SystemVariables| {
             largest(model, "e", program.states()) + largest(model, "g", program.inputs())
         };
         let found = least_cost(&rotation(), &[5.0, 5.0], steps, cost);
@@ -96,6 +95,7 @@ fn a_ball_with_impulses() {
     let jump = LinearSystem::new([[1.0, -dt], [0.0, -rebound]], [[0.0], [1.0]], [0.0, 0.0]);
     let range = Interval::new(-10.0, 10.0);
     let ball = HybridSystem::piecewise_affine(
+        1.0,
         [("height", range), ("speed", range)],
         [("impulse", Interval::new(-impulse, impulse))],
         [
@@ -104,7 +104,7 @@ fn a_ball_with_impulses() {
         ],
     )
     .unwrap();
-    let cost = |_: &mut Model, program: &HybridProgram| -> Quadratic {
+    let cost = |_: &mut Model, program: &SystemVariables| -> Quadratic {
         let states = program.states().iter().flat_map(|family| family.iter().skip(1));
         let impulses = program.inputs().iter().flat_map(|family| family.iter());
         let squares: Quadratic = states.map(|x| 0.2 * x.square()).sum();
@@ -172,7 +172,7 @@ fn car() -> HybridSystem {
             [b3],
             column(&|i, j| rows[i].1[j], 3),
         );
-    HybridSystem::mixed_logical_dynamical(&mld).unwrap()
+    HybridSystem::mixed_logical_dynamical(1.0, &mld).unwrap()
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn a_car_with_three_gears() {
     let mut names: Vec<&str> = car.choices[0].transitions.iter().map(|t| t.name.as_str()).collect();
     names.sort_unstable();
     assert_eq!((names, car.inputs.len()), (vec!["000", "100", "110", "111"], 1));
-    let cost = |model: &mut Model, program: &HybridProgram| -> Quadratic {
+    let cost = |model: &mut Model, program: &SystemVariables| -> Quadratic {
         let (v, u) = (&program.states()[0], &program.inputs()[0]);
         let reference = 1.2 * 28.8575;
         let mut sum = Affine::zero();

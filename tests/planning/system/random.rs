@@ -1,8 +1,7 @@
 //! Random hybrid systems, stated through the crate's own types, and random runs through them.
 
-use carom::hybrid::{
-    Choice, Follow, Halfspace, HybridSystem, LinearSystem, Mat, SimulationOptions, Transition,
-};
+use carom::hybrid::{Follow, HybridSystem, LinearSystem, Mat, SimulationOptions};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
 
@@ -102,7 +101,7 @@ fn matrix(rows: usize, columns: usize, entries: &[f64]) -> Mat<f64> {
 impl RawSystem {
     pub(crate) fn hybrid(&self) -> HybridSystem {
         let (n, m) = (self.states, self.inputs);
-        let mut system = HybridSystem::new();
+        let mut system = HybridSystem::new(1.0);
         for i in 0..n {
             system = system.with_state(format!("s{i}"), Interval::new(-10.0, 10.0));
         }

@@ -1,6 +1,7 @@
 //! Hybrid systems from and to `serde`.
 
-use carom::hybrid::{Halfspace, HybridSystem};
+use carom::hybrid::HybridSystem;
+use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
 use proptest::prelude::*;
 

@@ -2,9 +2,10 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Choice, Condition, Contact, DeadEnd, Follow, Halfspace, HybridSystem, LinearSystem,
-    Restitution, SimulationOptions, Transition, Wall, replay_discrete,
+    Condition, Contact, DeadEnd, Follow, HybridSystem, LinearSystem, Restitution,
+    SimulationOptions, Wall, replay_discrete,
 };
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 
 fn wall() -> HybridSystem {
@@ -19,7 +20,7 @@ fn heater() -> HybridSystem {
         .with_transition(Transition::new("heat", flow(1.0)).within("on"))
         .with_transition(Transition::event("stop", flow(0.0)).between("on", "off"))
         .with_dwell("on", 2, 3);
-    HybridSystem::new().with_state("T", Interval::new(0.0, 40.0)).with_choice(choice)
+    HybridSystem::new(1.0).with_state("T", Interval::new(0.0, 40.0)).with_choice(choice)
 }
 
 fn planned(names: &[&str]) -> SimulationOptions {
@@ -134,7 +135,7 @@ fn choices_add_and_are_possible_together() {
             .with_transition(Transition::event("fire", flow(push)))
             .with_transition(Transition::new("rest", flow([0.0, 0.0])))
     };
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-3.0, 3.0))
         .with_state("y", Interval::new(-3.0, 3.0))
         .with_input("u", Interval::new(-1.0, 1.0))
@@ -163,7 +164,7 @@ fn choices_add_and_are_possible_together() {
 fn limits_by_step_disturbances_and_outputs() {
     let flow = LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap();
     let step = Transition::new("step", flow.clone()).with_output("twice", [2.0], 1.0);
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(-9.0, 9.0))
         .with_input("u", vec![Interval::new(-1.0, 1.0), Interval::new(-2.0, 2.0)])
         .with_limit(Halfspace::new("door", [1.0], vec![9.0, 9.0, 2.0, 9.0]))

@@ -1,13 +1,14 @@
 //! The text form of a hybrid system.
 
-use carom::hybrid::{Choice, Halfspace, HybridSystem, LinearSystem, Transition};
+use carom::hybrid::{HybridSystem, LinearSystem};
+use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 
 #[test]
 fn everything_is_written() {
     let flow =
         |c: f64| LinearSystem::new([[1.0, 0.5], [0.0, 1.0]], [[0.0], [-2.0]], [0.0, c]).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 9.0))
         .with_state("v", Interval::new(-3.0, 3.0))
         .with_input(

@@ -3,8 +3,7 @@
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
 use carom::hybrid::{
-    Contact, ContactLaw, Damage, DamageLimits, Horizon, HybridSystem, ImpactSpeed, Restitution,
-    Wall,
+    Contact, ContactLaw, Damage, DamageLimits, HybridSystem, ImpactSpeed, Restitution, Wall,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -16,14 +15,14 @@ const STEPS: usize = 40;
 fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
     let wall = Contact::new(Wall::above(0.0).unwrap(), Restitution::PLASTIC);
     let [flight, impact] = wall.transitions(time_step, None).unwrap();
-    let system = HybridSystem::new()
+    let system = HybridSystem::new(time_step)
         .with_state("x", Interval::new(0.0, 40.0))
         .with_state("v", Interval::new(-20.0, 20.0))
         .with_input("a", Interval::new(-15.0, 15.0))
         .with_transition(flight)
         .with_transition(impact);
     let mut model = Model::new("wall_plan");
-    let program = system.write(&mut model, "", &Horizon::new(STEPS, time_step).unwrap()).unwrap();
+    let program = system.write(&mut model, "", STEPS).unwrap();
     let (x, v, a) = (&program.states()[0], &program.states()[1], &program.inputs()[0]);
     let hit = |t| program.taken("mode", "impact", t).unwrap().unwrap().variable();
     let hit: Family = (0..STEPS).map(hit).collect();

@@ -1,0 +1,179 @@
+//! Sums over the steps of a program, magnitudes, and limits that may be exceeded at a price.
+
+use std::iter::Sum;
+
+use super::{AtSample, HybridProgram};
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::error::{Error, check_finite};
+use crate::model::{Affine, Quadratic, Row};
+
+/// A limit that a plan may exceed, made by [`HybridProgram::soften`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+#[must_use = "the cost does nothing until it is minimised"]
+pub struct SoftLimit {
+    /// The cost of the excess.
+    pub cost: Quadratic,
+    /// The sum of the excesses of all samples, in the unit of the limit.
+    pub excess: Affine,
+}
+
+impl HybridProgram {
+    /// The sum of an expression over the steps 0, ..., τ-1. The last sample is not among them; see
+    /// [`end`](HybridProgram::end).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`at`](HybridProgram::at).
+    pub fn sum<E>(&self, expression: E) -> Result<E::Output, Error>
+    where
+        E: AtSample,
+        E::Output: Sum,
+    {
+        let steps = 0..self.steps();
+        steps.map(|step| expression.at_sample(&self.members, step)).sum()
+    }
+
+    /// The sum of the magnitudes of an expression over the steps 0, ..., τ-1. Each of them is a
+    /// variable `name[t]` of the model, an [absolute value](crate::model::Model::absolute).
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", 0.0, 9.0)?;
+    /// let u = cart.input("u", -2.0, 2.0)?;
+    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// let mut program = cart.program(5)?;
+    /// program.start([x.equals(0.0)])?;
+    /// // At the depot at one of the samples 2, 3 and 4, and back in the end.
+    /// program.require("depot", [x.within(4.0, 5.0)], When::OnceIn(2..=4))?;
+    /// program.goal([x.equals(0.0)])?;
+    /// let fuel = program.sum_abs("fuel", u)?;
+    /// program.minimize(fuel)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
+    /// assert!((plan.solution.objective().unwrap_or(0.0) - 8.0).abs() < 1e-5);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`at`](HybridProgram::at); [`ErrorKind::DuplicateName`]. The model then stays as it was.
+    pub fn sum_abs(&mut self, name: &str, expression: impl Into<Affine>) -> Result<Affine, Error> {
+        let (members, expression) = (self.members.clone(), expression.into());
+        self.model.all_or_nothing(|model| {
+            let magnitude = |step: usize| {
+                let value = expression.at_sample(&members, step)?;
+                match value.terms().is_empty() {
+                    true => Ok(Affine::constant(value.offset().abs())),
+                    false => Ok(model.absolute((name, step), value)?.into()),
+                }
+            };
+            (0..members.steps).map(magnitude).sum()
+        })
+    }
+
+    /// The sum over the steps 0, ..., τ-1 of the largest magnitude among some expressions. Each of them is
+    /// a variable `name[t]` of the model, a [maximum](crate::model::Model::maximum).
+    ///
+    /// # Errors
+    ///
+    /// As for [`sum_abs`](HybridProgram::sum_abs).
+    pub fn sum_largest<E: Into<Affine>>(
+        &mut self,
+        name: &str,
+        expressions: impl IntoIterator<Item = E>,
+    ) -> Result<Affine, Error> {
+        let members = self.members.clone();
+        let expressions: Vec<Affine> = expressions.into_iter().map(E::into).collect();
+        self.model.all_or_nothing(|model| {
+            let largest = |step: usize| {
+                let values = expressions.iter().map(|e| e.at_sample(&members, step));
+                let values = values.collect::<Result<Vec<Affine>, Error>>()?;
+                let sides = values.iter().flat_map(|value| [value.clone(), -value]);
+                Ok(Affine::from(model.maximum((name, step), sides)?))
+            };
+            (0..members.steps).map(largest).sum()
+        })
+    }
+
+    /// Adds a limit that the plan may exceed, and returns what that costs: over all samples (or steps, if
+    /// the limit depends on inputs, transitions or outputs), the sum of
+    /// `linear * excess + quadratic * excess²`.
+    ///
+    /// The excess of a sample is the variable `name_excess[t]`. A linear price above the limit's shadow
+    /// price keeps the limit wherever it can be kept; a quadratic price alone does not.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut cart = HybridSystem::new(1.0); // s
+    /// let x = cart.state("x", 0.0, 9.0)?;
+    /// let u = cart.input("u", -2.0, 2.0)?;
+    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// let mut program = cart.program(2)?;
+    /// program.start([x.equals(4.0)])?;
+    /// // At most 1: exceeded by 3 at the start, and by 1 after a step.
+    /// let low = program.soften("low", x.le(1.0), 10.0, 0.0)?;
+    /// program.minimize(low.cost)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
+    /// assert!((plan.value(low.excess, 0)? - 4.0).abs() < 1e-6);
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Arguments
+    ///
+    /// * `row`: of states, modes, series, inputs, transitions and outputs; not a limit of the system,
+    ///   which holds without exception.
+    /// * `linear`, `quadratic`: cost per unit of the excess, and per unit squared; at least 0.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`at`](HybridProgram::at); [`ErrorKind::NotFinite`]; [`ErrorKind::OutOfRange`] for a
+    /// negative price, and if both are 0; [`ErrorKind::DuplicateName`]. The model then stays as it was.
+    pub fn soften(
+        &mut self,
+        name: &str,
+        row: Row,
+        linear: f64,
+        quadratic: f64,
+    ) -> Result<SoftLimit, Error> {
+        check_finite(name, "a price", [linear, quadratic])?;
+        let lower = linear.min(quadratic);
+        if lower < 0.0 || linear.max(quadratic) == 0.0 {
+            let range = "at least 0, and one of the two prices above 0";
+            return Err(Error::out_of_range(format!("a price of `{name}`"), lower, range));
+        }
+        let members = self.members.clone();
+        self.model.all_or_nothing(|model| {
+            let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };
+            for sample in 0..members.samples(row.expression()) {
+                let value = row.expression().at_sample(&members, sample)?;
+                let range = model.range(&value)?;
+                let over = (range.upper - row.upper()).max(row.lower() - range.lower);
+                if over <= 0.0 {
+                    continue;
+                }
+                let excess = model.continuous((format!("{name}_excess"), sample), 0.0, over)?;
+                match (row.lower().is_finite(), row.upper().is_finite()) {
+                    (true, true) => {
+                        let sides = [format!("{name}_above"), format!("{name}_below")];
+                        let above = (&value - excess).le(row.upper());
+                        model.add((sides[0].as_str(), sample), above)?;
+                        model.add((sides[1].as_str(), sample), (value + excess).ge(row.lower()))?;
+                    }
+                    (true, false) => {
+                        model.add((name, sample), (value + excess).ge(row.lower()))?;
+                    }
+                    _ => {
+                        model.add((name, sample), (value - excess).le(row.upper()))?;
+                    }
+                }
+                soft.cost += linear * excess + quadratic * excess.square();
+                soft.excess += excess;
+            }
+            Ok(soft)
+        })
+    }
+}

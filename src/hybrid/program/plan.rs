@@ -1,0 +1,87 @@
+//! Plans of hybrid programs: replayed when they are read.
+
+use std::sync::Arc;
+
+use super::{AtSample, Members};
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::rows::HybridRun;
+use crate::hybrid::simulate::RunCertificate;
+use crate::model::{Affine, Variable};
+use crate::solution::Solution;
+
+/// A plan of a [`HybridProgram`](super::HybridProgram), which has been
+/// [certified](crate::hybrid::HybridSystem::certify).
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct HybridPlan {
+    /// The run of the program's system, in numbers and names; of the first one if there are several.
+    pub run: HybridRun,
+    /// How it agrees with the system as it is stated, replayed without the program's rows.
+    pub certificate: RunCertificate,
+    /// The solution from which it comes, with its objective, bound and counts.
+    pub solution: Solution,
+    members: Arc<Members>,
+    /// Runs and certificates of the further systems, in the order in which they joined.
+    others: Vec<(HybridRun, RunCertificate)>,
+}
+
+impl HybridPlan {
+    pub(super) fn of(members: &Arc<Members>, solution: &Solution) -> Result<Self, Error> {
+        let (run, certificate) = members.first().certified(solution)?;
+        let others = members.iter().skip(1).map(|own| own.certified(solution));
+        let others = others.collect::<Result<_, Error>>()?;
+        let (members, solution) = (members.clone(), solution.clone());
+        Ok(HybridPlan { run, certificate, solution, members, others })
+    }
+
+    /// The number of steps.
+    pub fn steps(&self) -> usize {
+        self.members.steps
+    }
+
+    /// The runs of all systems.
+    pub(super) fn runs(&self) -> impl Iterator<Item = &HybridRun> {
+        std::iter::once(&self.run).chain(self.others.iter().map(|(run, _)| run))
+    }
+
+    /// The run and the certificate of a system that has [joined](super::HybridProgram::join).
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn joined(&self, name: &str) -> Result<(&HybridRun, &RunCertificate), Error> {
+        let names = self.members.all.iter().skip(1).map(|(own, _)| own);
+        let mut found = names.zip(&self.others).filter(|(own, _)| *own == name);
+        let found = found.next().map(|(_, (run, certificate))| (run, certificate));
+        let kind = "system that has joined the program";
+        found.ok_or_else(|| ErrorKind::UnknownName { name: name.to_owned(), kind }.into())
+    }
+
+    /// The value of an expression of handles, or of variables of the model, at a sample.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridProgram::at`](super::HybridProgram::at).
+    pub fn value(&self, expression: impl Into<Affine>, sample: usize) -> Result<f64, Error> {
+        self.solution.value(expression.into().at_sample(&self.members, sample)?)
+    }
+
+    /// The values of a state or mode at the samples 0, ..., τ, or of an input, a transition or an output
+    /// in the steps 0, ..., τ-1.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridProgram::at`](super::HybridProgram::at).
+    pub fn values(&self, of: impl Into<Variable>) -> Result<Vec<f64>, Error> {
+        self.members.values(of.into(), &self.solution)
+    }
+
+    /// At how many samples, or in how many steps, a mode or a transition is on.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridProgram::at`](super::HybridProgram::at).
+    pub fn count(&self, of: Variable) -> Result<usize, Error> {
+        Ok(self.values(of)?.iter().filter(|value| **value > 0.5).count())
+    }
+}

@@ -1,0 +1,269 @@
+//! Regions in which a run must be: starts, goals, way-points, time windows.
+
+use std::ops::RangeInclusive;
+
+use super::{AtSample, HybridProgram};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::ErrorKind;
+use crate::hybrid::rows::SystemVariables;
+use crate::hybrid::system::{HybridSystem, Region};
+use crate::interval::Interval;
+use crate::model::{Affine, Either, Model, Row};
+
+/// At which samples, from 0 to the number of steps τ, a run must be in a region.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum When {
+    /// At one sample: 0 is the start, τ the end.
+    At(usize),
+    /// At every sample of a window.
+    Throughout(RangeInclusive<usize>),
+    /// At some sample of a window, which the plan chooses.
+    OnceIn(RangeInclusive<usize>),
+}
+
+/// Refuses samples beyond the horizon and empty windows.
+fn check_window(
+    name: &str,
+    when: &When,
+    window: &RangeInclusive<usize>,
+    steps: usize,
+) -> Result<(), Error> {
+    let (first, last) = (*window.start(), *window.end());
+    let horizon = format!("at most {steps}, the last sample of the horizon");
+    let (what, sample, range) = match when {
+        When::At(_) if last > steps => ("sample", last, horizon),
+        When::At(_) => return Ok(()),
+        _ if first > steps => ("first sample", first, horizon),
+        _ if window.is_empty() => {
+            ("last sample", last, format!("at least {first}, the first sample"))
+        }
+        _ if last > steps => ("last sample", last, horizon),
+        _ => return Ok(()),
+    };
+    Err(Error::out_of_range(format!("the {what} of `{name}`"), sample as f64, range))
+}
+
+/// A region as a user states it: rows of a system's handles, or a [`Region`].
+#[derive(Debug, Clone)]
+#[doc(hidden)]
+pub enum StatedRegion {
+    Rows(Vec<Row>),
+    Region(Region),
+}
+
+/// What can state where a run must be: rows such as `[x.equals(0.0), v.within(-1.0, 1.0)]`, or a
+/// [`Region`].
+pub trait IntoRegion {
+    #[doc(hidden)]
+    fn stated(self) -> StatedRegion;
+}
+
+impl<const N: usize> IntoRegion for [Row; N] {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Rows(self.into())
+    }
+}
+
+impl IntoRegion for Vec<Row> {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Rows(self)
+    }
+}
+
+impl IntoRegion for Region {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self)
+    }
+}
+
+impl IntoRegion for &Region {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self.clone())
+    }
+}
+
+/// One range per state.
+impl<const N: usize> IntoRegion for [Interval; N] {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self.into())
+    }
+}
+
+/// One range per state.
+impl<const N: usize> IntoRegion for &[Interval; N] {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self.into())
+    }
+}
+
+/// One range per state.
+impl IntoRegion for &[Interval] {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self.into())
+    }
+}
+
+/// One range per state.
+impl IntoRegion for Vec<Interval> {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self.into())
+    }
+}
+
+impl StatedRegion {
+    /// The region of a system.
+    pub(crate) fn of(&self, system: &HybridSystem) -> Result<Region, Error> {
+        match self {
+            StatedRegion::Rows(rows) => system.region(rows.iter().cloned()),
+            StatedRegion::Region(region) => Ok(region.clone()),
+        }
+    }
+}
+
+/// The rows of a region at a sample.
+type RowsAt<'a> = dyn Fn(usize) -> Result<Vec<Row>, Error> + 'a;
+
+impl HybridProgram {
+    /// Requires the plan to begin in a region, as [`require`](HybridProgram::require) does with the
+    /// name `start`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`require`](HybridProgram::require).
+    pub fn start(&mut self, region: impl IntoRegion) -> Result<(), Error> {
+        self.require("start", region, When::At(0))
+    }
+
+    /// Requires the plan to end in a region, as [`require`](HybridProgram::require) does with the name
+    /// `goal`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`require`](HybridProgram::require).
+    pub fn goal(&mut self, region: impl IntoRegion) -> Result<(), Error> {
+        self.require("goal", region, When::At(self.steps()))
+    }
+
+    /// Requires rows of the systems' handles to hold at given samples: starts, goals, way-points, time
+    /// windows. A mode is required by `on.equals(1.0)`.
+    ///
+    /// The statements are `name[t]`, or `name_k[t]` if there are several at a sample; for
+    /// [`When::OnceIn`] it is one disjunction, `name`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`at`](HybridProgram::at); [`ErrorKind::OutOfRange`] for samples beyond the horizon or an
+    /// empty window; [`ErrorKind::DuplicateName`]. The model then stays as it was.
+    pub fn require(
+        &mut self,
+        name: &str,
+        region: impl IntoRegion,
+        when: When,
+    ) -> Result<(), Error> {
+        self.require_stated(name, &region.stated(), when)
+    }
+
+    pub(crate) fn require_stated(
+        &mut self,
+        name: &str,
+        region: &StatedRegion,
+        when: When,
+    ) -> Result<(), Error> {
+        let (members, steps) = (self.members.clone(), self.steps());
+        match region {
+            StatedRegion::Region(region) => {
+                members.first().require(&mut self.model, name, region, when)
+            }
+            StatedRegion::Rows(rows) => {
+                let at = |sample: usize| {
+                    let rows = rows.iter().map(|row| row.at_sample(&members, sample));
+                    rows.collect::<Result<Vec<Row>, Error>>()
+                };
+                add(&mut self.model, name, when, steps, &at)
+            }
+        }
+    }
+}
+
+/// Adds the rows of a region at the samples of a window.
+fn add(
+    model: &mut Model,
+    name: &str,
+    when: When,
+    steps: usize,
+    rows: &RowsAt<'_>,
+) -> Result<(), Error> {
+    let window = match &when {
+        When::At(sample) => *sample..=*sample,
+        When::Throughout(window) | When::OnceIn(window) => window.clone(),
+    };
+    check_window(name, &when, &window, steps)?;
+    model.all_or_nothing(|model| {
+        if let When::OnceIn(_) = when {
+            let terms = window.map(rows).collect::<Result<Vec<_>, _>>()?;
+            // A term without rows is always true.
+            if terms.iter().all(|rows| !rows.is_empty()) {
+                model.add(name, Either::of(terms))?;
+            }
+            return Ok(());
+        }
+        for sample in window {
+            let rows = rows(sample)?;
+            let single = rows.len() == 1;
+            for (k, row) in rows.into_iter().enumerate() {
+                let family = if single { name.to_owned() } else { format!("{name}_{k}") };
+                // Whoever has only one mode is in it.
+                if row.is_constant_and_holds() {
+                    continue;
+                }
+                model.add((family, sample), row)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+impl SystemVariables {
+    /// Requires the run to be in a region, in one of its modes, at given samples.
+    #[doc(hidden)]
+    pub fn require(
+        &self,
+        model: &mut Model,
+        name: &str,
+        region: &Region,
+        when: When,
+    ) -> Result<(), Error> {
+        region.check(self.system(), "the region")?;
+        let rows = |sample| self.rows_of(region, sample);
+        add(model, name, when, self.horizon().steps(), &rows)
+    }
+
+    /// The rows that state that a sample is in a region, modes included.
+    fn rows_of(&self, region: &Region, sample: usize) -> Result<Vec<Row>, Error> {
+        let states: Vec<Affine> = self
+            .states()
+            .iter()
+            .filter_map(|family| family.get(sample))
+            .map(Affine::from)
+            .collect();
+        let mut rows = region.rows(&states)?;
+        for choice in &self.system().choices {
+            let modes = choice.modes();
+            if modes.iter().all(|mode| region.allows(&choice.name, mode)) {
+                continue;
+            }
+            let mut allowed = Affine::zero();
+            for mode in modes.iter().filter(|mode| region.allows(&choice.name, mode)) {
+                allowed += match self.mode(&choice.name, mode, sample)? {
+                    None => Affine::constant(1.0),
+                    Some(literal) if literal.is_on() => literal.variable().into(),
+                    Some(literal) => 1.0 - literal.variable(),
+                };
+            }
+            rows.push(allowed.ge(1.0));
+        }
+        Ok(rows)
+    }
+}

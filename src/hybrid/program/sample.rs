@@ -1,0 +1,246 @@
+//! Expressions of systems, taken at a sample of a program.
+
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::rows::SystemVariables;
+use crate::hybrid::system::{HybridSystem, Meaning, State};
+use crate::model::{Affine, Literal, Model, ModelTag, Quadratic, Row, Variable};
+use crate::solution::Solution;
+use crate::solver::Solver;
+
+use super::HybridPlan;
+
+/// The systems of a program and their variables.
+#[derive(Debug, Clone)]
+pub(crate) struct Members {
+    /// Of the program's model.
+    tag: ModelTag,
+    pub(super) steps: usize,
+    /// By name; the first one has none.
+    pub(super) all: Vec<(String, SystemVariables)>,
+}
+
+impl Members {
+    pub(super) fn new(tag: ModelTag, variables: SystemVariables) -> Self {
+        let steps = variables.horizon().steps();
+        Members { tag, steps, all: vec![(String::new(), variables)] }
+    }
+
+    /// The first system's variables.
+    pub(crate) fn first(&self) -> &SystemVariables {
+        &self.all[0].1
+    }
+
+    /// The system's variables if there is only one.
+    pub(crate) fn only(&self) -> Option<&SystemVariables> {
+        (self.all.len() == 1).then(|| self.first())
+    }
+
+    /// All systems' variables.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &SystemVariables> {
+        self.all.iter().map(|(_, variables)| variables)
+    }
+
+    pub(super) fn push(&mut self, name: &str, variables: SystemVariables) {
+        self.all.push((name.to_owned(), variables));
+    }
+
+    /// Refuses a system that cannot be added.
+    pub(super) fn check_new(&self, name: &str, system: &HybridSystem) -> Result<(), Error> {
+        let time_step = self.first().system().time_step;
+        if system.time_step != time_step {
+            let range = format!("{time_step}, that of the program");
+            return Err(Error::out_of_range("the time step (s)", system.time_step, range));
+        }
+        let is_in = |own: &SystemVariables| own.system().handles.tag == system.handles.tag;
+        if self.iter().any(is_in) || self.all.iter().any(|(own, _)| own == name) {
+            let name = if name.is_empty() { "the system".to_owned() } else { name.to_owned() };
+            return Err(ErrorKind::DuplicateName { name, kind: "system of the program" }.into());
+        }
+        Ok(())
+    }
+
+    /// The system of a handle with its variables, and what the handle stands for; `None` if it is of no
+    /// system of the program.
+    fn meaning(&self, handle: Variable) -> Option<(&SystemVariables, &Meaning)> {
+        self.iter().find_map(|own| Some((own, own.system().handles.meaning(handle)?)))
+    }
+
+    /// A handle at a sample.
+    pub(super) fn value(&self, handle: Variable, sample: usize) -> Result<Affine, Error> {
+        if handle.tag == self.tag {
+            return Ok(handle.into());
+        }
+        let Some((own, meaning)) = self.meaning(handle) else { return Err(foreign(handle)) };
+        let ends = match meaning {
+            Meaning::State(_) | Meaning::InMode(..) | Meaning::Series(..) => self.steps + 1,
+            _ => self.steps,
+        };
+        if sample >= ends {
+            let what = format!("the sample of `{}`", own.system().handle_name(handle));
+            let range = match ends == self.steps {
+                true => format!("below {}, the number of steps", self.steps),
+                false => format!("at most {}, the last sample", self.steps),
+            };
+            return Err(Error::out_of_range(what, sample as f64, range));
+        }
+        match meaning {
+            Meaning::State(i) => Ok(own.states()[*i][sample].into()),
+            Meaning::Input(u) => Ok(own.inputs()[*u][sample].into()),
+            Meaning::Series(_, values) => {
+                Ok(Affine::constant(values.get(sample).copied().unwrap_or(f64::NAN)))
+            }
+            Meaning::InMode(choice, mode) => own.mode_value(*choice, mode, sample),
+            Meaning::Taken(choice, number) => Ok(own.taken_value(*choice, *number, sample)),
+            Meaning::Output(name) => Ok(own.output(name)?[sample].clone()),
+            Meaning::Prediction(_) => {
+                let name = format!("`{}`", own.system().handle_name(handle));
+                let place = "an expression of a program".to_owned();
+                let help = "use the state at the next sample, or state the prediction as an output";
+                Err(ErrorKind::Misplaced { name, place, help }.into())
+            }
+        }
+    }
+
+    /// The variable of a state or an input at a sample.
+    pub(super) fn variable(&self, handle: Variable, sample: usize) -> Result<Variable, Error> {
+        let value = self.value(handle, sample)?;
+        let is_series =
+            matches!(self.meaning(handle), Some((_, Meaning::State(_) | Meaning::Input(_))) | None);
+        match value.terms()[..] {
+            [(variable, 1.0)] if is_series => Ok(variable),
+            _ => {
+                let own = self.meaning(handle).map(|(own, _)| own.system().handle_name(handle));
+                let name = format!("`{}`", own.unwrap_or_default());
+                let place = "a question for a variable".to_owned();
+                let help = "name a state or an input; everything else is an expression, by `at`";
+                Err(ErrorKind::Misplaced { name, place, help }.into())
+            }
+        }
+    }
+
+    /// The number of samples at which an expression has a value: that of steps, or one more.
+    pub(super) fn samples(&self, expression: &Affine) -> usize {
+        let is_at_samples = |handle: Variable| {
+            let own = self.meaning(handle).map(|(_, meaning)| meaning);
+            matches!(
+                own,
+                Some(Meaning::State(_) | Meaning::InMode(..) | Meaning::Series(..)) | None
+            )
+        };
+        match expression.terms().iter().all(|(handle, _)| is_at_samples(*handle)) {
+            true => self.steps + 1,
+            false => self.steps,
+        }
+    }
+
+    /// The values of a handle in a plan's point, at all its samples.
+    pub(super) fn values(&self, handle: Variable, solution: &Solution) -> Result<Vec<f64>, Error> {
+        let samples = 0..self.samples(&handle.into());
+        samples.map(|sample| solution.value(self.value(handle, sample)?)).collect()
+    }
+
+    /// A solution whose inputs are as far outward as they can be.
+    pub(super) fn extreme(
+        &self,
+        model: &Model,
+        plan: &HybridPlan,
+        solver: &mut dyn Solver,
+    ) -> Result<Option<Solution>, Error> {
+        let mut model = model.clone();
+        let mut inputs = Vec::new();
+        for (own, run) in self.iter().zip(plan.runs()) {
+            own.fix_transitions(&mut model, run)?;
+            inputs.extend(own.input_values(run)?);
+        }
+        crate::hybrid::rows::push_outward(model, &inputs, solver)
+    }
+}
+
+fn foreign(handle: Variable) -> Error {
+    let (index, place) = (handle.index(), "an expression of a program".to_owned());
+    ErrorKind::ForeignHandle { kind: "variable", index, place }.into()
+}
+
+/// What [`HybridProgram::at`](super::HybridProgram::at) takes: expressions, rows and conditions.
+pub trait AtSample {
+    /// The same, of the variables of the program's model.
+    type Output;
+
+    #[doc(hidden)]
+    #[expect(private_interfaces, reason = "only the types of this module implement it")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<Self::Output, Error>;
+}
+
+macro_rules! at_sample_as {
+    ($via:ty: $($type:ty),+) => {$(
+        impl AtSample for $type {
+            type Output = <$via as AtSample>::Output;
+
+            #[expect(private_interfaces, reason = "as the trait")]
+            fn at_sample(&self, members: &Members, sample: usize) -> Result<Self::Output, Error> {
+                <$via>::from(self.clone()).at_sample(members, sample)
+            }
+        }
+    )+};
+}
+
+impl AtSample for Affine {
+    type Output = Affine;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<Affine, Error> {
+        let mut sum = Affine::constant(self.offset());
+        for (handle, factor) in self.terms() {
+            sum += factor * members.value(handle, sample)?;
+        }
+        Ok(sum)
+    }
+}
+
+impl AtSample for Quadratic {
+    type Output = Quadratic;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<Quadratic, Error> {
+        let mut sum = Quadratic::from(self.affine().at_sample(members, sample)?);
+        for (first, second, factor) in self.products() {
+            let [first, second] = [members.value(first, sample)?, members.value(second, sample)?];
+            sum += factor * (first * second);
+        }
+        Ok(sum)
+    }
+}
+
+impl AtSample for Row {
+    type Output = Row;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<Row, Error> {
+        let expression = self.expression().at_sample(members, sample)?;
+        Ok(expression.within(self.lower(), self.upper()))
+    }
+}
+
+impl AtSample for Literal {
+    type Output = Literal;
+
+    #[expect(private_interfaces, reason = "as the trait")]
+    fn at_sample(&self, members: &Members, sample: usize) -> Result<Literal, Error> {
+        let value = members.value(self.variable(), sample)?;
+        match (&value.terms()[..], value.offset()) {
+            ([(binary, 1.0)], 0.0) if self.is_on() => Ok(binary.on()),
+            ([(binary, 1.0)], 0.0) => Ok(binary.off()),
+            ([(binary, -1.0)], 1.0) if self.is_on() => Ok(binary.off()),
+            ([(binary, -1.0)], 1.0) => Ok(binary.on()),
+            _ => {
+                let name = "a condition that always holds or that is no binary".to_owned();
+                let place = "a program".to_owned();
+                let help = "conditions are on modes and transitions that have an alternative";
+                Err(ErrorKind::Misplaced { name, place, help }.into())
+            }
+        }
+    }
+}
+
+at_sample_as!(Affine: State, Variable, &State, &Variable, &Affine);
+at_sample_as!(Quadratic: &Quadratic);

@@ -1,0 +1,86 @@
+//! Flows stated by rates or by next values.
+
+use super::HybridSystem;
+use super::handles::State;
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::linear::LinearSystem;
+use crate::model::Affine;
+
+/// How the rows of a flow are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FlowKind {
+    /// Derivatives, in the states' units per second.
+    Rates,
+    /// Values at the end of the step.
+    NextValues,
+}
+
+/// A flow by rows, one for each state.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FlowRows {
+    kind: FlowKind,
+    /// Coefficients of the states, of the inputs, and the constant.
+    rows: Vec<(Vec<f64>, Vec<f64>, f64)>,
+}
+
+impl HybridSystem {
+    /// The rows of a flow. States that are not named have the rows of the common flow, or stay.
+    pub(super) fn flow_rows<E: Into<Affine>>(
+        &self,
+        kind: FlowKind,
+        rows: impl IntoIterator<Item = (State, E)>,
+        place: &str,
+    ) -> Result<FlowRows, Error> {
+        let (n, m) = (self.states.len(), self.inputs.len());
+        let mut flow = match &self.common {
+            Some(common) if common.kind != kind => {
+                let name = "a flow of another kind than the common one".to_owned();
+                let help = "state both by `rates` or both by `next`";
+                return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
+            }
+            Some(common) => common.clone(),
+            None => {
+                let unit = |i: usize, j: usize| f64::from(i == j && kind == FlowKind::NextValues);
+                let row = |i: usize| ((0..n).map(|j| unit(i, j)).collect(), vec![0.0; m], 0.0);
+                FlowRows { kind, rows: (0..n).map(row).collect() }
+            }
+        };
+        let mut named = vec![false; n];
+        for (state, row) in rows {
+            let super::handles::Meaning::State(i) = *self.meaning(state.into(), place)? else {
+                return Err(self.misplaced(state.into(), place, "name a state"));
+            };
+            if std::mem::replace(&mut named[i], true) {
+                let name = self.states[i].0.clone();
+                return Err(ErrorKind::DuplicateName { name, kind: "row of the flow" }.into());
+            }
+            let row: Affine = row.into();
+            let all = self.plain_coefficients(&row, place)?;
+            if all.uses_predictions() {
+                let name = format!("the row of `{}`", self.states[i].0);
+                let help = "a flow starts from states and inputs, not from predictions";
+                return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
+            }
+            if all.constant.varies() {
+                let name = format!("the series in the row of `{}`", self.states[i].0);
+                let help = "make it an input whose range is one value in each step";
+                return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
+            }
+            let constant = all.constant.get(0).copied().unwrap_or(0.0);
+            flow.rows[i] = (all.states, all.inputs, constant);
+        }
+        Ok(flow)
+    }
+
+    /// The flow over a step; with rates, the exact one for inputs that are held (zero-order hold).
+    pub(super) fn linear(&self, flow: &FlowRows) -> Result<LinearSystem, Error> {
+        let (n, m) = (self.states.len(), self.inputs.len());
+        let a = faer::Mat::from_fn(n, n, |i, j| flow.rows[i].0[j]);
+        let b = faer::Mat::from_fn(n, m, |i, j| flow.rows[i].1[j]);
+        let c: Vec<f64> = flow.rows.iter().map(|(_, _, constant)| *constant).collect();
+        match flow.kind {
+            FlowKind::NextValues => LinearSystem::new(a, b, c),
+            FlowKind::Rates => LinearSystem::zero_order_hold(a, b, c, self.time_step),
+        }
+    }
+}

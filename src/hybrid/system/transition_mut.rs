@@ -1,0 +1,255 @@
+//! A transition that is being stated: flow, guards, reset, outputs.
+
+use super::HybridSystem;
+use super::coefficients::Moment;
+use super::flow::FlowKind;
+use super::handles::{Meaning, State};
+use super::schedule::Schedule;
+use super::transition::{Reset, Transition, TransitionOutput};
+use crate::error::{Error, ErrorKind};
+use crate::hybrid::linear::LinearSystem;
+use crate::interval::Interval;
+use crate::model::{Affine, Row, Variable, is_name};
+
+/// A transition of a [`HybridSystem`] that is being stated, made by
+/// [`mode`](HybridSystem::mode), [`event`](HybridSystem::event), [`stay`](HybridSystem::stay) and
+/// [`switch`](HybridSystem::switch).
+///
+/// A step in a transition starts in a state and with an input that satisfy its guards, follows the
+/// flow to a prediction that satisfies the guards on the prediction, and is then reset.
+#[derive(Debug)]
+pub struct TransitionMut<'a> {
+    system: &'a mut HybridSystem,
+    choice: usize,
+    number: usize,
+}
+
+impl<'a> TransitionMut<'a> {
+    pub(super) fn new(system: &'a mut HybridSystem, choice: usize, number: usize) -> Self {
+        TransitionMut { system, choice, number }
+    }
+
+    fn own(&mut self) -> &mut Transition {
+        &mut self.system.choices[self.choice].transitions[self.number]
+    }
+
+    /// The transition in words, for errors.
+    fn place(&self, part: &str) -> String {
+        let name = &self.system.choices[self.choice].transitions[self.number].name;
+        format!("{part} of `{name}`")
+    }
+
+    /// The handle of the transition: 1 in the steps that take it, 0 in the others.
+    pub fn taken(self) -> Variable {
+        self.system.handles.of(Meaning::Taken(self.choice, self.number))
+    }
+
+    /// Sets another name, for variables and reports.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::InvalidName`], [`ErrorKind::DuplicateName`].
+    pub fn named(mut self, name: &str) -> Result<Self, Error> {
+        if !is_name(name) {
+            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
+        }
+        let mut others = self.system.choices[self.choice].transitions.iter().enumerate();
+        if others.any(|(j, other)| j != self.number && other.name == name) {
+            let name = name.to_owned();
+            return Err(ErrorKind::DuplicateName { name, kind: "transition of the choice" }.into());
+        }
+        self.own().name = name.to_owned();
+        Ok(self)
+    }
+
+    /// States the flow by the derivatives of the states, in their units per second. States that are not
+    /// named have those of the [common flow](HybridSystem::rates), or are constant. The flow over a step
+    /// is exact for inputs that are held over it (zero-order hold).
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, and next to
+    /// a common flow by next values; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
+    /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
+    pub fn rates<E: Into<Affine>>(
+        self,
+        rates: impl IntoIterator<Item = (State, E)>,
+    ) -> Result<Self, Error> {
+        self.flow_by(FlowKind::Rates, rates)
+    }
+
+    /// States the flow by the next values of the states. States that are not named have those of the
+    /// [common flow](HybridSystem::next), or stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rates`](TransitionMut::rates).
+    pub fn next<E: Into<Affine>>(
+        self,
+        values: impl IntoIterator<Item = (State, E)>,
+    ) -> Result<Self, Error> {
+        self.flow_by(FlowKind::NextValues, values)
+    }
+
+    /// States the flow by matrices, for those who have them: `A x + B u + c` with a row for each state
+    /// and a column of B for each input, in the order of their declaration.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Shape`] if the numbers of states and inputs differ.
+    pub fn flow(self, flow: LinearSystem) -> Result<Self, Error> {
+        let (n, m) = (self.system.states.len(), self.system.inputs.len());
+        if (flow.states(), flow.inputs()) != (n, m) {
+            return Err(ErrorKind::Shape {
+                what: "the flow of a transition",
+                rows: flow.states(),
+                columns: flow.inputs(),
+                expected: format!("{n} states and {m} inputs"),
+            }
+            .into());
+        }
+        self.system.set_flow(self.choice, self.number, flow);
+        Ok(self)
+    }
+
+    fn flow_by<E: Into<Affine>>(
+        self,
+        kind: FlowKind,
+        rows: impl IntoIterator<Item = (State, E)>,
+    ) -> Result<Self, Error> {
+        let rows = self.system.flow_rows(kind, rows, &self.place("the flow"))?;
+        let flow = self.system.linear(&rows)?;
+        self.system.set_flow(self.choice, self.number, flow);
+        Ok(self)
+    }
+
+    /// Adds a guard: a row on the start of the step, of states, inputs and series, or a row on
+    /// [predictions](State::predicted) and series. A guard on one input alone is its range in this
+    /// transition.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Misplaced`] for a row of both, or of anything else;
+    /// [`ErrorKind::ForeignHandle`], [`ErrorKind::EmptyRow`], [`ErrorKind::UnlimitedRow`].
+    pub fn guard(self, row: Row) -> Result<Self, Error> {
+        self.add(None, &row)
+    }
+
+    /// Adds a guard that could be dropped, such as a rule of the user: explanations name it, and say
+    /// whether dropping it would help.
+    ///
+    /// # Errors
+    ///
+    /// As for [`guard`](TransitionMut::guard); [`ErrorKind::InvalidName`].
+    pub fn limit(self, name: &str, row: Row) -> Result<Self, Error> {
+        if !is_name(name) {
+            return Err(ErrorKind::InvalidName { name: name.to_owned() }.into());
+        }
+        self.add(Some((name, true)), &row)
+    }
+
+    fn add(mut self, name: Option<(&str, bool)>, row: &Row) -> Result<Self, Error> {
+        let place = self.place("a guard");
+        let (moment, halves) = self.system.halfspaces(name, row, &place)?;
+        if let Some((input, range)) = self.system.input_limits(row, &place)? {
+            return self.narrow(input, &range, row);
+        }
+        match moment {
+            Moment::Start => self.own().guards.extend(halves),
+            Moment::Prediction => self.own().prediction_guards.extend(halves),
+        }
+        Ok(self)
+    }
+
+    /// Narrows the range of an input in the transition.
+    fn narrow(
+        mut self,
+        input: usize,
+        range: &Schedule<Interval>,
+        row: &Row,
+    ) -> Result<Self, Error> {
+        let (name, common) = self.system.inputs[input].clone();
+        let own = self.own().inputs.iter().position(|(own, _)| *own == name);
+        let known = own.map_or(&common, |own| &self.own().inputs[own].1).clone();
+        let last = known.settles().max(range.settles());
+        let at = |step: usize| Some(known.get(step)?.intersection(*range.get(step)?));
+        let ranges: Vec<Interval> = (0..=last).filter_map(at).collect();
+        if let Some(Interval { lower, upper }) = ranges.iter().find(|range| range.is_empty()) {
+            let name = format!("{name} where {}", self.system.row_text(row));
+            return Err(ErrorKind::CrossedBounds { name, lower: *lower, upper: *upper }.into());
+        }
+        match own {
+            Some(own) => self.own().inputs[own].1 = ranges.into(),
+            None => self.own().inputs.push((name, ranges.into())),
+        }
+        Ok(self)
+    }
+
+    /// Resets states after the flow, as functions of the [predictions](State::predicted) and series.
+    /// States that are not named keep their prediction.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions;
+    /// [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
+    pub fn reset<E: Into<Affine>>(
+        mut self,
+        values: impl IntoIterator<Item = (State, E)>,
+    ) -> Result<Self, Error> {
+        let place = self.place("a reset");
+        let n = self.system.states.len();
+        let mut matrix = faer::Mat::<f64>::identity(n, n);
+        let mut offsets: Vec<Schedule<f64>> = vec![0.0.into(); n];
+        let mut named = vec![false; n];
+        for (state, value) in values {
+            let Meaning::State(i) = *self.system.meaning(state.into(), &place)? else {
+                return Err(self.system.misplaced(state.into(), &place, "name a state"));
+            };
+            if std::mem::replace(&mut named[i], true) {
+                let name = self.system.states[i].0.clone();
+                return Err(ErrorKind::DuplicateName { name, kind: "state of the reset" }.into());
+            }
+            let all = self.system.plain_coefficients(&value.into(), &place)?;
+            if all.uses_start() {
+                let name = format!("the new value of `{}`", self.system.states[i].0);
+                let help = "state it by predictions, such as `v.predicted()`, and by series";
+                return Err(ErrorKind::Misplaced { name, place, help }.into());
+            }
+            (0..n).for_each(|j| matrix[(i, j)] = all.predictions[j]);
+            offsets[i] = all.constant;
+        }
+        let last = offsets.iter().map(Schedule::settles).max().unwrap_or(0);
+        let at = |step| offsets.iter().filter_map(|own| own.get(step).copied()).collect();
+        let offset = (0..=last).map(at).collect::<Vec<Vec<f64>>>().into();
+        self.own().reset = Some(Reset { matrix, offset });
+        Ok(self)
+    }
+
+    /// Says what an [output](HybridSystem::output) is in this transition: a function of predictions and
+    /// series, or of states, inputs and series at the start of the step.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Misplaced`] for a function of both; [`ErrorKind::ForeignHandle`];
+    /// [`ErrorKind::DuplicateName`] at the second call.
+    pub fn output(mut self, output: Variable, value: impl Into<Affine>) -> Result<Self, Error> {
+        let place = self.place("an output");
+        let Meaning::Output(name) = self.system.meaning(output, &place)?.clone() else {
+            return Err(self.system.misplaced(output, &place, "name an output of the system"));
+        };
+        if self.own().outputs.iter().any(|own| own.name == name) {
+            return Err(ErrorKind::DuplicateName { name, kind: "output of the transition" }.into());
+        }
+        let all = self.system.plain_coefficients(&value.into(), &place)?;
+        let is_at_start = all.uses_start();
+        if is_at_start && all.uses_predictions() {
+            let name = format!("`{name}`");
+            let help = "state it of the start of the step alone or of the prediction alone";
+            return Err(ErrorKind::Misplaced { name, place, help }.into());
+        }
+        let factors = if is_at_start { all.start() } else { all.predictions };
+        let output = TransitionOutput { name, factors, constant: all.constant, is_at_start };
+        self.own().outputs.push(output);
+        Ok(self)
+    }
+}
