@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::exponential::exponential;
+use super::exponential::{RADIUS, exponential};
 use super::matrix::IntoMatrix;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::model::{Affine, Constraint, Model};
@@ -101,20 +101,29 @@ impl LinearSystem {
         check_time_step(time_step)?;
         let continuous = LinearSystem::new(a, b, c)?;
         let (n, m) = (continuous.states(), continuous.inputs());
-        let augmented = Mat::from_fn(n + m + 1, n + m + 1, |i, j| {
-            time_step
-                * match (i < n, j) {
-                    (false, _) => 0.0,
-                    (true, j) if j < n => continuous.a[(i, j)],
-                    (true, j) if j < n + m => continuous.b[(i, j - n)],
-                    (true, _) => continuous.c[i],
-                }
+        // Columns of inputs and constants do not grow the norm, so that flows with the same A have the
+        // same discrete one, to the last digit. Powers of two scale exactly.
+        let entry = |i: usize, j: usize| match j {
+            j if j < n => continuous.a[(i, j)],
+            j if j < n + m => continuous.b[(i, j - n)],
+            _ => continuous.c[i],
+        };
+        let size = |j: usize| (0..n).map(|i| (time_step * entry(i, j)).abs()).sum::<f64>();
+        let most = (0..n).map(size).fold(RADIUS, f64::max);
+        let scale = |j: usize| match j < n || size(j) <= most {
+            true => 1.0,
+            false => 2.0_f64.powi((most / size(j)).log2().floor().max(-1000.0) as i32),
+        };
+        let scales: Vec<f64> = (0..=n + m).map(scale).collect();
+        let augmented = Mat::from_fn(n + m + 1, n + m + 1, |i, j| match i < n {
+            true => time_step * entry(i, j) * scales[j],
+            false => 0.0,
         });
         let discrete = exponential(&augmented);
         let system = LinearSystem {
             a: Mat::from_fn(n, n, |i, j| discrete[(i, j)]),
-            b: Mat::from_fn(n, m, |i, j| discrete[(i, n + j)]),
-            c: (0..n).map(|i| discrete[(i, n + m)]).collect(),
+            b: Mat::from_fn(n, m, |i, j| discrete[(i, n + j)] / scales[n + j]),
+            c: (0..n).map(|i| discrete[(i, n + m)] / scales[n + m]).collect(),
         };
         system.check().map_err(|_| {
             Error::out_of_range(

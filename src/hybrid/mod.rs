@@ -39,6 +39,9 @@ pub use simulate::{
     RunCertificate, RunError, Samples, SimulatedStep, Simulation, SimulationOptions,
     replay_continuous, replay_discrete,
 };
-pub use system::{HybridSystem, MixedLogicalDynamical, Region, Schedule, State, TransitionMut};
+pub use system::{
+    HybridSystem, LinearComplementarity, MixedLogicalDynamical, Region, Schedule, State,
+    TransitionMut,
+};
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub use wall::{FreeSide, Wall};

@@ -166,8 +166,8 @@ impl Contact {
     /// [`HybridSystem`](super::HybridSystem): first the flight, then the contact, which is an event.
     ///
     /// Under the reflecting law, the impact has the output `impact speed` (m/s). Under the literal
-    /// law, the contact forces the input to `-(1+e) v/Δt`, so give the contact an
-    /// [input range](Transition::with_input_range) that contains it.
+    /// law, the contact forces the input to `-(1+e) v/Δt`, so give the contact an input range that
+    /// contains it.
     ///
     /// # Arguments
     ///

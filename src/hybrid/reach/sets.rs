@@ -33,7 +33,7 @@ pub(super) type Shared = Arc<Layers>;
 /// let x = push.state("x", -9.0, 9.0)?; // m
 /// let v = push.state("v", -9.0, 9.0)?; // m/s
 /// let a = push.input("a", -1.0, 1.0)?; // m/s²
-/// push.mode("flight")?.rates([(x, v.into()), (v, a.into())])?;
+/// push.mode("flight")?.rates([x.is(v), v.is(a)])?;
 /// let at_rest = |at: f64| [x.equals(at), v.equals(0.0)];
 /// let mut sets = ReachSets::new(&push, at_rest(0.0), at_rest(1.0), SetOptions::default())?;
 ///

@@ -89,7 +89,7 @@ impl ScenePlan {
     /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
     /// let plan = scene.shortest_plan(&options, &mut solver)?.plan.expect("it comes to rest");
     /// let both = plan.with_half_steps(&scene, &options, &mut solver)?;
-    /// assert_eq!(both.halved.time_step, 0.025);
+    /// assert_eq!(both.halved.time_step, Some(0.025));
     /// assert!(both.to_string().starts_with("Δt = 0.05 s: "));
     /// # Ok::<(), carom::Error>(())
     /// ```

@@ -35,7 +35,7 @@ impl HybridSystem {
     /// let x = cart.state("x", -9.0, 9.0)?; // m
     /// // The drive is off until step 3.
     /// let u = cart.input("u", 0.0, [vec![0.0; 3], vec![1.0]].concat())?; // m/s
-    /// cart.mode("roll")?.next([(x, x + 0.5 * u)])?;
+    /// cart.mode("roll")?.next([x.is(x + 0.5 * u)])?;
     /// let found = cart.shortest([x.equals(0.0)], [x.equals(1.0)], &mut BranchAndBound::default())?;
     /// assert_eq!(found.steps, Some(5));
     /// # Ok::<(), carom::Error>(())
@@ -74,7 +74,7 @@ impl HybridSystem {
     /// let full = store.state("full", 0.0, 9.0)?;
     /// let buy = store.input("buy", 0.0, 3.0)?;
     /// let price = store.series("price", [5.0, 2.0, 8.0, 8.0])?;
-    /// store.mode("use")?.next([(full, full + buy - 1.0)])?;
+    /// store.mode("use")?.next([full.is(full + buy - 1.0)])?;
     /// let mut program = store.program(4)?;
     /// program.start([full.equals(1.0)])?;
     /// let cost = program.sum(price * buy)?;
@@ -221,12 +221,12 @@ impl HybridSystem {
     /// let h = ball.state("height", 0.0, 5.0)?; // m
     /// let v = ball.state("speed", -10.0, 10.0)?; // m/s, upward
     /// let impact = ball.output("impact speed")?;
-    /// ball.rates([(h, v.into()), (v, Affine::constant(-9.81))])?;
+    /// ball.rates([h.is(v), v.is(-9.81)])?;
     /// ball.mode("fall")?.guard(h.predicted().ge(0.0))?;
     /// ball.event("bounce")?
     ///     .guard(h.predicted().le(0.0))?
     ///     .guard(v.predicted().le(0.0))?
-    ///     .reset([(h, -0.5 * h.predicted()), (v, -0.5 * v.predicted())])?
+    ///     .reset([h.is(-0.5 * h.predicted()), v.is(-0.5 * v.predicted())])?
     ///     .output(impact, -v.predicted())?;
     /// let run = ball.simulate(&[1.0, 0.0], &[[]; 10])?;
     /// assert_eq!(run.events(), 1);
@@ -271,8 +271,8 @@ impl HybridSystem {
     /// let t = room.state("temperature", 5.0, 40.0)?; // °C
     /// let [off, on] = room.modes("heater", ["off", "on"])?;
     /// let towards = |end: f64| (end - t) * (1.0 / 1800.0); // °C/s
-    /// room.stay(off)?.rates([(t, towards(5.0))])?.guard(t.ge(19.0))?;
-    /// room.stay(on)?.rates([(t, towards(40.0))])?.guard(t.le(21.0))?;
+    /// room.stay(off)?.rates([t.is(towards(5.0))])?.guard(t.ge(19.0))?;
+    /// room.stay(on)?.rates([t.is(towards(40.0))])?.guard(t.le(21.0))?;
     /// room.switch(off, on)?.guard(t.le(19.0))?;
     /// room.switch(on, off)?.guard(t.ge(21.0))?;
     /// let options = SimulationOptions::default().with_mode("heater", "off");

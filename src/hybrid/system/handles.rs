@@ -37,6 +37,13 @@ impl State {
         Variable { index: self.variable.index + 1, tag: self.variable.tag }
     }
 
+    /// An entry of [`rates`](HybridSystem::rates), [`next`](HybridSystem::next) or
+    /// [`reset`](super::TransitionMut::reset): the state with its derivative, its next value or its value
+    /// after the reset.
+    pub fn is(self, value: impl Into<Affine>) -> (State, Affine) {
+        (self, value.into())
+    }
+
     /// The square of the state.
     pub fn square(self) -> Quadratic {
         self.variable.square()

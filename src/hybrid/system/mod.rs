@@ -21,6 +21,7 @@
 //! | ranges of inputs under several choices | `system/input_range.rs` |
 //! | starts and goals | `system/region.rs` |
 //! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
+//! | linear complementarity systems | `system/linear_complementarity.rs` |
 //! | mixed logical dynamical systems | `system/mixed_logical_dynamical.rs`, `system/mixed_logical_rows.rs` |
 //! | the text form; `serde` | `system/text.rs`, `system/serialized.rs` |
 //! | what is refused | `system/check.rs` |
@@ -34,6 +35,7 @@ mod flow;
 mod halfspace;
 mod handles;
 mod input_range;
+mod linear_complementarity;
 mod matrices;
 mod mixed_logical_dynamical;
 mod mixed_logical_rows;
@@ -51,6 +53,7 @@ pub use choice::Choice;
 
 pub use halfspace::Halfspace;
 pub use handles::State;
+pub use linear_complementarity::LinearComplementarity;
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub use region::Region;
 pub(crate) use region::check_cut;
@@ -87,12 +90,12 @@ pub(crate) const MODE: &str = "mode";
 /// let x = lift.state("x", 0.0, 15.0)?; // m
 /// let v = lift.state("v", -2.5, 2.5)?; // m/s
 /// let u = lift.input("u", -1.0, 1.0)?;
-/// lift.mode("low gear")?.rates([(x, v.into()), (v, 0.6 * u)])?;
-/// lift.mode("high gear")?.rates([(x, v.into()), (v, 1.5 * u)])?.guard(v.ge(0.4))?;
+/// lift.mode("low gear")?.rates([x.is(v), v.is(0.6 * u)])?;
+/// lift.mode("high gear")?.rates([x.is(v), v.is(1.5 * u)])?.guard(v.ge(0.4))?;
 ///
 /// let (start, goal) = ([x.equals(0.0), v.equals(0.0)], [x.equals(3.0), v.equals(0.0)]);
 /// let found = lift.shortest(start, goal, &mut BranchAndBound::default())?;
-/// assert_eq!(found.steps, Some(36));
+/// assert_eq!(found.steps, Some(35));
 /// # Ok::<(), carom::Error>(())
 /// ```
 ///

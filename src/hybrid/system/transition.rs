@@ -43,20 +43,6 @@ pub(crate) struct TransitionOutput {
 /// A step in this transition starts in a state and with an input that satisfy its guards, follows
 /// the flow `y = A x + B u + c`, arrives at a prediction `y` that satisfies the guards on the
 /// prediction, and is reset to `x⁺ = R y + r`.
-///
-/// ```
-/// use carom::hybrid::{Halfspace, LinearSystem, Transition};
-///
-/// // A ball that meets the floor at 0 m rebounds with half its speed.
-/// let fall = LinearSystem::double_integrator(0.1)?;
-/// let bounce = Transition::event("bounce", fall)
-///     .with_prediction_guard(Halfspace::new("at the floor", [1.0, 0.0], 0.0))
-///     .with_prediction_guard(Halfspace::new("moving down", [0.0, 1.0], 0.0))
-///     .with_reset([[-0.5, 0.0], [0.0, -0.5]], [0.0, 0.0])
-///     .with_output("impact speed", [0.0, -1.0], 0.0);
-/// assert!(bounce.is_event);
-/// # Ok::<(), carom::Error>(())
-/// ```
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -63,17 +63,16 @@ impl TerminalOptions {
 /// considered.
 ///
 /// ```
-/// use carom::hybrid::{HybridSystem, LinearSystem, Lqr, TerminalOptions, TerminalSet, Transition};
-/// use carom::interval::Interval;
+/// use carom::hybrid::{LinearSystem, Lqr, TerminalOptions, TerminalSet};
 /// use carom::prelude::*;
 ///
 /// let line = LinearSystem::double_integrator(0.5)?;
 /// let lqr = Lqr::new(&line, [[1.0, 0.0], [0.0, 1.0]], [[1.0]])?;
-/// let system = HybridSystem::new()
-///     .with_state("x", Interval::new(-5.0, 5.0))
-///     .with_state("v", Interval::new(-2.0, 2.0))
-///     .with_input("a", Interval::new(-1.0, 1.0))
-///     .with_transition(Transition::new("drive", line));
+/// let mut system = HybridSystem::new(0.5); // s
+/// let x = system.state("x", -5.0, 5.0)?; // m
+/// let v = system.state("v", -2.0, 2.0)?; // m/s
+/// let a = system.input("a", -1.0, 1.0)?; // m/s²
+/// system.mode("drive")?.rates([x.is(v), v.is(a)])?;
 /// let mut solver = BranchAndBound::default();
 /// let (at, options) = ([2.0, 0.0], TerminalOptions::default());
 /// let set = TerminalSet::new(&system, &["drive"], &lqr, &at, &options, &mut solver)?;
