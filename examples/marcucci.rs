@@ -187,8 +187,7 @@ fn timed(solve: impl FnOnce() -> Result<Solution, Error>) -> Result<(Solution, E
 fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
     let CartPole { model, start, state, force, end } = cart_pole()?;
     let mut solver = BranchAndBound::default();
-    let mut noise =
-        Disturbance::new([0.002, 0.002, 0.02, 0.02].map(|w| Interval::new(-w, w)).into(), 1);
+    let mut noise = Disturbance::new([0.002, 0.002, 0.02, 0.02].map(|w| -w..=w), 1);
     let regulator = |x: &[f64]| vec![end.feedback(x).map_or(0.0, |u| u[0].clamp(-1.0, 1.0))];
     let within = |x: &[f64]| x.iter().zip(MOST).all(|(x, most)| x.abs() <= most + 1e-6);
     let check = |x: &[f64], inputs: &[Vec<f64>]| {

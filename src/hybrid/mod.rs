@@ -26,7 +26,7 @@ pub use flaws::{Flaw, Witness};
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
 pub use matrix::IntoMatrix;
-pub use program::{AtSample, HybridPlan, HybridProgram, IntoRegion, SoftLimit, When};
+pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit, When};
 pub use receding::{ClosedLoop, Disturbance, Move, MoveSource, RecedingHorizon};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
@@ -40,8 +40,8 @@ pub use simulate::{
     replay_continuous, replay_discrete,
 };
 pub use system::{
-    HybridSystem, LinearComplementarity, MixedLogicalDynamical, Region, Schedule, State,
-    TransitionMut,
+    HybridSystem, IntoRegion, LinearComplementarity, MixedLogicalDynamical, Region, Schedule,
+    State, TransitionMut,
 };
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub use wall::{FreeSide, Wall};

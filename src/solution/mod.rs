@@ -299,6 +299,15 @@ impl Solution {
         self.point.as_ref()
     }
 
+    /// Whether a binary, or a condition, is on at the best point.
+    ///
+    /// # Errors
+    ///
+    /// As for [`value`](Solution::value).
+    pub fn is_on(&self, of: impl Evaluate) -> Result<bool, Error> {
+        Ok(self.value(of)? > 0.5)
+    }
+
     /// Value of a variable or an expression at the best point.
     ///
     /// # Errors

@@ -18,8 +18,7 @@ use std::sync::Arc;
 
 pub use costs::SoftLimit;
 pub use plan::HybridPlan;
-pub(crate) use require::StatedRegion;
-pub use require::{IntoRegion, When};
+pub use require::When;
 pub use sample::AtSample;
 pub(crate) use sample::Members;
 

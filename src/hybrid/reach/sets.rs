@@ -10,8 +10,7 @@ use super::set::{Emptied, Layers, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
-use crate::hybrid::program::IntoRegion;
-use crate::hybrid::system::{HybridSystem, Region, check_ends};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region, check_ends};
 use crate::interval::Interval;
 #[cfg(doc)]
 use crate::tolerance;

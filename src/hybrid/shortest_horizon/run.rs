@@ -7,9 +7,9 @@ use super::{HorizonModel, Waiting};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::hybrid::program::{HybridPlan, HybridProgram, IntoRegion, When};
+use crate::hybrid::program::{HybridPlan, HybridProgram, When};
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use crate::hybrid::system::{HybridSystem, Region};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
 use crate::solver::Solver;
 
 impl HybridSystem {

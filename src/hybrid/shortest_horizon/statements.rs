@@ -7,7 +7,8 @@ use std::sync::Arc;
 use super::Waiting;
 use super::options::ShortestOptions;
 use crate::error::Error;
-use crate::hybrid::program::{HybridProgram, IntoRegion, StatedRegion, When};
+use crate::hybrid::program::{HybridProgram, When};
+use crate::hybrid::system::{IntoRegion, StatedRegion};
 use crate::model::{Model, Reformulation};
 
 /// Writes statements into the program of a horizon.

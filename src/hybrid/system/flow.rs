@@ -1,27 +1,11 @@
 //! Flows stated by rates or by next values.
 
 use super::HybridSystem;
-use super::handles::State;
+use super::flow_rows::{FlowKind, FlowRows};
+use super::handles::{Meaning, State};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
 use crate::model::Affine;
-
-/// How the rows of a flow are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum FlowKind {
-    /// Derivatives, in the states' units per second.
-    Rates,
-    /// Values at the end of the step.
-    NextValues,
-}
-
-/// A flow by rows, one for each state.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct FlowRows {
-    kind: FlowKind,
-    /// Coefficients of the states, of the inputs, and the constant.
-    rows: Vec<(Vec<f64>, Vec<f64>, f64)>,
-}
 
 impl HybridSystem {
     /// The rows of a flow. States that are not named have the rows of the common flow, or stay.
@@ -47,7 +31,7 @@ impl HybridSystem {
         };
         let mut named = vec![false; n];
         for (state, row) in rows {
-            let super::handles::Meaning::State(i) = *self.meaning(state.into(), place)? else {
+            let Meaning::State(i) = *self.meaning(state.into(), place)? else {
                 return Err(self.misplaced(state.into(), place, "name a state"));
             };
             if std::mem::replace(&mut named[i], true) {

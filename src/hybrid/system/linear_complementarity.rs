@@ -22,17 +22,16 @@ use crate::model::{Affine, Variable};
 ///
 /// ```
 /// use carom::hybrid::LinearComplementarity;
-/// use carom::interval::Interval;
 /// use carom::prelude::*;
 ///
 /// // A cart of 1 kg, in steps of 0.05 s, before a soft wall at 1 m of 100 N/m:
 /// // 0 <= λ ⟂ λ / 100 + 1 - x >= 0.
-/// let (h, most) = (0.05, Interval::new(-2.0, 2.0));
+/// let (h, most) = (0.05, -2.0..=2.0);
 /// let system = HybridSystem::linear_complementarity(
 ///     h,
 ///     &LinearComplementarity::new([0.0, 0.0], [1.0])
-///         .with_states([("x", most), ("v", most)], [[1.0, h], [0.0, 1.0]], [[-1.0, 0.0]])
-///         .with_inputs([("push", Interval::new(-1.0, 1.0))], [[0.0], [h]], [[0.0]])
+///         .with_states([("x", most.clone()), ("v", most)], [[1.0, h], [0.0, 1.0]], [[-1.0, 0.0]])
+///         .with_inputs([("push", -1.0..=1.0)], [[0.0], [h]], [[0.0]])
 ///         .with_forces([("wall", 100.0)], [[0.0], [-h]], [[0.01]]),
 /// )?;
 /// let (x, wall) = (system.state_named("x")?, system.input_named("wall")?);
@@ -84,25 +83,25 @@ impl LinearComplementarity {
     }
 
     /// Names and domains of the states x, finite; A and E.
-    pub fn with_states<S: Into<String>>(
+    pub fn with_states<S: Into<String>, R: Into<Interval>>(
         mut self,
-        states: impl IntoIterator<Item = (S, Interval)>,
+        states: impl IntoIterator<Item = (S, R)>,
         a: impl IntoMatrix,
         e: impl IntoMatrix,
     ) -> Self {
-        self.states = states.into_iter().map(|(name, range)| (name.into(), range)).collect();
+        self.states = states.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
         (self.a, self.e) = (a.into_matrix(), e.into_matrix());
         self
     }
 
     /// Names and ranges of the inputs u, finite; B and H.
-    pub fn with_inputs<S: Into<String>>(
+    pub fn with_inputs<S: Into<String>, R: Into<Interval>>(
         mut self,
-        inputs: impl IntoIterator<Item = (S, Interval)>,
+        inputs: impl IntoIterator<Item = (S, R)>,
         b: impl IntoMatrix,
         h: impl IntoMatrix,
     ) -> Self {
-        self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range)).collect();
+        self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
         (self.b, self.h) = (b.into_matrix(), h.into_matrix());
         self
     }

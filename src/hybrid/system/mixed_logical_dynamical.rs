@@ -31,16 +31,15 @@ pub(super) const MOST_COMBINATIONS: usize = 4096;
 ///
 /// ```
 /// use carom::hybrid::{HybridSystem, MixedLogicalDynamical};
-/// use carom::interval::Interval;
 ///
 /// // x⁺ = 0.8 x + u where x >= 0 and -0.8 x + u elsewhere, as 1.6 z - 0.8 x + u with z = δ x:
 /// // -10 (1 - δ) <= x <= 10 δ, -10 δ <= z <= 10 δ, x - 10 (1 - δ) <= z <= x + 10 (1 - δ).
-/// let range = Interval::new(-10.0, 10.0);
+/// let range = -10.0..=10.0;
 /// let system = HybridSystem::mixed_logical_dynamical(
 ///     1.0,
 ///     &MixedLogicalDynamical::new([0.0], [10.0, 0.0, 0.0, 0.0, 10.0, 10.0])
-///         .with_states([("x", range)], [[-0.8]], [[1.0], [-1.0], [0.0], [0.0], [1.0], [-1.0]])
-///         .with_inputs([("u", Interval::new(-1.0, 1.0))], [[1.0]], [[0.0]; 6])
+///         .with_states([("x", range.clone())], [[-0.8]], [[1.0], [-1.0], [0.0], [0.0], [1.0], [-1.0]])
+///         .with_inputs([("u", -1.0..=1.0)], [[1.0]], [[0.0]; 6])
 ///         .with_binaries(1, [[0.0]], [[10.0], [-10.0], [-10.0], [-10.0], [10.0], [10.0]])
 ///         .with_auxiliaries([range], [[1.6]], [[0.0], [0.0], [1.0], [-1.0], [1.0], [-1.0]]),
 /// )?;
@@ -101,25 +100,25 @@ impl MixedLogicalDynamical {
     }
 
     /// Names and domains of the states x, finite; A and E4.
-    pub fn with_states<S: Into<String>>(
+    pub fn with_states<S: Into<String>, R: Into<Interval>>(
         mut self,
-        states: impl IntoIterator<Item = (S, Interval)>,
+        states: impl IntoIterator<Item = (S, R)>,
         a: impl IntoMatrix,
         e4: impl IntoMatrix,
     ) -> Self {
-        self.states = states.into_iter().map(|(name, range)| (name.into(), range)).collect();
+        self.states = states.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
         (self.a, self.e4) = (a.into_matrix(), e4.into_matrix());
         self
     }
 
     /// Names and ranges of the inputs u, finite; B1 and E1.
-    pub fn with_inputs<S: Into<String>>(
+    pub fn with_inputs<S: Into<String>, R: Into<Interval>>(
         mut self,
-        inputs: impl IntoIterator<Item = (S, Interval)>,
+        inputs: impl IntoIterator<Item = (S, R)>,
         b1: impl IntoMatrix,
         e1: impl IntoMatrix,
     ) -> Self {
-        self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range)).collect();
+        self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
         (self.b1, self.e1) = (b1.into_matrix(), e1.into_matrix());
         self
     }
@@ -132,13 +131,13 @@ impl MixedLogicalDynamical {
     }
 
     /// Ranges of the auxiliaries z, finite; B3 and E3.
-    pub fn with_auxiliaries(
+    pub fn with_auxiliaries<R: Into<Interval>>(
         mut self,
-        ranges: impl IntoIterator<Item = Interval>,
+        ranges: impl IntoIterator<Item = R>,
         b3: impl IntoMatrix,
         e3: impl IntoMatrix,
     ) -> Self {
-        self.auxiliaries = ranges.into_iter().collect();
+        self.auxiliaries = ranges.into_iter().map(R::into).collect();
         (self.b3, self.e3) = (b3.into_matrix(), e3.into_matrix());
         self
     }
@@ -148,11 +147,10 @@ impl MixedLogicalDynamical {
     ///
     /// ```
     /// use carom::hybrid::{HybridSystem, MixedLogicalDynamical};
-    /// use carom::interval::Interval;
     ///
     /// // A heater, on only up to 21 °C (19 δ <= 40 - T): its power is 2 kW.
     /// let room = MixedLogicalDynamical::new([0.5], [40.0])
-    ///     .with_states([("temperature", Interval::new(0.0, 40.0))], [[0.9]], [[-1.0]])
+    ///     .with_states([("temperature", 0.0..=40.0)], [[0.9]], [[-1.0]])
     ///     .with_binaries(1, [[3.0]], [[19.0]])
     ///     .with_outputs(["power"], [[0.0]], [[2.0]], [0.0]);
     /// let room = HybridSystem::mixed_logical_dynamical(60.0, &room)?;
