@@ -60,9 +60,9 @@ usage: solve FILE [OPTIONS]
                        `roll-out`, `diving`, `neighbourhood`) or all
                        `heuristics`; may be given several times
   --with PART          add a heuristic, or all `heuristics`
-  --relaxation METHOD  solve relaxations by `active-set` (the default: small dense ones that way,
-                       the others as by the next), `interior-point` (with Clarabel if it gives up)
-                       or `clarabel` alone
+  --relaxation METHOD  solve relaxations by `automatic` (the default: dual simplex or active set
+                       where they suit, else as by the next), `interior-point` (with Clarabel if
+                       it gives up) or `clarabel` alone
   --help               print this";
 
 #[derive(Default)]

@@ -151,7 +151,8 @@ impl<'a> Context<'a> {
         let spent = self.ladder.take_spent();
         self.clock.transfer(Activity::Relaxation, spent.time);
         // Steps from a parent's state are few, and the start is most of the work.
-        self.iterations += spent.iterations + START * spent.counts.active_set;
+        let warm_starts = spent.counts.dual_simplex + spent.counts.active_set;
+        self.iterations += spent.iterations + START * warm_starts;
         self.tree.count(|s| spent.count(s));
     }
 }

@@ -89,7 +89,9 @@ pub struct Statistics {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RelaxationCounts {
-    /// By the dual simplex method or the active-set method.
+    /// By the dual simplex method.
+    pub dual_simplex: u64,
+    /// By the dual active-set method.
     pub active_set: u64,
     /// By the crate's own interior-point method.
     pub interior_point: u64,
@@ -102,11 +104,12 @@ pub struct RelaxationCounts {
 impl RelaxationCounts {
     /// Relaxations by all methods.
     pub fn total(&self) -> u64 {
-        self.active_set + self.interior_point + self.clarabel
+        self.dual_simplex + self.active_set + self.interior_point + self.clarabel
     }
 
     /// Adds other counts.
     pub fn add(&mut self, other: &RelaxationCounts) {
+        self.dual_simplex += other.dual_simplex;
         self.active_set += other.active_set;
         self.interior_point += other.interior_point;
         self.clarabel += other.clarabel;

@@ -30,7 +30,7 @@ use crate::tolerance;
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `relaxation` | [`RelaxationMethod`] | `ActiveSet` | `ActiveSet` | `ActiveSet` | benchmarks, *Relaxations by either method* |
+/// | `relaxation` | [`RelaxationMethod`] | `Automatic` | `Automatic` | `Automatic` | benchmarks, *Relaxations by either method* |
 /// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `big_m_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
@@ -89,7 +89,7 @@ pub struct Options {
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
     /// Which method solves the relaxations of the search; default
-    /// [`RelaxationMethod::ActiveSet`]. The linear programs behind Ms are solved by the default.
+    /// [`RelaxationMethod::Automatic`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
     /// Whether presolve reduces the program before the search: its rules remove rows and columns,
     /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves
@@ -146,7 +146,7 @@ impl Default for Options {
             pool_gap: None,
             keep_leaves: false,
             branching: BranchingRule::Automatic,
-            relaxation: RelaxationMethod::ActiveSet,
+            relaxation: RelaxationMethod::Automatic,
             reductions: true,
             disjunctive_tightening: true,
             big_m_tightening: true,
