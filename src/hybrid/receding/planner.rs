@@ -154,13 +154,13 @@ impl Planner<'_> {
                 }
                 let mut values = handles.values(state);
                 values.extend(question.parameters);
-                let seed = match (program, question.missed) {
+                let start = match (program, question.missed) {
                     (Some(program), Some(rest)) => simulated(program, state, rest)?,
                     _ => None,
                 };
                 let mut control = Control::default();
-                if let Some(seed) = &seed {
-                    control = control.with_seed(seed);
+                if let Some(start) = &start {
+                    control = control.with_start(start);
                 }
                 let result = prepared.solve(&values, &mut control);
                 Planned::of(result, handles, question.excess)
@@ -185,14 +185,14 @@ impl Planner<'_> {
                 if question.budget.is_some() {
                     solver.options_mut().time_limit = question.budget;
                 }
-                let seed = match question.missed {
+                let start = match question.missed {
                     Some(rest) => simulated(&program, state, rest)?,
                     None => None,
                 };
-                let seed = seed.or_else(|| last.seed(&model));
+                let start = start.or_else(|| last.start(&model));
                 let mut control = Control::default();
-                if let Some(seed) = &seed {
-                    control = control.with_seed(seed);
+                if let Some(start) = &start {
+                    control = control.with_start(start);
                 }
                 let result = model
                     .set_parameters(&handles.values(state))
