@@ -49,7 +49,7 @@ pub mod relaxation {
 
 pub mod search {
     pub use crate::search::{
-        Accept, ColumnGuidance, Contradiction, Found, Task, search, search_unstrengthened,
+        Contradiction, Found, PointJudge, Start, StartPoint, Task, search, search_unstrengthened,
     };
 
     pub mod best_points {
@@ -86,10 +86,6 @@ pub mod search {
 
     pub mod pseudocosts {
         pub use crate::search::{LEAST_GAIN, Pseudocosts};
-    }
-
-    pub mod seed {
-        pub use crate::search::{Part, Seed, SeedBox, Start, divide};
     }
 
     pub mod time_order {

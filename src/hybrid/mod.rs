@@ -18,7 +18,7 @@ pub(crate) mod system;
 mod terminal;
 pub mod wall;
 
-pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution, RollOut};
+pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution};
 pub use damage::{Damage, DamageFunction, DamageLimits, ImpactEstimate};
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;

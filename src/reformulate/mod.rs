@@ -51,7 +51,7 @@ pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
-use crate::solution::{Outcome, Solution};
+use crate::solution::{LeafBox, Outcome, Solution};
 use crate::solver::{Solver, StopToken};
 use direction::Tie;
 use implied_bounds::ImpliedBounds;
@@ -112,8 +112,12 @@ impl Lowered {
         let others = found.pool().iter().skip(1);
         let others = others.map(|best| self.restore(best.point().as_slice()));
         let complete = found.pool().is_complete();
-        let own = |v: Variable| (v.index() < self.original).then_some(v);
-        let leaves = found.leaves().iter().map(|leaf| leaf.mapped(own)).collect();
+        let own = |leaf: &LeafBox| {
+            let mut leaf = leaf.clone();
+            leaf.bounds.retain(|bound| bound.variable.index() < self.original);
+            leaf
+        };
+        let leaves = found.leaves().iter().map(own).collect();
         let solution = Solution::new(model, outcome, feasibility)?.with_leaves(leaves);
         let multipliers = found.multipliers().map(|multipliers| multipliers.of(model));
         let solution = solution.with_pool(model, others, complete, feasibility)?;

@@ -42,7 +42,7 @@ struct Entry {
 impl Entry {
     fn of(method: RelaxationMethod) -> Self {
         match method {
-            RelaxationMethod::ActiveSet | RelaxationMethod::InteriorPoint => Entry {
+            RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => Entry {
                 method: Box::new(InteriorPoint::new()),
                 // Its point is deeper inside the face of optima if it starts from nothing, which matters
                 // where the search goes on from it.
@@ -114,18 +114,21 @@ impl Ladder {
     pub fn new(choice: RelaxationMethod) -> Self {
         let last = RelaxationMethod::Clarabel;
         let last = (choice != last).then(|| Entry::of(last));
-        let methods: Vec<Box<dyn Relaxation>> = match choice {
-            RelaxationMethod::ActiveSet => {
-                vec![Box::new(ActiveSet::new()), Box::new(DualSimplex::new())]
-            }
+        let warm = match choice {
+            RelaxationMethod::Automatic => vec![
+                Entry {
+                    method: Box::new(ActiveSet::new()),
+                    starts_warm: |_| true,
+                    count: |counts| &mut counts.active_set,
+                },
+                Entry {
+                    method: Box::new(DualSimplex::new()),
+                    starts_warm: |_| true,
+                    count: |counts| &mut counts.dual_simplex,
+                },
+            ],
             _ => Vec::new(),
         };
-        let entry = |method| Entry {
-            method,
-            starts_warm: |_| true,
-            count: |counts| &mut counts.active_set,
-        };
-        let warm = methods.into_iter().map(entry).collect();
         let first = Entry::of(choice);
         Ladder::of(warm, first, last)
     }

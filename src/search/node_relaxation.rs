@@ -27,13 +27,13 @@ pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projec
 pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
     let program = ctx.base();
-    let program = ctx.shared.task.exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
+    let program = ctx.task().exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
     let mut reduced = match ctx.is_leaf() {
         true => ctx.ladder.reduce_leaf(program, &ctx.node.domain),
         false => ctx.ladder.reducer().reduce(program, &ctx.node.domain),
     };
     if let Some(reduced) = &mut reduced {
-        if let Some(windows) = ctx.shared.windows {
+        if let Some(windows) = ctx.windows() {
             windows.add_rows(&ctx.node.domain, reduced);
         }
         tighten_coefficients(reduced, &ctx.program().integral);
@@ -99,7 +99,7 @@ pub(super) struct Exact {
 /// only, the cost may be a little too low: by what a steep slope makes of `1e-7`. Splitting such a node
 /// further and further would not lift its bound.
 pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<Exact> {
-    let exact = ctx.shared.task.exact?;
+    let exact = ctx.task().exact?;
     if std::ptr::eq(exact, ctx.base()) || exact.quadratic.compute_nnz() == 0 {
         return None;
     }

@@ -108,11 +108,11 @@ impl<W: Write> Log<W> {
             statistics.max_open,
             statistics.tree_bytes,
         ));
-        let RelaxationCounts { active_set, interior_point, clarabel, given_up } =
+        let RelaxationCounts { dual_simplex, active_set, interior_point, clarabel, given_up } =
             statistics.relaxation_counts;
         self.write(format_args!(
-            "relaxations: active set {active_set}, interior point {interior_point}, Clarabel \
-             {clarabel}; the first method gave up {given_up} times\n"
+            "relaxations: dual simplex {dual_simplex}, active set {active_set}, interior point \
+             {interior_point}, Clarabel {clarabel}; the first method gave up {given_up} times\n"
         ));
         if statistics.blocks > 0 {
             self.write(format_args!("{} blocks, one after the other\n", statistics.blocks));

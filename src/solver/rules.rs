@@ -1,6 +1,6 @@
 //! Branching rules.
 
-/// How a node is split, if the user's own rule ([`Branching`](super::Branching)) does not decide.
+/// How a node is split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -12,9 +12,6 @@
 mod literal;
 mod reflecting;
 mod resting;
-mod roll_out;
-
-pub use roll_out::RollOut;
 
 use super::linear::LinearSystem;
 use super::system::Transition;

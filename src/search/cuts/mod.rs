@@ -15,14 +15,14 @@ pub use cut_sets::cut_set_cuts;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
 use super::root::Root;
-use super::root_point::{Looked, RootPoint, Strengthened};
+use super::root_point::{PilotResult, RootPoint, Strengthened};
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{Options, StopToken};
 
 /// A search of so many nodes from a root; `None` if it is not wanted.
-pub(crate) type Look<'a> = dyn Fn(&Root, u64) -> Option<Looked> + 'a;
+pub(crate) type PilotSearch<'a> = dyn Fn(&Root, u64) -> Option<PilotResult> + 'a;
 
 const ROUNDS: usize = 40;
 
@@ -76,14 +76,14 @@ const BINDING: f64 = 1e-6;
 ///
 /// * `token`: ends the rounds.
 /// * `ladder`: keeps count of the relaxations.
-/// * `look`: a search of so many nodes from a root.
+/// * `pilot`: a search of so many nodes from a root.
 pub(crate) fn strengthen(
     program: &Program,
     root: &mut Root,
     options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-    look: &Look<'_>,
+    pilot: &PilotSearch<'_>,
 ) -> Option<Strengthened> {
     let idle = program.integers.is_empty() || program.is_feasibility_problem();
     if idle || root.conflict.is_some() || token.is_over() {
@@ -94,16 +94,16 @@ pub(crate) fn strengthen(
         point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token, None))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
     let start = Root { point: Some(point.clone()), ..root.clone() };
-    let mut glances = Glances { look, root: start, value: None, bound: point.bound };
-    if glances.close(1) {
-        root.point = Some(point.with_bound(glances.bound));
+    let mut pilots = Pilots { search: pilot, root: start, value: None, bound: point.bound };
+    if pilots.close(1) {
+        root.point = Some(point.with_bound(pilots.bound));
         return None;
     }
     let domain = &root.domain;
     let mut rounds = Rounds {
         program,
         domain,
-        glances,
+        pilots,
         curved,
         cuts: Vec::new(),
         ages: Vec::new(),
@@ -116,15 +116,15 @@ pub(crate) fn strengthen(
         let program = with_cuts(program, &rounds.cuts)?;
         Some(Strengthened { program, values: [point.value, last.value] })
     });
-    let bound = rounds.glances.bound;
+    let bound = rounds.pilots.bound;
     let point = last.filter(|_| more.is_some()).unwrap_or(point);
     root.point = Some(point.with_bound(bound));
     more
 }
 
-/// Short searches from the root without cuts.
-struct Glances<'a> {
-    look: &'a Look<'a>,
+/// Pilot searches from the root without cuts.
+struct Pilots<'a> {
+    search: &'a PilotSearch<'a>,
     /// With its relaxed point.
     root: Root,
     /// The value of the best point.
@@ -132,7 +132,7 @@ struct Glances<'a> {
     bound: f64,
 }
 
-impl Glances<'_> {
+impl Pilots<'_> {
     /// Whether a point is so near to the root's value that the tree is likely to be small.
     fn is_near(&self, root: &RootPoint) -> bool {
         self.value.is_some_and(|value| value - root.value <= NEAR * value.abs())
@@ -140,10 +140,10 @@ impl Glances<'_> {
 
     /// Searches so many nodes. Returns whether nothing is left to search.
     fn close(&mut self, nodes: u64) -> bool {
-        let Some(looked) = (self.look)(&self.root, nodes) else { return false };
-        self.value = looked.value.or(self.value);
-        self.bound = self.bound.max(looked.bound);
-        looked.is_closed
+        let Some(result) = (self.search)(&self.root, nodes) else { return false };
+        self.value = result.value.or(self.value);
+        self.bound = self.bound.max(result.bound);
+        result.is_closed
     }
 }
 
@@ -151,7 +151,7 @@ impl Glances<'_> {
 struct Rounds<'a> {
     program: &'a Program,
     domain: &'a Domain,
-    glances: Glances<'a>,
+    pilots: Pilots<'a>,
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
     cuts: Vec<Cut>,
@@ -202,7 +202,7 @@ impl Rounds<'_> {
             if idle >= IDLE || hopeless {
                 break;
             }
-            if round == 0 && self.glances.is_near(root) && self.glances.close(NODES) {
+            if round == 0 && self.pilots.is_near(root) && self.pilots.close(NODES) {
                 return None;
             }
         }
@@ -263,7 +263,7 @@ impl Rounds<'_> {
         let closes = |gap| value - root.value >= closed * gap;
         root.is_lifted_by(large, value)
             || (root.is_lifted_by(SLIGHT, value)
-                && self.glances.value.is_some_and(|best| closes(best - root.value)))
+                && self.pilots.value.is_some_and(|best| closes(best - root.value)))
     }
 
     /// The best cuts that a point violates, from the rows of a program.

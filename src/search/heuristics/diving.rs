@@ -163,12 +163,6 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     ctx.ladder.reducer().reuse_projection(projection);
     let mut point = ctx.complete_point(point?);
     let integrality = ctx.options().integrality;
-    settle_groups(
-        ctx.program(),
-        &ctx.node.domain,
-        &ctx.shared.root.groups,
-        integrality,
-        &mut point,
-    );
+    settle_groups(ctx.program(), &ctx.node.domain, &ctx.root().groups, integrality, &mut point);
     Some(point)
 }

@@ -124,7 +124,7 @@ fn residuals(case: &Case, rules: &[Rule]) -> Option<(f64, f64)> {
         return None;
     };
     let Presolved { program: small, .. } = &*presolved;
-    let found = search_alone(small, &|_| true);
+    let found = search_alone(small, &|_: &[f64]| true);
     if found.termination != Termination::Optimal {
         return None;
     }

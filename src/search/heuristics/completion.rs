@@ -1,4 +1,4 @@
-//! Points from a MIP start: fixed, completed, and repaired if it contradicts the program.
+//! Points from the integers of a start: fixed, completed, and repaired if they contradict the program.
 
 use super::penalties::{forgo, pays, penalties};
 use super::rounding::round_and_propagate;
@@ -7,7 +7,7 @@ use crate::search::context::Context;
 use crate::search::leaf::solve_assignment;
 use crate::search::local_bounds::{fix_near, fix_to};
 use crate::search::node_relaxation::{project_node, relax};
-use crate::search::seed::GuessEnd;
+use crate::search::start::Completion;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
@@ -16,29 +16,23 @@ use crate::solution::Heuristic;
 const DIVE: usize = 12;
 const DIVE_PREPARED: usize = 3;
 
-/// The shares of a guess, from its beginning, that are tried.
+/// The shares of the integers, from its beginning, that are tried.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// Tries the guess at the root. The domain is left as it was.
-pub(in crate::search) fn try_guess(ctx: &mut Context<'_>) {
-    if ctx.tree.seed().is_some_and(|seed| !seed.guess.is_empty()) {
-        complete_guess(ctx);
-    }
-}
-
-/// Looks for a point with the values of the guess, or with any if there is none.
-pub(in crate::search) fn complete_guess(ctx: &mut Context<'_>) {
-    let Some(seed) = ctx.tree.seed() else { return };
-    span!(DEBUG, "heuristic", name = "guess");
-    let before = ctx.tree.begin(Heuristic::Guess);
+/// Looks for a point with the integers of the start, or with any if it has none. The domain is left as
+/// it was.
+pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
+    let Some(start) = ctx.tree.start() else { return };
+    span!(DEBUG, "heuristic", name = "start");
+    let before = ctx.tree.begin(Heuristic::Start);
     let mut contradiction = None;
     let mut found = None;
-    let is_quick = seed.proofs.is_some() && !ctx.options().may_stop();
+    let is_quick = start.proofs.is_some() && !ctx.options().may_stop();
     let mut left = if is_quick { DIVE_PREPARED } else { DIVE };
     for share in SHARES {
-        let kept = (share * seed.guess.len() as f64).ceil() as usize;
+        let kept = (share * start.integers.len() as f64).ceil() as usize;
         let mark = ctx.node.domain.mark();
-        for &(j, value) in &seed.guess[..kept] {
+        for &(j, value) in &start.integers[..kept] {
             if !fix_to(ctx, j, value) {
                 contradiction.get_or_insert(j);
             }
@@ -56,11 +50,11 @@ pub(in crate::search) fn complete_guess(ctx: &mut Context<'_>) {
         found = better.or(found);
     }
     ctx.tree.end(before);
-    ctx.tree.report_guess(match (found, contradiction) {
-        (Some(point), _) => GuessEnd::Point(point),
-        _ if ctx.token.is_over() => GuessEnd::Stopped,
-        (None, Some(column)) => GuessEnd::Contradiction(column),
-        (None, None) => GuessEnd::Nothing,
+    ctx.tree.report_completion(match (found, contradiction) {
+        (Some(point), _) => Completion::Point(point),
+        _ if ctx.token.is_over() => Completion::Stopped,
+        (None, Some(column)) => Completion::Contradiction(column),
+        (None, None) => Completion::Nothing,
     });
 }
 

@@ -1,8 +1,8 @@
-//! Warm starts: whatever a seed says, status and optimum stay the same; ends of the tree cover it.
+//! MIP starts: whatever they say, status and optimum stay the same. The ends of the tree cover it.
 
 use carom::prelude::*;
-use carom::solution::{GuessStatus, LeafBound, LeafBox};
-use carom::solver::TreeSeed;
+use carom::solution::{LeafBox, StartStatus};
+use carom::solver::MipStart;
 use proptest::prelude::*;
 
 use super::knapsack;
@@ -12,7 +12,6 @@ use crate::common::generate::{Shape, case};
 use crate::common::judge::is_right;
 
 type Numbers = Vec<(usize, f64)>;
-type Boxes = Vec<(Vec<(usize, f64, f64)>, f64)>;
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -22,30 +21,20 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn nonsense() -> impl Strategy<Value = (Numbers, Boxes)> {
-    let bounds = prop::collection::vec((0..9_usize, number(), number()), 0..5);
-    (
-        prop::collection::vec((0..9_usize, number()), 0..6),
-        prop::collection::vec((bounds, number()), 0..7),
-    )
+fn nonsense() -> impl Strategy<Value = Numbers> {
+    prop::collection::vec((0..9_usize, number()), 0..6)
 }
 
-/// A seed over the variables of a model; positions beyond them are of another model.
-fn seed(variables: &[Variable], guess: &Numbers, boxes: &Boxes) -> TreeSeed {
+/// A start over the variables of a model; positions beyond them are of another model.
+fn start(variables: &[Variable], values: &Numbers) -> MipStart {
     let mut other = Model::new("other");
     let foreign = other.binary("z").unwrap();
     let at = |j: usize| variables.get(j).copied().unwrap_or(foreign);
-    let leaf = |(bounds, bound): &(Vec<(usize, f64, f64)>, f64)| {
-        let bounds = bounds.iter().map(|&(j, lower, upper)| LeafBound::new(at(j), lower, upper));
-        LeafBox::new(bounds.collect(), *bound)
-    };
-    TreeSeed::new()
-        .with_guess(guess.iter().map(|&(j, value)| (at(j), value)))
-        .with_leaves(boxes.iter().map(leaf))
+    MipStart::new().with_values(values.iter().map(|&(j, value)| (at(j), value)))
 }
 
-fn solve(model: &Model, seed: &TreeSeed, options: Options) -> Solution {
-    let mut control = Control::default().with_seed(seed);
+fn solve(model: &Model, start: &MipStart, options: Options) -> Solution {
+    let mut control = Control::default().with_start(start);
     BranchAndBound::new(options).solve_with(model, &mut control).unwrap()
 }
 
@@ -53,29 +42,31 @@ proptest! {
     #![proptest_config(config(200, "tests/regressions/seeds.txt"))]
 
     #[test]
-    fn no_seed_changes_an_answer(
+    fn no_start_changes_an_answer(
         case in case(Shape::QUADRATIC),
-        (guess, boxes) in nonsense(),
+        values in nonsense(),
         threads in 1..=2_usize,
         deterministic in any::<bool>(),
     ) {
         let (model, variables) = case.build();
-        let seed = seed(&variables, &guess, &boxes);
+        let start = start(&variables, &values);
         let options = Options::default().with_threads(threads).with_deterministic(deterministic);
-        let solution = solve(&model, &seed, options);
+        let solution = solve(&model, &start, options);
         is_right(&case, &solution)?;
-        let report = solution.seed_report().unwrap();
-        if let Some(leaves) = &report.leaves {
-            prop_assert_eq!(leaves.used.len(), boxes.len());
-            prop_assert!(leaves.inside >= leaves.used.iter().filter(|used| **used).count());
-        }
+        let report = solution.start_report().unwrap();
+        let is_integral = |&(j, value): &(usize, f64)| {
+            let variable = variables.get(j).and_then(|&v| model.variable_ref(v).ok());
+            variable.is_some_and(|v| v.kind().is_integral()) && value.is_finite()
+        };
+        let known = values.iter().filter(|value| is_integral(value)).count();
+        prop_assert_eq!(report.ignored, values.len() - known);
+        prop_assert!(known > 0 || report.status.is_none());
     }
 
-    /// The ends of a tree, finished or not, cover all assignments of the integers without overlap;
-    /// and handed to the next solve of the same program they are found again.
+    /// The ends of a tree, finished or not, cover all assignments of the integers without overlap.
     #[test]
     fn ends_cover_the_tree(case in case(Shape::BOUNDED), limit in prop::option::of(1..6_u64)) {
-        let (model, variables) = case.build();
+        let (model, _) = case.build();
         let mut options = Options::default().with_leaves(true);
         options.node_limit = limit;
         let solution = BranchAndBound::new(options).solve(&model).unwrap();
@@ -99,47 +90,39 @@ proptest! {
             let bound = case.sign() * around[0].bound;
             prop_assert!(cost >= bound.min(best) - 1e-5 * cost.abs().max(1.0));
         }
-        let seed = TreeSeed::of(&solution, variables.iter().copied());
-        let again = solve(&model, &seed, Options::default());
-        if let Some(leaves) = again.seed_report().and_then(|report| report.leaves.as_ref()) {
-            prop_assert_eq!(leaves.added, 0, "{:?}", leaves);
-        }
-        if limit.is_none() {
-            prop_assert_eq!(again.termination(), solution.termination());
-        }
     }
 }
 
 #[test]
-fn guesses_are_accepted_repaired_or_rejected() {
+fn starts_are_accepted_repaired_or_rejected() {
     let mut model = Model::new("m");
     let v = model.integer_family("n", 3, 0.0, 9.0).unwrap();
     model.add("sum", (v[0] + v[1] + v[2]).equals(10.0)).unwrap();
     model.minimize((v[0] - 1.0).square() + (v[1] - 7.0).square() + v[2].square()).unwrap();
     let status = |guess: &[(usize, f64)]| {
-        let seed = TreeSeed::new().with_guess(guess.iter().map(|&(j, value)| (v[j], value)));
-        let solution = solve(&model, &seed, Options::default());
+        let start = MipStart::new().with_values(guess.iter().map(|&(j, value)| (v[j], value)));
+        let solution = solve(&model, &start, Options::default());
         assert!(solution.is_optimal());
         assert!((solution.objective().unwrap() - 2.0).abs() < 1e-5);
-        solution.seed_report().unwrap().guess.clone().unwrap()
+        solution.start_report().unwrap().status.clone().unwrap()
     };
-    assert_eq!(status(&[(0, 4.0), (1, 4.0)]), GuessStatus::Accepted);
-    assert_eq!(status(&[(0, 4.0), (1, 4.0), (2, 2.0)]), GuessStatus::Accepted);
+    assert_eq!(status(&[(0, 4.0), (1, 4.0)]), StartStatus::Accepted);
+    assert_eq!(status(&[(0, 4.0), (1, 4.0), (2, 2.0)]), StartStatus::Accepted);
     assert_eq!(
         status(&[(0, 4.0), (1, 4.0), (2, 3.0)]),
-        GuessStatus::Repaired { changed: vec![v[2]] }
+        StartStatus::Repaired { changed: vec![v[2]] }
     );
-    assert_eq!(status(&[(0, 12.0)]), GuessStatus::Repaired { changed: vec![v[0]] });
+    assert_eq!(status(&[(0, 12.0)]), StartStatus::Repaired { changed: vec![v[0]] });
 
     let z = model.binary("z").unwrap();
     model.add("never", (2.0 * (v[0] + z)).equals(7.0)).unwrap();
-    let seed = TreeSeed::new().with_guess([(v[1], 3.0), (z, 1.0)]);
-    let solution = solve(&model, &seed, Options::default());
+    let start = MipStart::new().with_values([(v[1], 3.0), (z, 1.0)]);
+    let solution = solve(&model, &start, Options::default());
     assert!(solution.is_infeasible());
 }
 
 #[test]
-fn a_guess_without_a_point_is_rejected_in_words() {
+fn a_start_without_a_point_is_rejected_in_words() {
     // Whatever the binaries are, their squares have to meet a sum that propagation does not see.
     let mut model = Model::new("m");
     let v = model.binary_family("v", 6).unwrap();
@@ -151,20 +134,20 @@ fn a_guess_without_a_point_is_rejected_in_words() {
     model.add("all", pairs.clone().ge(2.5)).unwrap();
     model.add("few", v.iter().map(|v| 1.0 * v).sum::<Affine>().le(3.0)).unwrap();
     model.minimize(v.iter().enumerate().map(|(k, v)| (k + 1) as f64 * v).sum::<Affine>()).unwrap();
-    let seed = TreeSeed::new().with_guess(v.iter().map(|v| (v, 0.0)));
-    let solution = solve(&model, &seed, Options::default());
+    let start = MipStart::new().with_values(v.iter().map(|v| (v, 0.0)));
+    let solution = solve(&model, &start, Options::default());
     assert!(solution.is_optimal());
-    match solution.seed_report().unwrap().guess.as_ref().unwrap() {
-        GuessStatus::Repaired { changed } => assert_eq!(changed.len(), 3),
-        GuessStatus::Rejected { reason } => assert!(reason.contains("point"), "{reason}"),
+    match solution.start_report().unwrap().status.as_ref().unwrap() {
+        StartStatus::Repaired { changed } => assert_eq!(changed.len(), 3),
+        StartStatus::Rejected { reason } => assert!(reason.contains("point"), "{reason}"),
         other => panic!("{other:?}"),
     }
 }
 
-/// Presolve takes most of the columns out and decides some; a guess of the optimum is accepted all the
+/// Presolve takes most of the columns out and decides some; a start from the optimum is accepted all the
 /// same, and so is one over other integers than are left.
 #[test]
-fn guesses_go_through_presolve() {
+fn starts_go_through_presolve() {
     let mut model = Model::new("m");
     let v = model.binary_family("v", 12).unwrap();
     let n = model.integer("n", 0.0, 20.0).unwrap();
@@ -191,13 +174,13 @@ fn guesses_go_through_presolve() {
         (vec![(m, 7.0)], false),
     ] {
         for presolve in [true, false] {
-            let seed = TreeSeed::new().with_guess(guess.clone());
-            let solution = solve(&model, &seed, Options::default().with_presolve(presolve));
+            let start = MipStart::new().with_values(guess.clone());
+            let solution = solve(&model, &start, Options::default().with_presolve(presolve));
             assert!(solution.is_optimal());
             assert!((solution.objective().unwrap() - optimum).abs() < 1e-5);
-            match solution.seed_report().unwrap().guess.clone().unwrap() {
-                GuessStatus::Accepted => assert!(accepted, "{guess:?}, {presolve}"),
-                GuessStatus::Repaired { changed } => {
+            match solution.start_report().unwrap().status.clone().unwrap() {
+                StartStatus::Accepted => assert!(accepted, "{guess:?}, {presolve}"),
+                StartStatus::Repaired { changed } => {
                     assert_eq!(changed, [guess[0].0]);
                     assert!(!accepted, "{guess:?}, {presolve}");
                 }
@@ -207,22 +190,36 @@ fn guesses_go_through_presolve() {
     }
 }
 
-/// The same program again, from its own tree: its plan is accepted, and its ends are found again.
+/// The same program again, from its own plan.
 #[test]
-fn the_ends_of_a_tree_are_found_again() {
+fn the_own_plan_is_accepted() {
     for number in 0..4 {
         let model = knapsack(16, number);
-        let options = Options::default().with_leaves(true);
-        let first = BranchAndBound::new(options).solve(&model).unwrap();
-        let variables: Vec<Variable> = model.variables().map(|v| v.id()).collect();
-        let seed = TreeSeed::of(&first, variables);
-        let again = solve(&model, &seed, Options::default());
+        let first = BranchAndBound::default().solve(&model).unwrap();
+        let start = MipStart::of(&first, model.variables().map(|v| v.id()));
+        let again = solve(&model, &start, Options::default());
         assert!(again.is_optimal());
-        let report = again.seed_report().unwrap();
-        assert_eq!(report.guess, Some(GuessStatus::Accepted));
-        if let Some(leaves) = &report.leaves {
-            assert_eq!((leaves.used.len(), leaves.added), (first.leaves().len(), 0));
-            assert!(leaves.used.iter().any(|used| *used));
-        }
+        assert_eq!(again.start_report().unwrap().status, Some(StartStatus::Accepted));
     }
+}
+
+/// Where any point will do, a start that leads to one is the answer.
+#[test]
+fn a_start_answers_a_program_without_an_objective() {
+    let mut model = Model::new("any");
+    let v = model.binary_family("v", 12).unwrap();
+    let sum = v.iter().enumerate().map(|(k, v)| (2 * k + 3) as f64 * v).sum::<Affine>();
+    model.add("sum", sum.within(40.0, 41.0)).unwrap();
+    let first = BranchAndBound::default().solve(&model).unwrap();
+    let start = MipStart::of(&first, v.iter());
+    let mut seen = 0;
+    let mut count = |_: &Incumbent<'_>| {
+        seen += 1;
+        std::ops::ControlFlow::Continue(())
+    };
+    let mut control = Control::default().with_start(&start).with_incumbent(&mut count);
+    let again = BranchAndBound::default().solve_with(&model, &mut control).unwrap();
+    assert!(again.is_optimal());
+    assert_eq!(again.start_report().unwrap().status, Some(StartStatus::Accepted));
+    assert_eq!((again.statistics().nodes, seen), (0, 1));
 }
