@@ -11,7 +11,7 @@ use crate::model::{Model, Name};
 use crate::solver::{Solver, StopToken};
 
 /// With more families than this, a small contradictory set is first built up from nothing.
-const MANY: usize = 12;
+const MANY_FAMILIES: usize = 12;
 
 /// Explains why a model has no solution, in terms of its own statements.
 ///
@@ -112,7 +112,7 @@ fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, 
             kept[place] = false;
             kept[place] = oracle.is_stopped() || !oracle.refutes_at_once(&mask(&kept))?;
         }
-    } else if families.len() > MANY {
+    } else if families.len() > MANY_FAMILIES {
         kept = collect(groups, &mask, oracle)?;
     }
 

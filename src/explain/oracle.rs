@@ -15,10 +15,10 @@ use crate::solution::{Point, Verification};
 use crate::solver::{Solver, StopToken};
 
 /// Trials of probing before a solve; see `search/root.rs`.
-const TRIALS: usize = 4000;
+const MAX_PROBING_TRIALS: usize = 4000;
 
 /// How far to search where neither bounds nor rows limit a variable of a part, in its unit.
-const FAR: f64 = 1e5;
+const SEARCH_RADIUS: f64 = 1e5;
 
 /// The answer to whether a part of a model has a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +137,8 @@ impl<'a> Oracle<'a> {
                 continue;
             }
             let own = part.variable_ref(variable.id())?.bounds();
-            let or_far = |end: f64| if end.is_finite() { end } else { end.signum() * FAR };
+            let or_far =
+                |end: f64| if end.is_finite() { end } else { end.signum() * SEARCH_RADIUS };
             let wide = Interval::new(or_far(bounds.lower), or_far(bounds.upper));
             let bounds = own.intersection(wide);
             if !bounds.is_empty() {
@@ -189,7 +190,14 @@ impl<'a> Oracle<'a> {
         let refuted = propagator
             .propagate_all(&program, &mut domain)
             .and_then(|()| {
-                probe(&program, &mut domain, &mut propagator, &late_first, TRIALS, &self.token)
+                probe(
+                    &program,
+                    &mut domain,
+                    &mut propagator,
+                    &late_first,
+                    MAX_PROBING_TRIALS,
+                    &self.token,
+                )
             })
             .is_err();
         Ok(refuted)

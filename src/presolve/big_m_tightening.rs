@@ -18,39 +18,39 @@ use crate::solver::StopToken;
 use crate::tolerance;
 
 /// Most binaries that are tried, at both values.
-const TRIALS: usize = 4000;
+const MAX_PROBED_BINARIES: usize = 4000;
 
 /// Longest rows that are looked at (columns).
-const LONGEST: usize = 24;
+const MAX_BIG_M_TERMS: usize = 24;
 
 /// Columns in more rows than this link no rows.
-const MOST_ROWS: usize = 40;
+const MAX_LINKING_ROWS: usize = 40;
 
 /// Fewest continuous columns that linked rows share.
-const SHARED: usize = 2;
+const MIN_SHARED_COLUMNS: usize = 2;
 
 /// Most multiples of a linked row that are tried.
-const MULTIPLES: usize = 4;
+const MAX_MULTIPLIERS: usize = 4;
 
 /// Limits stay this much looser than they could be, relative to what was added up (no unit), so that
 /// rounding cuts no whole point off.
-const MARGIN: f64 = 1e-12;
+const REACH_MARGIN: f64 = 1e-12;
 
 /// Gains below this fraction of a coefficient are not worth a change (no unit).
-const GAIN: f64 = 1e-3;
+const MIN_BIG_M_GAIN: f64 = 1e-3;
 
 /// Gains up to this, in the row's unit, are ignored.
-const IMPERCEPTIBLE: f64 = 0.1 * tolerance::FEASIBILITY;
+const MIN_BIG_M_REDUCTION: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// Gains beyond this many times the coefficient and the limit come from impossible values.
-const LARGEST: f64 = 1e6;
+const MAX_BIG_M_GAIN: f64 = 1e6;
 
 /// Least part of a coefficient that is kept (no unit).
-const KEPT: f64 = 1e-4;
+const MIN_BIG_M_REMAINDER: f64 = 1e-4;
 
 /// A coefficient below this part of coefficient and limit is left out, which loosens the row by as much
 /// (no unit). Bounds from propagation are loose by a tenth of that.
-const NOTHING: f64 = 1e-8;
+const DROPPED_BIG_M: f64 = 1e-8;
 
 /// Shrinks big-Ms to what linked rows allow; returns `None` if none shrinks.
 ///
@@ -62,7 +62,8 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
     // If the bounds contradict each other, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
-    let open: Vec<usize> = program.integers.iter().copied().filter(is_open).take(TRIALS).collect();
+    let open: Vec<usize> =
+        program.integers.iter().copied().filter(is_open).take(MAX_PROBED_BINARIES).collect();
     let mut rows = Rows::new(program);
     let (mut lines, mut linked): (Vec<BigM>, Vec<usize>) = (Vec::new(), Vec::new());
     for z in open {
@@ -152,7 +153,7 @@ impl Reach {
 
     /// The bound with its margin; infinite if there is none.
     fn value(self) -> f64 {
-        let value = self.sum + MARGIN * self.size;
+        let value = self.sum + REACH_MARGIN * self.size;
         if value.is_nan() { f64::INFINITY } else { value }
     }
 }
@@ -188,7 +189,7 @@ impl<'a> Rows<'a> {
     /// Whether a row is short and has one limit.
     fn is_big_m(&self, row: usize) -> bool {
         let [lower, upper] = self.limits[row];
-        self.len(row) <= LONGEST && lower.is_finite() != upper.is_finite()
+        self.len(row) <= MAX_BIG_M_TERMS && lower.is_finite() != upper.is_finite()
     }
 
     /// The form `sign * row <= limit` of a row with one limit.
@@ -207,7 +208,7 @@ impl<'a> Rows<'a> {
         let begin = linked.len();
         for j in continuous(row) {
             let others = program.column(j).0;
-            for &other in others.iter().filter(|_| others.len() <= MOST_ROWS) {
+            for &other in others.iter().filter(|_| others.len() <= MAX_LINKING_ROWS) {
                 if !std::mem::replace(&mut self.seen[other], true) {
                     linked.push(other);
                 }
@@ -218,7 +219,7 @@ impl<'a> Rows<'a> {
         for k in begin..linked.len() {
             let other = linked[k];
             let shared = continuous(other).filter(|&j| self.line[j] != 0.0).count();
-            if shared >= SHARED && self.len(other) <= LONGEST {
+            if shared >= MIN_SHARED_COLUMNS && self.len(other) <= MAX_BIG_M_TERMS {
                 linked[kept] = other;
                 kept += 1;
             }
@@ -254,7 +255,7 @@ impl<'a> Rows<'a> {
         beside.extend(self.terms(other));
         beside.iter().for_each(|&(j, c)| self.linked[j] = c);
         let [lower, upper] = self.limits[other];
-        let (mut best, mut tried, mut count) = (f64::INFINITY, [0.0; MULTIPLES], 0);
+        let (mut best, mut tried, mut count) = (f64::INFINITY, [0.0; MAX_MULTIPLIERS], 0);
         for &(j, c) in beside.iter().filter(|(j, _)| !self.program.integral[*j]) {
             // `factor * linked <= factor * limit`.
             let factor = self.line[j] / c;
@@ -292,12 +293,12 @@ impl<'a> Rows<'a> {
         let room = [limit, limit - old];
         let [mut off, mut on] = [room[0].min(reach[0]), room[1].min(reach[1])];
         let size = old.abs() + limit.abs();
-        let drops = (off - on).abs() <= (NOTHING * size).min(IMPERCEPTIBLE);
+        let drops = (off - on).abs() <= (DROPPED_BIG_M * size).min(MIN_BIG_M_REDUCTION);
         if !drops {
             // The coefficient keeps a part of its size, so that rounding does not decide about the
             // binary, and never grows, as it would where a value is impossible: the side that is in
             // the way stays looser than it could be.
-            let (least, most) = (KEPT * old.abs(), old.abs());
+            let (least, most) = (MIN_BIG_M_REMAINDER * old.abs(), old.abs());
             (off, on) = (off.max(on - most), on.max(off - most));
             if (off - on).abs() < least {
                 (off, on) =
@@ -305,7 +306,9 @@ impl<'a> Rows<'a> {
             }
         }
         let gain = (room[0] - off) + (room[1] - on);
-        if !(gain > IMPERCEPTIBLE.max(GAIN * old.abs()) && gain <= LARGEST * size) {
+        if !(gain > MIN_BIG_M_REDUCTION.max(MIN_BIG_M_GAIN * old.abs())
+            && gain <= MAX_BIG_M_GAIN * size)
+        {
             return;
         }
         let (coefficient, limit) = if drops { (0.0, off.max(on)) } else { (off - on, off) };

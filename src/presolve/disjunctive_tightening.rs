@@ -16,24 +16,24 @@ use crate::program::Program;
 use crate::solver::StopToken;
 
 /// Most trials. A trial propagates the rows that it reaches.
-const TRIALS: usize = 4000;
+const MAX_CASE_TRIALS: usize = 4000;
 
 /// Most rounds over all disjunctions, and how many cases a disjunction may have.
-const ROUNDS: usize = 4;
-const CASES: RangeInclusive<usize> = 2..=12;
+const MAX_CASE_ROUNDS: usize = 4;
+const CASE_COUNTS: RangeInclusive<usize> = 2..=12;
 
 /// Most times that a row is tightened.
-const PASSES: usize = 30;
+const MAX_ROW_PASSES: usize = 30;
 
 /// A bound must move by this fraction of the width between the bounds (no unit).
-const GAIN: f64 = 0.01;
+const MIN_HULL_GAIN: f64 = 0.01;
 
 /// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves, or if there
 /// is no point.
 ///
 /// Columns and rows keep their numbers, and no point with whole integral columns is lost.
 pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<Program> {
-    let disjunctions = covering_rows(program, &CASES);
+    let disjunctions = covering_rows(program, &CASE_COUNTS);
     if disjunctions.is_empty() {
         return None;
     }
@@ -70,7 +70,7 @@ fn tighten_rows(program: &mut Program) -> Option<()> {
         terms.extend(index.iter().copied().zip(values.iter().copied()));
         let finite = own.iter().filter(|limit| limit.is_finite());
         let noise = f64::EPSILON * finite.fold(0.0_f64, |most, limit| most.max(limit.abs()));
-        for _ in 0..PASSES {
+        for _ in 0..MAX_ROW_PASSES {
             if terms.len() < 2 {
                 break;
             }
@@ -121,7 +121,7 @@ fn gain(
 ) -> Result<usize, Conflict> {
     let (mut gained, mut trials) = (0, 0);
     let (mut shared, mut changed): (Vec<Bounds>, Vec<Bounds>) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_CASE_ROUNDS {
         let before = gained;
         for &row in disjunctions {
             let columns = program.row(row).0;
@@ -140,7 +140,7 @@ fn gain(
                     continue;
                 }
                 trials += 1;
-                if trials > TRIALS || token.is_over() {
+                if trials > MAX_CASE_TRIALS || token.is_over() {
                     return Ok(gained);
                 }
                 let mark = domain.mark();
@@ -188,7 +188,7 @@ fn narrow_to_hull(shared: &mut Vec<Bounds>, other: &[Bounds]) {
 fn apply(domain: &mut Domain, column: usize, [lower, upper]: [f64; 2]) -> usize {
     let [old_lower, old_upper] = domain.bounds(column);
     let width = old_upper - old_lower;
-    let worth = |moved: f64| moved > 0.0 && (!width.is_finite() || moved > GAIN * width);
+    let worth = |moved: f64| moved > 0.0 && (!width.is_finite() || moved > MIN_HULL_GAIN * width);
     let mut moved = 0;
     if worth(lower - old_lower) {
         domain.apply(column, false, lower);

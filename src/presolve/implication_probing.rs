@@ -11,7 +11,7 @@ use crate::program::Program;
 use crate::solver::StopToken;
 
 /// Most implied literals that are noted while the table is made.
-const NOTED: usize = 2_000_000;
+const MAX_NOTED_LITERALS: usize = 2_000_000;
 
 /// Probes columns in the given order at both values; `domain` keeps what follows from both
 /// for integral columns.
@@ -35,7 +35,7 @@ pub fn probe_implications(
     let mut noted = Noted::new(2 * program.column_count());
     let mut sides = [const { Vec::new() }; 2];
     for &j in columns {
-        if trials < 2 || noted.count() > NOTED || token.is_over() {
+        if trials < 2 || noted.count() > MAX_NOTED_LITERALS || token.is_over() {
             break;
         }
         if !is_open(program, domain, j) {

@@ -15,6 +15,7 @@ mod domain;
 mod implication_probing;
 mod implications;
 mod parallel;
+mod parameters;
 mod probing;
 mod projection;
 mod propagation;

@@ -22,9 +22,9 @@ use crate::tolerance;
 /// many), and how often it is tried all the same (every so many visits). On programs of walls no
 /// impact is ever found to be needed, and half of all trials look for one. A share of one in a hundred
 /// left `wall_fuel_60` with twice the time for trials, and other programs the same.
-const JUDGED_AFTER: u32 = 100;
-const EXPECTED: u32 = 30;
-const RARELY: u32 = 8;
+const MIN_SIDE_TRIALS: u32 = 100;
+const TRIALS_PER_SUCCESS: u32 = 30;
+const RETRIAL_INTERVAL: u32 = 8;
 
 /// The rows that earlier trials visited, and the results of these trials.
 #[derive(Debug, Clone)]
@@ -73,9 +73,9 @@ impl ProbingRecord {
     /// Whether a side finds something often enough, or has its turn.
     fn is_worth(&self, is_upper: bool) -> bool {
         let (trials, found) = self.counts[usize::from(is_upper)];
-        trials < JUDGED_AFTER
-            || u64::from(found) * u64::from(EXPECTED) >= u64::from(trials)
-            || self.visits.is_multiple_of(RARELY)
+        trials < MIN_SIDE_TRIALS
+            || u64::from(found) * u64::from(TRIALS_PER_SUCCESS) >= u64::from(trials)
+            || self.visits.is_multiple_of(RETRIAL_INTERVAL)
     }
 
     fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {

@@ -15,10 +15,10 @@ use super::reduced::{Reduced, refill};
 
 /// Excess of a side over what the bounds imply up to which it counts as implied; a side dropped
 /// too much only loosens the relaxation (no unit, relative).
-const NEGLIGIBLE: f64 = 1e-8;
+const IMPLIED_EXCESS: f64 = 1e-8;
 
 /// Distance to a whole value, or of a row to its limit, that counts as none (no unit).
-const WHOLE: f64 = 1e-6;
+const BINARY_TOLERANCE: f64 = 1e-6;
 
 /// A reduced program without the binaries that only link two rows.
 #[derive(Debug, Clone)]
@@ -96,7 +96,7 @@ impl Projection {
         let mut point = self.reduced.lift(x);
         let Taken { members, covers, terms, .. } = &self.taken;
         let sum = |row: &Inequality| -> f64 {
-            let terms = terms.of(row).iter().filter(|t| t.0 != NONE);
+            let terms = terms.of(row).iter().filter(|t| t.0 != REMOVED);
             terms.map(|&(k, a)| a * x[k]).sum()
         };
         let mut covered: Vec<f64> = covers.iter().map(sum).collect();
@@ -104,13 +104,14 @@ impl Projection {
             let best = (member.hurt.limit - sum(&member.hurt)) / member.coefficient;
             let (on, idle) = member.values();
             let best = if best.is_finite() { best.clamp(0.0, 1.0) } else { idle };
-            let value = if (best - on).abs() <= WHOLE { on } else { best };
+            let value = if (best - on).abs() <= BINARY_TOLERANCE { on } else { best };
             covered[member.cover] += member.help * if value == on { on } else { idle };
             point[member.column] = value;
         }
         for member in members {
             let limit = covers[member.cover].limit;
-            let satisfied = covered[member.cover] <= limit + WHOLE * limit.abs().max(1.0);
+            let satisfied =
+                covered[member.cover] <= limit + BINARY_TOLERANCE * limit.abs().max(1.0);
             let (on, idle) = member.values();
             if satisfied && point[member.column] != on {
                 point[member.column] = idle;
@@ -172,7 +173,7 @@ pub(super) struct Projector {
     spare: Vec<Taken>,
 }
 
-const NONE: usize = usize::MAX;
+const REMOVED: usize = usize::MAX;
 
 impl Projector {
     /// As [`project`].
@@ -232,7 +233,7 @@ impl Projector {
         if !open.contains(&true) {
             return false;
         }
-        refill(uses, n, ([(NONE, 0.0); 2], 0));
+        refill(uses, n, ([(REMOVED, 0.0); 2], 0));
         for row in 0..m {
             let (columns, values) = reduced.rows.vector(row);
             for (&k, &a) in columns.iter().zip(values).filter(|(k, _)| open[**k]) {
@@ -247,7 +248,7 @@ impl Projector {
         if !open.contains(&true) {
             return false;
         }
-        refill(cover_of, m, NONE);
+        refill(cover_of, m, REMOVED);
         refill(replaced, m, None);
         refill(dropped, m, false);
         true
@@ -294,12 +295,12 @@ impl Projector {
         };
         let [hurt, cover] =
             if length(rows[0]) <= length(rows[1]) { rows } else { [rows[1], rows[0]] };
-        if self.cover_of[hurt] != NONE {
+        if self.cover_of[hurt] != REMOVED {
             return None;
         }
         let (mut h, mut sum) = (self.inequality(reduced, hurt)?, self.inequality(reduced, cover)?);
         let c = sum;
-        if self.cover_of[cover] == NONE {
+        if self.cover_of[cover] == REMOVED {
             // The covering row as it was is kept, and taken apart behind itself.
             let terms = &mut self.taken.terms.0;
             sum.range = [c.range[1], terms.len() + c.range[1] - c.range[0]];
@@ -315,7 +316,7 @@ impl Projector {
             let terms = self.taken.terms.of(row);
             let most: f64 = terms.iter().map(|&(k, a)| most(reduced, k, a)).sum();
             let limit = row.limit - coefficient.min(0.0);
-            most <= limit + NEGLIGIBLE * limit.abs().max(1.0)
+            most <= limit + IMPLIED_EXCESS * limit.abs().max(1.0)
         };
         if !implied(&h, m) || !implied(&sum, help) {
             return None;
@@ -341,7 +342,7 @@ impl Projector {
         terms.of(&h).iter().for_each(|t| self.open[t.0] = false);
         self.open[k] = false;
         self.dropped[hurt] = true;
-        if self.cover_of[cover] == NONE {
+        if self.cover_of[cover] == REMOVED {
             self.cover_of[cover] = self.taken.covers.len();
             self.taken.covers.push(c);
             self.taken.cover_rows.push((origin(reduced, cover), sign(reduced, cover)));
@@ -373,16 +374,16 @@ impl Projector {
     fn write(&mut self, reduced: &Reduced, rest: &mut Reduced) {
         let Projector { taken: Taken { members, terms, .. }, position, .. } = self;
         refill(position, reduced.columns.len(), 0);
-        members.iter().for_each(|member| position[member.position] = NONE);
+        members.iter().for_each(|member| position[member.position] = REMOVED);
         rest.columns.clear();
         for (position, &column) in position.iter_mut().zip(&reduced.columns) {
-            if *position != NONE {
+            if *position != REMOVED {
                 *position = rest.columns.len();
                 rest.columns.push(column);
             }
         }
         let write = |to: &mut Vec<f64>, from: &[f64]| {
-            let kept = from.iter().zip(&*position).filter(|(_, position)| **position != NONE);
+            let kept = from.iter().zip(&*position).filter(|(_, position)| **position != REMOVED);
             to.clear();
             to.extend(kept.map(|(value, _)| value));
         };
@@ -421,7 +422,7 @@ impl Projector {
             rest.origin.push(origin(reduced, row));
         }
         quadratic.clear(rest.columns.len(), reduced.quadratic.index.len());
-        for k in (0..reduced.columns.len()).filter(|&k| position[k] != NONE) {
+        for k in (0..reduced.columns.len()).filter(|&k| position[k] != REMOVED) {
             let (columns, values) = reduced.quadratic.vector(k);
             quadratic.index.extend(columns.iter().map(|&i| position[i]));
             quadratic.value.extend(values);
@@ -434,7 +435,7 @@ impl Projector {
 
 /// The program's row behind a row.
 fn origin(reduced: &Reduced, row: usize) -> usize {
-    reduced.origin.get(row).copied().unwrap_or(NONE)
+    reduced.origin.get(row).copied().unwrap_or(REMOVED)
 }
 
 /// The sign of a one-sided row in the form `terms <= limit`.

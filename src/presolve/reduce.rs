@@ -9,22 +9,21 @@
 use super::coefficients::is_exact;
 use super::domain::Domain;
 use super::parallel::{Patterns, ratio};
+use super::parameters::{CONTRADICTION, IMPLIED};
 use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
 use crate::program::Program;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// The margin up to which columns count as closed and rows as implied at inner nodes, absolute.
-const NEGLIGIBLE: f64 = 1e-9;
+/// A row over fixed columns is refuted if it is violated by more than this, relative to its largest
+/// term that is not exact, and by more than [`CONTRADICTION`], absolute. Presolve leaves at least this
+/// many digits; exact terms have all of them.
+const ROW_DIGITS: f64 = 1e-10;
 
-/// Bounds or limits crossed by more than this, relative, prove infeasibility.
-const CROSSED: f64 = 1e-8;
-
-/// A row over fixed columns is refuted when it is missed by more than this, relative to its largest
-/// term that is not exact, and by more than [`CROSSED`], absolute: presolve leaves at least this
-/// many digits. Exact terms have all of them: a row over wide integers is missed or not.
-const LOST: f64 = 1e-10;
+/// The largest number of passes over the rows: rows over one column fix columns, which makes more such
+/// rows.
+const MAX_SWEEPS: usize = 3;
 
 /// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the free
 /// columns, possibly none. Returns `None` if bounds and rows contradict each other.
@@ -66,7 +65,7 @@ fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
 impl Reducer {
     /// As [`reduce`](reduce()).
     pub(crate) fn reduce(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
-        self.negligible = NEGLIGIBLE;
+        self.negligible = IMPLIED;
         self.reduce_to(program, domain)
     }
 
@@ -123,8 +122,7 @@ impl Reducer {
             // Fixes what is narrow and refuses what is crossed.
             self.intersect(program, j, f64::NEG_INFINITY, f64::INFINITY)?;
         }
-        // Singleton rows fix columns, which makes more singleton rows; three rounds catch nearly all.
-        for _ in 0..3 {
+        for _ in 0..MAX_SWEEPS {
             if !self.sweep(program)? {
                 break;
             }
@@ -189,7 +187,7 @@ impl Reducer {
             match free {
                 0 => {
                     let miss = (l - constant).max(constant - u);
-                    if miss > CROSSED + slack
+                    if miss > CONTRADICTION + slack
                         && is_missed(program, row, [l, u], &self.lower, &self.slack)
                     {
                         return Err(Contradiction);
@@ -221,7 +219,7 @@ impl Reducer {
     ) -> Result<(), Contradiction> {
         let (l, u) = (self.lower[j].max(lower), self.upper[j].min(upper));
         let scale = l.abs().max(u.abs()).max(1.0);
-        if l > u && l - u > CROSSED * scale {
+        if l > u && l - u > CONTRADICTION * scale {
             return Err(Contradiction);
         }
         if l > u {
@@ -329,7 +327,7 @@ impl Reducer {
             let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.
-                let is_suspect = limits[0].max(-limits[1]) > CROSSED;
+                let is_suspect = limits[0].max(-limits[1]) > CONTRADICTION;
                 if is_suspect && is_missed(program, row, [lower, upper], &self.lower, &self.slack) {
                     return Err(Contradiction);
                 }
@@ -359,7 +357,7 @@ impl Reducer {
             if scale.is_infinite() {
                 continue;
             }
-            if *lower - *upper > CROSSED * scale {
+            if *lower - *upper > CONTRADICTION * scale {
                 return Err(Contradiction);
             }
             if *upper - *lower <= self.negligible.max(4.0 * f64::EPSILON * scale) {
@@ -402,8 +400,8 @@ fn is_missed(
     };
     let miss = (-beyond(lower)).max(beyond(upper));
     // What exact terms miss is no rounding, and not accepted beyond the tolerance.
-    let lost = (LOST * scale).min(tolerance::FEASIBILITY.max(LOST * soft));
-    miss > CROSSED.max(lost) + 4.0 * f64::EPSILON * scale + loosened
+    let lost = (ROW_DIGITS * scale).min(tolerance::FEASIBILITY.max(ROW_DIGITS * soft));
+    miss > CONTRADICTION.max(lost) + 4.0 * f64::EPSILON * scale + loosened
 }
 
 /// A finished row that is parallel to the unfinished one from `begin` on, and the factor between them.

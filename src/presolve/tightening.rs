@@ -14,7 +14,7 @@ use crate::tolerance;
 
 /// Rounding of plain sums beyond this, in the row's unit, is avoided by compensated ones: it could hide
 /// that a point is beyond the tolerance.
-const COARSE: f64 = 0.1 * tolerance::FEASIBILITY;
+const MAX_PLAIN_ROUNDING: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// One term of a row; the coefficient is not zero.
 #[derive(Debug, Clone, Copy)]
@@ -166,11 +166,12 @@ fn tighten_binding(
     least_gain: f64,
     found: &mut Vec<Tightening>,
 ) -> RowState {
-    let doubt = Doubt::of(bounds, entries, [row_lower, row_upper]);
-    let exact = (doubt.plain_rounding > COARSE).then(|| Exact::of(bounds, entries));
-    let rounding = if exact.is_some() { doubt.rounding } else { doubt.plain_rounding };
+    let uncertainty = Uncertainty::of(bounds, entries, [row_lower, row_upper]);
+    let exact = (uncertainty.plain_rounding > MAX_PLAIN_ROUNDING)
+        .then(|| CompensatedSums::of(bounds, entries));
+    let rounding = if exact.is_some() { uncertainty.rounding } else { uncertainty.plain_rounding };
     let ends = Ends { least, most, exact };
-    let excess = doubt.excess + rounding;
+    let excess = uncertainty.excess + rounding;
     if (least.infinite == 0 && ends.left(0, row_upper) < -excess)
         || (most.infinite == 0 && ends.left(1, row_lower) > excess)
     {
@@ -199,7 +200,7 @@ fn tighten_binding(
         }
         found.extend(if integral[column] {
             let own = if entry.exact { 0.0 } else { largest_term(entry, bounds) };
-            let slack = whole_slack(entry, value, doubt.soft - own);
+            let slack = whole_slack(entry, value, uncertainty.soft - own);
             whole(bounds[column], column, is_upper, value, slack)
         } else {
             worthwhile(bounds[column], column, is_upper, value, least_gain)
@@ -244,7 +245,7 @@ fn tighten_binding(
 }
 
 /// The uncertainty of a row because of rounding, in its unit.
-struct Doubt {
+struct Uncertainty {
     /// The sum of the largest magnitudes of terms that are not exact, and of a limit that presolve may have
     /// rounded.
     soft: f64,
@@ -255,7 +256,7 @@ struct Doubt {
     excess: f64,
 }
 
-impl Doubt {
+impl Uncertainty {
     fn of(bounds: &[[f64; 2]], entries: &[Entry], [lower, upper]: [f64; 2]) -> Self {
         let (mut scale, mut soft, mut all_exact) = (0.0, 0.0, true);
         for entry in entries {
@@ -276,7 +277,7 @@ impl Doubt {
         // What exact terms miss is no rounding, and not accepted beyond the tolerance.
         let missed = tolerance::PROPAGATION_INFEASIBLE * soft;
         let excess = missed.max(tolerance::FEASIBILITY);
-        Doubt {
+        Uncertainty {
             soft,
             plain_rounding: larger(1e-15 * scale * count, rounding),
             rounding,
@@ -296,13 +297,13 @@ fn largest_term(entry: &Entry, bounds: &[[f64; 2]]) -> f64 {
 struct Ends {
     least: Activity,
     most: Activity,
-    exact: Option<Exact>,
+    exact: Option<CompensatedSums>,
 }
 
 /// The finite parts of the smallest and the largest activity, negated.
-struct Exact([Sum; 2]);
+struct CompensatedSums([Sum; 2]);
 
-impl Exact {
+impl CompensatedSums {
     fn of(bounds: &[[f64; 2]], entries: &[Entry]) -> Self {
         let mut sums = [Sum::default(); 2];
         for entry in entries {
@@ -313,7 +314,7 @@ impl Exact {
                 }
             }
         }
-        Exact(sums)
+        CompensatedSums(sums)
     }
 }
 
@@ -321,7 +322,7 @@ impl Ends {
     /// A limit less the finite part of the smallest activity (0) or the largest one (1).
     fn left(&self, which: usize, limit: f64) -> f64 {
         match &self.exact {
-            Some(Exact(sums)) => {
+            Some(CompensatedSums(sums)) => {
                 let mut left = sums[which];
                 left.add(limit);
                 left.value()
@@ -335,7 +336,7 @@ impl Ends {
     fn room(&self, which: usize, entry: &Entry, bounds: &[[f64; 2]], limit: f64) -> Option<f64> {
         let activity = if which == 0 { &self.least } else { &self.most };
         let bound = entry.bound(bounds, which);
-        let Some(Exact(sums)) = &self.exact else {
+        let Some(CompensatedSums(sums)) = &self.exact else {
             return activity.room(entry.coefficient * bound, limit);
         };
         let mut room = sums[which];

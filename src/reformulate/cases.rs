@@ -16,10 +16,10 @@ use crate::presolve::{CaseRow, Domain};
 use crate::program::Program;
 
 /// A condition of an indicator fails if up to this many clauses hold.
-const CLAUSES: usize = 8;
+const MAX_FAILING_CLAUSES: usize = 8;
 
 /// The largest number of values of an integer factor that are cases of their own.
-const VALUES: f64 = 16.0;
+const MAX_FACTOR_VALUES: f64 = 16.0;
 
 /// New bounds of columns.
 pub(super) type Bounds = BTreeMap<usize, [f64; 2]>;
@@ -165,7 +165,7 @@ fn conditional_rows(model: &Model) -> BTreeMap<Literal, Vec<CaseRow>> {
             Some(literal) => vec![literal],
             None => {
                 let fails = Formula::of(indicator.condition(), false);
-                let clauses = clauses(&fails, CLAUSES).unwrap_or_default();
+                let clauses = clauses(&fails, MAX_FAILING_CLAUSES).unwrap_or_default();
                 let single = |clause: &Clause| (clause.len() == 1).then(|| !clause[0]);
                 clauses.iter().filter_map(single).collect()
             }
@@ -206,7 +206,7 @@ fn required(formula: &Formula, found: &mut Vec<Clause>) {
         Formula::Count { at_least, of, .. } if *at_least > 0 => {
             found.extend(of.iter().map(Formula::as_literal).collect::<Option<Clause>>());
         }
-        other => found.extend(clauses(other, CLAUSES).unwrap_or_default()),
+        other => found.extend(clauses(other, MAX_FAILING_CLAUSES).unwrap_or_default()),
     }
 }
 
@@ -237,8 +237,8 @@ fn of_function(model: &Model, function: &FunctionRef<'_>, domain: &Domain) -> Op
                 case.rows.push(row(model, &[(*factor, 1.0)], Interval::point(value)));
                 case
             };
-            if high - low <= VALUES {
-                let steps = (0..=VALUES as usize).map(|k| low + k as f64);
+            if high - low <= MAX_FACTOR_VALUES {
+                let steps = (0..=MAX_FACTOR_VALUES as usize).map(|k| low + k as f64);
                 (steps.take_while(|value| *value <= high).map(at).collect(), None)
             } else if low.is_finite() && high.is_finite() {
                 // Between both ends, the product lies between theirs; the expression need not.

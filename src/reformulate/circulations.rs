@@ -8,7 +8,7 @@
 //! that none of the values of integers is lost.
 
 use super::direction::Harm;
-use super::implied_bounds::{LARGEST, loosened};
+use super::implied_bounds::{MAX_IMPLIED_BOUND, loosened};
 use super::linear_program::Maximizer;
 use crate::interval::{Interval, add_up};
 use crate::model::{ConstraintRef, Model, Variable, VariableKind};
@@ -83,7 +83,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
         };
         let most = add_up(lower, total * (1.0 + tolerance::PROPAGATION_SLACK));
         let most = most + tolerance::FEASIBILITY;
-        if most <= LARGEST {
+        if most <= MAX_IMPLIED_BOUND {
             found.push((v, most));
         }
     }
@@ -105,7 +105,7 @@ fn candidates(model: &Model, known: &Maximizer<'_>) -> Vec<bool> {
         variable.kind() == VariableKind::Continuous
             && variable.semicontinuous().is_none()
             && !harm.lowering[variable.id().index()]
-            && variable.bounds().lower.abs() < LARGEST
+            && variable.bounds().lower.abs() < MAX_IMPLIED_BOUND
             && bounds.upper.is_infinite()
     });
     candidate.collect()

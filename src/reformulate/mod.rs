@@ -244,7 +244,7 @@ pub(crate) fn is_missing_bound(error: &Error) -> bool {
 }
 
 /// The cost of lowering a statement, in visited entries.
-const STATEMENT: usize = 500;
+const STATEMENT_WORK: usize = 500;
 
 /// A lowered model, and what its rows imply if that was needed.
 type Made<'a> = (Lowered, Option<ImpliedBounds<'a>>);
@@ -259,7 +259,7 @@ fn lower_with<'a>(
     let mut relaxed = Vec::new();
     for variable in model.variables() {
         let Some(values) = variable.semicontinuous() else { continue };
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         semicontinuous::apply(&variable, values, &mut lowering)?;
@@ -267,7 +267,7 @@ fn lower_with<'a>(
     // Functions come before the rest because they bound their variables, and in this order because later ones
     // depend on earlier ones.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         functions::apply(&function, tie, &mut lowering)?;
@@ -276,26 +276,26 @@ fn lower_with<'a>(
         }
     }
     for indicator in model.indicators() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         big_m::apply(&indicator, &mut lowering)?;
     }
     for disjunction in model.disjunctions() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         let own = disjunction.method().unwrap_or(model.reformulation().method());
         disjunction::apply(&disjunction, method.unwrap_or(own), &mut lowering)?;
     }
     for statement in model.logical_constraints() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         logic::apply(&statement, &mut lowering)?;
     }
     for set in model.special_ordered_sets() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         sos::apply(&set, &mut lowering)?;

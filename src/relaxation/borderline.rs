@@ -18,13 +18,13 @@ use crate::tolerance;
 
 /// How much wider bounds and limits become, relative to the magnitudes in them (no unit): what is off by
 /// rounding, and what is off by less than the tolerance.
-pub(super) const WIDER: [f64; 2] = [1e-13, 1e-9];
+pub(super) const WIDENINGS: [f64; 2] = [1e-13, 1e-9];
 
 /// A bound that rounding may move by less than this, relative, is not blurred.
-const VISIBLE: f64 = 1e-7;
+const VISIBLE_CHANGE: f64 = 1e-7;
 
 /// How many times what their own multipliers explain two bounds may be apart.
-const EXPLAINED: f64 = 100.0;
+const MAX_EXPLAINED_RATIO: f64 = 100.0;
 
 /// The doubts about a bound and a point.
 #[derive(Debug, Clone, Copy, Default)]
@@ -66,7 +66,8 @@ fn effect(program: &Reduced, x: &[f64], y: &[f64], part: f64) -> f64 {
 
 /// Whether rounding of the rows' terms would move a bound visibly.
 pub(super) fn is_blurred(program: &Reduced, x: &[f64], y: &[f64], bound: f64) -> bool {
-    bound.is_finite() && effect(program, x, y, tolerance::ROUNDING) > VISIBLE * bound.abs().max(1.0)
+    bound.is_finite()
+        && effect(program, x, y, tolerance::ROUNDING) > VISIBLE_CHANGE * bound.abs().max(1.0)
 }
 
 /// Whether what a point misses of rows and bounds makes a visible part of its value: multipliers of 1e9
@@ -94,7 +95,7 @@ pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> b
     for (j, slope) in slopes.iter().enumerate() {
         gain += slope.abs() * miss(x[j], program.lower[j], program.upper[j]);
     }
-    gain > VISIBLE * value.abs().max(1.0)
+    gain > VISIBLE_CHANGE * value.abs().max(1.0)
 }
 
 /// Whether two bounds, of a program and of the same one with wider limits, are further apart than the
@@ -102,12 +103,13 @@ pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> b
 pub(super) fn is_torn(
     program: &Reduced,
     bounds: [f64; 2],
-    (x, y): (&[f64], &[f64]),
+    x: &[f64],
+    y: &[f64],
     part: f64,
 ) -> bool {
     let [own, wider] = bounds;
-    let rounding = VISIBLE * wider.abs().max(1.0);
-    own - wider > EXPLAINED * effect(program, x, y, part) + rounding
+    let rounding = VISIBLE_CHANGE * wider.abs().max(1.0);
+    own - wider > MAX_EXPLAINED_RATIO * effect(program, x, y, part) + rounding
 }
 
 /// The program with wider bounds, and wider limits but for equations.

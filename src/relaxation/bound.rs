@@ -23,21 +23,21 @@ use crate::presolve::{Reduced, refill};
 use crate::tolerance;
 
 /// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
-const ROUNDING: f64 = 1e-27;
+const EXTENDED_ROUNDING: f64 = 1e-27;
 
 /// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong
 /// to inactive rows; gradients below this fraction of their terms are slight.
-const NEGLIGIBLE: f64 = 1e-6;
+const SLIGHT_MULTIPLIER: f64 = 1e-6;
 
 /// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
 /// bound (no unit).
-const FAR: f64 = 1e6;
+const FAR_BOUND: f64 = 1e6;
 
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
-const FURTHER: f64 = 4.0;
+const RADIUS_FACTOR: f64 = 4.0;
 
 /// The largest number of rounds of correction; each gains about ten digits.
-const CORRECTIONS: usize = 8;
+const MAX_CORRECTIONS: usize = 8;
 
 /// Proves bounds, one after the other in the same memory.
 #[derive(Debug, Default)]
@@ -111,7 +111,7 @@ impl Prover {
         }
         let least = 1e-9 * disturbance;
         let bound = self.plain.certificate(program, &self.y);
-        let is_near = |(l, u): (&f64, &f64)| *l >= -FAR && *u <= FAR;
+        let is_near = |(l, u): (&f64, &f64)| *l >= -FAR_BOUND && *u <= FAR_BOUND;
         match bound {
             Some(bound) if bound > least => return true,
             // Without corrections, more digits would prove hardly more.
@@ -160,7 +160,7 @@ pub(super) struct Gradient {
 impl Gradient {
     /// The possible rounding error of an entry.
     fn error(&self, j: usize) -> f64 {
-        ROUNDING * self.size[j]
+        EXTENDED_ROUNDING * self.size[j]
     }
 }
 
@@ -191,7 +191,7 @@ impl Pair<'_> {
         let most = self.y.iter().enumerate().map(|(i, y)| size(i, y)).fold(1.0_f64, f64::max);
         let mut plain = Pair { x: self.x.clone(), y: self.y.clone(), ..self };
         for (i, y) in plain.y.iter_mut().enumerate() {
-            if size(i, y) <= NEGLIGIBLE * most && !is_equality(self.program, i) {
+            if size(i, y) <= SLIGHT_MULTIPLIER * most && !is_equality(self.program, i) {
                 *y = Extended::default();
             }
         }
@@ -209,14 +209,16 @@ impl Pair<'_> {
         let mut gradient = self.gradient();
         let mut corrected: Vec<usize> = Vec::new();
         let mut correction: Option<Correction> = None;
-        for _ in 0..CORRECTIONS {
+        for _ in 0..MAX_CORRECTIONS {
             let stuck = self.loose_columns(&gradient);
             if stuck.iter().all(|&j| gradient.value[j].high.abs() <= gradient.error(j)) {
                 break;
             }
             // All columns without bounds are corrected together, because correcting one would
             // disturb the others.
-            let free = |j: &usize| self.program.lower[*j] < -FAR && self.program.upper[*j] > FAR;
+            let free = |j: &usize| {
+                self.program.lower[*j] < -FAR_BOUND && self.program.upper[*j] > FAR_BOUND
+            };
             let known = corrected.len();
             corrected.extend(stuck);
             corrected.extend((0..self.x.len()).filter(free));
@@ -268,8 +270,8 @@ impl Pair<'_> {
     fn loose_columns(&self, gradient: &Gradient) -> Vec<usize> {
         let pulls = |j: &usize| {
             let (g, error) = (gradient.value[*j].high, gradient.error(*j));
-            let slight = g.abs() <= NEGLIGIBLE * gradient.size[*j];
-            let loose = |bound: f64| bound.is_infinite() || (slight && bound.abs() > FAR);
+            let slight = g.abs() <= SLIGHT_MULTIPLIER * gradient.size[*j];
+            let loose = |bound: f64| bound.is_infinite() || (slight && bound.abs() > FAR_BOUND);
             (g + error > 0.0 && loose(self.program.lower[*j]))
                 || (g - error < 0.0 && loose(self.program.upper[*j]))
         };
@@ -285,8 +287,9 @@ impl Pair<'_> {
         }
         let sides = self.program.lower.iter().zip(&self.program.upper);
         let unbounded = sides.zip(&self.x).filter(|((l, u), _)| l.is_infinite() || u.is_infinite());
-        unbounded
-            .fold(spread * tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
+        unbounded.fold(spread * tolerance::FREE_RADIUS, |most, (_, x)| {
+            most.max(RADIUS_FACTOR * x.high.abs())
+        })
     }
 
     /// The steepness of a column without the bound that its gradient points to; `None` if it has one or
@@ -342,7 +345,7 @@ impl Pair<'_> {
                 sum.add((-error).into(), corner.abs().into());
             }
         }
-        let bound = (sum.value.high - ROUNDING * sum.size).next_down();
+        let bound = (sum.value.high - EXTENDED_ROUNDING * sum.size).next_down();
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
     }
 }

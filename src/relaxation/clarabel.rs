@@ -68,10 +68,11 @@ impl Relaxation for ClarabelRelaxation {
             )
             .ok()?;
             // The caller checks the bound; a margin makes it likely to hold.
-            let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0) - program.offset;
+            let enough =
+                effort.cutoff + CONIC_CUTOFF_MARGIN * effort.cutoff.abs().max(1.0) - program.offset;
             let stop = token.clone();
             solver.set_termination_callback(move |info| {
-                let promised = info.cost_dual > enough && info.res_dual < PROMISE;
+                let promised = info.cost_dual > enough && info.res_dual < CONIC_CUTOFF_MARGIN;
                 promised || stop.is_over()
             });
             solver.solve();
@@ -98,7 +99,7 @@ impl Relaxation for ClarabelRelaxation {
 
 /// The relative margin by which a dual objective must exceed the cutoff, and the largest dual
 /// residual at which it is considered.
-const PROMISE: f64 = 1e-5;
+const CONIC_CUTOFF_MARGIN: f64 = 1e-5;
 
 /// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
 /// refinement step left no anomaly in 2,398 nodes, where the defaults left up to 26; presolve is

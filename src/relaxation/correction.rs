@@ -9,11 +9,11 @@ use faer::linalg::solvers::{Llt, Solve};
 use super::bound::{Gradient, Pair, is_equality, largest};
 
 /// The largest number of columns that are corrected together.
-const MOST_CORRECTED: usize = 400;
+const MAX_CORRECTED_COLUMNS: usize = 400;
 
 /// The least entry on the diagonal of a factor of scaled curvature with which it is used alone: the
 /// square root of how flat it may be.
-const FLAT: f64 = 1e-4;
+const MIN_CURVATURE_PIVOT: f64 = 1e-4;
 
 /// A quantity that can be moved to change the gradient.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +42,7 @@ impl Correction {
     /// gradient.
     pub(super) fn new(pair: &Pair<'_>, columns: &[usize]) -> Option<Self> {
         let k = columns.len();
-        if k == 0 || k > MOST_CORRECTED {
+        if k == 0 || k > MAX_CORRECTED_COLUMNS {
             return None;
         }
         if let Some(correction) = Correction::by_curvature(pair, columns) {
@@ -89,7 +89,7 @@ impl Correction {
             (0..k).for_each(|r| curvature[(r, c)] *= units[r] * units[c]);
         }
         let factor = curvature.llt(faer::Side::Lower).ok()?;
-        let steep = (0..k).all(|r| factor.L()[(r, r)] >= FLAT);
+        let steep = (0..k).all(|r| factor.L()[(r, r)] >= MIN_CURVATURE_PIVOT);
         let columns = columns.to_vec();
         steep.then(|| Correction { columns, units, levers: Vec::new(), factor })
     }

@@ -63,6 +63,17 @@ pub struct Effort<'a> {
     pub warm: Option<&'a WarmState>,
 }
 
+/// The relative margin by which a bound must exceed the cutoff before a method stops: the proof of the
+/// bound loses a little.
+const CUTOFF_MARGIN: f64 = 1e-7;
+
+impl Effort<'_> {
+    /// The bound at which a method may stop.
+    fn sufficient_bound(&self) -> f64 {
+        self.cutoff + CUTOFF_MARGIN * self.cutoff.abs().max(1.0)
+    }
+}
+
 /// The claim of a method about a reduced program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claim {

@@ -7,7 +7,7 @@
 use crate::presolve::{Reduced, refill};
 
 /// A rounding error that a bound may be charged with, relative (no unit).
-const SLIGHT: f64 = 1e-10;
+const MAX_CHARGED_ROUNDING: f64 = 1e-10;
 
 /// A sum in plain floats, and what bounds its rounding error.
 #[derive(Debug, Clone, Copy, Default)]
@@ -137,7 +137,7 @@ impl PlainSums {
         // The errors of the terms are as many, and their sum is rounded too.
         let error = error * (1.0 + f64::EPSILON * (constant.terms + 2.0)) + constant.rounding();
         let bound = constant.value - error;
-        let is_slight = bound.is_finite() && error <= SLIGHT * bound.abs().max(1.0);
+        let is_slight = bound.is_finite() && error <= MAX_CHARGED_ROUNDING * bound.abs().max(1.0);
         is_slight.then(|| bound.next_down())
     }
 }

@@ -1,8 +1,8 @@
 //! The records of methods: one that always gives up is asked less often.
 
 /// A method that has given up so many times in a row is asked every so many times only.
-const PATIENCE: u32 = 16;
-const EVERY: u32 = 8;
+const MAX_CONSECUTIVE_FAILURES: u32 = 16;
+const RETRY_INTERVAL: u32 = 8;
 
 /// The record of a method at the programs of a search.
 #[derive(Debug, Clone, Copy, Default)]
@@ -16,7 +16,7 @@ pub struct Record {
 impl Record {
     /// Whether the method is worth asking again; counts.
     pub fn asks(&mut self) -> bool {
-        if self.given_up < PATIENCE || self.left_out + 1 >= EVERY {
+        if self.given_up < MAX_CONSECUTIVE_FAILURES || self.left_out + 1 >= RETRY_INTERVAL {
             self.left_out = 0;
             return true;
         }

@@ -19,14 +19,14 @@ pub(super) enum Section {
     Refused(&'static str),
 }
 
-const SEMI: &str = "list its variables under `Semi-Continuous` and under `General`";
-const LAZY: &str = "move its rows to `Subject To`, where they always hold";
-const FUNCTIONS: &str = "functions cannot be read from LP files; write them as rows, or in a \
+const SEMI_INTEGER_HELP: &str = "list its variables under `Semi-Continuous` and under `General`";
+const LAZY_HELP: &str = "move its rows to `Subject To`, where they always hold";
+const FUNCTION_HELP: &str = "functions cannot be read from LP files; write them as rows, or in a \
                          program with the functions of a model";
-const SCENARIOS: &str = "a model has one objective and one set of limits; keep one";
+const SCENARIO_HELP: &str = "a model has one objective and one set of limits; keep one";
 
 /// Spellings of one word; sections of two words are below.
-const WORDS: [(&str, Section); 42] = [
+const ONE_WORD_SECTIONS: [(&str, Section); 42] = [
     ("minimize", Section::Minimize),
     ("minimise", Section::Minimize),
     ("minimum", Section::Minimize),
@@ -59,31 +59,32 @@ const WORDS: [(&str, Section); 42] = [
     ("sos", Section::Sets(None)),
     ("sos1", Section::Sets(Some(1))),
     ("sos2", Section::Sets(Some(2))),
-    ("lazy", Section::Refused(LAZY)),
-    ("usercuts", Section::Refused(LAZY)),
-    ("pwlobj", Section::Refused(FUNCTIONS)),
-    ("pwl", Section::Refused(FUNCTIONS)),
-    ("gencons", Section::Refused(FUNCTIONS)),
-    ("gencon", Section::Refused(FUNCTIONS)),
-    ("genconstr", Section::Refused(FUNCTIONS)),
-    ("genconstrs", Section::Refused(FUNCTIONS)),
-    ("scenario", Section::Refused(SCENARIOS)),
-    ("scenarios", Section::Refused(SCENARIOS)),
+    ("lazy", Section::Refused(LAZY_HELP)),
+    ("usercuts", Section::Refused(LAZY_HELP)),
+    ("pwlobj", Section::Refused(FUNCTION_HELP)),
+    ("pwl", Section::Refused(FUNCTION_HELP)),
+    ("gencons", Section::Refused(FUNCTION_HELP)),
+    ("gencon", Section::Refused(FUNCTION_HELP)),
+    ("genconstr", Section::Refused(FUNCTION_HELP)),
+    ("genconstrs", Section::Refused(FUNCTION_HELP)),
+    ("scenario", Section::Refused(SCENARIO_HELP)),
+    ("scenarios", Section::Refused(SCENARIO_HELP)),
 ];
 
 /// Sections of two words, the second one in several spellings.
-const PAIRS: [(&str, &[&str], Section); 7] = [
+const TWO_WORD_SECTIONS: [(&str, &[&str], Section); 7] = [
     ("subject", &["to", "to:"], Section::Rows),
     ("such", &["that"], Section::Rows),
-    ("lazy", &["constraints", "constraint"], Section::Refused(LAZY)),
-    ("user", &["cuts", "cut"], Section::Refused(LAZY)),
-    ("general", &["constraints", "constraint"], Section::Refused(FUNCTIONS)),
-    ("generals", &["constraints", "constraint"], Section::Refused(FUNCTIONS)),
-    ("multi", &["objectives"], Section::Refused(SCENARIOS)),
+    ("lazy", &["constraints", "constraint"], Section::Refused(LAZY_HELP)),
+    ("user", &["cuts", "cut"], Section::Refused(LAZY_HELP)),
+    ("general", &["constraints", "constraint"], Section::Refused(FUNCTION_HELP)),
+    ("generals", &["constraints", "constraint"], Section::Refused(FUNCTION_HELP)),
+    ("multi", &["objectives"], Section::Refused(SCENARIO_HELP)),
 ];
 
 /// Words that are part of the language without beginning a section.
-const OTHERS: [&str; 8] = ["free", "inf", "infinity", "nan", "subject", "such", "user", "multi"];
+const OTHER_KEYWORDS: [&str; 8] =
+    ["free", "inf", "infinity", "nan", "subject", "such", "user", "multi"];
 
 /// The section that the pieces begin, and how many of them its name takes.
 pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
@@ -94,7 +95,7 @@ pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
     if kind(0) != Some(Kind::Word) || kind(1) == Some(Kind::Colon) {
         return None;
     }
-    for (first, seconds, section) in PAIRS {
+    for (first, seconds, section) in TWO_WORD_SECTIONS {
         if is(0, first) && seconds.iter().any(|second| is(1, second)) {
             return Some((section, 2));
         }
@@ -104,17 +105,17 @@ pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
     if hyphenated && kind(1) == Some(Kind::Minus) {
         let section = match is(0, "semi") {
             true if is(2, "continuous") => Section::SemiContinuous,
-            true => Section::Refused(SEMI),
-            false => Section::Refused(SCENARIOS),
+            true => Section::Refused(SEMI_INTEGER_HELP),
+            false => Section::Refused(SCENARIO_HELP),
         };
         return Some((section, 3));
     }
-    let found = WORDS.iter().find(|(word, _)| is(0, word));
+    let found = ONE_WORD_SECTIONS.iter().find(|(word, _)| is(0, word));
     found.map(|&(_, section)| (section, 1))
 }
 
 /// Whether a name would be taken for something else.
 pub(super) fn is_keyword(text: &str) -> bool {
-    let words = WORDS.iter().map(|(word, _)| word).chain(&OTHERS);
+    let words = ONE_WORD_SECTIONS.iter().map(|(word, _)| word).chain(&OTHER_KEYWORDS);
     words.into_iter().any(|word| word.eq_ignore_ascii_case(text))
 }

@@ -10,7 +10,7 @@ use super::postsolve::{Restored, Undo};
 use super::work::Work;
 
 /// Longest rows that are looked at (columns); codes have 64 bits.
-const LONGEST: usize = 1000;
+const MAX_CODED_COLUMNS: usize = 1000;
 
 /// A binary of a code, with its two rows and what their terms are multiplied by.
 #[derive(Debug, Clone)]
@@ -59,7 +59,7 @@ fn one_of(work: &Work, row: usize) -> Option<(Vec<usize>, f64)> {
     let &(_, first) = entries.first()?;
     let alike = entries.iter().all(|&(j, a)| a == first && work.lower[j] == 0.0 && !work.given[j]);
     let one = work.is_equality(row) && work.row_lower[row] == first;
-    let fits = alike && one && (2..=LONGEST).contains(&entries.len());
+    let fits = alike && one && (2..=MAX_CODED_COLUMNS).contains(&entries.len());
     fits.then(|| (entries.iter().map(|e| e.0).collect(), first))
 }
 

@@ -9,7 +9,7 @@ use super::work::{Infeasible, Sparse, Work};
 use crate::presolve::coefficients::{Columns, round_limits, tighten_terms};
 
 /// Distance from 0 up to which a row counts as binding, relative to its terms.
-const BINDING: f64 = 1e-6;
+const BINDING_DISTANCE: f64 = 1e-6;
 
 /// A row as it was before it was tightened.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ impl Undo for Tightened {
         let activity: f64 = self.entries.iter().map(|&(j, a)| self.sign * a * all.x[j]).sum();
         let scale = self.entries.iter().map(|&(j, a)| (a * all.x[j]).abs()).fold(1.0, f64::max);
         self.tight.iter().for_each(|&(j, a)| all.d[j] -= a * y);
-        if self.limit - activity > BINDING * scale {
+        if self.limit - activity > BINDING_DISTANCE * scale {
             all.y[self.row] = 0.0;
         } else {
             self.entries.iter().for_each(|&(j, a)| all.d[j] += a * y);

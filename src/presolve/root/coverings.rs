@@ -11,7 +11,7 @@ use super::postsolve::{Restored, Undo};
 use super::work::Work;
 
 /// Fewer terms are doubletons, which replace a column.
-const FEWEST: usize = 3;
+const MIN_COVERING_TERMS: usize = 3;
 
 #[derive(Debug)]
 struct Covering {
@@ -33,7 +33,7 @@ impl Undo for Covering {
 
 pub(super) fn apply(work: &mut Work, row: usize) -> usize {
     let is_one = work.row_lower[row] == 1.0 && work.row_upper[row] == 1.0;
-    if !is_one || work.is_curved() || work.rows[row].len() < FEWEST {
+    if !is_one || work.is_curved() || work.rows[row].len() < MIN_COVERING_TERMS {
         return 0;
     }
     if !work.rows[row].iter().all(|&(column, a)| a == 1.0 && may_fall(work, column, row)) {

@@ -5,8 +5,9 @@
 //! can replace the column: of `x <= z`, where nothing else wants `z` to be large, `z = x`.
 //! Multipliers are restored in continuous programs; those with integers have none.
 
-use super::work::{IMPLIED, Work};
+use super::work::Work;
 use crate::presolve::coefficients::is_whole;
+use crate::presolve::parameters::IMPLIED;
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     if work.given[column] || !work.is_straight(column) {

@@ -4,17 +4,18 @@
 //! the rest of an equality.
 
 use super::substitute::{is_stable, substitute};
-use super::work::{IMPLIED, Work};
+use super::work::Work;
+use crate::presolve::parameters::IMPLIED;
 
 /// Longest equality, and most rows of a column, that are looked at.
-const LONGEST: usize = 6;
-const MOST_ROWS: usize = 4;
+const MAX_EQUALITY_TERMS: usize = 6;
+const MAX_COLUMN_ROWS: usize = 4;
 
 /// By how many entries the matrix may grow with one substitution.
-const FILL: isize = 0;
+const MAX_FILL: isize = 0;
 
 pub(super) fn apply(work: &mut Work, row: usize) -> usize {
-    if !work.is_equality(row) || !(2..=LONGEST).contains(&work.rows[row].len()) {
+    if !work.is_equality(row) || !(2..=MAX_EQUALITY_TERMS).contains(&work.rows[row].len()) {
         return 0;
     }
     let candidates = work.rows[row].iter().map(|&(j, _)| j);
@@ -22,8 +23,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
         .filter(|&j| {
             !work.integral[j]
                 && work.is_straight(j)
-                && work.uses[j].len() <= MOST_ROWS
-                && fill(work, j, row) <= FILL
+                && work.uses[j].len() <= MAX_COLUMN_ROWS
+                && fill(work, j, row) <= MAX_FILL
                 && is_stable(work, j, row)
                 && is_implied_free(work, j)
         })

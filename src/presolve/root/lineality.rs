@@ -24,7 +24,7 @@ use super::work::{Sparse, Work};
 use crate::sum::{exact_product, exact_sum};
 
 /// Most entries that the elimination looks at, as a multiple of those it begins with.
-const WORK: usize = 50;
+const ELIMINATION_WORK: usize = 50;
 
 /// Bounds that were dropped, and the direction that leaves them behind.
 #[derive(Debug)]
@@ -122,7 +122,7 @@ impl Elimination {
             expressed: vec![None; open.len()],
             users: vec![Vec::new(); open.len()],
             open,
-            left: WORK * (entries + 1),
+            left: ELIMINATION_WORK * (entries + 1),
         }
     }
 

@@ -135,7 +135,7 @@ pub enum Presolve {
 }
 
 /// Most rounds of all rules; each is linear in the entries, and nearly all programs need fewer.
-const ROUNDS: usize = 30;
+const MAX_RULE_ROUNDS: usize = 30;
 
 /// Applies rules to a program, in their order, repeatedly until nothing changes.
 ///
@@ -173,7 +173,7 @@ fn reduce(work: &mut Work, rules: &[Rule], token: &StopToken) -> Result<(), Infe
     let mut changes = 0;
     // By rule, the changes when it was last applied.
     let mut seen = vec![None; rules.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_RULE_ROUNDS {
         let before = changes;
         for (rule, seen) in rules.iter().zip(&mut seen) {
             if token.is_over() {

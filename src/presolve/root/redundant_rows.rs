@@ -2,15 +2,13 @@
 //! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{IMPLIED, Infeasible, Range, Sparse, Work, finite};
+use super::work::{Infeasible, Range, Sparse, Work, finite};
+use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
 use crate::tolerance;
-
-/// Excess of the least activity over a limit, relative, that proves infeasibility.
-const CROSSED: f64 = 1e-8;
 
 /// A row forces columns that change its activity by at least this many times the margin up to which it
 /// is taken to force them.
-const TELLING: f64 = 1e3;
+const MIN_FORCED_CHANGE: f64 = 1e3;
 
 /// A row that leaves each of its columns one bound.
 #[derive(Debug)]
@@ -33,7 +31,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     }
     let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
     // A row that is missed by more than is accepted forces nothing: it waits for what refutes it.
-    let missed = (CROSSED * range.scale).min(tolerance::FEASIBILITY).max(margin).max(noise);
+    let missed = (CONTRADICTION * range.scale).min(tolerance::FEASIBILITY).max(margin).max(noise);
     let meets = |room: f64| room <= margin && room >= -missed;
     let forcing = if lower.is_finite() && meets(range.most - lower) {
         Some(true)
@@ -45,7 +43,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     let tells = |&(j, a): &(usize, f64)| {
         let width = work.upper[j] - work.lower[j];
         // However wide a column is, it is moved by no more than a part of its unit.
-        let moves = a.abs() * width.min(1.0) >= TELLING * margin.max(noise);
+        let moves = a.abs() * width.min(1.0) >= MIN_FORCED_CHANGE * margin.max(noise);
         !work.given[j] && (width == 0.0 || moves)
     };
     if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
@@ -74,10 +72,10 @@ fn excess(work: &Work, row: usize, range: &Range) -> f64 {
     let limit = finite(work.row_lower[row]).max(finite(work.row_upper[row]));
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
     // What exact terms miss is no rounding, and not accepted beyond the tolerance.
-    let missed = (CROSSED * soft).max(tolerance::FEASIBILITY);
+    let missed = (CONTRADICTION * soft).max(tolerance::FEASIBILITY);
     let scale = range.scale.max(limit);
     let rounding = f64::EPSILON * work.rows[row].len() as f64 * scale;
-    missed.min(CROSSED * scale) + rounding
+    missed.min(CONTRADICTION * scale) + rounding
 }
 
 /// Moves the columns of a row to the bounds that it leaves them, up to some room in the row's unit,

@@ -2,13 +2,8 @@
 
 use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Work, finite};
+use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
 use crate::tolerance;
-
-/// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
-const MISSED: f64 = 1e-8;
-
-/// Sides that are missed by no more than this, in the row's unit, hold already.
-const NEGLIGIBLE: f64 = 1e-9;
 
 #[derive(Debug)]
 struct SingletonRow {
@@ -24,7 +19,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         [] => {
             let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
             let missed = lower.max(-upper);
-            if missed > (MISSED * missed.abs().max(1.0)).max(work.row_noise[row]) {
+            if missed > (CONTRADICTION * missed.abs().max(1.0)).max(work.row_noise[row]) {
                 return Err(Infeasible);
             }
             work.drop_row(row);
@@ -35,7 +30,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             // coefficient: `1e-17 z <= 0` does not fix a binary.
             let (p, q) = (a * work.lower[column], a * work.upper[column]);
             let noise = work.row_noise[row];
-            let margin = |limit: f64| NEGLIGIBLE.max(4.0 * f64::EPSILON * limit.abs()).max(noise);
+            let margin = |limit: f64| IMPLIED.max(4.0 * f64::EPSILON * limit.abs()).max(noise);
             let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
             if p.min(q) >= lower - margin(lower) {
                 lower = f64::NEG_INFINITY;

@@ -9,24 +9,18 @@ use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 use super::postsolve::{Postsolve, Presolved, Undo};
 use crate::error::{Error, ErrorKind};
 use crate::presolve::coefficients::is_exact;
+use crate::presolve::parameters::{CONTRADICTION, LARGEST_WHOLE};
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Bounds or limits crossed by more than this, relative, prove infeasibility; large ones less than that.
-const CROSSED: f64 = 1e-8;
+/// The rounding of a bound, and of the limit of an equality, that its users tolerate, relative to the
+/// limit.
+const SOFT_ROUNDING: f64 = 1e-9;
 
-/// Rounding of bounds, and of limits of equalities, up to this is allowed for wherever they are used,
-/// relative to the limit. A smaller part is allowed for in other rows, and in rows of exact terms: their
-/// large limits come from big-Ms, and must not hide by how much a row is missed without them.
-const IMPERCEPTIBLE: f64 = 1e-9;
-const SHARP: f64 = 1e-14;
-
-/// Whole numbers up to this are floats.
-pub(super) const WHOLE: f64 = 9_007_199_254_740_992.0;
-
-/// Limits and bounds implied up to this margin count as implied.
-pub(super) const IMPLIED: f64 = 1e-9;
+/// The same for limits of other rows, and of rows of exact terms. Their large limits come from big-Ms,
+/// which must not hide the violation of the row without them.
+const EXACT_ROUNDING: f64 = 1e-14;
 
 /// Proof that no point satisfies rows and bounds.
 #[derive(Debug, Clone, Copy)]
@@ -275,7 +269,7 @@ impl Work {
     /// Adds a product to the constant of the objective; one of whole numbers is exact.
     pub(super) fn add_to_objective(&mut self, factor: f64, value: f64) {
         let product = factor * value;
-        let whole = |value: f64| value == value.round() && value.abs() <= WHOLE;
+        let whole = |value: f64| value == value.round() && value.abs() <= LARGEST_WHOLE;
         let sum = self.offset + product;
         if whole(factor) && whole(value) && whole(product) && whole(self.offset) && whole(sum) {
             self.offset = sum;
@@ -389,7 +383,7 @@ impl Work {
     /// Returns by how much: of rows, and of columns.
     fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {
         let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64| {
-            let known = |limit: f64| IMPERCEPTIBLE.max(part * finite(limit));
+            let known = |limit: f64| SOFT_ROUNDING.max(part * finite(limit));
             let is_widened = noise > known(*lower).max(known(*upper));
             if is_widened {
                 (*lower, *upper) = (*lower - noise, *upper + noise);
@@ -400,13 +394,13 @@ impl Work {
         for (row, by) in rows.iter_mut().enumerate() {
             let exact = |&(j, a): &(usize, f64)| self.integral[j] && is_exact(a);
             let soft = self.is_equality(row) && !self.rows[row].iter().all(exact);
-            let part = if soft { IMPERCEPTIBLE } else { SHARP };
+            let part = if soft { SOFT_ROUNDING } else { EXACT_ROUNDING };
             let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
             *by = widen(lower, upper, self.row_noise[row], part);
         }
         for (j, by) in columns.iter_mut().enumerate().filter(|(j, _)| !self.integral[*j]) {
             let (lower, upper) = (&mut self.lower[j], &mut self.upper[j]);
-            *by = widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
+            *by = widen(lower, upper, self.column_noise[j], SOFT_ROUNDING);
         }
         [rows, columns]
     }
@@ -470,7 +464,7 @@ impl Work {
 /// By how much bounds or limits may be crossed: by rounding, or by what is accepted anyway.
 fn crossed(lower: f64, upper: f64) -> f64 {
     let scale = lower.abs().max(upper.abs()).max(1.0);
-    (CROSSED * scale).min(tolerance::FEASIBILITY.max(SHARP * scale))
+    (CONTRADICTION * scale).min(tolerance::FEASIBILITY.max(EXACT_ROUNDING * scale))
 }
 
 /// The size of a limit; 0 where there is none.

@@ -6,10 +6,10 @@ use super::triangle::{Triangle, dot};
 use crate::presolve::Reduced;
 
 /// A pivot below this fraction of its diagonal entry counts as none.
-const FLAT: f64 = 1e-9;
+const MIN_CHOLESKY_PIVOT: f64 = 1e-9;
 
 /// Violations below this, in units of a row's largest coefficient or of its limit, are none.
-const FEASIBLE: f64 = 1e-9;
+const MAX_ROW_VIOLATION: f64 = 1e-9;
 
 /// A finite limit of a row or of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +68,7 @@ impl<'a> Metric<'a> {
             let diagonal = row[j];
             factor.solve(&mut row[..j], 0);
             let pivot = diagonal - dot(&row[..j], &row[..j]);
-            if !(pivot > FLAT * diagonal && pivot.is_finite()) {
+            if !(pivot > MIN_CHOLESKY_PIVOT * diagonal && pivot.is_finite()) {
                 return None;
             }
             factor.push(&row[..j], pivot.sqrt());
@@ -189,7 +189,7 @@ impl<'a> Metric<'a> {
             };
             let unit = self.largest.get(k).copied().unwrap_or(1.0);
             let limit = if side == Side::Lower { lower } else { upper };
-            if by > FEASIBLE * unit.max(limit.abs()) && by / unit > most {
+            if by > MAX_ROW_VIOLATION * unit.max(limit.abs()) && by / unit > most {
                 (most, found) = (by / unit, Some((k, side)));
             }
         }

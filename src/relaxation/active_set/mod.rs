@@ -20,10 +20,7 @@ use metric::{Metric, Side};
 use working_set::WorkingSet;
 
 /// Programs with more columns are left to methods that see which entries are zero.
-const MOST_COLUMNS: usize = 150;
-
-/// The relative margin by which a bound must exceed the cutoff before the method stops.
-const PROMISE: f64 = 1e-7;
+const MAX_DENSE_COLUMNS: usize = 150;
 
 /// The active-set method for small dense programs.
 #[derive(Debug, Clone, Default)]
@@ -52,7 +49,7 @@ impl ActiveSet {
         let n = program.columns.len();
         let curved = |j: usize| program.quadratic.vector(j).0.contains(&j);
         let dense = 8 * program.quadratic.index.len() >= n * n;
-        n <= MOST_COLUMNS && dense && (0..n).all(curved)
+        n <= MAX_DENSE_COLUMNS && dense && (0..n).all(curved)
     }
 }
 
@@ -132,7 +129,7 @@ impl Run<'_> {
     }
 
     fn finish(&mut self, effort: &Effort<'_>) -> Claim {
-        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        let enough = effort.sufficient_bound();
         let mut refined = false;
         while self.steps < effort.iterations && !effort.token.is_over() {
             self.steps += 1;

@@ -6,10 +6,10 @@ use super::triangle::{Triangle, add_multiple, dot};
 
 /// The squared sine of the angle between a vector and the span of others below which it counts as
 /// one of them.
-const DEPENDENT: f64 = 1e-12;
+const MIN_SQUARED_SINE: f64 = 1e-12;
 
 /// Multipliers below this fraction of the largest one are rounding.
-const ROUNDING: f64 = 1e-13;
+const MULTIPLIER_ROUNDING: f64 = 1e-13;
 
 /// A limit that is held.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,7 @@ pub(super) struct Candidate {
 
 impl Candidate {
     pub(super) fn is_dependent(&self) -> bool {
-        self.diagonal * self.diagonal <= DEPENDENT
+        self.diagonal * self.diagonal <= MIN_SQUARED_SINE
     }
 }
 
@@ -104,7 +104,7 @@ impl WorkingSet {
         let mut step = 1.0;
         let mut blocking = None;
         for (k, (member, &to)) in self.members.iter().zip(&target).enumerate() {
-            if member.side.refuses(to) && to.abs() > ROUNDING * size {
+            if member.side.refuses(to) && to.abs() > MULTIPLIER_ROUNDING * size {
                 let reach = (member.multiplier / (member.multiplier - to)).clamp(0.0, 1.0);
                 if reach < step || blocking.is_none() {
                     (step, blocking) = (reach, Some(k));
@@ -140,7 +140,7 @@ impl WorkingSet {
         let mut step = f64::INFINITY;
         let mut blocking = None;
         for (k, (member, &along)) in self.members.iter().zip(&direction).enumerate() {
-            if member.side.refuses(along) && along.abs() > ROUNDING {
+            if member.side.refuses(along) && along.abs() > MULTIPLIER_ROUNDING {
                 let reach = (member.multiplier / -along).max(0.0);
                 if reach < step {
                     (step, blocking) = (reach, Some(k));

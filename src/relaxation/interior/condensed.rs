@@ -8,7 +8,7 @@ use crate::presolve::refill;
 const REGULARISATION: f64 = 1e-8;
 
 /// Rows with at most this many entries are always condensed.
-const SHORT: usize = 12;
+const MAX_SHORT_TERMS: usize = 12;
 
 /// The position of a term of a condensed row.
 #[derive(Debug, Clone, Copy)]
@@ -131,7 +131,7 @@ fn write_kinds(program: &Scaled, kinds: &mut Vec<Kind>) {
     let room = program.quadratic.index.len();
     for (i, kind) in kinds.iter_mut().enumerate() {
         let length = program.rows.vector(i).0.len();
-        if *kind == Kind::Short && length > SHORT && length * (length + 1) / 2 > room {
+        if *kind == Kind::Short && length > MAX_SHORT_TERMS && length * (length + 1) / 2 > room {
             *kind = Kind::Long;
         }
     }

@@ -5,23 +5,23 @@ use super::scaled::{Scaled, Side};
 use crate::solver::StopToken;
 
 /// Fraction of the way to the nearest side that a step may go.
-const FRACTION: f64 = 0.995;
+const STEP_FRACTION: f64 = 0.995;
 
 /// Complementarity, in scaled units, below which reducing it gains nothing.
-const CLOSED: f64 = 1e-9;
+const CLOSED_COMPLEMENTARITY: f64 = 1e-9;
 
 /// Margin of a certificate of infeasibility, relative to its terms.
-const MARGIN: f64 = 1e-8;
+const CERTIFICATE_MARGIN: f64 = 1e-8;
 
 /// The largest numbers of refinement steps of a direction, and of the predictor, which determines
 /// centring and the second-order correction.
-pub(super) const REFINEMENTS: usize = 2;
-const PREDICTOR_REFINEMENTS: usize = 1;
+pub(super) const MAX_REFINEMENTS: usize = 2;
+const MAX_PREDICTOR_REFINEMENTS: usize = 1;
 
 /// The residual of a direction, in scaled units and as a fraction of the mean complementarity, at
 /// which refinement stops, because the next step removes the rest.
-pub(super) const ACCURATE: f64 = 1e-11;
-const ACCURATE_PART: f64 = 1e-5;
+pub(super) const RESIDUAL_TOLERANCE: f64 = 1e-11;
+const RESIDUAL_FRACTION: f64 = 1e-5;
 
 /// A primal-dual point with its residuals.
 #[derive(Debug, Default)]
@@ -128,7 +128,7 @@ impl Iterate {
     /// Whether the gap is closed except for dual residuals at the level of rounding.
     pub(super) fn diverges(&self) -> bool {
         let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-        self.barrier < CLOSED && residual > 1e3 * CLOSED
+        self.barrier < CLOSED_COMPLEMENTARITY && residual > 1e3 * CLOSED_COMPLEMENTARITY
     }
 
     /// Whether the multipliers prove that no point of the box satisfies the rows.
@@ -138,7 +138,7 @@ impl Iterate {
             return false;
         }
         let (corner, reach) = self.corner(program, &|j| self.pressed[j]);
-        corner - limits > MARGIN * (size + reach)
+        corner - limits > CERTIFICATE_MARGIN * (size + reach)
     }
 
     /// The sum of multipliers times their active limits, and the sum of the magnitudes of its
@@ -189,8 +189,8 @@ impl Iterate {
         for k in 0..sides {
             self.centre[k] = self.slack[k] * self.dual[k];
         }
-        let accurate = ACCURATE.max(ACCURATE_PART * mean);
-        self.solve(program, kkt, (PREDICTOR_REFINEMENTS, accurate));
+        let accurate = RESIDUAL_TOLERANCE.max(RESIDUAL_FRACTION * mean);
+        self.solve(program, kkt, (MAX_PREDICTOR_REFINEMENTS, accurate));
         let mut length = self.longest();
         if sides > 0 {
             let ahead: f64 = (0..sides)
@@ -206,8 +206,8 @@ impl Iterate {
             if token.is_over() {
                 return None;
             }
-            self.solve(program, kkt, (REFINEMENTS, accurate));
-            length = (FRACTION * self.longest()).min(1.0);
+            self.solve(program, kkt, (MAX_REFINEMENTS, accurate));
+            length = (STEP_FRACTION * self.longest()).min(1.0);
         }
         // The point stays where it is if the system was too bad.
         if !self.right.iter().all(|step| step.is_finite()) {

@@ -25,16 +25,16 @@ use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
 
 /// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
-const SUPERNODAL: f64 = 0.25;
+const SUPERNODAL_RATIO: f64 = 0.25;
 
 /// Operations a second (a multiplication and an addition) until a large factorisation was measured.
-const FAST: f64 = 1e10;
+const ASSUMED_RATE: f64 = 1e10;
 
 /// Operations from which a factorisation is large: some tens of milliseconds.
-const LARGE: f64 = 1e8;
+const LARGE_FACTORISATION: f64 = 1e8;
 
 /// Systems whose order and symbolic factor are kept.
-const KEPT: usize = 6;
+const MAX_KEPT_SYSTEMS: usize = 6;
 
 pub(super) struct Kkt {
     condensed: Condensed,
@@ -67,7 +67,7 @@ impl Default for Kkt {
             signs: Vec::new(),
             factor: Vec::new(),
             memory: None,
-            rate: FAST,
+            rate: ASSUMED_RATE,
             token: StopToken::default(),
         }
     }
@@ -111,7 +111,7 @@ impl Kkt {
         } else {
             let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
             let mut memory = OrderMemory::default();
-            if self.ordered.len() >= KEPT {
+            if self.ordered.len() >= MAX_KEPT_SYSTEMS {
                 memory = self.ordered.pop().map(Ordered::into_memory).unwrap_or_default();
             }
             let part = self.orders.write_part(reduced, rows, &mut memory.order).and_then(|most| {
@@ -187,7 +187,7 @@ impl Kkt {
                 Default::default(),
             )
             .is_ok();
-        if operations > LARGE {
+        if operations > LARGE_FACTORISATION {
             self.rate = operations / began.elapsed().as_secs_f64().max(1e-9);
         }
         done
@@ -269,7 +269,7 @@ impl Ordered {
             faer::Side::Upper,
             SymmetricOrdering::Identity,
             CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL_RATIO),
                 ..CholeskySymbolicParams::default()
             },
         )

@@ -57,22 +57,19 @@ impl InteriorPoint {
 /// A start from the parent's iterate is given up if so many iterations leave more than this part of its
 /// residuals. Then the child is far from its parent, and a start from nothing is better.
 const WARM_ITERATIONS: u32 = 3;
-const WARM_PART: f64 = 0.7;
+const MAX_WARM_RESIDUAL: f64 = 0.7;
 
 /// Number of consecutive iterations with negligible steps after which the method gives up.
-const STUCK: u32 = 3;
+const MAX_SHORT_STEPS: u32 = 3;
 
 /// A start after which the method gives up within so many iterations was no good.
-const EARLY: u64 = 6;
+const EARLY_ITERATIONS: u64 = 6;
 
 /// Steps below this length are negligible (no unit).
 const SHORT_STEP: f64 = 1e-3;
 
 /// The tolerance at which a program counts as solved if the method cannot improve it.
-const ROUGH: f64 = 1e-8;
-
-/// The relative margin by which a bound must exceed the cutoff before the method stops.
-const PROMISE: f64 = 1e-7;
+const COARSE_TOLERANCE: f64 = 1e-8;
 
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
@@ -103,7 +100,7 @@ impl Relaxation for InteriorPoint {
             return run.nothing(0, results);
         }
         let mut result = run.iterate(at, kkt, (kept, results), false);
-        let lost = result.claim == Claim::Unknown && result.iterations <= EARLY;
+        let lost = result.claim == Claim::Unknown && result.iterations <= EARLY_ITERATIONS;
         if lost && !linear && !effort.token.is_over() {
             at.start(scaled);
             if at.improve_start(scaled, kkt, effort.token) {
@@ -198,8 +195,8 @@ impl Run<'_> {
             iterations += 1;
             stuck = if step < SHORT_STEP { stuck + 1 } else { 0 };
             left *= 1.0 - step;
-            let is_slow = is_warm && iterations == WARM_ITERATIONS && left > WARM_PART;
-            if stuck >= STUCK || is_slow {
+            let is_slow = is_warm && iterations == WARM_ITERATIONS && left > MAX_WARM_RESIDUAL;
+            if stuck >= MAX_SHORT_STEPS || is_slow {
                 break;
             }
         }
@@ -231,7 +228,7 @@ impl Run<'_> {
             return None;
         }
         let bound = objective(at.dual_value(scaled));
-        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        let enough = effort.sufficient_bound();
         if !feasibility_problem && bound > enough {
             return Some((Claim::Beyond, true));
         }
@@ -249,7 +246,7 @@ impl Run<'_> {
         if at.refutes(scaled) {
             return Some((Claim::Infeasible, true));
         }
-        let rough = effort.tolerance.max(ROUGH);
+        let rough = effort.tolerance.max(COARSE_TOLERANCE);
         let nearly = violation <= rough && distance <= 10.0 * rough * value.abs().max(1.0);
         nearly.then_some((Claim::Solved, false))
     }

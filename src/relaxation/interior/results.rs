@@ -4,7 +4,7 @@ use super::warm_start::ParentIterate;
 use crate::relaxation::{RelaxationResult, WarmState};
 
 /// Most vectors and most states that are kept.
-const KEPT: usize = 16;
+const MAX_KEPT_RESULTS: usize = 16;
 
 #[derive(Default)]
 pub(super) struct Results {
@@ -37,12 +37,12 @@ impl Results {
         let RelaxationResult { x, y, warm, .. } = result;
         // The point is the first to be written again.
         for vector in [y, x] {
-            if vector.capacity() > 0 && self.vectors.len() < KEPT {
+            if vector.capacity() > 0 && self.vectors.len() < MAX_KEPT_RESULTS {
                 self.vectors.push(vector);
             }
         }
         let own =
             warm.and_then(|mut state| state.get_mut::<ParentIterate>().is_some().then_some(state));
-        self.states.extend(own.filter(|_| self.states.len() < KEPT));
+        self.states.extend(own.filter(|_| self.states.len() < MAX_KEPT_RESULTS));
     }
 }

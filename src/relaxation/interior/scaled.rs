@@ -1,7 +1,7 @@
 //! The program in even units: rows, columns and objective scaled, bounds and row limits as sides.
 
 use crate::presolve::{Compressed, Reduced};
-use crate::relaxation::scaling::{MOST, write_factors};
+use crate::relaxation::scaling::{MAX_SCALE, write_factors};
 
 /// One finite limit of a column or of an inequality row: `sign * (value - limit) >= 0`.
 #[derive(Debug, Clone, Copy)]
@@ -53,7 +53,8 @@ impl Scaled {
         linear.clear();
         linear.extend(program.linear.iter().zip(&*column).map(|(q, d)| q * d));
         let largest = linear.iter().fold(largest, |m, q| m.max(q.abs()));
-        let objective = if largest > 0.0 { (1.0 / largest).clamp(1.0 / MOST, MOST) } else { 1.0 };
+        let objective =
+            if largest > 0.0 { (1.0 / largest).clamp(1.0 / MAX_SCALE, MAX_SCALE) } else { 1.0 };
         quadratic.value.iter_mut().chain(linear).for_each(|v| *v *= objective);
         rows.copy_from(&program.rows);
         for (i, factor) in row.iter().enumerate() {

@@ -1,13 +1,13 @@
 //! Starting points of the interior-point method.
 
-use super::iterate::{ACCURATE, Iterate, REFINEMENTS};
+use super::iterate::{Iterate, MAX_REFINEMENTS, RESIDUAL_TOLERANCE};
 use super::kkt::Kkt;
 use super::scaled::{Scaled, Side};
 use crate::presolve::refill;
 use crate::solver::StopToken;
 
 /// Smallest initial slack of a row's side, in scaled units.
-const FIRST_SLACK: f64 = 1.0;
+const MIN_INITIAL_SLACK: f64 = 1.0;
 
 impl Iterate {
     /// Goes to a start inside the box of a program, in the memory that it has.
@@ -33,7 +33,8 @@ impl Iterate {
         let room = |side: &Side, value: f64| side.sign * (value - side.limit);
         let (x, activity) = (&self.x, &self.activity);
         self.slack.clear();
-        self.slack.extend(rows.iter().map(|side| room(side, activity[side.of]).max(FIRST_SLACK)));
+        self.slack
+            .extend(rows.iter().map(|side| room(side, activity[side.of]).max(MIN_INITIAL_SLACK)));
         self.slack.extend(columns.iter().map(|side| room(side, x[side.of]).max(1e-10)));
         self.dual.clear();
         self.dual.extend(self.slack.iter().map(|s| 1.0 / s));
@@ -83,7 +84,7 @@ impl Iterate {
             return false;
         }
         self.centre.fill(0.0);
-        self.solve(program, kkt, (REFINEMENTS, ACCURATE));
+        self.solve(program, kkt, (MAX_REFINEMENTS, RESIDUAL_TOLERANCE));
         self.x.copy_from_slice(&self.right[..n]);
         for (e, &(i, _)) in program.equalities.iter().enumerate() {
             self.multipliers[i] = self.right[n + e];

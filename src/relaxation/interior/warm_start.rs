@@ -8,13 +8,13 @@ use super::scaled::{Scaled, Side};
 use crate::presolve::{Reduced, refill};
 
 /// Complementarity, in scaled units, down to which iterates are kept. The first one has 1.
-const KEPT: f64 = 1e-3;
+const MIN_KEPT_COMPLEMENTARITY: f64 = 1e-3;
 
 /// Least complementarity of a side at the start, in scaled units.
-const LEAST: f64 = 1e-2;
+const MIN_START_COMPLEMENTARITY: f64 = 1e-2;
 
 /// Least distance of a point from its bounds and of an inequality from its limits, in scaled units.
-const INSIDE: f64 = 0.1;
+const MIN_START_DISTANCE: f64 = 0.1;
 
 /// The last iterate whose complementarity was not yet small.
 #[derive(Debug, Default)]
@@ -32,7 +32,7 @@ impl Kept {
 
     /// Keeps an iterate as long as it is not too far.
     pub(super) fn update(&mut self, at: &Iterate) {
-        if self.x.is_empty() || at.barrier >= KEPT * at.dual.len() as f64 {
+        if self.x.is_empty() || at.barrier >= MIN_KEPT_COMPLEMENTARITY * at.dual.len() as f64 {
             self.x.clone_from(&at.x);
             self.multipliers.clone_from(&at.multipliers);
             self.dual.clone_from(&at.dual);
@@ -134,7 +134,7 @@ impl Iterate {
         for (j, known) in columns.iter().enumerate() {
             if let Some([x, ..]) = known {
                 let (lower, upper) = (scaled.lower[j], scaled.upper[j]);
-                let room = (0.5 * (upper - lower)).min(INSIDE);
+                let room = (0.5 * (upper - lower)).min(MIN_START_DISTANCE);
                 self.x[j] = (x / scaled.column[j]).max(lower + room).min(upper - room);
             }
         }
@@ -143,10 +143,11 @@ impl Iterate {
             let of_row = k < scaled.row_sides;
             let (values, known) = if of_row { (&self.activity, rows) } else { (&self.x, columns) };
             let unit = if of_row { 1.0 / scaled.row[side.of] } else { scaled.column[side.of] };
-            let least = if of_row { INSIDE } else { 1e-10 };
+            let least = if of_row { MIN_START_DISTANCE } else { 1e-10 };
             let z = known[side.of].map_or(0.0, |known| known[place(side)]);
             self.slack[k] = (side.sign * (values[side.of] - side.limit)).max(least);
-            self.dual[k] = (z * unit * scaled.objective).max(LEAST / self.slack[k]);
+            self.dual[k] =
+                (z * unit * scaled.objective).max(MIN_START_COMPLEMENTARITY / self.slack[k]);
         }
         for &(i, _) in &scaled.equalities {
             let y = rows[i].map_or(0.0, |known| known[0]);

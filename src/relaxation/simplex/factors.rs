@@ -7,7 +7,7 @@
 use crate::relaxation::sparse_vectors::SparseVectors;
 
 /// Pivots below this are none (scaled).
-const NO_PIVOT: f64 = 1e-9;
+const MIN_FACTOR_PIVOT: f64 = 1e-9;
 
 /// Where the row and the slot of a pivot are, and its value.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +58,7 @@ impl Factors {
         let mut queue: Vec<usize> = (0..columns.len()).filter(|&k| count[k] == 1).collect();
         while let Some(slot) = queue.pop() {
             let Some((row, value)) = columns.of(slot).find(|e| open_row[e.0]) else { continue };
-            if value.abs() < NO_PIVOT {
+            if value.abs() < MIN_FACTOR_PIVOT {
                 continue;
             }
             (open_row[row], open_slot[slot]) = (false, false);
@@ -77,7 +77,9 @@ impl Factors {
         let mut queue: Vec<usize> = (0..rows).filter(|&i| count[i] == 1).collect();
         while let Some(row) = queue.pop() {
             let found = by_row.of(row).find(|e| open_slot[e.0]);
-            let Some((slot, value)) = found.filter(|e| e.1.abs() >= NO_PIVOT) else { continue };
+            let Some((slot, value)) = found.filter(|e| e.1.abs() >= MIN_FACTOR_PIVOT) else {
+                continue;
+            };
             (open_row[row], open_slot[slot]) = (false, false);
             factors.lower.push(Pivot { row, slot, value });
             for (other, _) in columns.of(slot).filter(|e| open_row[e.0]) {
@@ -111,7 +113,7 @@ impl Factors {
             let size = |r: usize, dense: &[f64]| dense[r * width + c].abs();
             let best = (done..height)
                 .max_by(|&a, &b| size(a, &self.dense).total_cmp(&size(b, &self.dense)));
-            let Some(best) = best.filter(|&r| size(r, &self.dense) >= NO_PIVOT) else {
+            let Some(best) = best.filter(|&r| size(r, &self.dense) >= MIN_FACTOR_PIVOT) else {
                 dependent.push(self.slots[c]);
                 continue;
             };

@@ -15,15 +15,12 @@ mod ratio;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use dual::{Dual, FEASIBLE, NONE, Step};
+use dual::{Dual, Iteration, NONBASIC, PRIMAL_TOLERANCE};
 use program::LinearProgram;
 use ratio::Rest;
 
-/// The relative margin by which a bound must exceed the cutoff before the method stops.
-const PROMISE: f64 = 1e-7;
-
 /// Objectives with fewer terms than one in so many columns are left to others.
-const FEW: usize = 50;
+const COLUMNS_PER_COST: usize = 50;
 
 /// The dual simplex method.
 #[derive(Debug, Clone, Default)]
@@ -60,7 +57,7 @@ impl DualSimplex {
 
     /// The same of the costs alone.
     pub(super) fn suits_costs(costs: &[f64]) -> bool {
-        FEW * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
+        COLUMNS_PER_COST * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
     }
 }
 
@@ -88,8 +85,8 @@ impl Relaxation for DualSimplex {
         let Some(mut dual) = Dual::new(linear, wanted, rest, &y) else {
             return nothing();
         };
-        dual.allowed = effort.tolerance.min(FEASIBLE);
-        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        dual.allowed = effort.tolerance.min(PRIMAL_TOLERANCE);
+        let enough = effort.sufficient_bound();
         let unit = dual.program.objective_unit;
         let mut claim = Claim::Unknown;
         let mut ray = None;
@@ -97,24 +94,24 @@ impl Relaxation for DualSimplex {
         let (mut fresh, mut unshifted) = (false, false);
         while iterations < effort.iterations && !effort.token.is_over() {
             match dual.step() {
-                Step::Moved => (iterations, fresh) = (iterations + 1, false),
-                Step::Optimal if fresh && dual.is_shifted && !unshifted => {
+                Iteration::Moved => (iterations, fresh) = (iterations + 1, false),
+                Iteration::Optimal if fresh && dual.is_shifted && !unshifted => {
                     dual.unshift();
                     unshifted = true;
                 }
-                Step::Optimal if fresh => {
+                Iteration::Optimal if fresh => {
                     claim = if dual.is_shifted { Claim::Unknown } else { Claim::Solved };
                     break;
                 }
-                Step::Optimal => {
+                Iteration::Optimal => {
                     dual.compute();
                     fresh = true;
                 }
-                Step::Infeasible(y) => {
+                Iteration::Infeasible(y) => {
                     (claim, ray) = (Claim::Infeasible, Some(y));
                     break;
                 }
-                Step::Stuck => break,
+                Iteration::Stuck => break,
             }
             if !dual.is_shifted && dual.value() / unit + program.offset > enough {
                 claim = Claim::Beyond;
@@ -164,7 +161,7 @@ fn basis(program: &Reduced, dual: &Dual, y: &[f64]) -> Basis {
     let mut basis = Basis::default();
     for k in 0..dual.slot.len() {
         let place = match dual.slot[k] {
-            NONE => Place::Outside(dual.rest[k]),
+            NONBASIC => Place::Outside(dual.rest[k]),
             slot => Place::Inside(dual.weight[slot]),
         };
         let (list, name) = match k.checked_sub(n) {

@@ -1,10 +1,10 @@
 //! The ratio test of the dual method: which column enters, and which ones jump to their other bound.
 
 /// Reduced costs may be of the wrong sign by this much (scaled).
-const SLACK: f64 = 1e-9;
+const DUAL_TOLERANCE: f64 = 1e-9;
 
 /// Entries of the pivot row below this are zero (scaled).
-const ZERO: f64 = 1e-9;
+const MIN_ENTRY: f64 = 1e-9;
 
 /// A column whose reduced cost falls to zero as the dual step grows.
 #[derive(Debug, Clone, Copy)]
@@ -32,9 +32,9 @@ impl Candidate {
     ) -> Option<Self> {
         let [lower, upper] = bounds;
         let (fits, cost) = match at {
-            Rest::Lower => (entry > ZERO, cost),
-            Rest::Upper => (entry < -ZERO, -cost),
-            Rest::Free => (entry.abs() > ZERO, 0.0),
+            Rest::Lower => (entry > MIN_ENTRY, cost),
+            Rest::Upper => (entry < -MIN_ENTRY, -cost),
+            Rest::Free => (entry.abs() > MIN_ENTRY, 0.0),
         };
         let width = upper - lower;
         let open = fits && width > 0.0;
@@ -55,11 +55,11 @@ pub(super) enum Rest {
 /// their number. `slope` is what the dual objective gains per unit of step.
 pub(super) fn test(candidates: &mut [Candidate], mut slope: f64) -> (usize, Option<Candidate>) {
     // A bound that is reached but for rounding is reached.
-    let enough = SLACK * slope.max(1.0);
+    let enough = DUAL_TOLERANCE * slope.max(1.0);
     let mut done = 0;
     while done < candidates.len() {
         let rest = &mut candidates[done..];
-        let reach = |c: &Candidate| (c.cost + SLACK) / c.entry;
+        let reach = |c: &Candidate| (c.cost + DUAL_TOLERANCE) / c.entry;
         let most = rest.iter().map(reach).fold(f64::INFINITY, f64::min);
         let mut group = 0;
         let mut fall = 0.0;
