@@ -41,6 +41,7 @@ pub use progress::{Event, Incumbent, Progress};
 pub use relaxation_method::RelaxationMethod;
 pub use rules::BranchingRule;
 pub use stop_token::StopToken;
+pub(crate) use stop_token::uninterrupted;
 
 use crate::error::Error;
 use crate::model::Model;

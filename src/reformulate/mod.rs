@@ -52,7 +52,7 @@ use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{LeafBox, Outcome, Solution};
-use crate::solver::{Solver, StopToken};
+use crate::solver::{Solver, StopToken, uninterrupted};
 use direction::Tie;
 use implied_bounds::ImpliedBounds;
 use linear_program::Maximizer;
@@ -187,12 +187,7 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
 
 /// As [`lower`], with one method for all disjunctions.
 fn lower_by(model: &Model, method: Option<Method>) -> Result<Lowered, Error> {
-    loop {
-        // The default token never stops.
-        if let Some(lowered) = lower_until(model, method, &StopToken::default())? {
-            return Ok(lowered);
-        }
-    }
+    uninterrupted(|token| lower_until(model, method, token))
 }
 
 /// Lowers a model, with one method for all disjunctions if one is given; `None` if the token is over
@@ -248,7 +243,7 @@ pub(crate) fn is_missing_bound(error: &Error) -> bool {
 }
 
 /// The cost of lowering a statement, in visited entries.
-const STATEMENT: usize = 500;
+const STATEMENT_WORK: usize = 500;
 
 /// A lowered model, and what its rows imply if that was needed.
 type Made<'a> = (Lowered, Option<ImpliedBounds<'a>>);
@@ -263,7 +258,7 @@ fn lower_with<'a>(
     let mut relaxed = Vec::new();
     for variable in model.variables() {
         let Some(values) = variable.semicontinuous() else { continue };
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         semicontinuous::apply(&variable, values, &mut lowering)?;
@@ -271,7 +266,7 @@ fn lower_with<'a>(
     // Functions come before the rest because they bound their variables, and in this order because later ones
     // depend on earlier ones.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         functions::apply(&function, tie, &mut lowering)?;
@@ -280,26 +275,26 @@ fn lower_with<'a>(
         }
     }
     for indicator in model.indicators() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         big_m::apply(&indicator, &mut lowering)?;
     }
     for disjunction in model.disjunctions() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         let own = disjunction.method().unwrap_or(model.reformulation().method());
         disjunction::apply(&disjunction, method.unwrap_or(own), &mut lowering)?;
     }
     for statement in model.logical_constraints() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         logic::apply(&statement, &mut lowering)?;
     }
     for set in model.special_ordered_sets() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         sos::apply(&set, &mut lowering)?;
