@@ -32,6 +32,12 @@ impl<T> From<Vec<T>> for Schedule<T> {
     }
 }
 
+impl<T, const N: usize> From<[T; N]> for Schedule<T> {
+    fn from(values: [T; N]) -> Self {
+        Schedule { values: values.into() }
+    }
+}
+
 impl<T> Schedule<T> {
     /// The value at a step. `None` only if the list is empty, which systems refuse.
     pub fn get(&self, step: usize) -> Option<&T> {
