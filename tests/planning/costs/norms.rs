@@ -127,10 +127,10 @@ proptest! {
         let [q, r, p] = [&weights[..4], &weights[4..8], &weights[8..]];
         let miss = [0, 1].map(|k| plant.states[k] - series[k]);
         let push = [0, 1].map(|k| plant.inputs[k] - references[4 + k]);
-        let mut expression = norm.sum(&mut program, "x", weighted(q, &miss));
-        expression += norm.sum(&mut program, "u", weighted(r, &push));
+        let mut expression = norm.sum(&mut program, "cost_x", weighted(q, &miss));
+        expression += norm.sum(&mut program, "cost_u", weighted(r, &push));
         if has_end {
-            expression += norm.end(&mut program, "end", weighted(p, &miss));
+            expression += norm.end(&mut program, "cost_end", weighted(p, &miss));
         }
         let size = |e: [f64; 2]| match norm {
             Norm::Squares => e[0] * e[0] + e[1] * e[1],
@@ -177,9 +177,9 @@ proptest! {
         let norm = if largest { Norm::Largest } else { Norm::Sum };
         let states = weighted(q, &plant.states.map(Affine::from));
         let inputs = weighted(r, &plant.inputs.map(Affine::from));
-        let mut cost = norm.sum(&mut by_library, "x", states.clone());
-        cost += norm.sum(&mut by_library, "u", inputs);
-        cost += norm.end(&mut by_library, "end", states);
+        let mut cost = norm.sum(&mut by_library, "cost_x", states.clone());
+        cost += norm.sum(&mut by_library, "cost_u", inputs);
+        cost += norm.end(&mut by_library, "cost_end", states);
         by_library.minimize(cost).unwrap();
         let objective = solved(by_library.model()).objective().unwrap();
         prop_assert_eq!(solved(by_library.model()).statistics().nodes, 1);
@@ -238,8 +238,9 @@ fn costs_that_do_not_fit_are_refused_and_change_nothing() {
     let mut other = HybridSystem::new(1.0);
     let foreign = other.state("y", 0.0, 1.0).unwrap();
     // The magnitudes of earlier steps are taken back when a later part fails.
-    let foreign_text = "variable #0 in `an expression of a program` belongs to another model; use \
-                        the handles that this model returned";
+    let foreign_text = "variable number 0 used in `an expression of a program` belongs to another \
+                        model or system; use a handle only with the one that created it (or a clone \
+                        of it), and take handles of a system at a sample with `at`";
     let error = program.sum(x.square() + foreign.square()).unwrap_err();
     assert_eq!(error.to_string(), foreign_text);
     let error = program.sum_abs("cost", x + foreign).unwrap_err();
@@ -259,6 +260,14 @@ fn costs_that_do_not_fit_are_refused_and_change_nothing() {
     );
     let error = program.at(x - v, 3).unwrap_err();
     assert_eq!(error.to_string(), "the sample of `x` is 3; it must be at most 2, the last sample");
+    // A handle that is not taken at a sample is no variable of the model.
+    let error = program.add("row", x.le(1.0)).unwrap_err();
+    assert!(
+        error.to_string().contains("take handles of a system at a sample with `at`"),
+        "{error}"
+    );
+    let error = program.minimize(x.square()).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::ForeignHandle { .. }), "{error}");
     let error = program.sum_abs("cost", f64::NAN * x).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::NotFinite { .. }), "{error}");
     let error = program.sum_largest("cost", Vec::<Affine>::new()).unwrap_err();

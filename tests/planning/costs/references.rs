@@ -54,8 +54,8 @@ fn the_rotation_costs_what_it_costs_elsewhere() {
         let found = optimum(program, cost);
         assert!(is_close(found, by_squares), "{steps} steps: {found}, not {by_squares}");
         let mut program = from(steps);
-        let mut cost = program.sum_largest("x", [x1, x2]).unwrap();
-        cost += program.sum_abs("u", u).unwrap();
+        let mut cost = program.sum_largest("states", [x1, x2]).unwrap();
+        cost += program.sum_abs("push", u).unwrap();
         let end = [x1, x2].map(|x| program.end(x).unwrap());
         let sides = end.iter().flat_map(|x| [x.clone(), -x]);
         cost += program.model_mut().maximum("end", sides).unwrap();

@@ -163,7 +163,7 @@ fn bad_windows_and_failing_rows_end_the_search() {
     let other = Model::new("other").continuous("x", 0.0, 1.0).unwrap();
     let text =
         run(plain().with_rows(move |program| program.add("mine", other.le(0.5)).map(|_| ())));
-    assert!(text.contains("`mine` belongs to another model"), "{text}");
+    assert!(text.contains("`mine` belongs to another model or system"), "{text}");
 }
 
 /// A search over programs that have no hybrid system.
