@@ -72,10 +72,11 @@ pub enum ErrorKind {
         /// `variable` or `statement`.
         kind: &'static str,
     },
-    /// A handle of another model.
+    /// A handle of another model or hybrid system.
     #[error(
-        "{kind} number {index} used in `{place}` belongs to another model; use a handle only \
-         with the model that created it (or a clone of it)"
+        "{kind} number {index} used in `{place}` belongs to another model or system; use a handle \
+         only with the one that created it (or a clone of it), and take handles of a system at a \
+         sample with `at`"
     )]
     ForeignHandle {
         /// `variable`, `constraint` or `indicator`.

@@ -1,9 +1,11 @@
 //! Comparisons of affine expressions: `lower <= expression <= upper`.
 
 use super::affine::Affine;
+use super::checks;
 use super::ids::Variable;
 use super::literal::Literal;
 use super::quadratic::Quadratic;
+use crate::error::Error;
 
 /// A comparison, not yet added to a model: `lower <= expression <= upper`.
 ///
@@ -34,6 +36,15 @@ impl Row {
     /// The upper limit, or `+inf`.
     pub fn upper(&self) -> f64 {
         self.upper
+    }
+
+    /// The limits as a model takes them; magnitudes that count as infinite are.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Model::add`](super::Model::add).
+    pub(crate) fn limits(&self, name: &str) -> Result<(f64, f64), Error> {
+        checks::limits(self.lower, self.upper, &name.into())
     }
 
     /// Whether the row has no variable and holds.

@@ -221,8 +221,9 @@ fn handles_of_another_model() {
     let switch = other.add("switch", y.on().implies(y.le(1.0))).unwrap();
     let foreign = |kind: &str, index: usize, place: &str| {
         format!(
-            "{kind} number {index} used in `{place}` belongs to another model; use a handle only \
-             with the model that created it (or a clone of it)"
+            "{kind} number {index} used in `{place}` belongs to another model or system; use a handle \
+             only with the one that created it (or a clone of it), and take handles of a system at a \
+             sample with `at`"
         )
     };
     assert_eq!(text(model.add("r", (x + y).le(1.0))), foreign("variable", 1, "r"));

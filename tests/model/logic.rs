@@ -246,8 +246,9 @@ fn what_is_refused() {
     );
     assert_eq!(
         refused(v[0] & foreign),
-        "variable number 4 used in `f` belongs to another model; use a handle only with the model \
-         that created it (or a clone of it)"
+        "variable number 4 used in `f` belongs to another model or system; use a handle only with \
+         the one that created it (or a clone of it), and take handles of a system at a sample with \
+         `at`"
     );
     let none: [Variable; 0] = [];
     for empty in [Logic::all(none), Logic::any(none), at_most(1, none), at_least(1, none)] {

@@ -69,8 +69,8 @@ fn interrupted(
     let mut solver = BranchAndBound::default();
     let own = Stubborn { waits, easy };
     let found = shortest_horizon_with(&own, &options, &mut solver, &mut stop).unwrap();
-    assert_eq!(found.program.is_some(), found.steps.is_some());
-    assert!(found.solution.iter().all(|solution| solution.point().is_some()));
+    assert_eq!(found.plan.is_some(), found.steps.is_some());
+    assert!(found.plan.iter().all(|plan| plan.solution.point().is_some()));
     let open = found.attempts.iter().filter(|a| matches!(a.verdict, Verdict::Undecided(_)));
     let tried = open.map(|attempt| attempt.steps).collect();
     (found.steps, found.refuted_steps, found.status, tried)

@@ -148,14 +148,21 @@ fn linear_systems_refuse_bad_shapes_and_numbers() {
 
 #[test]
 fn horizons_out_of_range_are_refused_before_anything_is_built() {
+    let still = |time_step: f64| {
+        let mut system = HybridSystem::new(time_step);
+        system.state("x", 0.0, 1.0).unwrap();
+        system.mode("stay").unwrap().next::<Affine>([]).unwrap();
+        system
+    };
     for (steps, shown) in [(0, "0"), (1_000_000, "1000000")] {
         assert_eq!(
-            Horizon::new(steps, 0.1).unwrap_err().to_string(),
+            still(0.1).program(steps).unwrap_err().to_string(),
             format!("the number of steps is {shown}; it must be from 1 to 100000")
         );
     }
-    for time_step in [0.0, -1.0, f64::INFINITY] {
-        assert!(Horizon::new(5, time_step).is_err());
+    for time_step in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+        let error = still(time_step).program(5).unwrap_err();
+        assert!(error.to_string().starts_with("the time step (s) is"), "{error}");
     }
 }
 
@@ -179,15 +186,14 @@ fn one_step(wall: Wall, restitution: f64, law: ContactLaw, time_step: f64) -> On
         FreeSide::Above => (at - 20.0, at + 50.0),
         _ => (at - 50.0, at + 20.0),
     };
-    let system = HybridSystem::new(0.1)
+    let system = HybridSystem::new(time_step)
         .with_state("x", Interval::new(low, high))
         .with_state("v", Interval::new(-30.0, 30.0))
         .with_input("a", Interval::new(-3.0, 3.0))
         .with_transition(flight)
         .with_transition(hit);
     let mut model = Model::new("step");
-    let horizon = Horizon::new(1, time_step).unwrap();
-    let program = system.write(&mut model, "", &horizon).unwrap();
+    let program = system.write(&mut model, "", 1).unwrap();
     OneStep { model, program }
 }
 

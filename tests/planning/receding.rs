@@ -4,50 +4,50 @@ use std::time::Duration;
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    Disturbance, HybridSystem, LinearSystem, Lqr, Move, MoveSource, RecedingHorizon, Region,
-    TerminalOptions, TerminalSet, When,
+    Disturbance, HybridProgram, HybridSystem, LinearSystem, Lqr, Move, MoveSource, RecedingHorizon,
+    Region, State, TerminalOptions, TerminalSet, When,
 };
-use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
 const H: f64 = 0.1;
 
 /// A cart in front of a spring.
-fn cart() -> HybridSystem {
-    let flow = |spring: f64| {
-        let a = [[1.0, H], [-H * spring, 1.0]];
-        LinearSystem::new(a, [[0.0], [H]], [0.0, H * spring]).unwrap()
-    };
-    let apart = Halfspace::new("apart", [1.0, 0.0], 1.0);
-    let touching = Halfspace::new("touching", [-1.0, 0.0], -1.0);
-    HybridSystem::new(H)
-        .with_state("x", Interval::new(-2.0, 2.0))
-        .with_state("v", Interval::new(-3.0, 3.0))
-        .with_input("u", Interval::new(-2.0, 2.0))
-        .with_transition(Transition::new("free", flow(0.0)).with_guard(apart))
-        .with_transition(Transition::new("pushed", flow(20.0)).with_guard(touching))
+struct Cart {
+    system: HybridSystem,
+    x: State,
+    v: State,
+    u: Variable,
 }
 
-fn program(steps: usize) -> Result<(SystemVariables, Model), Error> {
-    let mut model = Model::new("cart");
-    let program = cart().write(&mut model, "", steps)?;
-    let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.05]]);
-    let cost = program.add_cost(&mut model, "cost", &cost)?;
-    model.minimize(cost)?;
-    Ok((program, model))
+fn cart() -> Cart {
+    let mut system = HybridSystem::new(H);
+    let x = system.state("x", -2.0, 2.0).unwrap();
+    let v = system.state("v", -3.0, 3.0).unwrap();
+    let u = system.input("u", -2.0, 2.0).unwrap();
+    let flow = |spring: f64| [(x, x + H * v), (v, v + H * (u + spring * (1.0 - x)))];
+    system.mode("free").unwrap().next(flow(0.0)).unwrap().guard(x.le(1.0)).unwrap();
+    system.mode("pushed").unwrap().next(flow(20.0)).unwrap().guard(x.ge(1.0)).unwrap();
+    Cart { system, x, v, u }
+}
+
+fn program(steps: usize) -> Result<HybridProgram, Error> {
+    let Cart { system, x, v, u } = cart();
+    let mut program = system.program(steps)?;
+    program.minimize(program.sum(x.square() + 0.1 * v.square() + 0.05 * u.square())?)?;
+    Ok(program)
 }
 
 fn plant(state: &[f64], next: &Move) -> Result<Vec<f64>, Error> {
-    Ok(cart().simulate(state, &[&next.input])?.last().to_vec())
+    Ok(cart().system.simulate(state, &[&next.input])?.last().to_vec())
 }
 
 #[test]
 fn every_plan_costs_what_a_cold_one_does() {
-    let (handles, model) = program(10).unwrap();
+    let program = program(10).unwrap();
     let mut push = Disturbance::new(vec![Interval::new(-0.02, 0.02); 2], 3);
     let mut solver = BranchAndBound::default();
-    let mut controller = RecedingHorizon::new(&handles, model.clone(), &mut solver).unwrap();
+    let mut controller = RecedingHorizon::new(program.clone(), &mut solver).unwrap();
     let disturbed = |state: &[f64], next: &Move| {
         let after = plant(state, next)?;
         Ok(after.iter().zip(push.next_value()).map(|(x, w)| (x + w).clamp(-1.9, 1.9)).collect())
@@ -55,10 +55,10 @@ fn every_plan_costs_what_a_cold_one_does() {
     let run = controller.run(&[0.5, 1.8], 12, disturbed).unwrap();
     assert_eq!(run.count(MoveSource::Optimal), 12);
     for next in &run.moves {
-        let mut cold = model.clone();
-        let at = Region::point(&next.state);
-        handles.require(&mut cold, "at", &at, When::At(0)).unwrap();
-        let best = BranchAndBound::default().solve(&cold).unwrap().objective().unwrap();
+        let mut cold = program.clone();
+        cold.require("at", Region::point(&next.state), When::At(0)).unwrap();
+        let best = cold.solve(&mut BranchAndBound::default()).unwrap();
+        let best = best.solution.objective().unwrap();
         let own = next.objective.unwrap();
         assert!((best - own).abs() <= 5e-6 * best.abs().max(1.0), "{best}, {own}");
         assert_eq!(next.states[0].len(), 2);
@@ -76,9 +76,8 @@ fn every_plan_costs_what_a_cold_one_does() {
 
 #[test]
 fn a_move_comes_from_the_last_plan_when_there_is_no_new_one() {
-    let (handles, model) = program(6).unwrap();
     let mut solver = BranchAndBound::default();
-    let mut controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let mut controller = RecedingHorizon::new(program(6).unwrap(), &mut solver).unwrap();
     let first = controller.step(&[0.0, 1.0]).unwrap();
     assert_eq!(first.source, MoveSource::Optimal);
     controller = controller.with_budget(Duration::ZERO);
@@ -97,9 +96,8 @@ fn a_move_comes_from_the_last_plan_when_there_is_no_new_one() {
 
 #[test]
 fn a_state_out_of_range_gets_a_fallback_and_bad_numbers_an_error() {
-    let (handles, model) = program(4).unwrap();
     let mut solver = BranchAndBound::default();
-    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let controller = RecedingHorizon::new(program(4).unwrap(), &mut solver).unwrap();
     let mut controller = controller.with_fallback(|state| vec![-state[1].signum()]);
     let next = controller.step(&[0.0, 3.5]).unwrap();
     assert_eq!((next.source, &next.input[..]), (MoveSource::Given, &[-1.0][..]));
@@ -118,20 +116,20 @@ fn a_state_out_of_range_gets_a_fallback_and_bad_numbers_an_error() {
 fn a_terminal_set_keeps_the_loop_going() {
     let line = LinearSystem::double_integrator(H).unwrap();
     let lqr = Lqr::new(&line, [[1.0, 0.0], [0.0, 1.0]], [[1.0]]).unwrap();
-    let system = HybridSystem::new(H)
-        .with_state("x", Interval::new(-2.0, 2.0))
-        .with_state("v", Interval::new(-2.0, 2.0))
-        .with_input("a", Interval::new(-1.0, 1.0))
-        .with_transition(Transition::new("drive", line));
+    let mut system = HybridSystem::new(H);
+    for name in ["x", "v"] {
+        system.state(name, -2.0, 2.0).unwrap();
+    }
+    system.input("a", -1.0, 1.0).unwrap();
+    system.mode("drive").unwrap().flow(line).unwrap();
     let options = TerminalOptions::default();
     let mut solver = BranchAndBound::default();
     let set =
         TerminalSet::new(&system, &["drive"], &lqr, &[0.0, 0.0], &options, &mut solver).unwrap();
-    let mut model = Model::new("drive");
-    let handles = system.write(&mut model, "", 5).unwrap();
-    handles.require(&mut model, "end", &set.region, When::At(5)).unwrap();
-    model.minimize(0.0).unwrap();
-    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let mut program = system.program(5).unwrap();
+    program.require("end", &set.region, When::At(5)).unwrap();
+    program.minimize(0.0).unwrap();
+    let controller = RecedingHorizon::new(program, &mut solver).unwrap();
     let mut controller = controller.with_terminal_set(set).with_budget(Duration::ZERO);
     let next = controller.step(&[0.1, 0.1]).unwrap();
     assert_eq!((next.source, next.is_admissible), (MoveSource::TerminalFeedback, Some(true)));
@@ -140,10 +138,9 @@ fn a_terminal_set_keeps_the_loop_going() {
 #[test]
 fn a_shrinking_horizon_arrives_in_time() {
     let build = |steps: usize| {
-        let (handles, mut model) = program(steps)?;
-        let goal = Region::from(vec![Interval::new(-0.1, 0.1), Interval::new(-0.1, 0.1)]);
-        handles.require(&mut model, "goal", &goal, When::At(steps))?;
-        Ok((handles, model))
+        let mut program = program(steps)?;
+        program.goal([Interval::new(-0.1, 0.1), Interval::new(-0.1, 0.1)])?;
+        Ok(program)
     };
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::shrinking(20, build, &mut solver);
@@ -156,19 +153,14 @@ fn a_shrinking_horizon_arrives_in_time() {
 
 #[test]
 fn an_excess_of_softened_limits_is_reported() {
-    let (handles, mut model) = program(5).unwrap();
-    let limit = Halfspace::new("slow", [0.0, 1.0], 0.5);
-    let price = handles.soften(&mut model, "slow", &limit, 100.0, 0.0).unwrap();
-    let excess: Affine = model
-        .variables()
-        .filter(|v| v.name().family() == "slow_excess")
-        .map(|v| Affine::from(v.id()))
-        .sum();
-    let cost = model.objective().clone() + price;
-    model.minimize(cost).unwrap();
+    let Cart { system, x, v, u } = cart();
+    let mut program = system.program(5).unwrap();
+    let cost = program.sum(x.square() + 0.1 * v.square() + 0.05 * u.square()).unwrap();
+    let slow = program.soften("slow", v.le(0.5), 100.0, 0.0).unwrap();
+    program.minimize(cost + slow.cost).unwrap();
     let mut solver = BranchAndBound::default();
-    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
-    let mut controller = controller.with_excess(excess);
+    let controller = RecedingHorizon::new(program, &mut solver).unwrap();
+    let mut controller = controller.with_excess(slow.excess);
     let fast = controller.step(&[0.0, 1.0]).unwrap();
     assert_eq!(fast.source, MoveSource::Softened);
     assert!(fast.excess.is_some_and(|excess| excess > 0.5));

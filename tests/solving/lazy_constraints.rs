@@ -361,8 +361,9 @@ fn errors_of_a_callback_end_the_solve() {
     );
     assert_eq!(
         text(vec![y.le(0.0)]),
-        "variable number 0 used in `lazy_constraint[0]` belongs to another model; use a handle \
-         only with the model that created it (or a clone of it)"
+        "variable number 0 used in `lazy_constraint[0]` belongs to another model or system; use a \
+         handle only with the one that created it (or a clone of it), and take handles of a system \
+         at a sample with `at`"
     );
     assert_eq!(
         text(vec![(x - x).ge(1.0)]),

@@ -3,9 +3,7 @@
 use std::iter::Sum;
 
 use super::{AtSample, HybridProgram};
-#[cfg(doc)]
-use crate::error::ErrorKind;
-use crate::error::{Error, check_finite};
+use crate::error::{Error, ErrorKind, check_finite};
 use crate::model::{Affine, Quadratic, Row};
 
 /// A limit that a plan may exceed, made by [`HybridProgram::soften`].
@@ -130,8 +128,9 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// Those of [`at`](HybridProgram::at); [`ErrorKind::NotFinite`]; [`ErrorKind::OutOfRange`] for a
-    /// negative price, and if both are 0; [`ErrorKind::DuplicateName`]. The model then stays as it was.
+    /// Those of [`at`](HybridProgram::at); those of [`Model::add`](crate::model::Model::add) for the row;
+    /// [`ErrorKind::NotFinite`], and [`ErrorKind::OutOfRange`] for a negative price and if both are 0. The
+    /// model then stays as it was.
     pub fn soften(
         &mut self,
         name: &str,
@@ -145,6 +144,11 @@ impl HybridProgram {
             let range = "at least 0, and one of the two prices above 0";
             return Err(Error::out_of_range(format!("a price of `{name}`"), lower, range));
         }
+        if row.expression().terms().is_empty() {
+            return Err(ErrorKind::EmptyRow { name: name.to_owned() }.into());
+        }
+        let (lower, upper) = row.limits(name)?;
+        let row = row.expression().within(lower, upper);
         let members = self.members.clone();
         self.model.all_or_nothing(|model| {
             let mut soft = SoftLimit { cost: Quadratic::zero(), excess: Affine::zero() };

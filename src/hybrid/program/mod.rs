@@ -171,6 +171,12 @@ impl HybridProgram {
         self.members.steps
     }
 
+    /// The system, the first one if there are several; its handles [by name](HybridSystem::state_named)
+    /// stand in expressions of the program, also for the program of a scene.
+    pub fn system(&self) -> &HybridSystem {
+        self.members.first().system()
+    }
+
     /// An expression, a row or a condition of the systems' handles, taken at a sample: states and modes
     /// at it, inputs, transitions and outputs in the step that starts there. Variables of the model stay
     /// as they are.

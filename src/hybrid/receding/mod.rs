@@ -90,7 +90,7 @@ pub struct RecedingHorizon<'a> {
 }
 
 impl<'a> RecedingHorizon<'a> {
-    /// A controller with the horizon of a program, which moves along with it.
+    /// A controller with the horizon of a program, of a system or of a scene, which moves along with it.
     ///
     /// The state at the first sample becomes a parameter within the domains of the states. Nothing
     /// else in the model may fix it.
@@ -106,7 +106,11 @@ impl<'a> RecedingHorizon<'a> {
     /// Those of [`Solver::prepare`]; [`ErrorKind::DuplicateName`] if the model has a variable
     /// `measured_x` for a state `x`; [`ErrorKind::Unsupported`] if a range, a limit, a guard or a reset of
     /// the system, or a [series](HybridSystem::series), depends on the step.
-    pub fn new(mut program: HybridProgram, solver: &'a mut dyn Solver) -> Result<Self, Error> {
+    pub fn new(
+        program: impl Into<HybridProgram>,
+        solver: &'a mut dyn Solver,
+    ) -> Result<Self, Error> {
+        let mut program = program.into();
         check_moves(&program.model)?;
         let handles = Handles::measure(&mut program)?;
         let HybridProgram { model, members } = program;

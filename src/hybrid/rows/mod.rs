@@ -29,7 +29,6 @@ mod write;
 pub(crate) use extreme::push_outward;
 #[doc(hidden)]
 pub use program::SystemVariables;
-pub(crate) use program::SystemVariables as HybridProgram;
 pub use run::HybridRun;
 
 use super::horizon::Horizon;

@@ -9,8 +9,8 @@ use super::statement::{INSIDE, Scene};
 use super::system::{AXES, Stated};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::damage::ImpactEstimate;
-use crate::hybrid::program::When;
-use crate::hybrid::rows::HybridProgram;
+use crate::hybrid::program::{HybridProgram, When};
+use crate::hybrid::rows::SystemVariables;
 use crate::model::{Affine, Family, Literal, Model, Quadratic, Variable, either};
 
 /// The program of a scene over a horizon: its model, and the variables in it.
@@ -22,7 +22,7 @@ pub struct SceneProgram {
     pub model: Model,
     /// The variables by name and step.
     #[doc(hidden)]
-    pub hybrid: HybridProgram,
+    pub hybrid: SystemVariables,
     pub(super) scene: Scene,
     pub(super) contacts: Vec<Contact>,
     /// Damage of each contact by step, if a rule needs it.
@@ -40,6 +40,13 @@ impl Borrow<Model> for SceneProgram {
 impl BorrowMut<Model> for SceneProgram {
     fn borrow_mut(&mut self) -> &mut Model {
         &mut self.model
+    }
+}
+
+impl From<SceneProgram> for HybridProgram {
+    /// The program with its rules, for controllers.
+    fn from(program: SceneProgram) -> Self {
+        HybridProgram::from_parts(program.model, program.hybrid)
     }
 }
 

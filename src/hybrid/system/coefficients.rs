@@ -142,18 +142,16 @@ impl HybridSystem {
         if normal.iter().all(|a| *a == 0.0) {
             return Err(ErrorKind::EmptyRow { name: text }.into());
         }
+        let (lower, upper) = row.limits(&text)?;
         let is_limit = name.is_some_and(|(_, is_limit)| is_limit);
         let mut halves = Vec::new();
-        for (end, sign) in [(row.upper(), 1.0), (row.lower(), -1.0)] {
-            if end == sign * f64::INFINITY {
+        for (end, sign) in [(upper, 1.0), (lower, -1.0)] {
+            if end.is_infinite() {
                 continue;
             }
             let normal: Vec<f64> = normal.iter().map(|a| sign * a).collect();
             let limit = all.constant.map(|constant| sign * (end - constant));
             halves.push(Halfspace { is_limit, ..Halfspace::new(text.clone(), normal, limit) });
-        }
-        if halves.is_empty() {
-            return Err(ErrorKind::UnlimitedRow { name: text }.into());
         }
         Ok((moment, halves))
     }
@@ -170,7 +168,8 @@ impl HybridSystem {
         }
         let mut used = all.inputs.iter().enumerate().filter(|(_, a)| **a != 0.0);
         let (Some((input, &factor)), None) = (used.next(), used.next()) else { return Ok(None) };
-        let range = |constant: &f64| range(row, factor, *constant);
+        let limits = row.limits(&self.row_text(row))?;
+        let range = |constant: &f64| range(limits, factor, *constant);
         let ranges: Vec<Interval> = all.constant.values().map(range).collect();
         Ok(Some((input, ranges.into())))
     }
@@ -188,7 +187,8 @@ impl HybridSystem {
         for row in rows {
             let all = self.coefficients(row.expression(), PLACE)?;
             if !all.modes.is_empty() {
-                region.modes.extend(self.modes_of(&row, all, PLACE)?);
+                let allowed = self.modes_of(&row, all, PLACE)?;
+                self.allow_only(&mut region, &row, allowed, PLACE)?;
                 continue;
             }
             for (variable, _) in row.expression().terms() {
@@ -203,7 +203,8 @@ impl HybridSystem {
             let mut used = all.states.iter().enumerate().filter(|(_, a)| **a != 0.0);
             match (used.next(), used.next(), all.constant.is_constant()) {
                 (Some((i, &factor)), None, true) => {
-                    let own = range(&row, factor, row.expression().offset());
+                    let limits = row.limits(&self.row_text(&row))?;
+                    let own = range(limits, factor, row.expression().offset());
                     let both = region.ranges[i].intersection(own);
                     if both.is_empty() {
                         let name = self.states[i].0.clone();
@@ -216,6 +217,28 @@ impl HybridSystem {
             }
         }
         Ok(region)
+    }
+
+    /// Allows a region only those of its modes that a row allows too.
+    fn allow_only(
+        &self,
+        region: &mut Region,
+        row: &Row,
+        mut allowed: Vec<(String, String)>,
+        place: &str,
+    ) -> Result<(), Error> {
+        let Some(choice) = allowed.first().map(|(choice, _)| choice.clone()) else { return Ok(()) };
+        if region.modes.iter().any(|(own, _)| *own == choice) {
+            allowed.retain(|mode| region.modes.contains(mode));
+        }
+        if allowed.is_empty() {
+            let name = format!("the row `{}`", self.row_text(row));
+            let help = "another row excludes the modes that it allows";
+            return Err(ErrorKind::Misplaced { name, place: place.to_owned(), help }.into());
+        }
+        region.modes.retain(|(own, _)| *own != choice);
+        region.modes.extend(allowed);
+        Ok(())
     }
 
     /// The modes that a row like `(on + starting).equals(1.0)` allows.
@@ -256,7 +279,10 @@ impl HybridSystem {
 }
 
 /// The values of `x` with `lower <= factor x + constant <= upper`.
-fn range(row: &Row, factor: f64, constant: f64) -> Interval {
-    let [lower, upper] = [row.lower(), row.upper()].map(|end| (end - constant) / factor);
-    Interval::new(lower.min(upper), lower.max(upper))
+fn range((lower, upper): (f64, f64), factor: f64, constant: f64) -> Interval {
+    let [lower, upper] = [lower, upper].map(|end| (end - constant) / factor);
+    match factor > 0.0 {
+        true => Interval::new(lower, upper),
+        false => Interval::new(upper, lower),
+    }
 }

@@ -66,6 +66,13 @@ impl IntoRegion for &[Interval] {
 }
 
 /// One range per state.
+impl IntoRegion for &Vec<Interval> {
+    fn stated(self) -> StatedRegion {
+        StatedRegion::Region(self.into())
+    }
+}
+
+/// One range per state.
 impl IntoRegion for Vec<Interval> {
     fn stated(self) -> StatedRegion {
         StatedRegion::Region(self.into())

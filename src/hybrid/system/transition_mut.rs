@@ -136,7 +136,7 @@ impl<'a> TransitionMut<'a> {
     }
 
     /// Adds a guard that could be dropped, such as a rule of the user: explanations name it, and say
-    /// whether dropping it would help.
+    /// whether dropping it would help. It is never a range of an input.
     ///
     /// # Errors
     ///
@@ -151,7 +151,10 @@ impl<'a> TransitionMut<'a> {
     fn add(mut self, name: Option<(&str, bool)>, row: &Row) -> Result<Self, Error> {
         let place = self.place("a guard");
         let (moment, halves) = self.system.halfspaces(name, row, &place)?;
-        if let Some((input, range)) = self.system.input_limits(row, &place)? {
+        // A range has no name by which it could be dropped.
+        if name.is_none()
+            && let Some((input, range)) = self.system.input_limits(row, &place)?
+        {
             return self.narrow(input, &range, row);
         }
         match moment {

@@ -1,33 +1,38 @@
 //! Costs in the three norms against plain sums and hand-written epigraphs.
 
 use carom::ErrorKind;
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, Region, When};
-use carom::internals::hybrid::{SystemVariables, Transition};
-use carom::interval::Interval;
+use carom::hybrid::{HybridProgram, HybridSystem, LinearSystem, Mat, State};
 use carom::prelude::*;
 use proptest::prelude::*;
 
 use crate::common::config;
 
-/// Two states and two inputs; both transitions do the same but for their name.
-fn system(entries: &[f64]) -> (HybridSystem, LinearSystem) {
+/// Two states and two inputs.
+struct Plant {
+    system: HybridSystem,
+    flow: LinearSystem,
+    states: [State; 2],
+    inputs: [Variable; 2],
+}
+
+fn plant(entries: &[f64]) -> Plant {
     let a = Mat::from_fn(2, 2, |i, j| entries[2 * i + j]);
     let b = Mat::from_fn(2, 2, |i, j| entries[4 + 2 * i + j]);
     let flow = LinearSystem::new(a, b, [0.1, -0.2]).unwrap();
-    let system = HybridSystem::new(1.0)
-        .with_state("x", Interval::new(-40.0, 40.0))
-        .with_state("v", Interval::new(-40.0, 40.0))
-        .with_input("a", Interval::new(-1.0, 1.0))
-        .with_input("b", Interval::new(-1.0, 1.0))
-        .with_transition(Transition::new("go", flow.clone()));
-    (system, flow)
+    let mut system = HybridSystem::new(1.0);
+    let states = ["x", "v"].map(|name| system.state(name, -40.0, 40.0).unwrap());
+    let inputs = ["a", "b"].map(|name| system.input(name, -1.0, 1.0).unwrap());
+    system.mode("go").unwrap().flow(flow.clone()).unwrap();
+    Plant { system, flow, states, inputs }
 }
 
-fn program(system: &HybridSystem, steps: usize, start: &[f64]) -> (Model, SystemVariables) {
-    let mut model = Model::new("m");
-    let program = system.write(&mut model, "", steps).unwrap();
-    program.require(&mut model, "start", &Region::point(start), When::At(0)).unwrap();
-    (model, program)
+impl Plant {
+    fn program(&self, steps: usize, start: &[f64]) -> HybridProgram {
+        let mut program = self.system.program(steps).unwrap();
+        let at = |(state, value): (&State, &f64)| state.equals(*value);
+        program.start(self.states.iter().zip(start).map(at).collect::<Vec<_>>()).unwrap();
+        program
+    }
 }
 
 fn solved(model: &Model) -> Solution {
@@ -41,8 +46,52 @@ fn times(weight: &[f64], e: [f64; 2]) -> [f64; 2] {
     [weight[0] * e[0] + weight[1] * e[1], weight[2] * e[0] + weight[3] * e[1]]
 }
 
-fn matrix(weight: &[f64]) -> Mat<f64> {
-    Mat::from_fn(2, 2, |i, j| weight[2 * i + j])
+/// The same for expressions.
+fn weighted(weight: &[f64], e: &[Affine; 2]) -> [Affine; 2] {
+    [0, 1].map(|i| weight[2 * i] * &e[0] + weight[2 * i + 1] * &e[1])
+}
+
+/// How `W e` is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Norm {
+    Squares,
+    Sum,
+    Largest,
+}
+
+impl Norm {
+    /// Over the steps.
+    fn sum(self, program: &mut HybridProgram, name: &str, rows: [Affine; 2]) -> Quadratic {
+        let [first, second] = rows.clone();
+        match self {
+            Norm::Squares => program.sum(first.square() + second.square()).unwrap(),
+            Norm::Sum => {
+                let first = program.sum_abs(&format!("{name}0"), first).unwrap();
+                (first + program.sum_abs(&format!("{name}1"), second).unwrap()).into()
+            }
+            Norm::Largest => program.sum_largest(name, rows).unwrap().into(),
+        }
+    }
+
+    /// At the last sample.
+    fn end(self, program: &mut HybridProgram, name: &str, rows: [Affine; 2]) -> Quadratic {
+        let [first, second] = rows.map(|row| program.end(row).unwrap());
+        if self == Norm::Squares {
+            return first.square() + second.square();
+        }
+        let model = program.model_mut();
+        match self {
+            Norm::Largest => {
+                let sides = [first.clone(), -first, second.clone(), -second];
+                Affine::from(model.maximum(name, sides).unwrap()).into()
+            }
+            _ => {
+                let sides = [first, second].into_iter().enumerate();
+                sides.map(|(k, side)| model.absolute((name, k), side).unwrap()).sum::<Affine>()
+            }
+            .into(),
+        }
+    }
 }
 
 proptest! {
@@ -59,36 +108,34 @@ proptest! {
         start in prop::collection::vec(-3.0..3.0_f64, 2),
         has_end in any::<bool>(),
     ) {
-        let (system, flow) = system(&entries);
-        let (mut model, program) = program(&system, 4, &start);
-        for (k, family) in program.inputs().iter().enumerate() {
+        let norm = [Norm::Squares, Norm::Sum, Norm::Largest][norm];
+        let mut plant = plant(&entries);
+        // The reference of the states changes once, that of the inputs is constant.
+        let state_reference = [&references[..2], &references[2..4]];
+        let mut series = |k: usize| {
+            let values = state_reference.map(|values| values[k]).to_vec();
+            plant.system.series(&format!("reference {k}"), values).unwrap()
+        };
+        let series = [series(0), series(1)];
+        let mut program = plant.program(4, &start);
+        for (k, input) in plant.inputs.iter().enumerate() {
             for t in 0..4 {
-                model.fix(family[t], inputs[2 * t + k]).unwrap();
+                let input = program.variable(*input, t).unwrap();
+                program.model_mut().fix(input, inputs[2 * t + k]).unwrap();
             }
         }
-        // W'W is positive semidefinite.
-        let gram = |w: &[f64]| {
-            let w = matrix(w);
-            w.transpose() * &w
-        };
         let [q, r, p] = [&weights[..4], &weights[4..8], &weights[8..]];
-        let mut cost = match norm {
-            0 => Cost::quadratic(gram(q), gram(r)),
-            1 => Cost::one_norm(matrix(q), matrix(r)),
-            _ => Cost::infinity_norm(matrix(q), matrix(r)),
-        };
+        let miss = [0, 1].map(|k| plant.states[k] - series[k]);
+        let push = [0, 1].map(|k| plant.inputs[k] - references[4 + k]);
+        let mut expression = norm.sum(&mut program, "cost_x", weighted(q, &miss));
+        expression += norm.sum(&mut program, "cost_u", weighted(r, &push));
         if has_end {
-            cost = if norm == 0 { cost.with_terminal(gram(p)) } else { cost.with_terminal(matrix(p)) };
+            expression += norm.end(&mut program, "cost_end", weighted(p, &miss));
         }
-        // The reference of the states changes once, that of the inputs is constant.
-        let state_reference = vec![references[..2].to_vec(), references[2..4].to_vec()];
-        let cost = cost
-            .with_state_reference(state_reference.clone())
-            .with_input_reference(references[4..6].to_vec());
         let size = |e: [f64; 2]| match norm {
-            0 => e[0] * e[0] + e[1] * e[1],
-            1 => e[0].abs() + e[1].abs(),
-            _ => e[0].abs().max(e[1].abs()),
+            Norm::Squares => e[0] * e[0] + e[1] * e[1],
+            Norm::Sum => e[0].abs() + e[1].abs(),
+            Norm::Largest => e[0].abs().max(e[1].abs()),
         };
         let (mut x, mut sum) = (start.clone(), 0.0);
         for t in 0..=4 {
@@ -101,18 +148,17 @@ proptest! {
             let u = &inputs[2 * t..2 * t + 2];
             sum += size(times(q, e));
             sum += size(times(r, [u[0] - references[4], u[1] - references[5]]));
-            x = flow.step(&x, u).unwrap();
+            x = plant.flow.step(&x, u).unwrap();
         }
-        let expression = program.add_cost(&mut model, "cost", &cost).unwrap();
-        model.minimize(expression.clone()).unwrap();
-        let solution = solved(&model);
-        let objective = solution.objective().unwrap();
+        program.minimize(expression.clone()).unwrap();
+        let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+        let objective = plan.solution.objective().unwrap();
         prop_assert!((objective - sum).abs() <= 1e-5 * sum.max(1.0), "{objective} {sum}");
-        if norm > 0 {
+        if norm != Norm::Squares {
             // The variables have these values also where the cost is maximised.
             let affine = expression.affine().clone();
-            model.maximize(affine).unwrap();
-            let objective = solved(&model).objective().unwrap();
+            program.maximize(affine).unwrap();
+            let objective = solved(program.model()).objective().unwrap();
             prop_assert!((objective - sum).abs() <= 1e-5 * sum.max(1.0), "{objective} {sum}");
         }
     }
@@ -125,22 +171,27 @@ proptest! {
         weights in prop::collection::vec(-2.0..2.0_f64, 8),
         start in prop::collection::vec(-3.0..3.0_f64, 2),
     ) {
-        let (system, _) = system(&entries);
-        let (mut model, by_library) = program(&system, 5, &start);
+        let plant = plant(&entries);
+        let mut by_library = plant.program(5, &start);
         let (q, r) = (&weights[..4], &weights[4..]);
-        let cost = match largest {
-            true => Cost::infinity_norm(matrix(q), matrix(r)),
-            false => Cost::one_norm(matrix(q), matrix(r)),
-        };
-        let expression =
-            by_library.add_cost(&mut model, "cost", &cost.with_terminal(matrix(q))).unwrap();
-        model.minimize(expression).unwrap();
-        let objective = solved(&model).objective().unwrap();
-        prop_assert_eq!(solved(&model).statistics().nodes, 1);
+        let norm = if largest { Norm::Largest } else { Norm::Sum };
+        let states = weighted(q, &plant.states.map(Affine::from));
+        let inputs = weighted(r, &plant.inputs.map(Affine::from));
+        let mut cost = norm.sum(&mut by_library, "cost_x", states.clone());
+        cost += norm.sum(&mut by_library, "cost_u", inputs);
+        cost += norm.end(&mut by_library, "cost_end", states);
+        by_library.minimize(cost).unwrap();
+        let objective = solved(by_library.model()).objective().unwrap();
+        prop_assert_eq!(solved(by_library.model()).statistics().nodes, 1);
 
-        let (mut model, by_hand) = program(&system, 5, &start);
+        let mut by_hand = plant.program(5, &start);
+        let of = |handle: Variable, count: usize| {
+            (0..count).map(|t| by_hand.variable(handle, t).unwrap()).collect::<Family>()
+        };
+        let states = plant.states.map(|state| of(state.into(), 6));
+        let inputs = plant.inputs.map(|input| of(input, 5));
+        let model = by_hand.model_mut();
         let mut sum = Affine::zero();
-        let (states, inputs) = (by_hand.states().to_vec(), by_hand.inputs().to_vec());
         for (name, weight, of, samples) in [("e", q, &states, 0..6), ("g", r, &inputs, 0..5)] {
             for t in samples {
                 let most: Vec<Variable> = (0..2)
@@ -156,7 +207,7 @@ proptest! {
             }
         }
         model.minimize(sum).unwrap();
-        let expected = solved(&model).objective().unwrap();
+        let expected = solved(model).objective().unwrap();
         prop_assert!((objective - expected).abs() <= 1e-5 * expected.max(1.0));
     }
 }
@@ -164,60 +215,77 @@ proptest! {
 #[test]
 fn transitions_cost_what_is_said() {
     // Three steps of 1 cost nothing each, a step of 2 costs 5.
-    let drive = |by: f64| LinearSystem::new([[1.0]], [[]], [by]).unwrap();
-    let system = HybridSystem::new(1.0)
-        .with_state("x", Interval::new(0.0, 9.0))
-        .with_transition(Transition::new("slow", drive(1.0)))
-        .with_transition(Transition::new("fast", drive(2.0)))
-        .with_transition(Transition::new("stop", drive(0.0)));
-    let (mut model, program) = program(&system, 3, &[0.0]);
-    program.require(&mut model, "goal", &Region::point([5.0]), When::At(3)).unwrap();
-    let cost = Cost::one_norm([[0.0]], Mat::zeros(0, 0))
-        .with_transition_cost("mode", "fast", 5.0)
-        .with_transition_cost("mode", "slow", 0.25);
-    let expression = program.add_cost(&mut model, "cost", &cost).unwrap();
-    model.minimize(expression).unwrap();
-    assert!((solved(&model).objective().unwrap() - 10.25).abs() < 1e-6);
+    let mut system = HybridSystem::new(1.0);
+    let x = system.state("x", 0.0, 9.0).unwrap();
+    let mut drive =
+        |name: &str, by: f64| system.mode(name).unwrap().next([(x, x + by)]).unwrap().taken();
+    let (slow, fast, _) = (drive("slow", 1.0), drive("fast", 2.0), drive("stop", 0.0));
+    let mut program = system.program(3).unwrap();
+    program.start([x.equals(0.0)]).unwrap();
+    program.goal([x.equals(5.0)]).unwrap();
+    program.minimize(program.sum(5.0 * fast + 0.25 * slow).unwrap()).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+    assert!((plan.solution.objective().unwrap() - 10.25).abs() < 1e-6);
+    assert_eq!((plan.count(fast).unwrap(), plan.count(slow).unwrap()), (2, 1));
 }
 
 #[test]
 fn costs_that_do_not_fit_are_refused_and_change_nothing() {
-    let (system, _) = system(&[0.5; 8]);
-    let (mut model, program) = program(&system, 2, &[0.0, 0.0]);
-    let one = Mat::<f64>::identity(2, 2);
-    let before = model.to_string();
-    let mut refused = |cost: Cost| {
-        let error = program.add_cost(&mut model, "cost", &cost).unwrap_err();
-        assert_eq!(model.to_string(), before);
-        error
-    };
-    let error = refused(Cost::quadratic([[1.0]], &one));
-    assert_eq!(error.to_string(), "the weight of the states has shape 1x1; expected 2x2");
-    let error = refused(Cost::one_norm(&one, [[1.0]]));
-    assert_eq!(error.to_string(), "the weight of the inputs has shape 1x1; expected 2 columns");
-    let error = refused(Cost::quadratic(&one, &one).with_terminal([[1.0, 0.0]]));
-    assert_eq!(error.to_string(), "the weight of the last sample has shape 1x2; expected 2x2");
-    let error = refused(Cost::quadratic(&one, &one).with_state_reference(vec![1.0]));
-    assert!(matches!(error.kind(), ErrorKind::Length { found: 1, expected: 2, .. }));
-    let error = refused(Cost::quadratic(&one, &one).with_input_reference(Vec::<Vec<f64>>::new()));
-    assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }));
-    let error = refused(Cost::quadratic([[f64::NAN, 0.0], [0.0, 1.0]], &one));
-    assert!(matches!(error.kind(), ErrorKind::NotFinite { .. }));
-    // The norms' variables are taken back when a later part fails.
-    let error = refused(Cost::one_norm(&one, &one).with_transition_cost("mode", "fly", 1.0));
-    assert!(matches!(error.kind(), ErrorKind::UnknownName { name, .. } if name == "fly"));
+    let plant = plant(&[0.5; 8]);
+    let ([x, v], [a, _]) = (plant.states, plant.inputs);
+    let mut program = plant.program(2, &[0.0, 0.0]);
+    let before = program.model().to_string();
+    let mut other = HybridSystem::new(1.0);
+    let foreign = other.state("y", 0.0, 1.0).unwrap();
+    // The magnitudes of earlier steps are taken back when a later part fails.
+    let foreign_text = "variable number 0 used in `an expression of a program` belongs to another \
+                        model or system; use a handle only with the one that created it (or a clone \
+                        of it), and take handles of a system at a sample with `at`";
+    let error = program.sum(x.square() + foreign.square()).unwrap_err();
+    assert_eq!(error.to_string(), foreign_text);
+    let error = program.sum_abs("cost", x + foreign).unwrap_err();
+    assert_eq!(error.to_string(), foreign_text);
+    let error = program.sum_largest("cost", [x - v, foreign - v]).unwrap_err();
+    assert_eq!(error.to_string(), foreign_text);
+    let error = program.sum_abs("cost", x.predicted()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "`x'` cannot stand in an expression of a program; use the state at the next sample, or \
+         state the prediction as an output"
+    );
+    let error = program.end(a.square()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the sample of `a` is 2; it must be below 2, the number of steps"
+    );
+    let error = program.at(x - v, 3).unwrap_err();
+    assert_eq!(error.to_string(), "the sample of `x` is 3; it must be at most 2, the last sample");
+    // A handle that is not taken at a sample is no variable of the model.
+    let error = program.add("row", x.le(1.0)).unwrap_err();
+    assert!(
+        error.to_string().contains("take handles of a system at a sample with `at`"),
+        "{error}"
+    );
+    let error = program.minimize(x.square()).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::ForeignHandle { .. }), "{error}");
+    let error = program.sum_abs("cost", f64::NAN * x).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::NotFinite { .. }), "{error}");
+    let error = program.sum_largest("cost", Vec::<Affine>::new()).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }), "{error}");
+    assert_eq!(program.model().to_string(), before);
 
-    let cost = Cost::infinity_norm(&one, &one);
-    program.add_cost(&mut model, "cost", &cost).unwrap();
-    let before = model.to_string();
-    let error = program.add_cost(&mut model, "cost", &cost).unwrap_err();
+    program.sum_largest("cost", [x - v, x + a]).unwrap();
+    let before = program.model().to_string();
+    let error = program.sum_abs("cost", x).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::DuplicateName { .. }));
-    assert_eq!(model.to_string(), before);
-    program.add_cost(&mut model, "other", &cost).unwrap();
+    assert_eq!(program.model().to_string(), before);
+    program.sum_abs("other", x).unwrap();
 
     // A quadratic cost that is not convex is refused by the model.
-    let cost = Cost::quadratic([[1.0, 0.0], [0.0, -1.0]], &one);
-    let expression = program.add_cost(&mut model, "concave", &cost).unwrap();
-    let error = model.minimize(expression).unwrap_err();
+    let concave = program.sum(x.square() - v.square()).unwrap();
+    let error = program.minimize(concave).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::NotConvex { .. }));
+    let unknown = program.sum(f64::NAN * x.square()).unwrap();
+    let error = program.minimize(unknown).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::NotFinite { .. }));
 }

@@ -1,20 +1,15 @@
 //! Optima that other solvers found (CPLEX 22.2) for the same systems and costs.
 
-use carom::hybrid::{HybridSystem, IntoMatrix, LinearSystem, Mat, Region, When};
-use carom::internals::hybrid::Transition;
+use carom::hybrid::{HybridProgram, HybridSystem, LinearSystem};
 use carom::interval::Interval;
 use carom::prelude::*;
 
-fn optimum(system: &HybridSystem, steps: usize, start: &[f64], cost: &Cost) -> f64 {
-    let mut model = Model::new("m");
-    let program = system.write(&mut model, "", steps).unwrap();
-    program.require(&mut model, "start", &Region::point(start), When::At(0)).unwrap();
-    let cost = program.add_cost(&mut model, "cost", cost).unwrap();
-    model.minimize(cost).unwrap();
-    let solution = BranchAndBound::default().solve(&model).unwrap();
-    assert!(solution.is_optimal());
-    program.certified(&solution).unwrap();
-    solution.objective().unwrap()
+/// The least cost, of a plan that is certified.
+fn optimum(mut program: HybridProgram, cost: impl Into<Quadratic>) -> f64 {
+    program.minimize(cost).unwrap();
+    let plan = program.solve(&mut BranchAndBound::default()).unwrap();
+    assert!(plan.solution.is_optimal());
+    plan.solution.objective().unwrap()
 }
 
 fn is_close(value: f64, expected: f64) -> bool {
@@ -41,15 +36,30 @@ fn rotation() -> HybridSystem {
 
 #[test]
 fn the_rotation_costs_what_it_costs_elsewhere() {
-    let identity = Mat::<f64>::identity(2, 2);
-    let squares = Cost::quadratic(&identity, [[1.0]]).with_terminal(&identity);
-    let largest = Cost::infinity_norm(&identity, [[1.0]]).with_terminal(&identity);
+    let system = rotation();
+    let [x1, x2] = ["x1", "x2"].map(|name| system.state_named(name).unwrap());
+    let u = system.input_named("u").unwrap();
+    let from = |steps: usize| {
+        let mut program = system.program(steps).unwrap();
+        program.start([x1.equals(5.0), x2.equals(5.0)]).unwrap();
+        program
+    };
     for (steps, by_squares, by_largest) in
         [(2, 83.597746702, 13.264101616), (10, 88.281616798, 18.407929007)]
     {
-        let found = optimum(&rotation(), steps, &[5.0, 5.0], &squares);
+        let program = from(steps);
+        let squares = x1.square() + x2.square();
+        let end = program.end(&squares).unwrap();
+        let cost = program.sum(squares + u.square()).unwrap() + end;
+        let found = optimum(program, cost);
         assert!(is_close(found, by_squares), "{steps} steps: {found}, not {by_squares}");
-        let found = optimum(&rotation(), steps, &[5.0, 5.0], &largest);
+        let mut program = from(steps);
+        let mut cost = program.sum_largest("states", [x1, x2]).unwrap();
+        cost += program.sum_abs("push", u).unwrap();
+        let end = [x1, x2].map(|x| program.end(x).unwrap());
+        let sides = end.iter().flat_map(|x| [x.clone(), -x]);
+        cost += program.model_mut().maximum("end", sides).unwrap();
+        let found = optimum(program, cost);
         assert!(is_close(found, by_largest), "{steps} steps: {found}, not {by_largest}");
     }
 }
@@ -82,25 +92,28 @@ fn three_tanks_cost_what_they_cost_elsewhere() {
         [0.0, 0.0, -1.19828989e-4],
     );
     let mut system = HybridSystem::new(1.0);
-    for name in ["h1", "h2", "h3"] {
-        system = system.with_state(name, Interval::new(0.0, 0.66));
+    let levels = ["h1", "h2", "h3"].map(|name| system.state(name, 0.0, 0.66).unwrap());
+    let pumps = ["q1", "q2"].map(|name| system.input(name, 0.0, 2.0).unwrap());
+    let valves =
+        [both, first, second, closed].into_iter().zip(["both", "first", "second", "closed"]);
+    let mut taken = Vec::new();
+    for (flow, name) in valves {
+        taken.push(system.mode(name).unwrap().flow(flow).unwrap().taken());
     }
-    for name in ["q1", "q2"] {
-        system = system.with_input(name, Interval::new(0.0, 2.0));
-    }
-    for (name, flow) in [("both", both), ("first", first), ("second", second), ("closed", closed)] {
-        system = system.with_transition(Transition::new(name, flow));
-    }
-    let levels = Mat::<f64>::identity(3, 3);
     let reference = [0.444, 0.35, 0.2];
-    let cost = Cost::one_norm(&levels, [[1e-5, 0.0], [0.0, 1e-5]].into_matrix())
-        .with_terminal(&levels)
-        .with_state_reference(reference.to_vec())
-        .with_transition_cost("mode", "both", 0.002)
-        .with_transition_cost("mode", "first", 0.001)
-        .with_transition_cost("mode", "second", 0.001);
+    let mut program = system.program(2).unwrap();
+    program.start(levels.map(|level| level.equals(0.0))).unwrap();
+    let mut cost = program.sum(0.002 * taken[0] + 0.001 * taken[1] + 0.001 * taken[2]).unwrap();
+    for (k, (level, wanted)) in levels.into_iter().zip(reference).enumerate() {
+        cost += program.sum_abs(&format!("off {k}"), level - wanted).unwrap();
+        let end = program.end(level - wanted).unwrap();
+        cost += program.model_mut().absolute(("end", k), end).unwrap();
+    }
+    for (k, pump) in pumps.into_iter().enumerate() {
+        cost += program.sum_abs(&format!("pump {k}"), 1e-5 * pump).unwrap();
+    }
     // The other program does not count the first sample.
     let first_sample: f64 = reference.iter().sum();
-    let (found, listed) = (optimum(&system, 2, &[0.0; 3], &cost), 1.8920445713 + first_sample);
+    let (found, listed) = (optimum(program, cost), 1.8920445713 + first_sample);
     assert!(is_close(found, listed), "{found}, not {listed}");
 }

@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    HybridRun, HybridSystem, LinearSystem, Mat, Region, ShortestOptions, ShortestStatus,
+    HybridRun, HybridSystem, LinearSystem, Region, ShortestOptions, ShortestStatus, State,
     TimeStepGrid, Waiting, least_time_step,
 };
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
@@ -103,16 +103,17 @@ fn enumerated(transitions: &[Plain], start: [f64; 2], goal: &[Interval; 2]) -> O
     None
 }
 
-fn system(transitions: &[Plain]) -> HybridSystem {
-    let system = HybridSystem::new(1.0)
-        .with_state("x", Interval::new(-DOMAIN, DOMAIN))
-        .with_state("y", Interval::new(-DOMAIN, DOMAIN))
-        .with_input("u", Interval::new(-1.0, 1.0));
-    transitions.iter().enumerate().fold(system, |system, (k, p)| {
-        let flow = LinearSystem::new(p.a, [[p.b[0]], [p.b[1]]], p.c).unwrap();
-        let guard = Halfspace::new("side", [-p.side, 0.0], -p.side * p.edge);
-        system.with_transition(Transition::new(format!("t{k}"), flow).with_guard(guard))
-    })
+fn system(transitions: &[Plain]) -> (HybridSystem, [State; 2]) {
+    let mut system = HybridSystem::new(1.0);
+    let states = ["x", "y"].map(|name| system.state(name, -DOMAIN, DOMAIN).unwrap());
+    let [x, y] = states;
+    let u = system.input("u", -1.0, 1.0).unwrap();
+    for (k, p) in transitions.iter().enumerate() {
+        let next = |i: usize| p.a[i][0] * x + p.a[i][1] * y + p.b[i] * u + p.c[i];
+        let mode = system.mode(&format!("t{k}")).unwrap().next([(x, next(0)), (y, next(1))]);
+        mode.unwrap().guard((p.side * x).ge(p.side * p.edge)).unwrap();
+    }
+    (system, states)
 }
 
 /// Replays a run step by step from its own samples.
@@ -160,21 +161,24 @@ proptest! {
         let width = if aimed.is_some() { 0.2 } else { width };
         let goal = corner.map(|low| Interval::new(low, low + width));
         let expected = enumerated(&transitions, start, &goal);
-        let system = system(&transitions);
+        let (system, [x, y]) = system(&transitions);
         let options = ShortestOptions::default().with_max_steps(MOST).with_reach_sets(sets);
-        let (from, to) = (Region::point(start), Region::from(goal));
+        let to = Region::from(goal);
+        let from = [x.equals(start[0]), y.equals(start[1])];
+        let rows = [x.within(goal[0].lower, goal[0].upper), y.within(goal[1].lower, goal[1].upper)];
         let mut solver = BranchAndBound::default();
-        let found = system.shortest_with(&from, &to, 1.0, &options, &mut solver).unwrap();
+        let found = system.shortest_with(from, rows, &options, &mut solver).unwrap();
         prop_assert_eq!(found.steps, expected);
         match expected {
             Some(steps) => {
                 prop_assert!(found.is_found());
-                let run = found.run.expect("a run");
+                let plan = found.plan.expect("a plan");
+                let run = &plan.run;
                 prop_assert_eq!(run.transitions("mode").unwrap().len(), steps);
                 let end = [run.states[0].1[steps], run.states[1].1[steps]];
                 prop_assert!(to.contains(&end, 2e-6).unwrap());
-                prop_assert!(found.certificate.is_some());
-                replayed(&system, &run);
+                prop_assert!(plan.certificate.largest_residual <= 1e-6);
+                replayed(&system, run);
             }
             None => {
                 let none = ShortestStatus::NoneWithin { max_steps: MOST };
@@ -185,21 +189,14 @@ proptest! {
 }
 
 fn elevator() -> HybridSystem {
-    let gear = |strength: f64| {
-        let line = LinearSystem::double_integrator(0.1).unwrap();
-        let gain = Mat::from_fn(2, 1, |i, _| strength * line.b()[(i, 0)]);
-        LinearSystem::new(line.a(), gain, [0.0, 0.0]).unwrap()
-    };
-    HybridSystem::new(1.0)
-        .with_state("x", Interval::new(0.0, 15.0))
-        .with_state("v", Interval::new(-2.5, 2.5))
-        .with_input("u", Interval::new(-1.0, 1.0))
-        .with_transition(Transition::new("low gear", gear(0.6)))
-        .with_transition(Transition::new("high gear", gear(1.5)).with_guard(Halfspace::limit(
-            "the least speed of high gear",
-            [0.0, -1.0],
-            -0.4,
-        )))
+    let mut lift = HybridSystem::new(0.1);
+    let x = lift.state("x", 0.0, 15.0).unwrap();
+    let v = lift.state("v", -2.5, 2.5).unwrap();
+    let u = lift.input("u", -1.0, 1.0).unwrap();
+    lift.mode("low gear").unwrap().rates([(x, v.into()), (v, 0.6 * u)]).unwrap();
+    let high = lift.mode("high gear").unwrap().rates([(x, v.into()), (v, 1.5 * u)]).unwrap();
+    high.limit("the least speed of high gear", v.ge(0.4)).unwrap();
+    lift
 }
 
 #[test]
@@ -207,12 +204,12 @@ fn the_elevator_takes_72_steps() {
     let (start, goal) = (Region::point([0.0, 0.0]), Region::point([12.0, 0.0]));
     let mut solver = BranchAndBound::default();
     let options = ShortestOptions::default();
-    let found = elevator().shortest_with(&start, &goal, 0.1, &options, &mut solver).unwrap();
+    let found = elevator().shortest_with(&start, &goal, &options, &mut solver).unwrap();
     assert!(found.is_found());
     assert_eq!(found.steps, Some(72));
     let expected = "the start is held by `low gear` with u = 0, and nothing depends on the step";
     assert_eq!(found.waiting, Waiting::Free(expected.into()));
-    let run = found.run.unwrap();
+    let run = found.plan.unwrap().run;
     assert!((run.state("x").unwrap()[72] - 12.0).abs() < 1e-6);
     replayed(&elevator(), &run);
 }
@@ -276,19 +273,19 @@ fn waiting_holds_in_every_mode_of_the_end() {
 #[test]
 fn time_steps_are_refuted_one_by_one_or_by_bisection() {
     let cart = |dt: f64| {
-        Ok(HybridSystem::new(1.0)
-            .with_state("x", Interval::new(-9.0, 9.0))
-            .with_state("v", Interval::new(-9.0, 9.0))
-            .with_input("a", Interval::new(-1.0, 1.0))
-            .with_transition(Transition::new("roll", LinearSystem::double_integrator(dt)?)))
+        let mut cart = HybridSystem::new(dt);
+        let x = cart.state("x", -9.0, 9.0)?;
+        let v = cart.state("v", -9.0, 9.0)?;
+        let a = cart.input("a", -1.0, 1.0)?;
+        cart.mode("roll")?.rates([(x, v.into()), (v, Affine::from(a))])?;
+        Ok((cart, [x.equals(0.0), v.equals(0.0)], [x.equals(1.0), v.equals(0.0)]))
     };
-    let (start, goal) = (Region::point([0.0, 0.0]), Region::point([1.0, 0.0]));
     let steps: Vec<f64> = (1..=32).map(|k| 0.01 * f64::from(k)).collect();
     let grid = TimeStepGrid::new(10, steps);
     let run = |grid: &TimeStepGrid, sets: bool| {
         let options = ShortestOptions::default().with_reach_sets(sets);
         let mut solver = BranchAndBound::default();
-        least_time_step(cart, &start, &goal, grid, &options, &mut solver)
+        least_time_step(cart, grid, &options, &mut solver)
     };
     for sets in [false, true] {
         let found = run(&grid, sets).unwrap();
@@ -297,7 +294,7 @@ fn time_steps_are_refuted_one_by_one_or_by_bisection() {
         assert_eq!(found.attempts.len(), 20);
         let run = found.run.unwrap();
         assert_eq!(run.time_step, 0.2);
-        replayed(&cart(0.2).unwrap(), &run);
+        replayed(&cart(0.2).unwrap().0, &run);
     }
     let found = run(&grid.clone().with_monotone("each run can be slowed down"), true).unwrap();
     assert!(found.is_proved && found.attempts.len() <= 6);
@@ -323,7 +320,7 @@ fn a_single_feasible_horizon_is_found() {
     for sets in [false, true] {
         let options = ShortestOptions::default().with_max_steps(8).with_reach_sets(sets);
         let mut solver = BranchAndBound::default();
-        let found = system.shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap();
+        let found = system.shortest_with(&start, &goal, &options, &mut solver).unwrap();
         assert!(!found.waiting.is_free());
         assert!(found.is_found());
         assert_eq!((found.steps, found.refuted_steps), (Some(5), Some(4)));

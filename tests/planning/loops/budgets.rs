@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use carom::hybrid::{HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon};
-use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
-use carom::interval::Interval;
+use carom::hybrid::{HybridProgram, HybridSystem, Move, MoveSource, RecedingHorizon, State};
 use carom::prelude::*;
 use carom::solver::Prepared;
 
@@ -60,32 +58,33 @@ fn a_missed_budget_keeps_the_last_plan() {
 const H: f64 = 0.1;
 
 /// A cart in front of a spring.
-fn cart() -> HybridSystem {
-    let flow = |spring: f64| {
-        let a = [[1.0, H], [-H * spring, 1.0]];
-        LinearSystem::new(a, [[0.0], [H]], [0.0, H * spring]).unwrap()
-    };
-    let apart = Halfspace::new("apart", [1.0, 0.0], 1.0);
-    let touching = Halfspace::new("touching", [-1.0, 0.0], -1.0);
-    HybridSystem::new(H)
-        .with_state("x", Interval::new(-2.0, 2.0))
-        .with_state("v", Interval::new(-3.0, 3.0))
-        .with_input("u", Interval::new(-2.0, 2.0))
-        .with_transition(Transition::new("free", flow(0.0)).with_guard(apart))
-        .with_transition(Transition::new("pushed", flow(20.0)).with_guard(touching))
+struct Cart {
+    system: HybridSystem,
+    x: State,
+    v: State,
+    u: Variable,
 }
 
-fn program() -> Result<(SystemVariables, Model), Error> {
-    let mut model = Model::new("cart");
-    let program = cart().write(&mut model, "", 10)?;
-    let cost = Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.05]]);
-    let cost = program.add_cost(&mut model, "cost", &cost)?;
-    model.minimize(cost)?;
-    Ok((program, model))
+fn cart() -> Cart {
+    let mut system = HybridSystem::new(H);
+    let x = system.state("x", -2.0, 2.0).unwrap();
+    let v = system.state("v", -3.0, 3.0).unwrap();
+    let u = system.input("u", -2.0, 2.0).unwrap();
+    let flow = |spring: f64| [(x, x + H * v), (v, v + H * (u + spring * (1.0 - x)))];
+    system.mode("free").unwrap().next(flow(0.0)).unwrap().guard(x.le(1.0)).unwrap();
+    system.mode("pushed").unwrap().next(flow(20.0)).unwrap().guard(x.ge(1.0)).unwrap();
+    Cart { system, x, v, u }
+}
+
+fn program() -> Result<HybridProgram, Error> {
+    let Cart { system, x, v, u } = cart();
+    let mut program = system.program(10)?;
+    program.minimize(program.sum(x.square() + 0.1 * v.square() + 0.05 * u.square())?)?;
+    Ok(program)
 }
 
 fn plant(state: &[f64], next: &Move) -> Result<Vec<f64>, Error> {
-    let after = cart().simulate(state, &[&next.input])?;
+    let after = cart().system.simulate(state, &[&next.input])?;
     Ok(after.last().iter().map(|x| x + 0.01 * (x * 1e3).sin()).collect())
 }
 
@@ -93,9 +92,8 @@ fn plant(state: &[f64], next: &Move) -> Result<Vec<f64>, Error> {
 #[test]
 fn every_step_has_a_plan_with_a_budget_of_a_node() {
     let options = Options::default().with_node_limit(1);
-    let (handles, model) = program().unwrap();
     let mut solver = BranchAndBound::new(options.clone());
-    let mut controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let mut controller = RecedingHorizon::new(program().unwrap(), &mut solver).unwrap();
     let run = controller.run(&[0.5, 1.8], 30, plant).unwrap();
     assert!(run.moves.iter().all(|next| !next.states.is_empty()), "{run}");
     let mut solver = BranchAndBound::new(options);
@@ -107,9 +105,8 @@ fn every_step_has_a_plan_with_a_budget_of_a_node() {
 
 #[test]
 fn a_plan_follows_a_step_without_one() {
-    let (handles, model) = program().unwrap();
     let mut solver = BranchAndBound::default();
-    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let controller = RecedingHorizon::new(program().unwrap(), &mut solver).unwrap();
     // The first search has a budget of its own, the others have none.
     let second = Duration::from_secs(1000);
     let mut controller = controller.with_budget(Duration::ZERO).with_first_budget(second);

@@ -2,45 +2,57 @@
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
-use carom::hybrid::{HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon, Region, When};
-use carom::internals::hybrid::{Halfspace, SystemVariables, Transition};
+use carom::hybrid::{
+    HybridProgram, HybridSystem, LinearSystem, Move, MoveSource, RecedingHorizon, Schedule, State,
+};
+use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
 
 const H: f64 = 0.5;
 
-/// A cart on a line, within a gate that may depend on the step.
-fn cart(gate: Vec<f64>) -> HybridSystem {
-    HybridSystem::new(H)
-        .with_state("x", Interval::new(-5.0, 5.0))
-        .with_state("v", Interval::new(-2.0, 2.0))
-        .with_input("a", Interval::new(-1.0, 1.0))
-        .with_limit(Halfspace::new("gate", [1.0, 0.0], gate))
-        .with_transition(Transition::new("drive", LinearSystem::double_integrator(H).unwrap()))
+/// A cart on a line, within a gate and with a place where it wants to be, which may depend on the step.
+struct Cart {
+    system: HybridSystem,
+    x: State,
+    v: State,
+    a: Variable,
+    gate: Variable,
+    place: Variable,
 }
 
-fn program(
-    system: &HybridSystem,
-    steps: usize,
-    cost: &Cost,
-) -> Result<(SystemVariables, Model), Error> {
-    let mut model = Model::new("cart");
-    let program = system.write(&mut model, "", steps)?;
-    let cost = program.add_cost(&mut model, "cost", cost)?;
-    model.minimize(cost)?;
-    Ok((program, model))
+fn cart_towards(gate: impl Into<Schedule<f64>>, place: impl Into<Schedule<f64>>) -> Cart {
+    let mut system = HybridSystem::new(H);
+    let x = system.state("x", -5.0, 5.0).unwrap();
+    let v = system.state("v", -2.0, 2.0).unwrap();
+    let a = system.input("a", -1.0, 1.0).unwrap();
+    let gate = system.series("opening", gate).unwrap();
+    let place = system.series("place", place).unwrap();
+    system.limit("gate", x.le(gate)).unwrap();
+    system.mode("drive").unwrap().rates([(x, v.into()), (v, Affine::from(a))]).unwrap();
+    Cart { system, x, v, a, gate, place }
 }
 
-/// The weight of the position and of the speed, and where the cart shall be.
-fn towards(place: impl Into<carom::hybrid::Schedule<Vec<f64>>>) -> Cost {
-    Cost::quadratic([[1.0, 0.0], [0.0, 0.1]], [[0.1]]).with_state_reference(place)
+fn cart(gate: impl Into<Schedule<f64>>) -> Cart {
+    cart_towards(gate, 0.0)
+}
+
+impl Cart {
+    /// The program that begins with a step, towards the place.
+    fn program(&self, step: usize, steps: usize) -> Result<HybridProgram, Error> {
+        let Cart { x, v, a, place, .. } = *self;
+        let mut program = self.system.from_step(step).program(steps)?;
+        program
+            .minimize(program.sum((x - place).square() + 0.1 * v.square() + 0.1 * a.square())?)?;
+        Ok(program)
+    }
 }
 
 #[test]
 fn a_limit_from_a_step_on_is_met_when_its_time_comes() {
-    let system = cart([vec![5.0; 12], vec![1.0]].concat());
-    let cost = towards(vec![3.0, 0.0]);
-    let build = |step: usize| program(&system.from_step(step), 8, &cost);
+    let cart = cart_towards([vec![5.0; 12], vec![1.0]].concat(), 3.0);
+    let system = &cart.system;
+    let build = |step: usize| cart.program(step, 8);
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
     let plant = |state: &[f64], next: &Move| {
@@ -62,44 +74,39 @@ fn a_limit_from_a_step_on_is_met_when_its_time_comes() {
 
 #[test]
 fn a_reference_by_step_is_followed() {
-    let system = cart(vec![5.0]);
     // From -2 to 2 and back, seen some steps ahead.
-    let course: Vec<Vec<f64>> = (0..30)
-        .map(|k| vec![2.0 * (f64::from(k) / 4.0).sin(), 0.5 * (f64::from(k) / 4.0).cos() / H])
-        .collect();
-    let cost =
-        Cost::quadratic([[10.0, 0.0], [0.0, 0.0]], [[0.01]]).with_state_reference(course.clone());
-    let build = |step: usize| program(&system, 6, &cost.clone().from_step(step));
+    let course: Vec<f64> = (0..30).map(|k| 2.0 * (f64::from(k) / 4.0).sin()).collect();
+    let Cart { system, x, a, place, .. } = cart_towards(5.0, course.clone());
+    let build = |step: usize| {
+        let mut program = system.from_step(step).program(6)?;
+        program.minimize(program.sum(10.0 * (x - place).square() + 0.01 * a.square())?)?;
+        Ok::<_, Error>(program)
+    };
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
     let plant =
         |state: &[f64], next: &Move| Ok(system.simulate(state, &[&next.input])?.last().to_vec());
-    let run = controller.run(&course[0], 24, plant).unwrap();
+    let run = controller.run(&[0.0, 0.5 / H], 24, plant).unwrap();
     for (state, place) in run.states.iter().zip(&course).skip(3) {
-        assert!((state[0] - place[0]).abs() < 0.2, "{state:?}, {place:?}");
+        assert!((state[0] - place).abs() < 0.2, "{state:?}, {place:?}");
     }
 }
 
 /// A store that loses 1 in each step, and is filled at a price by step.
 #[test]
 fn a_price_by_step_is_paid_when_it_is_low() {
-    let store = HybridSystem::new(H)
-        .with_state("full", Interval::new(0.0, 4.0))
-        .with_input("buy", Interval::new(0.0, 3.0))
-        .with_transition(Transition::new(
-            "use",
-            LinearSystem::new([[1.0]], [[1.0]], [-1.0]).unwrap(),
-        ));
     // Cheap in every fourth and fifth step.
     let price = |k: usize| if k % 5 >= 3 { 1.0 } else { 10.0 };
+    let mut store = HybridSystem::new(H);
+    let full = store.state("full", 0.0, 4.0).unwrap();
+    let buy = store.input("buy", 0.0, 3.0).unwrap();
+    let prices = store.series("price", (0..40).map(price).collect::<Vec<f64>>()).unwrap();
+    store.mode("use").unwrap().next([(full, full + buy - 1.0)]).unwrap();
     let build = |step: usize| {
-        let mut model = Model::new("store");
-        let program = store.write(&mut model, "", 5)?;
-        let buy = program.inputs()[0].iter().enumerate();
-        let cost: Affine = buy.map(|(t, buy)| price(step + t) * buy).sum();
+        let mut program = store.from_step(step).program(5)?;
         // What is left in the end is worth the usual price.
-        model.minimize(cost - 1.01 * program.states()[0][5])?;
-        Ok((program, model))
+        program.minimize(program.sum(prices * buy)? - 1.01 * program.end(full)?)?;
+        Ok::<_, Error>(program)
     };
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
@@ -125,21 +132,16 @@ fn lane() -> Scene {
 fn a_course_by_step_is_avoided_where_it_is() {
     let scene = lane();
     let build = |step: usize| {
-        let mut program = scene.from_step(step).plain_program(8)?;
-        let cost = Cost::quadratic(
-            [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4], [0.0; 4]],
-            [[0.05, 0.0], [0.0, 0.05]],
-        )
-        .with_state_reference(vec![3.0, 0.5, 0.0, 0.0])
-        .with_terminal([
-            [5.0, 0.0, 0.0, 0.0],
-            [0.0, 5.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.0],
-            [0.0, 0.0, 0.0, 1.0],
-        ]);
-        let cost = program.hybrid.add_cost(&mut program.model, "cost", &cost)?;
-        program.model.minimize(cost)?;
-        Ok((program.hybrid, program.model))
+        let mut program = HybridProgram::from(scene.from_step(step).plain_program(8)?);
+        let system = program.system();
+        let [x, y] = [system.state_named("cart x")?, system.state_named("cart y")?];
+        let [vx, vy] = [system.state_named("cart vx")?, system.state_named("cart vy")?];
+        let [ax, ay] = [system.input_named("cart ax")?, system.input_named("cart ay")?];
+        let miss = (x - 3.0).square() + (y - 0.5).square();
+        let end = program.end(5.0 * &miss + vx.square() + vy.square())?;
+        let cost = program.sum(miss + 0.05 * (ax.square() + ay.square()))?;
+        program.minimize(cost + end)?;
+        Ok::<_, Error>(program)
     };
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::moving(build, &mut solver);
@@ -164,20 +166,20 @@ fn a_course_by_step_is_avoided_where_it_is() {
 
 #[test]
 fn forecasts_move_with_the_loop() {
-    let system = cart(vec![5.0]);
-    let (handles, mut model) = program(&system, 5, &towards(vec![0.0, 0.0])).unwrap();
+    let Cart { system, x, a, .. } = cart(5.0);
+    let mut program = system.program(5).unwrap();
     let mut most = Vec::new();
     for t in 0..=5 {
-        let limit = model.parameter(("most", t), 5.0, -5.0, 5.0).unwrap();
-        model.add(("below", t), handles.states()[0][t].le(limit)).unwrap();
+        let limit = program.model_mut().parameter(("most", t), 5.0, -5.0, 5.0).unwrap();
+        program.add(("below", t), program.at(x.le(limit), t).unwrap()).unwrap();
         most.push(limit);
     }
-    let wanted = model.parameter("wanted", 0.0, -5.0, 5.0).unwrap();
-    let miss = handles.states()[0].iter().map(|x| (x - wanted).square()).sum::<Quadratic>();
-    let push = handles.inputs()[0].iter().map(|a| 0.1 * a.square()).sum::<Quadratic>();
-    model.minimize(miss + push).unwrap();
+    let wanted = program.model_mut().parameter("wanted", 0.0, -5.0, 5.0).unwrap();
+    let miss = (x - wanted).square();
+    let cost = program.sum(&miss + 0.1 * a.square()).unwrap() + program.end(miss).unwrap();
+    program.minimize(cost).unwrap();
     let mut solver = BranchAndBound::default();
-    let controller = RecedingHorizon::new(&handles, model, &mut solver).unwrap();
+    let controller = RecedingHorizon::new(program, &mut solver).unwrap();
     let mut asked = Vec::new();
     let mut controller = controller
         .with_forecast(most.clone(), [vec![5.0; 10], vec![0.5]].concat())
@@ -200,63 +202,73 @@ fn forecasts_move_with_the_loop() {
 
 #[test]
 fn what_cannot_move_is_refused() {
-    let refused = |(program, model): (SystemVariables, Model), name: &str| {
+    let refused = |program: HybridProgram, name: &str| {
         let mut solver = BranchAndBound::default();
-        let error = RecedingHorizon::new(&program, model, &mut solver).unwrap_err();
+        let error = RecedingHorizon::new(program, &mut solver).unwrap_err();
         assert!(matches!(error.kind(), ErrorKind::Unsupported { .. }), "{error}");
         let text = error.to_string();
         assert!(text.contains(name) && text.contains("RecedingHorizon::moving"), "{text}");
     };
-    let cost = towards(vec![0.0, 0.0]);
-    refused(program(&cart(vec![5.0, 1.0]), 4, &cost).unwrap(), "the limit `gate`");
-    let push = cart(vec![5.0]);
-    let ranges = vec![Interval::new(-1.0, 1.0), Interval::new(-0.5, 0.5)];
-    let mut tired = push.clone().with_input("b", ranges);
-    let two = LinearSystem::new([[1.0, H], [0.0, 1.0]], [[0.0, 0.0], [H, 1.0]], [0.0, 0.0]);
-    tired.choices.clear();
-    let tired = tired.with_transition(Transition::new("drive", two.unwrap()));
-    let mut model = Model::new("tired");
-    let written = tired.write(&mut model, "", 4).unwrap();
-    refused((written, model), "the range of the input `b`");
-    let guarded = Transition::new("drive", LinearSystem::double_integrator(H).unwrap())
-        .with_guard(Halfspace::new("slow", [0.0, 1.0], vec![2.0, 1.0]));
-    let mut own = push.clone();
-    own.choices.clear();
-    refused(
-        program(&own.with_transition(guarded), 4, &cost).unwrap(),
-        "the guard `slow` of the transition `drive`",
-    );
-    let by_step = towards(vec![vec![0.0, 0.0], vec![1.0, 0.0]]);
-    refused(program(&push, 4, &by_step).unwrap(), "the reference of the cost `cost`");
-    let (handles, mut model) = program(&push, 4, &cost).unwrap();
-    let limit = Halfspace::new("soft", [1.0, 0.0], vec![4.0, 1.0]);
-    let price = handles.soften(&mut model, "soft", &limit, 1.0, 0.0).unwrap();
-    let price = model.objective().clone() + price;
-    model.minimize(price).unwrap();
-    let measured = model.parameter("m", 0.0, -1.0, 1.0).unwrap();
-    let states = [handles.states()[0].clone()];
+    // A series is a series wherever it stands: in limits, guards, costs and soft limits.
+    let by_step = cart([5.0, 1.0].to_vec());
+    refused(by_step.program(0, 4).unwrap(), "the series `opening`");
+    refused(cart_towards(5.0, vec![0.0, 1.0]).program(0, 4).unwrap(), "the series `place`");
+    let mut guarded = HybridSystem::new(H);
+    let v = guarded.state("v", -2.0, 2.0).unwrap();
+    let most = guarded.series("most", vec![2.0, 1.0]).unwrap();
+    guarded.mode("drive").unwrap().guard(v.le(most)).unwrap().next([(v, 0.5 * v)]).unwrap();
+    refused(guarded.program(4).unwrap(), "the series `most`");
+    let Cart { system, x, gate, .. } = cart(5.0);
+    let mut program = system.program(4).unwrap();
+    let soft = program.soften("soft", x.le(gate - 1.0), 1.0, 0.0).unwrap();
+    program.minimize(soft.cost).unwrap();
+    assert!(RecedingHorizon::new(program, &mut BranchAndBound::default()).is_ok());
+    // Ranges of inputs, and systems of numbers.
+    let mut tired = HybridSystem::new(H);
+    let w = tired.state("w", -9.0, 9.0).unwrap();
+    let b = tired.input("b", vec![-1.0, -0.5], vec![1.0, 0.5]).unwrap();
+    tired.mode("drive").unwrap().next([(w, w + b)]).unwrap();
+    refused(tired.program(4).unwrap(), "the range of the input `b`");
+    let line = LinearSystem::double_integrator(H).unwrap();
+    let numbers = |limits: Vec<Halfspace>, guards: Vec<Halfspace>| {
+        let system = HybridSystem::new(H)
+            .with_state("x", Interval::new(-5.0, 5.0))
+            .with_state("v", Interval::new(-2.0, 2.0))
+            .with_input("a", Interval::new(-1.0, 1.0));
+        let system = limits.into_iter().fold(system, HybridSystem::with_limit);
+        let drive = Transition::new("drive", line.clone()).with_guards(guards);
+        system.with_transition(drive).program(4).unwrap()
+    };
+    let gate = Halfspace::new("gate", [1.0, 0.0], vec![5.0, 1.0]);
+    refused(numbers(vec![gate], vec![]), "the limit `gate`");
+    let slow = Halfspace::new("slow", [0.0, 1.0], vec![2.0, 1.0]);
+    refused(numbers(vec![], vec![slow]), "the guard `slow` of the transition `drive`");
+    // A model of one's own with a system in it, and a scene.
+    let mut program = by_step.program(0, 4).unwrap();
+    let measured = program.model_mut().parameter("m", 0.0, -1.0, 1.0).unwrap();
+    let states: Family = (0..=4).map(|t| program.variable(by_step.x, t).unwrap()).collect();
     let mut solver = BranchAndBound::default();
-    let error = RecedingHorizon::of_model(&model, &[measured], &states, &[], &mut solver);
-    assert!(error.unwrap_err().to_string().contains("the soft limit `soft`"));
-    refused((handles, model), "the soft limit `soft`");
+    let error =
+        RecedingHorizon::of_model(program.model(), &[measured], &[states], &[], &mut solver);
+    assert!(error.unwrap_err().to_string().contains("the series `opening`"));
     let course = lane().plain_program(4).unwrap();
-    refused((course.hybrid, course.model), "the transition `beyond 2` of `cart at gate`");
+    refused(course.into(), "the transition `beyond 2` of `cart at gate`");
     // The same value in each step is no dependence, and neither is an end.
-    let (handles, mut model) = program(&cart(vec![5.0, 5.0]), 4, &cost).unwrap();
-    let end = Region::from([Interval::new(-1.0, 1.0), Interval::new(-1.0, 1.0)]);
-    handles.require(&mut model, "end", &end, When::At(4)).unwrap();
-    assert!(RecedingHorizon::new(&handles, model, &mut solver).is_ok());
+    let Cart { system, x, v, .. } = cart(vec![5.0, 5.0]);
+    let mut program = system.program(4).unwrap();
+    program.goal([x.within(-1.0, 1.0), v.within(-1.0, 1.0)]).unwrap();
+    assert!(RecedingHorizon::new(program, &mut solver).is_ok());
 }
 
 #[test]
 fn bad_forecasts_are_refused() {
-    let system = cart(vec![5.0]);
-    let (handles, mut model) = program(&system, 3, &towards(vec![0.0, 0.0])).unwrap();
-    let limit = model.parameter(("most", 0), 5.0, -5.0, 5.0).unwrap();
-    let plain = handles.states()[0][0];
+    let cart = cart(5.0);
+    let mut program = cart.program(0, 3).unwrap();
+    let limit = program.model_mut().parameter(("most", 0), 5.0, -5.0, 5.0).unwrap();
+    let plain = program.variable(cart.x, 0).unwrap();
     let mut solver = BranchAndBound::default();
     let mut try_out = |parameters: Vec<Variable>, values: Vec<f64>| {
-        let controller = RecedingHorizon::new(&handles, model.clone(), &mut solver).unwrap();
+        let controller = RecedingHorizon::new(program.clone(), &mut solver).unwrap();
         controller.with_forecast(parameters, values).map(|_| ()).unwrap_err()
     };
     let error = try_out(vec![limit], vec![1.0, 7.0]);
@@ -268,12 +280,12 @@ fn bad_forecasts_are_refused() {
     let error = try_out(vec![plain], vec![1.0]);
     assert!(matches!(error.kind(), ErrorKind::NotParameter { .. }), "{error}");
     // Values that a function gives are checked in the step.
-    let controller = RecedingHorizon::new(&handles, model.clone(), &mut solver).unwrap();
+    let controller = RecedingHorizon::new(program.clone(), &mut solver).unwrap();
     let mut controller = controller.with_parameters(|_, _| vec![(limit, 9.0)]).unwrap();
     let error = controller.step(&[0.0, 0.0]).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::OutOfRange { .. }), "{error}");
     drop(controller);
-    let build = |_: usize| program(&system, 3, &towards(vec![0.0, 0.0]));
+    let build = |step: usize| cart.program(step, 3);
     let built = RecedingHorizon::moving(build, &mut solver);
     let error = built.with_forecast([limit], [1.0]).map(|_| ()).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Unsupported { .. }), "{error}");

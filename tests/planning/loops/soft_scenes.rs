@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::scene::{Body, Scene, SceneProgram, Shape, Solid, Surface};
-use carom::hybrid::{Move, MoveSource, RecedingHorizon, Region};
+use carom::hybrid::{HybridProgram, Move, MoveSource, RecedingHorizon, Region};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -53,16 +53,19 @@ fn a_start_inside_costs_its_depth() {
 }
 
 /// A controller that holds a place in a room.
-fn holds(scene: &Scene) -> Result<SceneProgram, Error> {
+fn holds(scene: &Scene) -> Result<HybridProgram, Error> {
     let mut program = scene.program(8)?;
     let room = [Interval::new(0.0, 4.0), Interval::new(0.0, 2.0)];
     let outside = program.soften_room("room", &room)? + program.soften(&pillar())?;
-    let q =
-        [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0], [0.0, 0.0, 0.0, 0.1]];
-    let cost =
-        Cost::quadratic(q, [[0.1, 0.0], [0.0, 0.1]]).with_state_reference(vec![0.3, 1.0, 0.0, 0.0]);
-    let cost = program.hybrid.add_cost(&mut program.model, "cost", &cost)?;
-    program.model.minimize(cost + PRICE * outside)?;
+    let mut program = HybridProgram::from(program);
+    let system = program.system();
+    let [x, y] = [system.state_named("drone x")?, system.state_named("drone y")?];
+    let [vx, vy] = [system.state_named("drone vx")?, system.state_named("drone vy")?];
+    let [ax, ay] = [system.input_named("drone ax")?, system.input_named("drone ay")?];
+    let miss = (x - 0.3).square() + (y - 1.0).square();
+    let speed = 0.1 * (vx.square() + vy.square());
+    let cost = program.sum(miss + speed + 0.1 * (ax.square() + ay.square()))?;
+    program.minimize(cost + PRICE * outside)?;
     Ok(program)
 }
 
@@ -71,8 +74,8 @@ fn a_state_just_outside_a_room_recovers() {
     let scene = Scene::new(0.25).with_body(wide("drone"));
     let program = holds(&scene).unwrap();
     let mut solver = BranchAndBound::default();
-    let system = program.hybrid.system().clone();
-    let mut controller = RecedingHorizon::new(&program.hybrid, program.model, &mut solver).unwrap();
+    let system = program.system().clone();
+    let mut controller = RecedingHorizon::new(program, &mut solver).unwrap();
     let plant = |state: &[f64], next: &Move| {
         let after = system.simulate(state, &[&next.input])?.last().to_vec();
         // A gust pushes it through the wall once.
@@ -108,7 +111,7 @@ fn soft_obstacles_move_along_their_course() {
     let mut program = scene.program(6).unwrap();
     program.soften(&gate(20)).unwrap();
     let mut solver = BranchAndBound::default();
-    let error = RecedingHorizon::new(&program.hybrid, program.model, &mut solver).unwrap_err();
+    let error = RecedingHorizon::new(program, &mut solver).unwrap_err();
     assert!(error.to_string().contains("the course of `pillar`"), "{error}");
 }
 

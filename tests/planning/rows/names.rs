@@ -34,14 +34,10 @@ fn heater() -> HybridSystem {
         .with_most_events(3)
 }
 
-fn horizon(steps: usize) -> Horizon {
-    Horizon::new(steps, 0.5).unwrap()
-}
-
 #[test]
 fn a_model_reads_like_the_system() {
     let mut model = Model::new("house");
-    heater().write(&mut model, "", &horizon(1)).unwrap();
+    heater().write(&mut model, "", 1).unwrap();
     let text = model.to_string();
     for line in [
         "  dynamics_air_temperature[0]: -0.9 air_temperature[0] + air_temperature[1] \
@@ -61,10 +57,10 @@ fn a_model_reads_like_the_system() {
 #[test]
 fn several_systems_share_a_model() {
     let mut model = Model::new("street");
-    let first = heater().write(&mut model, "first", &horizon(4)).unwrap();
-    let second = heater().write(&mut model, "second", &horizon(4)).unwrap();
+    let first = heater().write(&mut model, "first", 4).unwrap();
+    let second = heater().write(&mut model, "second", 4).unwrap();
     let before = model.to_string();
-    let error = heater().write(&mut model, "first", &horizon(4)).unwrap_err();
+    let error = heater().write(&mut model, "first", 4).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::DuplicateName { name, .. }
         if name == "first_air_temperature[0]"));
     assert_eq!(model.to_string(), before);
@@ -73,9 +69,9 @@ fn several_systems_share_a_model() {
     let x = model.continuous("x", 0.0, 1.0).unwrap();
     model.add("heater_leaves_on[3]", x.le(0.5)).unwrap();
     let before = model.to_string();
-    heater().write(&mut model, "", &horizon(4)).unwrap_err();
+    heater().write(&mut model, "", 4).unwrap_err();
     assert_eq!(model.to_string(), before);
-    heater().write(&mut model, "own", &horizon(4)).unwrap();
+    heater().write(&mut model, "own", 4).unwrap();
     assert_ne!(
         first.state("air temperature").unwrap()[0],
         second.state("air temperature").unwrap()[0]
@@ -93,7 +89,7 @@ fn names_are_words() {
             .with_choice(
                 Choice::new("fan").with_transition(Transition::new("slow", flow(0.1, 0.0))),
             );
-        let error = system.write(&mut Model::new("house"), "", &horizon(2)).unwrap_err();
+        let error = system.write(&mut Model::new("house"), "", 2).unwrap_err();
         let text = "it must be one or several words with single blanks between them";
         assert_eq!(error.to_string(), format!("`{name}` cannot be a name: {text}"));
     }
@@ -102,7 +98,7 @@ fn names_are_words() {
 #[test]
 fn runs_are_read_by_name() {
     let mut model = Model::new("house");
-    let program = heater().write(&mut model, "", &horizon(4)).unwrap();
+    let program = heater().write(&mut model, "", 4).unwrap();
     let x = program.state("air temperature").unwrap().clone();
     model.fix(x[0], 10.0).unwrap();
     let off = program.mode("heater", "off", 0).unwrap().unwrap();
@@ -132,7 +128,7 @@ fn runs_are_read_by_name() {
 #[test]
 fn unknown_names_are_refused() {
     let mut model = Model::new("house");
-    let program = heater().write(&mut model, "", &horizon(2)).unwrap();
+    let program = heater().write(&mut model, "", 2).unwrap();
     let texts = [
         program.state("y").unwrap_err(),
         program.taken("fan", "medium", 0).unwrap_err(),

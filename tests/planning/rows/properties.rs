@@ -1,7 +1,8 @@
 //! Random systems: runs satisfy the rows, integer points replay, and every method has the optimum of
 //! an enumeration over transitions.
 
-use carom::hybrid::{HybridProgram, HybridRun};
+use carom::hybrid::HybridRun;
+use carom::internals::hybrid::SystemVariables;
 use carom::model::Method;
 use carom::prelude::*;
 use carom::solution::{Point, Verification};
@@ -12,12 +13,9 @@ use crate::common::config;
 
 const REGRESSIONS: &str = "tests/regressions/rows.txt";
 
-fn written(plain: &Plain, steps: usize, method: Option<Method>) -> (Model, HybridProgram) {
+fn written(plain: &Plain, steps: usize, method: Option<Method>) -> (Model, SystemVariables) {
     let mut model = Model::new("random");
-    let mut options = RowOptions::default();
-    options.method = method;
-    let horizon = Horizon::new(steps, 0.1).unwrap();
-    let program = plain.hybrid().write_with(&mut model, "", &horizon, &options).unwrap();
+    let program = plain.hybrid().write_by(&mut model, "", steps, method).unwrap();
     (model, program)
 }
 
@@ -56,7 +54,7 @@ fn plain_run(plain: &Plain, run: &HybridRun) -> PlainRun {
 }
 
 /// Minimises a linear cost of the last state, all inputs and all transitions.
-fn set_cost(model: &mut Model, program: &HybridProgram, cost: &[f64]) -> Affine {
+fn set_cost(model: &mut Model, program: &SystemVariables, cost: &[f64]) -> Affine {
     let steps = program.horizon().steps();
     let mut total = Affine::zero();
     for (k, family) in program.states().iter().enumerate() {

@@ -29,8 +29,7 @@ fn system(e: f64) -> HybridSystem {
 
 fn general(e: f64, steps: usize) -> (Model, SystemVariables) {
     let mut model = Model::new("general");
-    let horizon = Horizon::new(steps, TIME_STEP).unwrap();
-    let program = system(e).write(&mut model, "", &horizon).unwrap();
+    let program = system(e).write(&mut model, "", steps).unwrap();
     (model, program)
 }
 

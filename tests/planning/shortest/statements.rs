@@ -7,22 +7,20 @@ use crate::common::config;
 use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    HorizonModel, HybridSystem, LinearSystem, Region, ShortestOptions, Waiting, When,
-    shortest_horizon,
+    HorizonModel, HybridSystem, Region, ShortestOptions, State, Waiting, When, shortest_horizon,
 };
-use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::model::{Method, Reformulation};
 use carom::prelude::*;
 use proptest::prelude::*;
 
 /// A cart that moves by at most 1 a step.
-fn cart() -> HybridSystem {
-    let line = LinearSystem::new([[1.0]], [[1.0]], [0.0]).unwrap();
-    HybridSystem::new(1.0)
-        .with_state("x", Interval::new(-9.0, 9.0))
-        .with_input("v", Interval::new(-1.0, 1.0))
-        .with_transition(Transition::new("roll", line))
+fn cart() -> (HybridSystem, State, Variable) {
+    let mut cart = HybridSystem::new(1.0);
+    let x = cart.state("x", -9.0, 9.0).unwrap();
+    let v = cart.input("v", -1.0, 1.0).unwrap();
+    cart.mode("roll").unwrap().next([(x, x + v)]).unwrap();
+    (cart, x, v)
 }
 
 /// Whether a cart reaches the goal in so many steps through a region at the samples of a window.
@@ -82,23 +80,24 @@ proptest! {
             _ => When::OnceIn(first..=first + length),
         };
         let goal = f64::from(goal);
+        let (cart, x, v) = cart();
         let method = if hull { Method::Hull } else { Method::BigM };
         let options = ShortestOptions::default()
             .with_max_steps(16)
             .with_reach_sets(sets)
             .with_reformulation(Reformulation::default().with_method(method))
-            .with_window("window", [region], when.clone());
-        let (start, end) = (Region::point([0.0]), Region::point([goal]));
+            .with_window("window", [x.within(region.lower, region.upper)], when.clone());
+        let (start, end) = ([x.equals(0.0)], [x.equals(goal)]);
         let mut solver = BranchAndBound::default();
-        let found = cart().shortest_with(&start, &end, 1.0, &options, &mut solver).unwrap();
+        let found = cart.shortest_with(start, end, &options, &mut solver).unwrap();
         let wanted = (1..=16).find(|&steps| reaches(goal, region, &when, steps));
         prop_assert_eq!(found.steps, wanted, "{:?} in {:?} to {}", when, region, goal);
-        if let (Some(steps), Some(run)) = (wanted, &found.run) {
+        prop_assert_eq!(found.plan.is_some(), wanted.is_some());
+        if let (Some(steps), Some(plan)) = (wanted, &found.plan) {
             prop_assert!(!found.waiting.is_free());
             prop_assert_eq!(found.refuted_steps.unwrap_or(0), steps - 1);
-            prop_assert_eq!(run.state("x").unwrap().len(), steps + 1);
-            let program = found.search.program.as_ref().unwrap();
-            prop_assert_eq!(program.model.reformulation().method(), method);
+            prop_assert_eq!(plan.values(x).unwrap().len(), steps + 1);
+            prop_assert_eq!(plan.values(v).unwrap().len(), steps);
         }
     }
 }
@@ -108,22 +107,24 @@ proptest! {
 fn rows_are_in_every_program() {
     let called = Arc::new(AtomicUsize::new(0));
     let counter = Arc::clone(&called);
-    let options = ShortestOptions::default().with_rows(move |model, program| {
+    let (cart, x, v) = cart();
+    let hull = Reformulation::default().with_method(Method::Hull);
+    let options = ShortestOptions::default().with_reformulation(hull).with_rows(move |program| {
         counter.fetch_add(1, Ordering::Relaxed);
-        let steps = program.horizon().steps();
-        let v = program.input("v")?;
-        assert_eq!(v.len(), steps);
+        let steps = program.steps();
+        assert_eq!(program.model().reformulation().method(), Method::Hull);
         // Half of the steps at rest.
-        let moves = model.binary_family("moves", steps)?;
+        let moves = program.model_mut().binary_family("moves", steps)?;
         for t in 0..steps {
-            model.add(("rest", t), moves[t].off().implies(v[t].equals(0.0)))?;
+            program.add(("rest", t), moves[t].off().implies(program.at(v.equals(0.0), t)?))?;
         }
-        model.add("tired", moves.iter().map(|z| 1.0 * z).sum::<Affine>().le(steps as f64 / 2.0))?;
+        let count = moves.iter().map(|z| 1.0 * z).sum::<Affine>();
+        program.add("tired", count.le(steps as f64 / 2.0))?;
         Ok(())
     });
-    let (start, goal) = (Region::point([0.0]), Region::point([3.0]));
     let mut solver = BranchAndBound::default();
-    let found = cart().shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap();
+    let found =
+        cart.shortest_with([x.equals(0.0)], [x.equals(3.0)], &options, &mut solver).unwrap();
     assert_eq!(found.steps, Some(6));
     assert!(found.is_found());
     assert!(!found.waiting.is_free());
@@ -133,10 +134,11 @@ fn rows_are_in_every_program() {
 
 #[test]
 fn bad_windows_and_failing_rows_end_the_search() {
-    let (start, goal) = (Region::point([0.0]), Region::point([3.0]));
+    let (cart, x, _) = cart();
     let run = |options: ShortestOptions| {
         let mut solver = BranchAndBound::default();
-        cart().shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap_err().to_string()
+        let (start, goal) = ([x.equals(0.0)], [x.equals(3.0)]);
+        cart.shortest_with(start, goal, &options, &mut solver).unwrap_err().to_string()
     };
     let plain = ShortestOptions::default;
     let twice = [Interval::new(0.0, 1.0), Interval::new(0.0, 1.0)];
@@ -150,11 +152,18 @@ fn bad_windows_and_failing_rows_end_the_search() {
         run(plain().with_window("never", [Interval::new(0.0, 1.0)], empty)),
         "the last sample of `never` is 2; it must be at least 3, the first sample"
     );
-    let text = run(plain().with_rows(|_, program| program.input("w").map(|_| ())));
+    let text = run(plain().with_rows(|program| program.system().input_named("w").map(|_| ())));
     assert!(text.contains("`w`"), "{text}");
+    // Handles of another system, before and behind the end of the run.
+    let (_, stranger, _) = self::cart();
+    for sample in [0, 99] {
+        let text = run(plain().with_window("mine", [stranger.ge(0.0)], When::At(sample)));
+        assert!(text.contains("belongs to another model"), "{text}");
+    }
     let other = Model::new("other").continuous("x", 0.0, 1.0).unwrap();
-    let text = run(plain().with_rows(move |model, _| model.add("mine", other.le(0.5)).map(|_| ())));
-    assert!(text.contains("`mine` belongs to another model"), "{text}");
+    let text =
+        run(plain().with_rows(move |program| program.add("mine", other.le(0.5)).map(|_| ())));
+    assert!(text.contains("`mine` belongs to another model or system"), "{text}");
 }
 
 /// A search over programs that have no hybrid system.
@@ -182,13 +191,13 @@ fn programs_without_a_system_take_a_reformulation_only() {
     let options = ShortestOptions::default().with_reformulation(hull);
     let found = shortest_horizon(&Bare, &options, &mut BranchAndBound::default()).unwrap();
     assert_eq!(found.steps, Some(3));
-    assert_eq!(found.program.unwrap().reformulation().method(), Method::Hull);
-    let options = options.with_rows(|_, _| Ok(()));
+    assert_eq!(found.plan.unwrap().program.reformulation().method(), Method::Hull);
+    let options = options.with_rows(|_| Ok(()));
     let error = shortest_horizon(&Bare, &options, &mut BranchAndBound::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "a search over programs without a hybrid system does not take windows and rows; add them \
-         in `HorizonModel::build`, or implement `HorizonModel::hybrid`"
+         in `HorizonModel::build`, or implement `HorizonModel::with_hybrid`"
     );
 }
 
@@ -221,15 +230,11 @@ fn scenes_take_windows_and_rows() {
     let window = scene.shortest_plan(&options, &mut solver).unwrap();
     assert!(window.is_found());
     assert!(window.steps.unwrap() >= steps);
-    let plan = window.search.program.as_ref().zip(window.search.solution.as_ref());
-    let (program, solution) = plan.unwrap();
-    let heights = program.hybrid.states()[1].iter().map(|y| solution.value(y).unwrap());
-    assert!(heights.fold(0.0, f64::max) >= 1.8 - 1e-6);
-    let slow = ShortestOptions::default().with_max_steps(3 * steps).with_rows(|model, program| {
-        for (t, v) in program.states()[2].iter().enumerate() {
-            model.add(("slow", t), v.le(1.0))?;
-        }
-        Ok(())
+    let heights = window.plan.unwrap().bodies[0].position.iter().map(|p| p[1]).fold(0.0, f64::max);
+    assert!(heights >= 1.8 - 1e-6);
+    let slow = ShortestOptions::default().with_max_steps(3 * steps).with_rows(|program| {
+        let v = program.system().state_named("puck vx")?;
+        program.require("slow", [v.le(1.0)], When::Throughout(0..=program.steps()))
     });
     let slow = scene.shortest_plan(&slow, &mut solver).unwrap();
     assert!(slow.is_found() && slow.steps.unwrap() > steps);
@@ -243,11 +248,10 @@ fn the_planner_of_the_paper_takes_rows() {
     let plain = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
     let fastest = |velocity: &[f64]| velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let limit = 0.8 * fastest(&plain.plan.as_ref().unwrap().trajectory.velocity);
-    let search = ShortestOptions::default().with_max_steps(400).with_rows(move |model, program| {
-        for (t, v) in program.state("v")?.iter().enumerate() {
-            model.add(("calm", t), v.within(-limit, limit))?;
-        }
-        Ok(())
+    let search = ShortestOptions::default().with_max_steps(400).with_rows(move |program| {
+        let v = program.system().state_named("v")?;
+        let calm = [v.within(-limit, limit)];
+        program.require("calm", calm, When::Throughout(0..=program.steps()))
     });
     let options = PlanningOptions::default().with_search(search);
     let calm = shortest_plan(&scenario, &options, &mut solver).unwrap();

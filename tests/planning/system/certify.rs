@@ -52,8 +52,7 @@ proptest! {
         prop_assume!(!simulation.steps.is_empty());
         let run = simulation.to_run(0.5);
         let mut model = Model::new("m");
-        let horizon = Horizon::new(simulation.steps.len(), 0.5).unwrap();
-        let program = system.write(&mut model, "", &horizon).unwrap();
+        let program = system.write(&mut model, "", simulation.steps.len()).unwrap();
         let mut values = vec![0.0; model.variable_count()];
         for (variable, value) in program.values(&run).unwrap() {
             values[variable.index()] = value;

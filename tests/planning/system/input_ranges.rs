@@ -161,7 +161,7 @@ fn an_input_without_any_value_at_a_step_is_infeasible_with_and_without_sets() {
             let (start, goal) = (Region::point([0.0]), Region::point([goal]));
             let options = ShortestOptions::default().with_max_steps(4).with_reach_sets(sets);
             let mut solver = BranchAndBound::default();
-            let run = system.shortest_with(&start, &goal, 1.0, &options, &mut solver).unwrap();
+            let run = system.shortest_with(&start, &goal, &options, &mut solver).unwrap();
             assert_eq!(run.steps, found, "{sets}");
         }
     }

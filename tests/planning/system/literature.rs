@@ -14,8 +14,7 @@ fn least_cost(
     cost: impl Fn(&mut Model, &SystemVariables) -> Quadratic,
 ) -> f64 {
     let mut model = Model::new("m");
-    let horizon = Horizon::new(steps, 1.0).unwrap();
-    let program = system.write(&mut model, "", &horizon).unwrap();
+    let program = system.write(&mut model, "", steps).unwrap();
     for (family, value) in program.states().iter().zip(start) {
         model.fix(family[0], *value).unwrap();
     }
