@@ -15,7 +15,7 @@ pub(crate) fn print_csv(results: &[Solved]) {
                 ("collision_tolerant", restitution.to_string(), String::new())
             }
             Case::DamageLimited { restitution } => {
-                let limit = solved.scenario.damage.per_impact;
+                let limit = solved.scenario.damage.per_hit;
                 let limit = limit.map_or(String::new(), |limit| format!("{limit:.6}"));
                 ("damage_limited", restitution.to_string(), limit)
             }
@@ -110,7 +110,7 @@ pub(crate) fn print_tables(results: &[Solved]) {
                 interval.upper.bound,
                 interval.lower.resolution(),
                 interval.upper.resolution(),
-                solved.scenario.damage.per_impact.unwrap_or(f64::NAN),
+                solved.scenario.damage.per_hit.unwrap_or(f64::NAN),
             );
         }
     }
@@ -187,13 +187,12 @@ fn print_replays(results: &[Solved]) {
     let plans = || results.iter().filter_map(|solved| solved.shortest.plan.as_ref());
     let worst = |value: fn(&Plan) -> f64| plans().map(value).fold(0.0, f64::max);
     println!(
-        "\nEvery plan is replayed. Through the same law: off by at most {:.1e} m and {:.1e} m/s.\n\
+        "\nEvery plan is replayed. Through the same law: off by at most {:.1e} m or m/s.\n\
          In continuous time: up to {:.1e} m into the wall between samples, impact speeds off by \
          up to {:.1e} m/s a step.",
-        worst(|plan| plan.certificate.discrete.max_position_error),
-        worst(|plan| plan.certificate.discrete.max_velocity_error),
-        worst(|plan| plan.certificate.continuous.max_penetration),
-        worst(|plan| plan.certificate.continuous.max_speed_error),
+        worst(|plan| plan.certificate.replay.drift),
+        worst(|plan| plan.certificate.replay.dip),
+        worst(|plan| plan.certificate.replay.step_speed_error),
     );
     println!();
 }

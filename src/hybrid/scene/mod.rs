@@ -9,6 +9,7 @@ mod entry;
 mod error;
 mod geometry;
 mod law;
+pub(crate) mod line;
 mod loose;
 mod mitigate;
 mod picture;

@@ -69,6 +69,13 @@ pub struct DamageRule {
     pub price_per_hit: f64,
 }
 
+impl Default for DamageRule {
+    /// A rule `damage` about impact speeds, without limits and prices.
+    fn default() -> Self {
+        DamageRule::new("damage", DamageMeasure::ImpactSpeed)
+    }
+}
+
 impl DamageRule {
     /// A rule that measures and limits nothing yet.
     pub fn new(name: impl Into<String>, measure: DamageMeasure) -> Self {
@@ -186,8 +193,13 @@ impl DamageRule {
         }
     }
 
+    /// Whether damage or hits cost anything.
+    pub(crate) fn has_price(&self) -> bool {
+        self.price != 0.0 || self.price_per_hit != 0.0
+    }
+
     /// Whether it needs variables for damage.
-    pub(super) fn needs_damage(&self) -> bool {
+    pub(crate) fn needs_damage(&self) -> bool {
         self.total.is_some() || self.price != 0.0
     }
 
@@ -203,7 +215,7 @@ impl DamageRule {
         16
     }
 
-    pub(super) fn check(&self, scene: &Scene) -> Result<(), Error> {
+    pub(crate) fn check(&self, scene: &Scene) -> Result<(), Error> {
         if !is_name(&self.name) {
             return Err(ErrorKind::InvalidName { name: self.name.clone() }.into());
         }

@@ -8,10 +8,10 @@ use carom::collision_tolerant::{
     Endpoint, PlanningOptions, Scenario, ShortestPlan, shortest_plan, shortest_plan_with,
 };
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
-    DamageLimits, Halfspace, HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat,
-    Refutation, ShortestOptions, ShortestStatus, Transition, Verdict, Waiting, Wall,
-    shortest_horizon,
+    Halfspace, HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat, Refutation,
+    ShortestOptions, ShortestStatus, Transition, Verdict, Waiting, Wall, shortest_horizon,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -33,8 +33,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             let wall = if above { Wall::above(-3.0) } else { Wall::below(7.0) }.unwrap();
             let speed = if resting { 0.0 } else { speed.clamp(-fastest, fastest) };
             let end_speed = if stopping { 0.0 } else { end_speed };
-            let mut damage = DamageLimits::default();
-            (damage.per_impact, damage.cumulative) = limits;
+            let mut damage = DamageRule::default();
+            (damage.per_hit, damage.total) = limits;
             Scenario::paper()
                 .with_wall(wall)
                 .with_start(Endpoint::at_rest(wall.at_gap(from)).with_velocity(speed))
@@ -167,8 +167,8 @@ fn an_explanation_names_sets_and_ranges() {
     assert!(text.starts_with("no plan has 484 steps: at the end, without an event, "), "{text}");
     assert!(text.contains("; with 1 event, where x is 0.3, v can only be between 0.00"), "{text}");
     // What limits it is named when it is a wish.
-    let gentle = DamageLimits::default().with_per_impact(3.0);
-    let text = carom::collision_tolerant::explain(&scenario.with_damage(gentle), 486);
+    let gentle = DamageRule::default().with_per_hit(3.0);
+    let text = carom::collision_tolerant::explain(&scenario.clone().with_damage(gentle), 486);
     let text = text.unwrap().unwrap().to_string();
     assert!(text.ends_with("or without the limit on the impact speed (3)"), "{text}");
     assert_eq!(carom::collision_tolerant::explain(&scenario, 485).unwrap(), None);

@@ -51,8 +51,8 @@ pub(super) struct Advance {
 }
 
 impl World<'_> {
-    /// The first time at which a body enters an obstacle or another body by more than `DEPTH`, from
-    /// a state in flight; all gaps count as larger by `shift` (m).
+    /// The first time at which a body enters an obstacle or another body by more than `DEPTH`, or
+    /// reaches it at the end, from a state in flight; all gaps count as larger by `shift` (m).
     pub(super) fn first_impact(
         &self,
         touch: Touch,
@@ -71,17 +71,17 @@ impl World<'_> {
         let mut times = self.crossings(touch, start, span, shift);
         times.extend([0.0, rest]);
         times.sort_by(f64::total_cmp);
+        let impact = |time: f64, face: usize| {
+            let r = self.relative(touch, &state(time).v, span.step);
+            let speed = -dot(self.normal(touch, face), &r);
+            // Otherwise it is on its way out of what it touched.
+            (speed > 0.0).then_some(FirstImpact { time, face, speed })
+        };
         for pair in times.windows(2) {
             let middle = 0.5 * (pair[0] + pair[1]);
             if clearance(middle).0 >= -DEPTH && clearance(pair[1]).0 >= -DEPTH {
                 continue;
             }
-            let impact = |time: f64, face: usize| {
-                let r = self.relative(touch, &state(time).v, span.step);
-                let speed = -dot(self.normal(touch, face), &r);
-                // Otherwise it is on its way out of what it touched.
-                (speed > 0.0).then_some(FirstImpact { time, face, speed })
-            };
             // The surface is crossed at the beginning of the span, or within it.
             let (gap, face) = clearance(pair[0]);
             if gap <= DEPTH
@@ -99,7 +99,8 @@ impl World<'_> {
                 return Some(found);
             }
         }
-        None
+        let (gap, face) = clearance(rest);
+        impact(rest, face).filter(|found| gap <= DEPTH && found.speed > REST_SPEED)
     }
 
     /// Times within a span at which a gap may change its sign or turn: of parabolas, or a grid.
@@ -195,6 +196,7 @@ impl World<'_> {
             from += impact.time;
             end.impacts.push((from, impact.speed));
             let face = impact.face;
+            self.place(touch, face, &mut end.state, (step, from), shift(touch));
             let r = self.relative(touch, &end.state.v, step);
             let Some(mut change) = self.changes(touch, face, [&r, &r], 0.0).into_iter().next()
             else {
@@ -205,8 +207,7 @@ impl World<'_> {
             let pull = self.pull(touch, face, &inputs);
             let is_still =
                 self.surface(touch, face).rests && rebound * rebound <= -2.0 * HOP * pull;
-            let is_worn_out =
-                rebound <= REST_SPEED || is_still || end.impacts.len() >= MAX_BOUNCES;
+            let is_worn_out = rebound <= REST_SPEED || is_still || end.impacts.len() >= MAX_BOUNCES;
             if is_worn_out && pull < 0.0 {
                 change.iter_mut().zip(n).for_each(|(c, n)| *c -= rebound * n);
             }
@@ -215,7 +216,32 @@ impl World<'_> {
             }
         }
         end.state = self.fly(&end.state, &inputs, (dt - from).max(0.0));
+        for touch in self.touches() {
+            let (gap, face) = self.clearance(touch, &end.state.x, step, 1.0);
+            if gap + shift(touch) < 0.0 {
+                self.place(touch, face, &mut end.state, (step, dt), shift(touch));
+            }
+        }
         end
+    }
+
+    /// Places bodies that touch a face exactly at it.
+    fn place(
+        &self,
+        touch: Touch,
+        face: usize,
+        state: &mut State,
+        (step, from): (usize, f64),
+        shift: f64,
+    ) {
+        let part = from / self.scene.time_step;
+        let gap = self.gap(touch, face, &state.x, step, part) + shift;
+        if gap.abs() <= DEPTH {
+            let n = self.normal(touch, face);
+            for (body, share) in self.shares(touch) {
+                state.x[body].iter_mut().zip(n).for_each(|(x, n)| *x -= share * gap * n);
+            }
+        }
     }
 
     /// Takes away what presses a body against a surface at which it is at rest. Returns whether that

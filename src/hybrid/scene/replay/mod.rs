@@ -148,6 +148,17 @@ pub(super) fn certify(
     Ok(played.certificate)
 }
 
+/// A step of the only body of a scene on a line: see `scene/line.rs`.
+pub(super) fn advance_line(
+    scene: &Scene,
+    [x, v]: [f64; 2],
+    input: f64,
+) -> ([f64; 2], Vec<(f64, f64)>, bool) {
+    let start = State { x: vec![vec![x]], v: vec![vec![v]] };
+    let end = World { scene }.advance(&start, 0, &[vec![input]], &|_| 0.0);
+    ([end.state.x[0][0], end.state.v[0][0]], end.impacts, end.rested)
+}
+
 /// Largest difference in place and velocity.
 fn apart(a: &State, b: &State) -> f64 {
     largest(&a.x, &b.x).max(largest(&a.v, &b.v))
