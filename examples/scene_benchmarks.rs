@@ -16,10 +16,11 @@ use std::error::Error as StdError;
 use std::time::Instant;
 
 use carom::collision_tolerant::{
-    Collisions, Endpoint, IntervalOptions, PlanningOptions, Scenario, damage_interval,
-    shortest_plan,
+    Collisions, Endpoint, PlanningOptions, Scenario, damage_interval, shortest_plan,
 };
-use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
+use carom::hybrid::scene::{
+    Body, DamageMeasure, DamageRule, IntervalOptions, Scene, Solid, Surface,
+};
 use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;

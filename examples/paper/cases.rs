@@ -4,10 +4,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use carom::collision_tolerant::{
-    DamageInterval, IntervalOptions, PlanningOptions, Scenario, ShortestPlan, damage_interval,
-    shortest_plan_with,
+    PlanningOptions, Scenario, ShortestPlan, damage_interval, shortest_plan_with,
 };
-use carom::hybrid::scene::DamageRule;
+use carom::hybrid::scene::{DamageInterval, DamageRule, IntervalOptions};
 use carom::hybrid::{HorizonEvent, Refutation, Verdict};
 use carom::prelude::*;
 

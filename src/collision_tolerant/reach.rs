@@ -3,7 +3,7 @@
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
+use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use crate::hybrid::scene::line::half_line;
 use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
 use crate::hybrid::{
@@ -12,7 +12,6 @@ use crate::hybrid::{
 };
 use crate::interval::Interval;
 use crate::model::Model;
-use crate::solver::StopToken;
 use crate::tolerance;
 
 /// How many times longer the steps of the coarser grid are, and the number of steps from which it
@@ -170,27 +169,4 @@ impl HorizonModel for Programs {
         let can = scenario.collisions == Collisions::Tolerated && self.lower_hint() >= worth;
         can.then(|| Box::new(Programs { scenario, upper_hint: None }) as Box<_>)
     }
-}
-
-/// Why no plan of a scenario has exactly `steps` steps, in words. `None` if reach sets do not
-/// exclude one.
-///
-/// # Errors
-///
-/// Those of [`Scenario::check`] and of [`Horizon::new`].
-pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<ReachExplanation>, Error> {
-    scenario.reach_sets()?.explain(steps)
-}
-
-/// Tightens a program with the tube of its horizon. `false` if the tube proves that there is no
-/// plan. If the token is over first, the program stays unchanged.
-pub(super) fn tighten(
-    sets: &mut ReachSets,
-    program: &mut PlanningProgram,
-    token: &StopToken,
-) -> Result<bool, Error> {
-    let Some(tube) = sets.tube_until(program.horizon.steps(), token)? else { return Ok(true) };
-    let variables = program.hybrid.horizon_variables();
-    let model: &mut Model = &mut program.model;
-    Ok(!tube.tighten(model, &variables)?.infeasible)
 }

@@ -1,6 +1,5 @@
 //! Scenarios: start, goal, limits, wall, contact and damage.
 
-use super::error::ScenarioError;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
@@ -10,6 +9,7 @@ use crate::hybrid::{
 };
 use crate::interval::Interval;
 use crate::setters::setters;
+use crate::tolerance;
 
 /// Whether a plan may hit the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -218,9 +218,9 @@ impl Scenario {
     /// # Errors
     ///
     /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`], [`ErrorKind::OutOfRange`] and
-    /// [`ScenarioError`], each with what to change.
+    /// [`SceneError`](crate::hybrid::scene::SceneError), each with what to change.
     pub fn check(&self) -> Result<(), Error> {
-        Horizon::new(1, self.time_step)?;
+        let horizon = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
         for (name, end) in [("start", &self.start), ("goal", &self.goal)] {
             let numbers = [
                 ("the position", Some(end.position)),
@@ -233,52 +233,27 @@ impl Scenario {
         }
         check_finite("wall", "the position", [self.contact.wall.position()])?;
         self.acceleration.check("acceleration")?;
-        if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
-            let (what, range) = ("the largest speed (m/s)", "finite and positive");
-            return Err(Error::out_of_range(what, self.max_speed, range));
-        }
         if let Some(domain) = self.domain {
             domain.check("domain")?;
         }
-        let horizon = Horizon::new(1, self.time_step)?;
-        self.damage.check(&self.scene(&horizon))?;
         if let Some(region) = &self.goal_region {
             region.check(&self.system(&horizon, &DamageRule::default())?, "the goal")?;
         }
-        let start = [self.start.position, self.start.velocity].map(Interval::point);
-        self.check_end("start", start, self.start.acceleration)?;
-        let goal = [self.goal_positions(), self.goal_velocities()];
-        Ok(self.check_end("goal", goal, self.goal.acceleration)?)
-    }
-
-    fn check_end(
-        &self,
-        end: &'static str,
-        [positions, velocities]: [Interval; 2],
-        acceleration: Option<f64>,
-    ) -> Result<(), ScenarioError> {
-        let (wall, limit) = (self.contact.wall, self.max_speed);
-        let position = positions.nearest(wall.at_gap(f64::INFINITY));
-        if wall.gap(position) < 0.0 {
-            return Err(ScenarioError::InsideWall { end, position, wall });
-        }
-        let speed = velocities.nearest(0.0).abs();
-        if speed > limit {
-            return Err(ScenarioError::TooFast { end, speed, limit });
-        }
-        if let Some(acceleration) = acceleration
+        if let Some(acceleration) = self.goal.acceleration
             && !self.acceleration.contains(acceleration)
         {
-            let limits = self.acceleration;
-            return Err(ScenarioError::Acceleration { end, acceleration, limits });
+            let Interval { lower, upper } = self.acceleration;
+            let range = format!("within {lower} and {upper}");
+            return Err(Error::out_of_range("the goal's acceleration", acceleration, range));
         }
-        if let Some(domain) = self.domain
-            && positions.intersection(domain).is_empty()
-        {
-            let position = positions.nearest(domain.lower);
-            return Err(ScenarioError::OutsideDomain { end, position, domain });
+        let mut scene = self.scene(&horizon);
+        if self.domain.is_none() {
+            // So that a start behind the wall is found to be there.
+            let ends = Interval::point(self.start.position).hull(self.goal_positions());
+            let inside = ends.intersection(Interval::new(-1e9, 1e9));
+            scene.bodies.iter_mut().for_each(|body| body.domain[0] = body.domain[0].hull(inside));
         }
-        Ok(())
+        scene.checked().map(drop)
     }
 
     /// The positions at which a plan may end, in m: on the wall's free side, if there are any there.

@@ -103,7 +103,7 @@ impl ShortestPlan {
 ///
 /// let scenario = Scenario::paper().with_time_step(0.05);
 /// let mut solver = BranchAndBound::default();
-/// let careful = shortest_plan(&scenario.collision_free(), &PlanningOptions::default(), &mut solver)?;
+/// let careful = shortest_plan(&scenario.clone().collision_free(), &PlanningOptions::default(), &mut solver)?;
 /// let tolerant = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
 /// assert!(tolerant.is_found() && tolerant.steps < careful.steps);
 /// # Ok::<(), carom::Error>(())

@@ -4,7 +4,7 @@ use std::error::Error as _;
 use std::time::Duration;
 
 use carom::ErrorKind;
-use carom::collision_tolerant::{Endpoint, Scenario, ScenarioError};
+use carom::collision_tolerant::{Endpoint, Scenario};
 use carom::hybrid::scene::{Body, Scene, SceneError, Solid, Surface};
 use carom::hybrid::{Region, Restitution};
 use carom::interval::Interval;
@@ -441,11 +441,8 @@ fn errors_of_planners_are_the_sources_of_errors() {
     let source = inside.source().unwrap();
     assert_eq!(source.to_string(), inside.to_string());
     assert!(source.source().is_none());
-    let source = source.downcast_ref::<ScenarioError>().unwrap();
-    assert!(
-        matches!(source, ScenarioError::InsideWall { end: "start", position: -0.5, .. }),
-        "{source:?}"
-    );
+    let source = source.downcast_ref::<SceneError>().unwrap();
+    assert!(matches!(source, SceneError::Inside { end: "starts", .. }), "{source:?}");
     // No text twice.
     assert_eq!(format!("{inside:#}"), inside.to_string());
 

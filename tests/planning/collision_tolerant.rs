@@ -1,10 +1,10 @@
 //! The paper's figures, the scenario's checks, and what a plan promises.
 
 use carom::collision_tolerant::{
-    Collisions, Endpoint, IntervalOptions, Objective, Plan, PlanOutcome, PlanningOptions,
-    PlanningProgram, Scenario, compare, damage_interval, plan, shortest_plan,
+    Collisions, Endpoint, Objective, Plan, PlanOutcome, PlanningOptions, PlanningProgram, Scenario,
+    compare, damage_interval, plan, shortest_plan,
 };
-use carom::hybrid::scene::{DamageMeasure, DamageRule};
+use carom::hybrid::scene::{DamageMeasure, DamageRule, IntervalOptions};
 use carom::hybrid::{ContactLaw, ImpactEstimate, ShortestOptions, ShortestStatus, Verdict, Wall};
 use carom::prelude::*;
 
@@ -178,7 +178,8 @@ fn without_waiting_every_smaller_horizon_is_refuted() {
     assert_eq!(tried, (1..=steps).collect::<Vec<_>>());
 
     let error = damage_interval(&scenario, steps, &IntervalOptions::default(), &mut solver());
-    assert!(error.unwrap_err().to_string().contains("can wait neither at its start"));
+    let text = error.unwrap_err().to_string();
+    assert!(text.starts_with("the scene has no damage interval: its shortest horizon"), "{text}");
 }
 
 // -- fixed horizons -----------------------------------------------------------------------------
@@ -379,36 +380,33 @@ fn scenarios_that_contradict_themselves_are_refused() {
         ),
         (
             paper.clone().with_max_speed(0.0),
-            "the largest speed (m/s) is 0; it must be finite and positive",
+            "the largest speed (m/s) of `vehicle` is 0; it must be finite and positive",
         ),
         (
             paper.clone().with_time_step(-0.1),
             "the time step (s) is -0.1; it must be finite and positive",
         ),
-        (
-            paper.clone().with_start(rest(-0.5)),
-            "the scenario cannot be planned: the start at -0.5 m is inside the wall, whose free \
-             side is above 0 m; move it to the free side, or turn the wall around",
-        ),
+        (paper.clone().with_start(rest(-0.5)), "`vehicle` starts inside `wall`; move one of them"),
         (
             paper.clone().with_goal(rest(0.5)).with_wall(Wall::below(0.2).unwrap()),
-            "the scenario cannot be planned: the start at 10 m is inside the wall, whose free \
-             side is below 0.2 m; move it to the free side, or turn the wall around",
+            "`vehicle` starts inside `wall`; move one of them",
         ),
         (
             paper.clone().with_start(rest(10.0).with_velocity(-16.0)),
-            "the scenario cannot be planned: the start speed of 16 m/s is above the largest speed \
-             of 15 m/s; lower it, or raise the largest speed",
+            "`vehicle` starts with vx -16, outside its largest speed, -15 to 15 m/s; move it, or \
+             widen the limit",
         ),
         (
             paper.clone().with_start(rest(10.0).with_acceleration(7.0)),
-            "the scenario cannot be planned: the start acceleration of 7 m/s² is outside [-6, 6] \
-             m/s²; bring it within the limits, or leave it free",
+            "the first acceleration of `vehicle` is 7; it must be within -6 and 6",
+        ),
+        (
+            paper.clone().with_goal(rest(0.3).with_acceleration(7.0)),
+            "the goal's acceleration is 7; it must be within -6 and 6",
         ),
         (
             paper.clone().with_domain(0.0, 5.0),
-            "the scenario cannot be planned: the start at 10 m is outside the domain [0, 5] m; \
-             move it, or widen the domain",
+            "`vehicle` starts with x 10, outside its domain, 0 to 5 m; move it, or widen the limit",
         ),
         (
             paper.clone().with_damage(DamageRule::default().with_per_hit(-1.0)),

@@ -6,10 +6,11 @@ use std::error::Error as StdError;
 use crate::common::config;
 use carom::ErrorKind;
 use carom::collision_tolerant::{
-    Endpoint, Objective, Plan, PlanningOptions, PlanningProgram, Scenario, ScenarioError,
-    ShortestPlan, Trajectory, explain, plan, shortest_plan,
+    Endpoint, Objective, Plan, PlanningOptions, PlanningProgram, Scenario, ShortestPlan,
+    Trajectory, plan, shortest_plan,
 };
 use carom::explain::{ExplainOptions, infeasibility};
+use carom::hybrid::scene::SceneError;
 use carom::hybrid::{ContactLaw, Halfspace, Region, RunError, ShortestOptions, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -130,7 +131,7 @@ fn regions_are_named_in_explanations() {
     let box_of = [Interval::new(0.1, 0.5), Interval::new(-1.0, 0.0)];
     let scenario = coarse().with_goal_region(Region::from(box_of).with_halfspace(slow));
     let shortest = steps(&scenario);
-    let text = explain(&scenario, shortest - 1).unwrap().unwrap().to_string();
+    let text = scenario.reach_sets().unwrap().explain(shortest - 1).unwrap().unwrap().to_string();
     assert!(text.starts_with(&format!("no plan has {} steps", shortest - 1)), "{text}");
     let program = PlanningProgram::explainable(&scenario, shortest - 4).unwrap();
     let text = program.model.to_string();
@@ -150,19 +151,18 @@ fn regions_that_cannot_be_ends_are_refused() {
     );
     assert_eq!(
         text([Interval::new(-2.0, -1.0), all].into()),
-        "the scenario cannot be planned: the goal at -1 m is inside the wall, whose free side is \
-         above 0 m; move it to the free side, or turn the wall around"
+        "`vehicle` ends inside `wall`; move one of them"
     );
     assert_eq!(
         text([all, Interval::new(-30.0, -16.0)].into()),
-        "the scenario cannot be planned: the goal speed of 16 m/s is above the largest speed of 15 \
-         m/s; lower it, or raise the largest speed"
+        "`vehicle` ends with vx from -30 to -16, outside its largest speed, -15 to 15 m/s; move it, \
+         or widen the limit"
     );
     let far = coarse().with_domain(0.0, 11.0).with_goal_region([Interval::new(12.0, 13.0), all]);
     assert_eq!(
         far.check().unwrap_err().to_string(),
-        "the scenario cannot be planned: the goal at 12 m is outside the domain [0, 11] m; move it, \
-         or widen the domain"
+        "`vehicle` ends with x from 12 to 13, outside its domain, 0 to 11 m; move it, or widen the \
+         limit"
     );
     let named = Region::point([0.3, 0.0]).with_mode("mode", "flying");
     assert_eq!(text(named), "the model has no mode of the choice named `flying`");
@@ -200,10 +200,10 @@ fn plans_of_other_scenarios_are_no_plans() {
     let solution = solver().solve(&program.model).unwrap();
     let refused = |scenario: &Scenario| Plan::certify(scenario, &program, &solution).unwrap_err();
     let error = refused(&scenario.clone().with_goal_position(0.4));
-    assert!(matches!(source(&error), ScenarioError::Missed { end: "goal", .. }), "{error}");
+    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
     let error =
         refused(&scenario.clone().with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
-    assert!(matches!(source(&error), ScenarioError::Missed { end: "start", .. }), "{error}");
+    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
     let error = refused(&scenario.clone().with_acceleration(-1.0, 1.0));
     assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
     // A solution of another program.
@@ -228,5 +228,5 @@ fn extensions_that_bend_the_scenario_are_found() {
     program.model.set_bounds(x[last], 0.0, 9.0).unwrap();
     let solution = solver().solve(&program.model).unwrap();
     let error = Plan::certify(&scenario, &program, &solution).unwrap_err();
-    assert!(matches!(source(&error), ScenarioError::Missed { end: "goal", .. }), "{error}");
+    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
 }

@@ -1,6 +1,6 @@
 //! Answers in words.
 
-use carom::collision_tolerant::{Saving, ShortestPlan};
+use carom::collision_tolerant::ShortestPlan;
 use carom::hybrid::scene::ShortestScenePlan;
 use carom::hybrid::{Attempt, Refutation, ShortestStatus, Verdict};
 
@@ -97,10 +97,11 @@ pub fn conclusion(
     if let (Some(saved), Some(slow), Some(fast)) =
         (free.longer_than(tolerant), free.seconds(), tolerant.seconds())
     {
-        let saving = Saving::new(slow, fast);
+        let saving = 100.0 * (slow - fast);
         return format!(
             "{hitting} saves {saved:.3} s: {:.2} % of the careful plan's time, {:.2} % of its own.",
-            saving.of_baseline, saving.of_faster
+            saving / slow,
+            saving / fast
         );
     }
     match (free.seconds(), tolerant.seconds()) {

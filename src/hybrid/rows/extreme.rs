@@ -89,7 +89,7 @@ impl HybridProgram {
 
 /// Solves a model for inputs as far as they can go from the middles of their ranges, to the sides on
 /// which they are.
-pub(crate) fn push_outward(
+fn push_outward(
     mut model: Model,
     inputs: &[(Variable, f64)],
     solver: &mut dyn Solver,

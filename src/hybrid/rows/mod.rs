@@ -26,7 +26,6 @@ mod statements;
 mod switch;
 mod write;
 
-pub(crate) use extreme::push_outward;
 pub use program::HybridProgram;
 pub use run::HybridRun;
 

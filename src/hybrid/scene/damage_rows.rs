@@ -1,6 +1,6 @@
 //! Damage and rules about it in the program of a scene.
 
-use super::contact::Contact;
+use super::contact::ContactPair;
 use super::geometry::dot;
 use super::law::sound_margin;
 use super::program::SceneProgram;
@@ -158,7 +158,7 @@ impl SceneProgram {
 }
 
 /// Lines `slope f + constant` whose largest value is at least the damage of f, from 0 to `most`.
-fn pieces(rule: &DamageRule, contact: &Contact, face: usize, most: f64) -> Vec<(f64, f64)> {
+fn pieces(rule: &DamageRule, contact: &ContactPair, face: usize, most: f64) -> Vec<(f64, f64)> {
     let factor = rule.factor(contact, face);
     match &rule.measure {
         DamageMeasure::Convex(pieces) => pieces.clone(),

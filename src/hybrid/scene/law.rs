@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use faer::Mat;
 
-use super::contact::{Contact, ContactFace, Mode, at};
+use super::contact::{ContactFace, ContactPair, Mode, at};
 use super::geometry::{dot, tangents};
 use super::statement::Scene;
 use super::surface::Tangential;
@@ -42,7 +42,7 @@ pub(super) struct Law {
 /// Writes the transitions of one contact.
 pub(super) struct Writer<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) contact: &'a Contact,
+    pub(super) contact: &'a ContactPair,
     pub(super) flow: &'a LinearSystem,
 }
 

@@ -225,8 +225,27 @@ pub fn replay_line(
     scene: &Scene,
     samples: &Samples<'_>,
 ) -> Result<(Vec<SceneHit>, SceneCertificate), Error> {
+    let (scene, path) = checked_path(scene, samples)?;
+    let mut hits = Vec::new();
+    if let Some(obstacle) = scene.obstacles.first() {
+        let name = format!("{} at {}", path.name, obstacle.name);
+        let steps = samples.contact.iter().enumerate().filter(|(_, hits)| **hits);
+        hits.extend(steps.map(|(t, _)| SceneHit::new(t, name.clone(), &path.name, 0)));
+    }
+    let certificate = replay::certify(&scene, &[path], &mut hits)?;
+    Ok((hits, certificate))
+}
+
+/// Refuses samples that start or end elsewhere than the scene says.
+pub(crate) fn check_line_ends(scene: &Scene, samples: &Samples<'_>) -> Result<(), Error> {
+    let (scene, path) = checked_path(scene, samples)?;
+    Ok(replay::check_ends(&scene, &[path])?)
+}
+
+/// A checked scene of one body, and the path of that body.
+fn checked_path(scene: &Scene, samples: &Samples<'_>) -> Result<(Scene, BodyPath), Error> {
     let scene = scene.checked()?;
-    let Samples { position, velocity, acceleration, contact } = *samples;
+    let Samples { position, velocity, acceleration, .. } = *samples;
     Horizon::new(acceleration.len(), scene.time_step)?;
     for (what, values) in
         [("a position", position), ("a velocity", velocity), ("an acceleration", acceleration)]
@@ -234,22 +253,14 @@ pub fn replay_line(
         check_finite("the plan", what, values.iter().copied())?;
     }
     let column = |values: &[f64]| values.iter().map(|&x| vec![x]).collect();
-    let bodies = scene.bodies.iter().take(1).map(|body| BodyPath {
-        name: body.name.clone(),
+    let path = BodyPath {
+        name: scene.bodies.first().map_or_else(String::new, |body| body.name.clone()),
         position: column(position),
         velocity: column(velocity),
         acceleration: column(acceleration),
-    });
-    let bodies: Vec<BodyPath> = bodies.collect();
-    let name = |o: usize| format!("{} at {}", scene.bodies[0].name, scene.obstacles[o].name);
-    let steps = contact.iter().enumerate().filter(|(_, hits)| **hits);
-    let mut hits: Vec<SceneHit> = match scene.obstacles.is_empty() {
-        true => Vec::new(),
-        false => steps.map(|(t, _)| SceneHit::new(t, name(0), &scene.bodies[0].name, 0)).collect(),
     };
-    scene.check_paths(&bodies)?;
-    let certificate = replay::certify(&scene, &bodies, &mut hits)?;
-    Ok((hits, certificate))
+    scene.check_paths(std::slice::from_ref(&path))?;
+    Ok((scene, path))
 }
 
 /// Where one step of a body on a line leads if impacts happen where they are: position (m),

@@ -105,6 +105,11 @@ impl ScenePlan {
         self.steps() as f64 * self.time_step
     }
 
+    /// The largest damage of a hit, in m/s; 0 without hits.
+    pub fn largest_damage(&self) -> f64 {
+        self.hits.iter().map(|hit| hit.damage).fold(0.0, f64::max)
+    }
+
     /// A plan with the same hits and steps whose inputs are
     /// [extreme](crate::hybrid::HybridProgram::extreme), at the least price of the scene's rules. The
     /// plan itself if there is nothing to choose.
@@ -192,6 +197,18 @@ impl Scene {
 }
 
 impl SceneProgram {
+    /// Fixes the modes of all contacts to those of a plan.
+    pub(super) fn fix_contacts(&mut self, plan: &ScenePlan) -> Result<(), Error> {
+        for contact in &self.contacts {
+            for (step, name) in plan.run.transitions(&contact.name)?.iter().enumerate() {
+                if let Some(taken) = self.hybrid.taken(&contact.name, name, step)? {
+                    self.model.fix(taken.variable(), f64::from(u8::from(taken.is_on())))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The plan of a solution, replayed by code that reads neither the program nor its system.
     ///
     /// # Errors

@@ -89,26 +89,38 @@ struct Played<'a> {
     certificate: SceneCertificate,
 }
 
+impl<'a> Played<'a> {
+    fn new(scene: &'a Scene, bodies: &[BodyPath], hits: &'a mut Vec<SceneHit>) -> Self {
+        let samples = bodies.first().map_or(0, |body| body.position.len());
+        let state = |t: usize| State {
+            x: bodies.iter().map(|body| body.position[t].clone()).collect(),
+            v: bodies.iter().map(|body| body.velocity[t].clone()).collect(),
+        };
+        let steps = samples.saturating_sub(1);
+        let input = |t: usize| bodies.iter().map(|body| body.acceleration[t].clone()).collect();
+        Played {
+            world: World { scene },
+            samples: (0..samples).map(state).collect(),
+            inputs: (0..steps).map(input).collect(),
+            hits,
+            certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
+        }
+    }
+}
+
+/// Refuses a plan that starts or ends elsewhere than its scene says.
+pub(super) fn check_ends(scene: &Scene, bodies: &[BodyPath]) -> Result<(), SceneError> {
+    Played::new(scene, bodies, &mut Vec::new()).ends()
+}
+
 /// Replays a plan; completes its hits, and drops those that are rest.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
     hits: &mut Vec<SceneHit>,
 ) -> Result<SceneCertificate, SceneError> {
-    let samples = bodies.first().map_or(0, |body| body.position.len());
-    let state = |t: usize| State {
-        x: bodies.iter().map(|body| body.position[t].clone()).collect(),
-        v: bodies.iter().map(|body| body.velocity[t].clone()).collect(),
-    };
-    let steps = samples.saturating_sub(1);
-    let input = |t: usize| bodies.iter().map(|body| body.acceleration[t].clone()).collect();
-    let mut played = Played {
-        world: World { scene },
-        samples: (0..samples).map(state).collect(),
-        inputs: (0..steps).map(input).collect(),
-        hits,
-        certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
-    };
+    let mut played = Played::new(scene, bodies, hits);
+    let steps = played.inputs.len();
     let Some(first) = played.samples.first().cloned() else {
         return Ok(played.certificate);
     };
