@@ -98,8 +98,67 @@ fn grazing_and_leaving_are_no_impacts() {
     assert!(pressed.rested && pressed.impacts.is_empty());
 }
 
+/// The closed form: roots of the gap's parabola, bounce by bounce, to gap and rate at the end and
+/// the times of the impacts. `None` if bounces pile up.
+fn closed_form(start: (f64, f64), a: f64, duration: f64, e: f64) -> Option<(f64, f64, Vec<f64>)> {
+    let (mut gap, mut rate) = start;
+    let (mut elapsed, mut times) = (0.0, Vec::new());
+    while times.len() < 20 {
+        let hit = match gap {
+            0.0 if rate < 0.0 => Some(0.0),
+            0.0 => (a < 0.0 && rate > 0.0).then(|| -2.0 * rate / a),
+            _ => {
+                let under = rate * rate - 2.0 * a * gap;
+                let speed = under.max(0.0).sqrt();
+                match () {
+                    _ if under <= 0.0 => None,
+                    _ if rate < 0.0 => Some(2.0 * gap / (speed - rate)),
+                    _ if a < 0.0 => Some(-(rate + speed) / a),
+                    _ => None,
+                }
+            }
+        };
+        let Some(after) = hit.filter(|after| elapsed + after <= duration) else {
+            let rest = duration - elapsed;
+            return Some((gap + rest * (rate + 0.5 * a * rest), rate + a * rest, times));
+        };
+        elapsed += after;
+        times.push(elapsed);
+        (gap, rate) = (0.0, -e * (rate + a * after));
+    }
+    None
+}
+
 proptest! {
     #![proptest_config(config(256, "tests/regressions/physics.txt"))]
+
+    /// Walls anywhere, facing either way, are hit when and how the closed form says.
+    #[test]
+    fn located_impacts_are_those_of_the_closed_form(
+        at in -50.0..50.0_f64,
+        above in any::<bool>(),
+        gap in 0.01..1.0_f64,
+        rate in -5.0..5.0_f64,
+        a in -8.0..8.0_f64,
+        duration in 0.01..1.0_f64,
+        e in 0.2..=1.0_f64,
+    ) {
+        let wall = if above { Wall::above(at) } else { Wall::below(at) }.unwrap();
+        let expected = closed_form((gap, rate), a, duration, e);
+        prop_assume!(expected.is_some());
+        let (end, speed, times) = expected.unwrap();
+        // An impact at the very end may be counted or not.
+        prop_assume!(times.iter().all(|time| duration - time > 1e-6) && end > 1e-6);
+        let start = [wall.at_gap(gap), wall.rate(rate)];
+        let scene = scene(wall, e, duration);
+        let ([x, v], impacts, rested) = advance_line(&scene, start, wall.rate(a));
+        prop_assert!(!rested);
+        prop_assert_eq!(impacts.len(), times.len());
+        for ((time, _), expected) in impacts.iter().zip(&times) {
+            prop_assert!((time - expected).abs() < 1e-9, "{time} {expected}");
+        }
+        prop_assert!((wall.gap(x) - end).abs() < 1e-8 && (wall.rate(v) - speed).abs() < 1e-8);
+    }
 
     /// Never inside the wall, never more energy than before, however it bounces.
     #[test]
