@@ -25,7 +25,6 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use carom::hybrid::Disturbance;
-use carom::interval::Interval;
 use carom::prelude::*;
 use instances::generators::{cartpole, pendulum};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};

@@ -4,7 +4,7 @@
 
 use carom::collision_tolerant::{PlanningProgram, Scenario};
 use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation, violations};
-use carom::hybrid::DamageLimits;
+use carom::hybrid::scene::DamageRule;
 use carom::prelude::*;
 
 fn main() -> Result<(), Error> {
@@ -12,7 +12,7 @@ fn main() -> Result<(), Error> {
 
     // The paper's vehicle in 40 steps of 0.06 s. Braking against the wall is fast enough, but no
     // impact may be faster than 3 m/s.
-    let limits = DamageLimits::default().with_per_impact(3.0);
+    let limits = DamageRule::default().with_per_hit(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
     let program = PlanningProgram::explainable(&scenario, 40)?;
 

@@ -97,8 +97,8 @@ pub mod semidefinite {
     pub use crate::semidefinite::{Direction, Product, negative_direction};
 }
 
-pub mod simulate {
-    pub use crate::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
+pub mod scene {
+    pub use crate::hybrid::scene::line::{Samples, advance_line, replay_line};
 }
 
 pub mod sum {

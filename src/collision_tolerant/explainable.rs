@@ -3,9 +3,9 @@
 use super::program::{Ends, Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::{ContactLaw, DamageLimits, Horizon, Region};
+use crate::hybrid::{ContactLaw, Horizon, Region};
 use crate::interval::Interval;
-use crate::model::Row;
+use crate::model::{Affine, Row};
 
 impl PlanningProgram {
     /// Writes the program of a scenario over a horizon for explanations: start, goal and limits are
@@ -103,14 +103,14 @@ impl PlanningProgram {
         if scenario.collisions == Collisions::Forbidden {
             self.state_wall(scenario)?;
         }
-        let Some(damage) = &self.damage else { return Ok(()) };
-        if let Some(limit) = scenario.damage.per_impact {
-            for (t, d) in damage.values.iter().enumerate() {
-                self.model.add(("damage_limit", t), d.le(limit))?;
+        if let Some(limit) = scenario.damage.per_hit {
+            for (t, damage) in self.damage.iter().enumerate() {
+                self.model.add(("damage_limit", t), damage.clone().le(limit))?;
             }
         }
-        if let Some(limit) = scenario.damage.cumulative {
-            self.model.add("damage_budget", damage.total.le(limit))?;
+        if let Some(limit) = scenario.damage.total.filter(|_| !self.damage.is_empty()) {
+            let total: Affine = self.damage.iter().cloned().sum();
+            self.model.add("damage_budget", total.le(limit))?;
         }
         Ok(())
     }
@@ -141,9 +141,10 @@ fn widened(scenario: &Scenario, horizon: &Horizon) -> Scenario {
     let mut wide = scenario.clone();
     wide.acceleration = Interval::new(-most, most);
     wide.max_speed = 2.0 * scenario.max_speed.max(fastest);
-    if scenario.damage.is_active() {
-        // Damage states without limits.
-        wide.damage = DamageLimits::default().with_per_impact(f64::MAX);
+    let limits = [wide.damage.per_hit.take(), wide.damage.total.take()];
+    if limits.iter().any(Option::is_some) {
+        // Damage without limits.
+        wide.damage.price = 1.0;
     }
     wide
 }

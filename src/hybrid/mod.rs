@@ -18,8 +18,8 @@ pub(crate) mod system;
 mod terminal;
 pub mod wall;
 
-pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution};
-pub use damage::{Damage, DamageFunction, DamageLimits, ImpactEstimate};
+pub use contact::{Contact, ContactLaw, Restitution};
+pub use damage::ImpactEstimate;
 /// Dense matrices, re-exported from `faer`.
 pub use faer::Mat;
 pub use flaws::{Flaw, Witness};
@@ -35,9 +35,8 @@ pub use shortest_horizon::{
     shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError,
-    RunCertificate, RunError, Samples, SimulatedStep, Simulation, SimulationOptions,
-    replay_continuous, replay_discrete,
+    Candidate, Condition, DeadEnd, Follow, RunCertificate, RunError, SimulatedStep, Simulation,
+    SimulationOptions,
 };
 pub use system::{
     HybridSystem, IntoRegion, LinearComplementarity, MixedLogicalDynamical, Region, Schedule,

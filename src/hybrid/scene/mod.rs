@@ -3,12 +3,14 @@
 mod body;
 mod compare;
 mod contact;
+mod damage_interval;
 mod damage_rows;
 mod ends;
 mod entry;
 mod error;
 mod geometry;
 mod law;
+pub(crate) mod line;
 mod loose;
 mod mitigate;
 mod picture;
@@ -26,6 +28,7 @@ mod system;
 
 pub use body::{Body, Shape};
 pub use compare::StepComparison;
+pub use damage_interval::{DamageInterval, IntervalEnd, IntervalOptions};
 pub use error::SceneError;
 pub use mitigate::{Avoidable, Mitigation};
 pub use plan::{BodyPath, SceneHit, ScenePlan};

@@ -2,9 +2,8 @@
 
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
-use carom::hybrid::{
-    Contact, ContactLaw, Damage, DamageLimits, HybridSystem, ImpactSpeed, Restitution, Wall,
-};
+use carom::hybrid::scene::DamageRule;
+use carom::hybrid::{Contact, ContactLaw, HybridSystem, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
@@ -31,13 +30,8 @@ fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
         model.add(("speed", t), v[t].within(-15.0, 15.0)).unwrap();
         model.add(("ceiling", t), x[t].le(30.0)).unwrap();
     }
-    let speeds = program.output("impact speed").unwrap();
-    let impacts = speeds.iter().map(|speed| ImpactSpeed::new(speed.clone(), true));
-    let contacts: Vec<(Variable, ImpactSpeed)> = hit.iter().zip(impacts).collect();
-    let limits = DamageLimits::default().with_per_impact(20.0);
-    let damage = Damage::add(&mut model, &contacts, &limits).unwrap();
-    for (t, d) in damage.values.iter().enumerate() {
-        model.add(("damage_limit", t), d.le(damage_limit)).unwrap();
+    for (t, speed) in program.output("impact speed").unwrap().iter().enumerate() {
+        model.add(("damage_limit", t), speed.clone().le(damage_limit)).unwrap();
     }
     model.add("few_hits", hit.iter().sum::<Affine>().le(3.0)).unwrap();
     model.add("start_position", x[0].equals(10.0)).unwrap();
@@ -136,7 +130,7 @@ fn the_papers_own_program_is_explained() {
         ["start_position", "start_velocity", "goal_position", "goal_velocity", "acceleration"]
     );
 
-    let limits = DamageLimits::default().with_per_impact(3.0);
+    let limits = DamageRule::default().with_per_hit(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
     let program = PlanningProgram::explainable(&scenario, STEPS).unwrap();
     let why = explain(&program.model);
