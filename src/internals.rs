@@ -7,7 +7,12 @@ pub mod conformance {
 }
 
 pub mod hybrid {
-    pub use crate::hybrid::exponential::exponential;
+    use crate::hybrid::Matrix;
+
+    pub fn exponential(matrix: &Matrix) -> Matrix {
+        crate::hybrid::exponential::exponential(matrix.faer()).into()
+    }
+
     pub use crate::hybrid::rows::SystemVariables;
     pub use crate::hybrid::system::{Choice, Halfspace, Transition};
 }

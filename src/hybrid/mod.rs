@@ -20,12 +20,10 @@ pub mod wall;
 
 pub use contact::{Contact, ContactLaw, Restitution};
 pub use damage::ImpactEstimate;
-/// Dense matrices, re-exported from `faer`.
-pub use faer::Mat;
 pub use flaws::{Flaw, Witness};
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
-pub use matrix::IntoMatrix;
+pub use matrix::Matrix;
 pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit, When};
 pub use receding::{ClosedLoop, Disturbance, Move, MoveSource, RecedingHorizon};
 pub use rows::HybridRun;

@@ -6,8 +6,8 @@ use std::time::Duration;
 use crate::common::config;
 use carom::hybrid::{
     Contact, ContactLaw, FreeSide, HorizonEvent, HorizonModel, HybridRun, HybridSystem,
-    LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict, Waiting,
-    Wall, shortest_horizon, shortest_horizon_with,
+    LinearSystem, Matrix, Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict,
+    Waiting, Wall, shortest_horizon, shortest_horizon_with,
 };
 use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
@@ -17,11 +17,11 @@ use proptest::prelude::*;
 
 // -- linear systems -----------------------------------------------------------------------------
 
-fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Mat<f64> {
-    Mat::from_fn(R, C, |i, j| rows[i][j])
+fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Matrix {
+    Matrix::from_fn(R, C, |i, j| rows[i][j])
 }
 
-fn assert_close(found: &Mat<f64>, wanted: &Mat<f64>, allowed: f64) {
+fn assert_close(found: &Matrix, wanted: &Matrix, allowed: f64) {
     for i in 0..wanted.nrows() {
         for j in 0..wanted.ncols() {
             let (a, b) = (found[(i, j)], wanted[(i, j)]);
@@ -80,8 +80,8 @@ proptest! {
         state in prop::collection::vec(-1.0..1.0_f64, 3),
         dt in 0.01..0.6_f64,
     ) {
-        let a = Mat::from_fn(3, 3, |i, j| entries[3 * i + j]);
-        let b = Mat::from_fn(3, 1, |i, _| inputs[i]);
+        let a = Matrix::from_fn(3, 3, |i, j| entries[3 * i + j]);
+        let b = Matrix::from_fn(3, 1, |i, _| inputs[i]);
         let once = LinearSystem::zero_order_hold(&a, &b, offset.clone(), dt).unwrap();
         let twice = LinearSystem::zero_order_hold(&a, &b, offset.clone(), 2.0 * dt).unwrap();
         let half_way = once.step(&state, &[0.7]).unwrap();
@@ -111,31 +111,31 @@ fn predictions_as_expressions_are_steps_in_numbers() {
 
 #[test]
 fn linear_systems_refuse_bad_shapes_and_numbers() {
-    let square = Mat::<f64>::identity(2, 2);
+    let square = Matrix::identity(2);
     let text = |result: Result<LinearSystem, Error>| result.unwrap_err().to_string();
     assert_eq!(
-        text(LinearSystem::new(Mat::zeros(2, 3), Mat::zeros(2, 1), vec![0.0; 2])),
+        text(LinearSystem::new(Matrix::zeros(2, 3), Matrix::zeros(2, 1), vec![0.0; 2])),
         "the state matrix A has shape 2x3; expected square, at least 1x1"
     );
     assert_eq!(
-        text(LinearSystem::new(square.clone(), Mat::zeros(3, 1), vec![0.0; 2])),
+        text(LinearSystem::new(square.clone(), Matrix::zeros(3, 1), vec![0.0; 2])),
         "the input matrix B has shape 3x1; expected 2 rows"
     );
     assert_eq!(
-        text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0])),
+        text(LinearSystem::new(square.clone(), Matrix::zeros(2, 1), vec![0.0])),
         "the length of the constant part c is 1; it must be 2"
     );
     assert_eq!(
-        text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0, f64::NAN])),
+        text(LinearSystem::new(square.clone(), Matrix::zeros(2, 1), vec![0.0, f64::NAN])),
         "an entry of `the linear system` is NaN; give a finite number"
     );
     assert_eq!(
         text(LinearSystem::double_integrator(f64::NAN)),
         "the time step (s) is NaN; it must be finite and positive"
     );
-    let fast = Mat::from_fn(1, 1, |_, _| 1e3);
+    let fast = Matrix::from_fn(1, 1, |_, _| 1e3);
     assert_eq!(
-        text(LinearSystem::zero_order_hold(&fast, Mat::zeros(1, 0), [0.0], 10.0)),
+        text(LinearSystem::zero_order_hold(&fast, Matrix::zeros(1, 0), [0.0], 10.0)),
         "the time step of the zero-order hold is 10; it must be short enough for the discrete \
          system to stay finite"
     );

@@ -111,7 +111,7 @@ impl Writer<'_> {
     /// The flow with the reset of a step, and with what the velocity at its start adds.
     fn own_flow(&self, reset: &Mat<f64>, law: &Law) -> Result<LinearSystem, Error> {
         let (a, b, c) = (self.flow.a(), self.flow.b(), self.flow.c());
-        let (mut a, b) = (reset * a, reset * b);
+        let (mut a, b) = (reset * a.faer(), reset * b.faer());
         let width = self.flow.states();
         let constant = (0..width).map(|i| (0..width).map(|j| reset[(i, j)] * c[j]).sum::<f64>());
         let parts = [

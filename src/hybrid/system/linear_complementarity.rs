@@ -5,7 +5,7 @@ use super::check::check_matrix;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite, check_length};
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 use crate::model::{Affine, Variable};
 
@@ -86,11 +86,11 @@ impl LinearComplementarity {
     pub fn with_states<S: Into<String>, R: Into<Interval>>(
         mut self,
         states: impl IntoIterator<Item = (S, R)>,
-        a: impl IntoMatrix,
-        e: impl IntoMatrix,
+        a: impl Into<Matrix>,
+        e: impl Into<Matrix>,
     ) -> Self {
         self.states = states.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
-        (self.a, self.e) = (a.into_matrix(), e.into_matrix());
+        (self.a, self.e) = (faer(a), faer(e));
         self
     }
 
@@ -98,11 +98,11 @@ impl LinearComplementarity {
     pub fn with_inputs<S: Into<String>, R: Into<Interval>>(
         mut self,
         inputs: impl IntoIterator<Item = (S, R)>,
-        b: impl IntoMatrix,
-        h: impl IntoMatrix,
+        b: impl Into<Matrix>,
+        h: impl Into<Matrix>,
     ) -> Self {
         self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
-        (self.b, self.h) = (b.into_matrix(), h.into_matrix());
+        (self.b, self.h) = (faer(b), faer(h));
         self
     }
 
@@ -110,11 +110,11 @@ impl LinearComplementarity {
     pub fn with_forces<S: Into<String>>(
         mut self,
         forces: impl IntoIterator<Item = (S, f64)>,
-        d: impl IntoMatrix,
-        f: impl IntoMatrix,
+        d: impl Into<Matrix>,
+        f: impl Into<Matrix>,
     ) -> Self {
         self.forces = forces.into_iter().map(|(name, most)| (name.into(), most)).collect();
-        (self.d, self.f) = (d.into_matrix(), f.into_matrix());
+        (self.d, self.f) = (faer(d), faer(f));
         self
     }
 

@@ -8,7 +8,7 @@ use super::{Halfspace, HybridSystem, Transition};
 use crate::error::ErrorKind;
 use crate::error::{Error, check_length};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 
 /// The most combinations of binaries that become transitions.
@@ -103,11 +103,11 @@ impl MixedLogicalDynamical {
     pub fn with_states<S: Into<String>, R: Into<Interval>>(
         mut self,
         states: impl IntoIterator<Item = (S, R)>,
-        a: impl IntoMatrix,
-        e4: impl IntoMatrix,
+        a: impl Into<Matrix>,
+        e4: impl Into<Matrix>,
     ) -> Self {
         self.states = states.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
-        (self.a, self.e4) = (a.into_matrix(), e4.into_matrix());
+        (self.a, self.e4) = (faer(a), faer(e4));
         self
     }
 
@@ -115,18 +115,23 @@ impl MixedLogicalDynamical {
     pub fn with_inputs<S: Into<String>, R: Into<Interval>>(
         mut self,
         inputs: impl IntoIterator<Item = (S, R)>,
-        b1: impl IntoMatrix,
-        e1: impl IntoMatrix,
+        b1: impl Into<Matrix>,
+        e1: impl Into<Matrix>,
     ) -> Self {
         self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
-        (self.b1, self.e1) = (b1.into_matrix(), e1.into_matrix());
+        (self.b1, self.e1) = (faer(b1), faer(e1));
         self
     }
 
     /// The number of binaries δ; B2 and E2.
-    pub fn with_binaries(mut self, count: usize, b2: impl IntoMatrix, e2: impl IntoMatrix) -> Self {
+    pub fn with_binaries(
+        mut self,
+        count: usize,
+        b2: impl Into<Matrix>,
+        e2: impl Into<Matrix>,
+    ) -> Self {
         self.binaries = count;
-        (self.b2, self.e2) = (b2.into_matrix(), e2.into_matrix());
+        (self.b2, self.e2) = (faer(b2), faer(e2));
         self
     }
 
@@ -134,11 +139,11 @@ impl MixedLogicalDynamical {
     pub fn with_auxiliaries<R: Into<Interval>>(
         mut self,
         ranges: impl IntoIterator<Item = R>,
-        b3: impl IntoMatrix,
-        e3: impl IntoMatrix,
+        b3: impl Into<Matrix>,
+        e3: impl Into<Matrix>,
     ) -> Self {
         self.auxiliaries = ranges.into_iter().map(R::into).collect();
-        (self.b3, self.e3) = (b3.into_matrix(), e3.into_matrix());
+        (self.b3, self.e3) = (faer(b3), faer(e3));
         self
     }
 
@@ -160,12 +165,12 @@ impl MixedLogicalDynamical {
     pub fn with_outputs<S: Into<String>>(
         mut self,
         names: impl IntoIterator<Item = S>,
-        c: impl IntoMatrix,
-        d: impl IntoMatrix,
+        c: impl Into<Matrix>,
+        d: impl Into<Matrix>,
         d5: impl Into<Vec<f64>>,
     ) -> Self {
         self.outputs = names.into_iter().map(Into::into).collect();
-        (self.c, self.d, self.d5) = (c.into_matrix(), d.into_matrix(), d5.into());
+        (self.c, self.d, self.d5) = (faer(c), faer(d), d5.into());
         self
     }
 

@@ -5,7 +5,7 @@ use super::{Halfspace, HybridSystem, Transition};
 use crate::error::ErrorKind;
 use crate::error::{Error, check_length};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 
 impl HybridSystem {
@@ -57,7 +57,7 @@ impl HybridSystem {
         U: Into<String>,
         R: Into<Interval>,
         M: Into<String>,
-        H: IntoMatrix,
+        H: Into<Matrix>,
         K: Into<Vec<f64>>,
     {
         let mut system = HybridSystem::new(time_step);
@@ -68,7 +68,7 @@ impl HybridSystem {
             system = system.with_input(name, range.into());
         }
         for (name, flow, normals, limits) in modes {
-            let (normals, limits) = (normals.into_matrix(), limits.into());
+            let (normals, limits) = (faer(normals), limits.into());
             check_length("the limits of a polyhedron", limits.len(), normals.nrows())?;
             let mut transition = Transition::new(name, flow);
             for (k, limit) in limits.into_iter().enumerate() {

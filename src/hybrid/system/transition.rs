@@ -5,7 +5,7 @@ use faer::Mat;
 use super::halfspace::Halfspace;
 use super::schedule::Schedule;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 
 /// The reset after a transition's flow: `x⁺ = R y + r`.
@@ -145,7 +145,7 @@ impl Transition {
     /// Sets the reset `x⁺ = matrix . y + offset`; with n states, `matrix` is n x n and `offset` has
     /// n entries.
     #[must_use]
-    pub fn with_reset(self, matrix: impl IntoMatrix, offset: impl Into<Vec<f64>>) -> Self {
+    pub fn with_reset(self, matrix: impl Into<Matrix>, offset: impl Into<Vec<f64>>) -> Self {
         self.with_reset_by_step(matrix, offset.into())
     }
 
@@ -153,10 +153,10 @@ impl Transition {
     #[must_use]
     pub fn with_reset_by_step(
         mut self,
-        matrix: impl IntoMatrix,
+        matrix: impl Into<Matrix>,
         offset: impl Into<Schedule<Vec<f64>>>,
     ) -> Self {
-        self.reset = Some(Reset { matrix: matrix.into_matrix(), offset: offset.into() });
+        self.reset = Some(Reset { matrix: faer(matrix), offset: offset.into() });
         self
     }
 

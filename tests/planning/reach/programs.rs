@@ -4,7 +4,7 @@ use crate::common::config;
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
 use carom::hybrid::scene::DamageRule;
-use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Mat, Wall};
+use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Matrix, Wall};
 use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -172,7 +172,7 @@ fn modes_that_are_no_events_need_no_row() {
     let x = model.continuous_family("x", 6, -9.0, 9.0).unwrap();
     let second = model.binary_family("second", 5).unwrap();
     let gear = |gain: f64| {
-        let (a, b) = (Mat::from_fn(1, 1, |_, _| 1.0), Mat::from_fn(1, 1, |_, _| gain));
+        let (a, b) = (Matrix::from_fn(1, 1, |_, _| 1.0), Matrix::from_fn(1, 1, |_, _| gain));
         LinearSystem::new(a, b, vec![0.0]).unwrap()
     };
     let system = HybridSystem::new(1.0)

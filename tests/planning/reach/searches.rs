@@ -10,7 +10,7 @@ use carom::collision_tolerant::{
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
 use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
-    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat, Refutation, ShortestOptions,
+    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, Refutation, ShortestOptions,
     ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
 };
 use carom::internals::hybrid::{Halfspace, Transition};
@@ -216,9 +216,12 @@ impl Planar {
 
     fn axes(&self) -> Result<LinearSystem, Error> {
         let line = LinearSystem::double_integrator(self.dt)?;
-        let a =
-            Mat::from_fn(4, 4, |i, j| if i / 2 == j / 2 { line.a()[(i % 2, j % 2)] } else { 0.0 });
-        let b = Mat::from_fn(4, 2, |i, j| if i / 2 == j { line.b()[(i % 2, 0)] } else { 0.0 });
+        let a = Matrix::from_fn(
+            4,
+            4,
+            |i, j| if i / 2 == j / 2 { line.a()[(i % 2, j % 2)] } else { 0.0 },
+        );
+        let b = Matrix::from_fn(4, 2, |i, j| if i / 2 == j { line.b()[(i % 2, 0)] } else { 0.0 });
         LinearSystem::new(a, b, vec![0.0; 4])
     }
 }
@@ -269,7 +272,7 @@ impl HorizonModel for Planar {
         let outside = Halfspace::new("outside the wall", [-1.0, 0.0, 0.0, 0.0], 0.0);
         let inside = Halfspace::new("behind the wall", [1.0, 0.0, 0.0, 0.0], 0.0);
         let inward = Halfspace::new("moving inward", [0.0, 1.0, 0.0, 0.0], 0.0);
-        let rebound = Mat::from_fn(4, 4, |i, j| match (i == j, i < 2) {
+        let rebound = Matrix::from_fn(4, 4, |i, j| match (i == j, i < 2) {
             (true, true) => -0.3,
             (true, false) => 1.0,
             _ => 0.0,
