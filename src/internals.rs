@@ -92,10 +92,6 @@ pub mod search {
     pub mod pseudocosts {
         pub use crate::search::{LEAST_GAIN, Pseudocosts};
     }
-
-    pub mod time_order {
-        pub use crate::search::in_time;
-    }
 }
 
 pub mod semidefinite {

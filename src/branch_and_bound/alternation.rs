@@ -1,11 +1,11 @@
 //! Programs without an objective: two ways of searching in turns.
 //!
-//! Without an objective, a relaxation says of a node only whether it is empty, and a tree over windows
-//! of events decides many programs of horizons in a few nodes. Where it does not, an objective of one's
-//! own helps, though any point will do: the relaxed values tell how far a split moves what is left, so
-//! splits are chosen by gains, and cuts are looked for. It is not known beforehand which of the two is
-//! faster, so they take turns with growing limits. All turns together take a small multiple of the
-//! nodes of the faster way alone.
+//! Without an objective, a relaxation says of a node only whether it is empty, and a tree that splits
+//! the latest step first decides many programs of horizons in a few nodes. Where it does not, an
+//! objective of one's own helps, though any point will do: the relaxed values tell how far a split moves
+//! what is left, so splits are chosen by gains, and cuts are looked for. It is not known beforehand which
+//! of the two is faster, so they take turns with growing limits. All turns together take a small multiple
+//! of the nodes of the faster way alone.
 
 use super::events::PartOfSolve;
 use super::search::search_once;

@@ -191,9 +191,7 @@ impl Blocks<'_> {
         if flat.is_none() {
             *bound = bound.max(found.bound);
         }
-        if let Some(mut values) = found.points.into_iter().next() {
-            // Windows of events are columns of the search only.
-            values.truncate(block.program.column_count());
+        if let Some(values) = found.points.into_iter().next() {
             let value = block.program.objective(&values);
             if best.as_ref().is_none_or(|(old, _)| value < *old) {
                 *best = Some((value, values));
@@ -374,7 +372,6 @@ fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
         let rounded = if whole { 0.0 } else { magnitude + limit };
         below.max(above) <= tolerance::allowed_miss(feasibility, rounded)
     };
-    // Behind the program's own columns there may be windows of the search.
     (0..program.column_count()).all(|j| within(&[j], &[1.0], [program.lower[j], program.upper[j]]))
         && (0..program.row_count()).all(|row| {
             let (columns, values) = program.row(row);

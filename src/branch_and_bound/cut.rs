@@ -1,8 +1,6 @@
 //! The phase before the tree: costs and cuts make the relaxation of the root tighter.
 //!
-//! Short pilot searches tell whether cuts are wanted; what they find is not lost to the search.
-
-use std::cell::RefCell;
+//! A pilot search of one node tells whether cuts are wanted; what it finds is not lost to the search.
 
 use super::start::start_point;
 use crate::program::Program;
@@ -18,16 +16,16 @@ pub(super) struct Cut {
     pub(super) program: Option<Program>,
     /// The value of the relaxed root before the phase and after it, if anything was strengthened.
     values: Option<[f64; 2]>,
-    /// Whether the root has cuts that the pilot searches have not seen.
+    /// Whether the root has cuts that the pilot search has not seen.
     has_cuts: bool,
-    pilots: Pilots,
+    pilot: Pilot,
 }
 
-/// The results that pilot searches leave to the search.
+/// The results that the pilot search leaves to the search.
 #[derive(Default)]
-struct Pilots {
-    best: Option<StartPoint>,
-    /// Whether there was a pilot search at the search's own root.
+struct Pilot {
+    point: Option<StartPoint>,
+    /// Whether it ran from the root without cuts.
     ran: bool,
     /// As in [`Found`].
     is_widened: bool,
@@ -42,15 +40,14 @@ pub(super) fn cut(task: Task<'_>, root: &mut Root, start: Option<&Start>) -> Cut
     let bent = with_perspective(task.program, root, options, token, &mut ladder);
     let program = bent.as_ref().map_or(task.program, |bent| &bent.program);
     let task = Task { program, ..task };
-    let pilots = RefCell::new(Pilots::default());
-    let cut = strengthen(program, root, options, token, &mut ladder, &|root, nodes| {
-        pilots.borrow_mut().search(Task { root: Some(root), ..task }, nodes, start)
+    let mut pilot = Pilot::default();
+    let cut = strengthen(program, root, options, token, &mut ladder, &mut |root| {
+        pilot.search(Task { root: Some(root), ..task }, start)
     });
     if bent.is_some() || cut.is_some() {
         root.carry_over(cut.as_ref().map_or(program, |cut| &cut.program), token);
     }
-    let mut pilots = pilots.into_inner();
-    ladder.take_spent().count(&mut pilots.statistics);
+    ladder.take_spent().count(&mut pilot.statistics);
     task.ladders.give_back(ladder);
     let first = bent.as_ref().or(cut.as_ref()).map(|first| first.values[0]);
     let last = cut.as_ref().or(bent.as_ref()).map(|last| last.values[1]);
@@ -58,25 +55,25 @@ pub(super) fn cut(task: Task<'_>, root: &mut Root, start: Option<&Start>) -> Cut
         values: first.zip(last).map(|(first, last)| [first, last]),
         has_cuts: cut.is_some(),
         program: cut.or(bent).map(|strengthened| strengthened.program),
-        pilots,
+        pilot,
     }
 }
 
 impl Cut {
-    /// The start of the search: the given one, with what pilot searches have found if it has no point.
+    /// The start of the search: the given one, with what the pilot search has found if it has no point.
     pub(super) fn start(&self, given: Option<&Start>) -> Option<Start> {
         let given = given.cloned();
-        if !self.pilots.ran || given.as_ref().is_some_and(|given| given.point.is_some()) {
+        if !self.pilot.ran || given.as_ref().is_some_and(|given| given.point.is_some()) {
             return given;
         }
-        let (point, is_rounded) = (self.pilots.best.clone(), Some(!self.has_cuts));
+        let (point, is_rounded) = (self.pilot.point.clone(), Some(!self.has_cuts));
         Some(Start { point, is_rounded, ..given.unwrap_or_default() })
     }
 
     /// Adds what was done before the search to its result.
     pub(super) fn add_to(&self, found: &mut Found) {
-        found.statistics.add(&self.pilots.statistics);
-        found.is_widened |= self.pilots.is_widened;
+        found.statistics.add(&self.pilot.statistics);
+        found.is_widened |= self.pilot.is_widened;
     }
 
     /// The part of the gap between the relaxed root and the best value that the phase has closed.
@@ -85,37 +82,26 @@ impl Cut {
     }
 }
 
-impl Pilots {
-    /// Searches so many nodes from the root of a task, with rounding and a roll-out there. Returns `None`
-    /// if that is not wanted.
-    fn search(&mut self, task: Task<'_>, nodes: u64, start: Option<&Start>) -> Option<PilotResult> {
+impl Pilot {
+    /// Searches the root of a task, with rounding and a roll-out there. Returns `None` if that is not
+    /// wanted.
+    fn search(&mut self, task: Task<'_>, start: Option<&Start>) -> Option<PilotResult> {
         let Task { program, options, .. } = task;
-        let goes_on = nodes > 1;
         if let Some(point) = start.and_then(|start| start.point.as_ref()) {
             let value = Some(program.objective(&point.values));
-            let bound = f64::NEG_INFINITY;
-            return (!goes_on).then_some(PilotResult { value, bound, is_closed: false });
+            return Some(PilotResult { value, bound: f64::NEG_INFINITY, is_closed: false });
         }
-        let is_limited = options.node_limit.is_some_and(|limit| limit < nodes);
-        if !options.heuristics.rounding || is_limited {
+        if !options.heuristics.rounding || options.node_limit == Some(0) {
             return None;
         }
         let roll_out = options.heuristics.roll_out;
         let heuristics = Heuristics { rounding: true, roll_out, ..Heuristics::none() };
-        let branching = if goes_on { options.branching } else { BranchingRule::LatestFirst };
-        let node_limit = Some(nodes);
+        let (branching, node_limit) = (BranchingRule::LatestFirst, Some(1));
         let options = &Options { heuristics, branching, node_limit, ..options.nested() };
-        let (point, is_rounded) = (self.best.clone(), Some(true));
-        let start = self.ran.then(|| Start { point, is_rounded, ..Start::default() });
         #[cfg(feature = "tracing")]
-        let _span = tracing::debug_span!("pilot", nodes).entered();
-        let found = search(Task { options, ..task }, &mut Control::default(), start.as_ref());
-        Some(self.take_in(program, &found))
-    }
-
-    fn take_in(&mut self, program: &Program, found: &Found) -> PilotResult {
-        self.ran = true;
-        self.is_widened |= found.is_widened;
+        let _span = tracing::debug_span!("pilot").entered();
+        let found = search(Task { options, ..task }, &mut Control::default(), None);
+        (self.ran, self.is_widened) = (true, found.is_widened);
         let is_closed = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let mut counts = found.statistics;
         counts.forget_incumbents();
@@ -128,7 +114,7 @@ impl Pilots {
             self.statistics.add_nested(&counts);
         }
         let value = found.points.first().map(|values| program.objective(values));
-        self.best = start_point(found, Heuristic::Rounding).or(self.best.take());
-        PilotResult { value, bound: found.bound, is_closed }
+        self.point = start_point(&found, Heuristic::Rounding);
+        Some(PilotResult { value, bound: found.bound, is_closed })
     }
 }

@@ -36,8 +36,6 @@ pub(super) struct LastSolve {
     without_cuts: u32,
     /// Nodes of the last solve.
     nodes: Option<u64>,
-    /// Whether the last solve was over at its root.
-    root_sufficed: bool,
     /// Whether a limit ended the last solve: then the time for nodes and points is short.
     stopped: bool,
 }
@@ -65,11 +63,6 @@ impl LastSolve {
         self.stopped || self.nodes.is_some_and(|nodes| nodes < FEW_NODES)
     }
 
-    /// Whether the next solve is likely to be over at its root.
-    pub(super) fn expects_no_tree(&self) -> bool {
-        self.root_sufficed
-    }
-
     /// Takes in the result of a solve.
     ///
     /// # Arguments
@@ -80,8 +73,6 @@ impl LastSolve {
         // A search that was stopped before its first split has nothing new to say.
         let ended = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let nodes = found.statistics.nodes;
-        // Where memory is limited, no forks are kept.
-        self.root_sufficed = ended && nodes <= 1 && found.forks.is_empty();
         if ended || !found.forks.is_empty() {
             self.proofs = std::mem::take(&mut found.proofs);
             self.forks = std::mem::take(&mut found.forks);

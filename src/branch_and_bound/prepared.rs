@@ -212,7 +212,6 @@ impl ReducedProgram {
             tightened: last.expects_few_nodes().then_some(tightened),
             start: Some(&start),
             skips_cuts: last.skips_cuts(),
-            expects_no_tree: last.expects_no_tree(),
             ..known
         };
         let mut solved = solve.run(&known, control)?;

@@ -98,7 +98,6 @@ impl Presolution<'_> {
     pub(super) fn changes_objective(&self, values: &[f64]) -> bool {
         let Some(presolved) = &self.presolved else { return false };
         let (program, small) = (&self.lowered.program, &presolved.program);
-        let values = values.get(..small.column_count()).unwrap_or(values);
         let point = presolved.postsolve.point(values);
         let terms = program.linear.iter().zip(&point).map(|(c, x)| (c * x).abs());
         let size = terms.sum::<f64>() + program.offset.abs() + small.offset.abs();

@@ -35,8 +35,6 @@ pub(super) struct Known<'a> {
     pub(super) start: Option<&'a Start>,
     /// Whether cuts are not worth their time.
     pub(super) skips_cuts: bool,
-    /// Whether the search is likely to end at its root.
-    pub(super) expects_no_tree: bool,
 }
 
 /// The result of a solve.

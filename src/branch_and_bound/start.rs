@@ -61,13 +61,20 @@ impl Begun {
     /// Adds what is known to the result of the search that has begun with it.
     pub(super) fn add_to(self, task: Task<'_>, found: &mut Found, control: &mut Control<'_>) {
         let Begun { found: begun, is_start } = self;
+        let mut counts = begun.statistics;
         if found.points.is_empty() && found.termination != Termination::Infeasible {
             report(task, &begun, control);
+            (found.points, found.found_by) = (begun.points, begun.found_by);
+        } else {
+            counts.forget_incumbents();
+        }
+        found.statistics.add(&counts);
+        if found.termination.is_limit() && begun.bound.is_finite() {
+            found.bound = found.bound.max(begun.bound);
         }
         if is_start {
-            found.completion.clone_from(&begun.completion);
+            found.completion = begun.completion;
         }
-        go_on_from(begun, found);
     }
 }
 
@@ -94,26 +101,12 @@ pub(super) fn start_point(found: &Found, otherwise: Heuristic) -> Option<StartPo
     Some(StartPoint { values, found_by: found.found_by.unwrap_or(otherwise) })
 }
 
-/// Adds what a search knew that another one has begun with.
-pub(super) fn go_on_from(begun: Found, found: &mut Found) {
-    let mut counts = begun.statistics;
-    if found.points.is_empty() && found.termination != Termination::Infeasible {
-        (found.points, found.found_by) = (begun.points, begun.found_by);
-    } else {
-        counts.forget_incumbents();
-    }
-    found.statistics.add(&counts);
-    if found.termination.is_limit() && begun.bound.is_finite() {
-        found.bound = found.bound.max(begun.bound);
-    }
-}
-
 /// Reports a point that was found before the search, once it is the best one.
 fn report(task: Task<'_>, found: &Found, control: &mut Control<'_>) {
     let Some(values) = found.points.first().filter(|_| control.is_watched()) else { return };
     let program = task.program;
     let Some(point) = task.judge.point(values) else { return };
-    let value = program.sign * program.objective(&values[..program.column_count()]);
+    let value = program.sign * program.objective(values);
     let unknown = program.sign * f64::NEG_INFINITY;
     let mut figures = Progress::new(0, 0, 0, Some(value), unknown, task.token.elapsed());
     let found_by = found.found_by.unwrap_or(Heuristic::Rounding);

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use super::clock::{Activity, Clock};
-use super::event_windows::EventWindows;
 use super::focus_node::FocusNode;
 use super::root::Root;
 use super::task::Task;
@@ -61,35 +60,12 @@ impl<'a> Context<'a> {
         self.tree.tree.root
     }
 
-    pub(super) fn windows(&self) -> Option<&'a EventWindows<'a>> {
-        self.tree.tree.windows
-    }
-
-    /// The program, with the columns of event windows.
     pub(super) fn program(&self) -> &'a Program {
         self.task().program
     }
 
-    /// The program without the columns of event windows: what is relaxed.
-    pub(super) fn base(&self) -> &'a Program {
-        self.windows().map_or(self.task().program, EventWindows::base)
-    }
-
-    /// The integers of the program without event windows: the counts of windows follow from them.
-    pub(super) fn own_integers(&self) -> &'a [usize] {
-        &self.base().integers
-    }
-
     pub(super) fn options(&self) -> &'a Options {
         self.task().options
-    }
-
-    /// Adds what relaxations do not see to a relaxed point.
-    pub(super) fn complete_point(&self, mut point: Vec<f64>) -> Vec<f64> {
-        if let Some(windows) = self.windows() {
-            windows.complete(&mut point);
-        }
-        point
     }
 
     /// Whether the best points of the model are searched for, which integers of the model tell apart.
@@ -106,7 +82,7 @@ impl<'a> Context<'a> {
     pub(super) fn is_in_pool(&self, x: &[f64], bound: f64) -> bool {
         let judge = self.task().judge;
         let is_open = |j: &usize| !self.node.domain.is_fixed(*j) && judge.tells_apart(*j);
-        if !self.wants_all() || self.own_integers().iter().any(is_open) {
+        if !self.wants_all() || self.program().integers.iter().any(is_open) {
             return false;
         }
         let value = self.tree.value_of(&judge.key(x));

@@ -1,9 +1,6 @@
 //! One search from its start to its end.
 
-use std::borrow::Cow;
-
 use super::context::Context;
-use super::event_windows::EventWindows;
 use super::found::Found;
 use super::heuristics::{complete_start, look_for_first_point};
 use super::local_queue::LocalQueue;
@@ -14,12 +11,11 @@ use super::reporter::Reporter;
 use super::root::Root;
 use super::start::{Start, StartPoint};
 use super::task::Task;
-use super::time_order;
 use super::trace::span;
 use super::tree::Tree;
 use super::tree_view::TreeView;
 use crate::solution::Heuristic;
-use crate::solver::{BranchingRule, Control, Options};
+use crate::solver::{Control, Options};
 
 /// Searches the tree of a program, from a start if there is one.
 pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) -> Found {
@@ -33,22 +29,20 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) 
     // The user's callback may end this search and no other.
     let token = &task.token.child(None);
     let task = Task { token, ..task };
-    let mut root = match task.root {
-        Some(root) => Cow::Borrowed(root),
-        None => Cow::Owned(Root::new(task.program, token, task.options.probing)),
+    let own;
+    let root = match task.root {
+        Some(root) => root,
+        None => {
+            own = Root::new(task.program, token, task.options.probing);
+            &own
+        }
     };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
         return Found::stopped(reason);
     }
-    let windows = event_windows(task, &root);
-    let program = windows.as_ref().map_or(task.program, EventWindows::program);
-    let task = Task { program, ..task };
-    if windows.is_some() {
-        root.to_mut().extend(program, token);
-    }
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
-    let tree = Tree::new(task, &root, windows.as_ref(), start, search_nested, workers);
+    let tree = Tree::new(task, root, start, search_nested, workers);
     let mut reporter = Reporter::new(control);
     if rounds {
         deterministic::run(&tree, &mut reporter);
@@ -71,10 +65,9 @@ pub fn search_unstrengthened(task: Task<'_>, before: Found, control: &mut Contro
     let program = task.exact.unwrap_or(task.program);
     let options = Options { probing: false, ..task.options.clone() };
     let task = Task { program, exact: Some(program), root: None, options: &options, ..task };
-    let point = before.points.into_iter().next().map(|mut values| {
-        values.truncate(program.column_count());
-        StartPoint { values, found_by: before.found_by.unwrap_or(Heuristic::Leaf) }
-    });
+    let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
+    let point = before.points.into_iter().next();
+    let point = point.map(|values| StartPoint { values, found_by });
     let mut found = search(task, control, Some(&Start::from_point(point)));
     found.statistics.add(&before.statistics);
     found
@@ -102,7 +95,7 @@ fn at_root(task: Task<'_>, start: Option<&Start>, look: impl FnOnce(&mut Context
     if root.conflict.is_some() {
         return Found::infeasible();
     }
-    let tree = Tree::new(task, &root, None, start, search_nested, 1);
+    let tree = Tree::new(task, &root, start, search_nested, 1);
     let mut ctx = Context::new(TreeView::immediate(&tree, 0, LocalQueue::default()));
     look(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_share());
@@ -121,18 +114,4 @@ fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
         Tried::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,
     }
-}
-
-/// The event windows that the options ask for, if the program has any. Kept leaves are about the
-/// program's own columns, so there are none then.
-fn event_windows<'a>(task: Task<'a>, root: &Root) -> Option<EventWindows<'a>> {
-    let wanted = match task.options.branching {
-        BranchingRule::EventWindows => true,
-        BranchingRule::Automatic => task.program.is_feasibility_problem(),
-        _ => false,
-    };
-    if !wanted || task.options.keep_leaves || root.conflict.is_some() {
-        return None;
-    }
-    EventWindows::new(task.program, &root.domain, &time_order::in_time(task.program)?)
 }

@@ -14,7 +14,7 @@ use crate::tolerance;
 /// Returns whether it was accepted. The domain is left as it was.
 pub(super) fn try_assignment(ctx: &mut Context<'_>, point: &[f64]) -> bool {
     let mark = ctx.node.domain.mark();
-    for &j in ctx.own_integers() {
+    for &j in &ctx.program().integers {
         let value = point[j].round();
         ctx.node.domain.apply(j, false, value.max(ctx.node.domain.lower(j)));
         ctx.node.domain.apply(j, true, value.min(ctx.node.domain.upper(j)));
@@ -111,7 +111,7 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
             ctx.tree.count(|s| s.beyond_radius += 1);
             continue;
         }
-        let mut point = ctx.complete_point(reduced.lift(candidate));
+        let mut point = reduced.lift(candidate);
         for &j in &ctx.program().integers {
             point[j] = point[j].round();
         }

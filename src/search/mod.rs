@@ -21,7 +21,6 @@
 //!
 //! The program:
 //!
-//! * `event_windows` - branching on windows of time, `time_order` - the order of binaries in time
 //! * `indifferent_binaries` - integral values where the relaxed point leaves a choice
 //! * `root_point` - the relaxed point of the root, for the rest of these and the first node
 //! * `root` - propagation and probing before the first split
@@ -62,7 +61,6 @@ mod comparison;
 mod context;
 pub(crate) mod cuts;
 mod driver;
-mod event_windows;
 mod focus_node;
 mod found;
 mod heuristics;
@@ -86,7 +84,6 @@ mod round_buffer;
 mod start;
 mod switch_node;
 mod task;
-mod time_order;
 mod trace;
 mod tree;
 mod tree_view;
@@ -115,4 +112,3 @@ pub use indifferent_binaries::{groups, lone_binaries, settle_groups, settle_lone
 pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;
 pub use pseudocosts::{LEAST_GAIN, Pseudocosts};
-pub use time_order::in_time;

@@ -30,7 +30,7 @@ pub(crate) struct Strengthened {
     pub(crate) values: [f64; 2],
 }
 
-/// The result of a pilot search: a short search from a root, which tells whether cuts are wanted.
+/// The result of a pilot search: a search of one node, which tells whether cuts are wanted.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PilotResult {
     /// The value of its best point, if it found one.

@@ -6,8 +6,7 @@ use crate::relaxation::LadderPool;
 use crate::solution::Point;
 use crate::solver::{Options, StopToken};
 
-/// Judges points of a program by the model that it came from. Points have a value for every column of
-/// the program, and perhaps for further ones behind them.
+/// Judges points of a program by the model that it came from.
 pub trait PointJudge: Sync {
     /// Whether a point becomes an incumbent: the model's own verification accepts it.
     fn accepts(&self, x: &[f64]) -> bool;
@@ -83,10 +82,9 @@ impl<'a> Task<'a> {
         Task { program, exact: None, root: None, judge, ladders, options, cutoff, token }
     }
 
-    /// The (minimised) objective of a point, which may have further columns.
+    /// The (minimised) objective of a point, before the program was strengthened.
     pub fn value(&self, point: &[f64]) -> f64 {
-        let program = self.exact.unwrap_or(self.program);
-        program.objective(point.get(..program.column_count()).unwrap_or(point))
+        self.exact.unwrap_or(self.program).objective(point)
     }
 }
 

@@ -5,7 +5,6 @@ use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::best_points::{Accepted, BestPoints};
 use super::comparison::{Contradiction, contradiction};
-use super::event_windows::EventWindows;
 use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::proofs::{End, Fork, Proof, Proofs};
@@ -27,10 +26,8 @@ pub(super) type NestedSearch = fn(Task<'_>) -> Found;
 
 /// The state that the workers of one search share.
 pub(super) struct Tree<'a> {
-    /// The task, whose program has the columns of the event windows.
     pub(super) task: Task<'a>,
     pub(super) root: &'a Root,
-    pub(super) windows: Option<&'a EventWindows<'a>>,
     pub(super) start: Option<&'a Start>,
     pub(super) nested: NestedSearch,
     /// Smallest possible difference of two objective values; 0 when unknown.
@@ -102,7 +99,6 @@ impl<'a> Tree<'a> {
     pub(super) fn new(
         task: Task<'a>,
         root: &'a Root,
-        windows: Option<&'a EventWindows<'a>>,
         start: Option<&'a Start>,
         nested: NestedSearch,
         workers: usize,
@@ -129,7 +125,6 @@ impl<'a> Tree<'a> {
         let tree = Tree {
             task,
             root,
-            windows,
             start,
             nested,
             granularity: granularity(task.program),
@@ -145,8 +140,7 @@ impl<'a> Tree<'a> {
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
         };
-        // With event windows the relaxed point is one of another program.
-        let mut node = Node::relaxed_root(root.point.as_ref().filter(|_| windows.is_none()));
+        let mut node = Node::relaxed_root(root.point.as_ref());
         node.bound = tree.strengthen(node.bound);
         tree.lock().queue.push(node);
         if let Some(StartPoint { values, found_by }) = start.and_then(|start| start.point.clone()) {

@@ -276,7 +276,7 @@ fn conclude_from(
         cut_off(ctx, &node.path, cutoff);
         return None;
     }
-    Some((bound, ctx.complete_point(projection.lift(x))))
+    Some((bound, projection.lift(x)))
 }
 
 /// Closes a leaf, whose relaxation is the leaf, and offers its point.

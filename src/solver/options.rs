@@ -29,7 +29,7 @@ use crate::tolerance;
 /// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
-/// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
+/// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *The latest step first* |
 /// | `relaxation` | [`RelaxationMethod`] | `Automatic` | `Automatic` | `Automatic` | benchmarks, *Relaxations by either method* |
 /// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |

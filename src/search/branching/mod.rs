@@ -1,9 +1,8 @@
 //! Which column to split, and which child to visit first.
 //!
 //! * Without an objective, only infeasibility matters, and under big-M rows fractionality says
-//!   little about it. Event windows are halved if the program has a horizon; otherwise columns are
-//!   split latest first (by the step of their name, else by position), because a late decision
-//!   propagates backwards through the dynamics.
+//!   little about it. Columns are split latest first (by the step of their name, else by position),
+//!   because a late decision propagates backwards through the dynamics.
 //! * With an objective, columns are split by pseudocosts: the average growth of the bound per
 //!   unit of fraction, initialised by trying both children of a column (strong branching). A child
 //!   that the trial refutes is never queued. Disjunctions are split into their sides if the tree is
@@ -58,9 +57,6 @@ pub(super) fn choose_split(
     let Some(&latest) = open.iter().max_by_key(|j| late(j)) else {
         return Split::again(bound);
     };
-    if let Some(window) = ctx.windows().and_then(|windows| windows.next(&ctx.node.domain)) {
-        return Split::at(window, 0.0, x[window], bound);
-    }
     let late_first = match ctx.options().branching {
         BranchingRule::LatestFirst => true,
         BranchingRule::Pseudocosts => false,

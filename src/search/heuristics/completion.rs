@@ -92,14 +92,13 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
         ctx.ladder.reuse(verdict);
         ctx.ladder.reducer().reuse_projection(projection);
         let Some(point) = point else { return };
-        let point = ctx.complete_point(point);
         round_and_propagate(ctx, &point);
         if ctx.tree.has_last_found() {
             return;
         }
         let distance = |j: usize| (point[j] - point[j].round()).abs();
         let open = |&&j: &&usize| !ctx.node.domain.is_fixed(j);
-        let mut order: Vec<usize> = ctx.own_integers().iter().filter(open).copied().collect();
+        let mut order: Vec<usize> = ctx.program().integers.iter().filter(open).copied().collect();
         order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
         let sure = order.iter().take_while(|&&j| distance(j) <= 1e-3).count();
         for &j in order.iter().take(sure.max(1)) {

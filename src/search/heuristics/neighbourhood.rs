@@ -40,7 +40,8 @@ pub(super) fn search_near_incumbent(
     point: &[f64],
     bound: f64,
 ) {
-    let (left, cutoff, base) = (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.base());
+    let (left, cutoff, base) =
+        (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.program());
     if left < LEAST || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
@@ -80,9 +81,7 @@ fn search_within(
     ctx.clock.resume(activity);
     ctx.iterations += statistics.iterations;
     ctx.tree.count(|s| s.add_nested(&statistics));
-    if let Some(mut found) = points.into_iter().next() {
-        found.truncate(program.column_count());
-        let found = ctx.complete_point(found);
+    if let Some(found) = points.into_iter().next() {
         let value = ctx.task().value(&found);
         if value < ctx.tree.cutoff() {
             ctx.tree.offer(value, found);

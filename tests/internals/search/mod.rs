@@ -11,4 +11,3 @@ mod perspective;
 mod pseudocosts;
 mod roll_out;
 mod strong_fixing;
-mod time_order;
