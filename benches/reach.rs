@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use carom::collision_tolerant::{
-    Objective, PlanningOptions, PlanningProgram, Scenario, explain, shortest_plan,
+    Objective, PlanningOptions, PlanningProgram, Scenario, shortest_plan,
 };
 use carom::hybrid::reach::{ReachSets, SetOptions};
 use carom::hybrid::{Choice, HybridSystem, LinearSystem, Mat, ShortestOptions, Transition};
@@ -48,7 +48,7 @@ fn sweeps(criterion: &mut Criterion) {
             BatchSize::LargeInput,
         )
     });
-    group.bench_function("explain_484", |b| b.iter(|| explain(&scenario(0.005), black_box(484))));
+    group.bench_function("explain_484", |b| b.iter(|| sets(0.005).explain(black_box(484))));
     group.finish();
 }
 
