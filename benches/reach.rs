@@ -49,7 +49,7 @@ fn sweeps(criterion: &mut Criterion) {
             BatchSize::LargeInput,
         )
     });
-    group.bench_function("explain_484", |b| b.iter(|| scenario(0.005).reach_sets().unwrap().explain(black_box(484))));
+    group.bench_function("explain_484", |b| b.iter(|| sets(0.005).explain(black_box(484))));
     group.finish();
 }
 

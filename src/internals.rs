@@ -99,7 +99,7 @@ pub mod semidefinite {
 }
 
 pub mod scene {
-    pub use crate::hybrid::scene::line::{Samples, advance_line, replay_line};
+    pub use crate::hybrid::scene::samples::{Samples, advance_line, replay_line};
 }
 
 pub mod sum {

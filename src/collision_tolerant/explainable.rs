@@ -21,8 +21,8 @@ impl PlanningProgram {
     /// | `acceleration[t]` | a(t) within its limits, in flight | (5), (6) |
     /// | `speed[t]` | v(t) within its limits | |
     /// | `wall[t]` | x(t) on the free side, if collisions are forbidden | (7) |
-    /// | `damage_limit[t]` | D(t) <= D_max | (19) |
-    /// | `damage_budget` | D_total <= D_total,max | (20) |
+    /// | `damage_limit[t]` | D(t) <= D_max, as a limit on the speed | (19) |
+    /// | `damage_budget[t]` | the sum of D over the rule's window from t on <= D_total,max | (20) |
     ///
     /// Domains are at least twice the limits, and wide enough to go from the start to the goal in
     /// the given time. The goal's acceleration is never applied, so it contradicts nothing.
@@ -103,14 +103,27 @@ impl PlanningProgram {
         if scenario.collisions == Collisions::Forbidden {
             self.state_wall(scenario)?;
         }
-        if let Some(limit) = scenario.damage.per_hit {
-            for (t, damage) in self.damage.iter().enumerate() {
-                self.model.add(("damage_limit", t), damage.clone().le(limit))?;
+        self.state_damage(scenario)
+    }
+
+    /// The limits of the rule: on the impact speed of a contact, and on sums over its window.
+    fn state_damage(&mut self, scenario: &Scenario) -> Result<(), Error> {
+        let (rule, steps) = (&scenario.damage, self.horizon.steps());
+        if let Some(most) = scenario.contact.most_speed(rule).filter(|most| most.is_finite()) {
+            for (t, speed) in self.counted_speed.iter().flatten().enumerate() {
+                let limited = match &self.contact {
+                    // No impact is slow enough.
+                    Some(zeta) if most < 0.0 => zeta[t].le(0.0),
+                    _ => speed.le(most),
+                };
+                self.model.add(("damage_limit", t), limited)?;
             }
         }
-        if let Some(limit) = scenario.damage.total.filter(|_| !self.damage.is_empty()) {
-            let total: Affine = self.damage.iter().cloned().sum();
-            self.model.add("damage_budget", total.le(limit))?;
+        let Some(total) = rule.total.filter(|_| !self.damage.is_empty()) else { return Ok(()) };
+        for (t, window) in self.damage.windows(rule.window.unwrap_or(steps).min(steps)).enumerate()
+        {
+            let sum: Affine = window.iter().cloned().sum();
+            self.model.add(("damage_budget", t), sum.le(total))?;
         }
         Ok(())
     }

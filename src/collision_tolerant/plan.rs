@@ -4,7 +4,7 @@ use super::program::{Objective, PlanningProgram};
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
-use crate::hybrid::scene::line::{check_line_ends, replay_line};
+use crate::hybrid::scene::samples::{check_line_ends, replay_line};
 use crate::hybrid::scene::{SceneCertificate, SceneError, SceneHit};
 use crate::hybrid::{ContactLaw, HybridRun, RunCertificate};
 use crate::solution::{Solution, Statistics, Termination, Verification};
@@ -261,7 +261,7 @@ fn replay(
         for t in 0..trajectory.steps() {
             if trajectory.contact[t] {
                 let speed = -scenario.contact.wall.rate(trajectory.velocity[t]);
-                trajectory.add_impact(t, trajectory.time[t], [speed; 2], e);
+                trajectory.add_impact(t, trajectory.time[t], [speed, speed.max(0.0)], e);
             }
         }
         let RunCertificate { time_step, largest_residual, drift, .. } = *run;

@@ -62,6 +62,8 @@ pub struct PlanningProgram {
     /// D(0), ..., D(τ-1), in the unit of the scenario's rule, at least the damage of the step; empty
     /// if the rule has neither a total nor a price.
     pub damage: Vec<Affine>,
+    /// The impact speeds that count as damage, in m/s, if the model has them.
+    pub(super) counted_speed: Option<Family>,
 }
 
 impl Borrow<Model> for PlanningProgram {
@@ -140,7 +142,7 @@ impl PlanningProgram {
         };
         let mut program = SceneProgram::on_line(scenario.scene(&horizon), model, hybrid, hit)?;
         set_objective(&mut program, objective)?;
-        let damage = program.damage_by_step();
+        let (damage, counted_speed) = (program.damage_by_step(), program.counted_speed());
         let SceneProgram { model, hybrid, .. } = program;
         Ok(PlanningProgram {
             model,
@@ -152,6 +154,7 @@ impl PlanningProgram {
             impact_speed,
             hybrid,
             damage,
+            counted_speed,
         })
     }
 

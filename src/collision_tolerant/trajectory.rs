@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::program::PlanningProgram;
 use crate::error::Error;
-use crate::hybrid::scene::line::Samples;
+use crate::hybrid::scene::samples::Samples;
 use crate::model::Family;
 use crate::number::{DIGITS, rounded};
 use crate::solution::Solution;

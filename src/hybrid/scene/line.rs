@@ -1,29 +1,27 @@
-//! One body at one obstacle on a line: its transitions, and its plans in plain numbers.
+//! A wall on a line as a scene: the transitions of a [`Contact`], and programs with the damage and
+//! the rules of a scene.
 
 use super::body::Body;
 use super::contact::{Mode, contacts};
 use super::law::Writer;
-use super::plan::{BodyPath, SceneHit};
 use super::program::SceneProgram;
-use super::replay::{self, SceneCertificate};
 use super::rule::DamageRule;
 use super::solid::Solid;
 use super::statement::Scene;
 use super::surface::Surface;
-use crate::error::{Error, ErrorKind, check_finite};
+use crate::error::{Error, ErrorKind};
 use crate::hybrid::contact::{Contact, ContactLaw, literal_transitions};
 use crate::hybrid::damage::ImpactEstimate;
-use crate::hybrid::horizon::Horizon;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::system::Transition;
 use crate::hybrid::wall::Wall;
 use crate::interval::Interval;
-use crate::model::{Affine, Model};
+use crate::model::{Affine, Family, Model};
 
 impl Contact {
     /// The law as transitions of a vehicle with state `[x, v]` (m, m/s) and input `[a]` (m/s²), for a
-    /// [`HybridSystem`](super::HybridSystem): first the flight, then the contact, which is an event.
+    /// [`HybridSystem`](crate::hybrid::HybridSystem): first the flight, then the contact, which is an event.
     ///
     /// Under the reflecting law, the impact has the output `impact speed` (m/s). Under the literal
     /// law, the contact forces the input to `-(1+e) v/Δt`, so give the contact an
@@ -191,6 +189,11 @@ impl SceneProgram {
         Ok(program)
     }
 
+    /// The impact speeds at the first contact that count as damage, in m/s, if the model has them.
+    pub(crate) fn counted_speed(&self) -> Option<Family> {
+        self.damage.first().cloned().flatten()
+    }
+
     /// The damage of the first rule by step, in its unit; empty if it needs no variables.
     pub(crate) fn damage_by_step(&self) -> Vec<Affine> {
         self.measured.first().map_or_else(Vec::new, |contacts| contacts.concat())
@@ -201,74 +204,4 @@ impl SceneProgram {
 pub(crate) fn half_line(wall: &Wall, surface: Surface) -> Solid {
     let n = wall.normal();
     Solid::halfspace("wall", [n], n * wall.position(), surface)
-}
-
-/// The samples of a plan of one body on a line over τ steps.
-#[derive(Debug, Clone, Copy)]
-pub struct Samples<'a> {
-    /// x(0), ..., x(τ), in m.
-    pub position: &'a [f64],
-    /// v(0), ..., v(τ), in m/s.
-    pub velocity: &'a [f64],
-    /// a(0), ..., a(τ-1), in m/s².
-    pub acceleration: &'a [f64],
-    /// Whether the body hits the obstacle, by step.
-    pub contact: &'a [bool],
-}
-
-/// Replays samples through a scene of one body and one obstacle on a line.
-///
-/// # Errors
-///
-/// As for [`Scene::replay`], and for numbers that are not finite.
-pub fn replay_line(
-    scene: &Scene,
-    samples: &Samples<'_>,
-) -> Result<(Vec<SceneHit>, SceneCertificate), Error> {
-    let (scene, path) = checked_path(scene, samples)?;
-    let mut hits = Vec::new();
-    if let Some(obstacle) = scene.obstacles.first() {
-        let name = format!("{} at {}", path.name, obstacle.name);
-        let steps = samples.contact.iter().enumerate().filter(|(_, hits)| **hits);
-        hits.extend(steps.map(|(t, _)| SceneHit::new(t, name.clone(), &path.name, 0)));
-    }
-    let certificate = replay::certify(&scene, &[path], &mut hits)?;
-    Ok((hits, certificate))
-}
-
-/// Refuses samples that start or end elsewhere than the scene says.
-pub(crate) fn check_line_ends(scene: &Scene, samples: &Samples<'_>) -> Result<(), Error> {
-    let (scene, path) = checked_path(scene, samples)?;
-    Ok(replay::check_ends(&scene, &[path])?)
-}
-
-/// A checked scene of one body, and the path of that body.
-fn checked_path(scene: &Scene, samples: &Samples<'_>) -> Result<(Scene, BodyPath), Error> {
-    let scene = scene.checked()?;
-    let Samples { position, velocity, acceleration, .. } = *samples;
-    Horizon::new(acceleration.len(), scene.time_step)?;
-    for (what, values) in
-        [("a position", position), ("a velocity", velocity), ("an acceleration", acceleration)]
-    {
-        check_finite("the plan", what, values.iter().copied())?;
-    }
-    let column = |values: &[f64]| values.iter().map(|&x| vec![x]).collect();
-    let path = BodyPath {
-        name: scene.bodies.first().map_or_else(String::new, |body| body.name.clone()),
-        position: column(position),
-        velocity: column(velocity),
-        acceleration: column(acceleration),
-    };
-    scene.check_paths(std::slice::from_ref(&path))?;
-    Ok((scene, path))
-}
-
-/// Where one step of a body on a line leads if impacts happen where they are: position (m),
-/// velocity (m/s), impacts as time (s) and speed (m/s), and whether it came to rest.
-pub fn advance_line(
-    scene: &Scene,
-    [position, velocity]: [f64; 2],
-    acceleration: f64,
-) -> ([f64; 2], Vec<(f64, f64)>, bool) {
-    replay::advance_line(scene, [position, velocity], acceleration)
 }

@@ -19,6 +19,7 @@ mod program;
 mod replay;
 mod resting;
 mod rule;
+pub(crate) mod samples;
 mod shortest;
 mod soften;
 mod solid;

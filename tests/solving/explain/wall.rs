@@ -2,8 +2,8 @@
 
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
-use carom::hybrid::scene::DamageRule;
-use carom::hybrid::{Contact, ContactLaw, HybridSystem, Restitution, Wall};
+use carom::hybrid::scene::{DamageMeasure, DamageRule};
+use carom::hybrid::{Contact, ContactLaw, HybridSystem, ImpactEstimate, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
@@ -177,4 +177,45 @@ fn explainable_programs_agree_with_the_fast_ones() {
             assert_eq!(fast.is_infeasible(), stated.is_infeasible(), "{law:?}, {steps} steps");
         }
     }
+}
+
+/// So do those with rules about damage, whatever they measure and sum.
+#[test]
+fn explainable_programs_have_the_rules_of_the_fast_ones() {
+    let rule = |measure| DamageRule::new("rule", measure);
+    let energy = || rule(DamageMeasure::DissipatedEnergy);
+    let speed = || rule(DamageMeasure::ImpactSpeed);
+    let never = DamageMeasure::Convex(vec![(0.0, 2.0), (1.0, 0.0)]);
+    let rules = [
+        speed().with_per_hit(4.0),
+        speed().with_total(5.0),
+        speed().with_total(2.0).with_window(3),
+        speed().with_count(0),
+        rule(DamageMeasure::NormalImpulse).with_per_hit(5.0),
+        energy().with_per_hit(3.0),
+        energy().with_per_hit(6.0).with_total(6.0),
+        rule(never).with_per_hit(1.0),
+    ];
+    let mut verdicts = [0, 0];
+    for (law, estimate) in [
+        (ContactLaw::Reflecting, ImpactEstimate::EndOfStep),
+        (ContactLaw::Reflecting, ImpactEstimate::Sound),
+        (ContactLaw::Literal, ImpactEstimate::EndOfStep),
+    ] {
+        for rule in &rules {
+            let scenario = Scenario::paper().with_time_step(0.2).with_law(law);
+            let scenario = scenario.with_estimate(estimate).with_restitution(0.3).unwrap();
+            let scenario = scenario.with_damage(rule.clone());
+            for steps in 11..14 {
+                let fast = PlanningProgram::build(&scenario, steps, Objective::Feasibility);
+                let stated = PlanningProgram::explainable(&scenario, steps).unwrap();
+                let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
+                let (fast, stated) = (solve(&fast.unwrap().model), solve(&stated.model));
+                let is_none = fast.is_infeasible();
+                assert_eq!(is_none, stated.is_infeasible(), "{law:?}, {rule:?}, {steps} steps");
+                verdicts[usize::from(is_none)] += 1;
+            }
+        }
+    }
+    assert!(verdicts.iter().all(|&count| count > 10), "{verdicts:?}");
 }

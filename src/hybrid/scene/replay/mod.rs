@@ -160,8 +160,9 @@ pub(super) fn certify(
     Ok(played.certificate)
 }
 
-/// A step of the only body of a scene on a line: see `scene/line.rs`.
-pub(super) fn advance_line(
+/// Where one step of the only body of a scene on a line leads if impacts happen where they are:
+/// position (m) and velocity (m/s), impacts as time (s) and speed (m/s), and whether it came to rest.
+pub fn advance_line(
     scene: &Scene,
     [x, v]: [f64; 2],
     input: f64,
