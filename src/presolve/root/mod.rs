@@ -6,7 +6,6 @@
 mod binary_codes;
 mod blocks;
 mod coefficients;
-mod coverings;
 mod dominated_columns;
 mod doubletons;
 mod fixed_columns;
@@ -14,7 +13,6 @@ mod held_columns;
 mod implied_binaries;
 mod implied_free;
 mod lineality;
-mod parallel_columns;
 mod parallel_rows;
 mod postsolve;
 mod redundant_rows;
@@ -56,22 +54,17 @@ pub enum Rule {
     ImpliedFree,
     /// Columns between 0 and 1 that may as well be whole become binaries.
     ImpliedBinaries,
-    /// Binaries of which exactly one is 1, and which nothing else keeps from falling, become binaries
-    /// of which at least one is.
-    Coverings,
     /// The only row that keeps a column from moving becomes an equality.
     HeldColumns,
     /// Columns whose reduced cost has a known sign are fixed at a bound.
     DominatedColumns,
-    /// Columns that are multiples of another one are merged into it.
-    ParallelColumns,
     /// Coefficients and limits of rows with integers are tightened.
     Coefficients,
 }
 
 impl Rule {
     /// All rules, in the order of their application.
-    pub const ALL: [Rule; 15] = [
+    pub const ALL: [Rule; 13] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
         Rule::RedundantRows,
@@ -82,10 +75,8 @@ impl Rule {
         Rule::SlackColumns,
         Rule::ImpliedFree,
         Rule::ImpliedBinaries,
-        Rule::Coverings,
         Rule::HeldColumns,
         Rule::DominatedColumns,
-        Rule::ParallelColumns,
         Rule::Coefficients,
     ];
 
@@ -114,10 +105,8 @@ impl Rule {
             Rule::SlackColumns => Ok(work.each_column(work.live_columns(), slack_columns::apply)),
             Rule::ImpliedFree => work.each_row(|work, row| Ok(implied_free::apply(work, row))),
             Rule::ImpliedBinaries => Ok(implied_binaries::apply(work)),
-            Rule::Coverings => work.each_row(|work, row| Ok(coverings::apply(work, row))),
             Rule::HeldColumns => Ok(work.each_column(work.live_columns(), held_columns::apply)),
             Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
-            Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
             Rule::Coefficients => work.each_row(coefficients::apply),
         }
     }
