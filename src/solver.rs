@@ -43,6 +43,7 @@ pub use relaxation_method::RelaxationMethod;
 pub use rules::BranchingRule;
 pub use seed::TreeSeed;
 pub use stop_token::StopToken;
+pub(crate) use stop_token::uninterrupted;
 
 use crate::error::Error;
 use crate::model::Model;

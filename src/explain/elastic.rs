@@ -11,11 +11,11 @@ use crate::model::{
 pub(super) struct Elastic<'a> {
     original: &'a Model,
     pub(super) model: Model,
-    pub(super) slacks: Vec<Slack>,
+    pub(super) slacks: Vec<ElasticSlack>,
 }
 
 /// How much a statement gives: below its lower limit, above its upper one, or, for logic, at all.
-pub(super) struct Slack {
+pub(super) struct ElasticSlack {
     /// Position of the statement in the original model.
     pub(super) statement: usize,
     pub(super) below: Option<Variable>,
@@ -38,7 +38,7 @@ impl<'a> Elastic<'a> {
             for slack in [below, above].into_iter().flatten() {
                 cost += weight * slack;
             }
-            elastic.slacks.push(Slack { statement: position, below, above });
+            elastic.slacks.push(ElasticSlack { statement: position, below, above });
         }
         elastic.model.minimize(cost)?;
         Ok(elastic)

@@ -25,14 +25,14 @@ const FOLDER_HELP: &str =
     "check that the folder for temporary files exists, is writable and has room";
 
 /// One call of a program.
-pub(super) struct Run<'a> {
+pub(super) struct ProgramRun<'a> {
     pub(super) dialect: &'a dyn Dialect,
     pub(super) program: &'a str,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
 }
 
-impl Run<'_> {
+impl ProgramRun<'_> {
     /// Runs the program on a model and reads the answer. Also returns why the program was stopped, if
     /// it was.
     pub(super) fn answer(

@@ -64,8 +64,8 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
     let open: Vec<usize> =
         program.integers.iter().copied().filter(is_open).take(MAX_PROBED_BINARIES).collect();
-    let mut rows = Rows::new(program);
-    let (mut lines, mut linked): (Vec<BigM>, Vec<usize>) = (Vec::new(), Vec::new());
+    let mut rows = TightenedRows::new(program);
+    let (mut lines, mut linked): (Vec<SwitchedRow>, Vec<usize>) = (Vec::new(), Vec::new());
     for z in open {
         if token.is_over() {
             return None;
@@ -76,7 +76,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
             if rows.is_big_m(row) {
                 let begin = linked.len();
                 rows.append_linked(row, &mut linked);
-                lines.push(BigM { row, linked: begin..linked.len(), reach: [0.0; 2] });
+                lines.push(SwitchedRow { row, linked: begin..linked.len(), reach: [0.0; 2] });
             }
         }
         if lines.is_empty() {
@@ -106,7 +106,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
 }
 
 /// A row of the binary in hand.
-struct BigM {
+struct SwitchedRow {
     row: usize,
     /// Where the rows linked to it are.
     linked: Range<usize>,
@@ -115,7 +115,7 @@ struct BigM {
 }
 
 /// The rows while they change.
-struct Rows<'a> {
+struct TightenedRows<'a> {
     program: &'a Program,
     /// Coefficients, in the order of the program's.
     values: Vec<f64>,
@@ -158,11 +158,11 @@ impl Reach {
     }
 }
 
-impl<'a> Rows<'a> {
+impl<'a> TightenedRows<'a> {
     fn new(program: &'a Program) -> Self {
         let (n, m) = (program.column_count(), program.row_count());
         let limits = program.row_lower.iter().zip(&program.row_upper);
-        Rows {
+        TightenedRows {
             program,
             values: program.rows.val().to_vec(),
             limits: limits.map(|(&lower, &upper)| [lower, upper]).collect(),

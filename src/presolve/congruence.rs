@@ -6,13 +6,13 @@
 //! `12345678 x - 87654321 y = 9` a relaxation knows nothing that would not take millions of nodes.
 
 use super::parameters::LARGEST_WHOLE;
-use super::tightening::{Entry, Line, Tightening};
+use super::tightening::{Entry, PropagatedRow, Tightening};
 
 /// Most columns that are not fixed; the coefficients of more hardly ever have a common divisor.
 const MAX_OPEN_COLUMNS: usize = 8;
 
 /// Whether a row is an equality over whole numbers, and some of its coefficients may have a divisor.
-pub(super) fn is_whole_equality(line: &Line, entries: &[Entry]) -> bool {
+pub(super) fn is_whole_equality(line: &PropagatedRow, entries: &[Entry]) -> bool {
     let [lower, upper] = line.limits;
     let is_whole = |entry: &Entry| {
         let a = entry.coefficient;

@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 
 use super::coefficients::{Columns, round_limits, tighten_terms};
 use super::domain::Domain;
-use super::implication_probing::{Bounds, write_changes};
+use super::implication_probing::{ColumnBounds, write_changes};
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -120,7 +120,8 @@ fn gain(
     token: &StopToken,
 ) -> Result<usize, Conflict> {
     let (mut gained, mut trials) = (0, 0);
-    let (mut shared, mut changed): (Vec<Bounds>, Vec<Bounds>) = (Vec::new(), Vec::new());
+    let (mut shared, mut changed): (Vec<ColumnBounds>, Vec<ColumnBounds>) =
+        (Vec::new(), Vec::new());
     for _ in 0..MAX_CASE_ROUNDS {
         let before = gained;
         for &row in disjunctions {
@@ -161,7 +162,7 @@ fn gain(
                 }
             }
             let mark = domain.mark();
-            for Bounds { column, bounds } in shared.drain(..) {
+            for ColumnBounds { column, bounds } in shared.drain(..) {
                 gained += apply(domain, column, bounds);
             }
             propagator.propagate_since(program, domain, mark)?;
@@ -174,7 +175,7 @@ fn gain(
 }
 
 /// Becomes the hull of the bounds in two cases, for the columns that changed in both.
-fn narrow_to_hull(shared: &mut Vec<Bounds>, other: &[Bounds]) {
+fn narrow_to_hull(shared: &mut Vec<ColumnBounds>, other: &[ColumnBounds]) {
     let mut other = other.iter().peekable();
     shared.retain_mut(|a| {
         while other.next_if(|b| b.column < a.column).is_some() {}

@@ -5,7 +5,7 @@
 //! which propagation often does not find; a table keeps these implications.
 
 use super::domain::Domain;
-use super::implications::{Implications, Noted};
+use super::implications::{Implications, NotedImplications};
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -32,7 +32,7 @@ pub fn probe_implications(
     mut trials: usize,
     token: &StopToken,
 ) -> Result<Implications, Conflict> {
-    let mut noted = Noted::new(2 * program.column_count());
+    let mut noted = NotedImplications::new(2 * program.column_count());
     let mut sides = [const { Vec::new() }; 2];
     for &j in columns {
         if trials < 2 || noted.count() > MAX_NOTED_LITERALS || token.is_over() {
@@ -77,7 +77,7 @@ pub fn probe_implications(
 }
 
 /// Bounds of a column in one branch.
-pub(super) struct Bounds {
+pub(super) struct ColumnBounds {
     pub(super) column: usize,
     pub(super) bounds: [f64; 2],
 }
@@ -87,16 +87,16 @@ fn is_open(program: &Program, domain: &Domain, j: usize) -> bool {
 }
 
 /// Writes the columns that changed since a mark, sorted, with their bounds.
-pub(super) fn write_changes(domain: &Domain, mark: usize, changes: &mut Vec<Bounds>) {
+pub(super) fn write_changes(domain: &Domain, mark: usize, changes: &mut Vec<ColumnBounds>) {
     let columns = domain.changed_since(mark).map(|(j, _)| j);
     changes.clear();
-    changes.extend(columns.map(|column| Bounds { column, bounds: domain.bounds(column) }));
+    changes.extend(columns.map(|column| ColumnBounds { column, bounds: domain.bounds(column) }));
     changes.sort_unstable_by_key(|change| change.column);
     changes.dedup_by_key(|change| change.column);
 }
 
 /// Keeps what holds of integral columns in both branches.
-fn join(program: &Program, domain: &mut Domain, off: &[Bounds], on: &[Bounds]) {
+fn join(program: &Program, domain: &mut Domain, off: &[ColumnBounds], on: &[ColumnBounds]) {
     let (mut p, mut q) = (0, 0);
     while let (Some(a), Some(b)) = (off.get(p), on.get(q)) {
         if a.column == b.column && program.integral[a.column] {

@@ -30,7 +30,7 @@ const RETRIAL_INTERVAL: u32 = 8;
 #[derive(Debug, Clone)]
 pub(crate) struct ProbingRecord {
     /// By column, the last one of its upper value and of its lower one.
-    trials: Vec<[Trial; 2]>,
+    trials: Vec<[SideTrial; 2]>,
     /// The same for all columns together: trials, and those that found something.
     counts: [(u32, u32); 2],
     visits: u32,
@@ -41,7 +41,7 @@ pub(crate) struct ProbingRecord {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Trial {
+struct SideTrial {
     /// 0 where there was none.
     time: u32,
     visited: Blocks,
@@ -51,7 +51,7 @@ impl ProbingRecord {
     /// A record without trials; `columns` is the number of columns of the program.
     pub(crate) fn new(columns: usize) -> Self {
         ProbingRecord {
-            trials: vec![[Trial::default(); 2]; columns],
+            trials: vec![[SideTrial::default(); 2]; columns],
             counts: [(0, 0); 2],
             visits: 0,
             found: Vec::new(),
@@ -78,7 +78,7 @@ impl ProbingRecord {
             || self.visits.is_multiple_of(RETRIAL_INTERVAL)
     }
 
-    fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {
+    fn note(&mut self, column: usize, is_upper: bool, trial: SideTrial, found: bool) {
         let side = usize::from(is_upper);
         self.trials[column][side] = trial;
         self.counts[side].0 += 1;
@@ -164,7 +164,7 @@ pub(crate) fn probe_again(
                 let value = if is_upper { lower } else { upper };
                 let (trial, visited, time) =
                     propagator.try_bound(program, domain, j, is_upper, value);
-                record.note(j, is_upper, Trial { time, visited }, trial.is_err());
+                record.note(j, is_upper, SideTrial { time, visited }, trial.is_err());
                 if trial.is_err() {
                     idle = 0;
                     let value = if is_upper { upper } else { lower };

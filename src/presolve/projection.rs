@@ -25,13 +25,13 @@ const BINARY_TOLERANCE: f64 = 1e-6;
 pub struct Projection {
     /// The program without these binaries.
     pub reduced: Reduced,
-    taken: Taken,
+    taken: Removed,
 }
 
 /// The binaries and rows that were taken out.
 #[derive(Debug, Clone, Default)]
-struct Taken {
-    members: Vec<Member>,
+struct Removed {
+    members: Vec<RemovedBinary>,
     /// The covering rows before the projection, over the columns that stay.
     covers: Vec<Inequality>,
     /// The program's rows of these, and their signs.
@@ -59,7 +59,7 @@ impl Terms {
 
 /// A binary that was taken out.
 #[derive(Debug, Clone)]
-struct Member {
+struct RemovedBinary {
     /// Its column in the program.
     column: usize,
     /// Its column before the projection.
@@ -74,14 +74,14 @@ struct Member {
     hurt_row: (usize, f64),
 }
 
-impl Member {
+impl RemovedBinary {
     /// The value that helps the covering row, and the other one.
     fn values(&self) -> (f64, f64) {
         if self.help < 0.0 { (1.0, 0.0) } else { (0.0, 1.0) }
     }
 }
 
-impl Taken {
+impl Removed {
     fn clear(&mut self) {
         self.members.clear();
         self.covers.clear();
@@ -94,7 +94,7 @@ impl Projection {
     /// The program's point that belongs to a point of what is left.
     pub fn lift(&self, x: &[f64]) -> Vec<f64> {
         let mut point = self.reduced.lift(x);
-        let Taken { members, covers, terms, .. } = &self.taken;
+        let Removed { members, covers, terms, .. } = &self.taken;
         let sum = |row: &Inequality| -> f64 {
             let terms = terms.of(row).iter().filter(|t| t.0 != REMOVED);
             terms.map(|&(k, a)| a * x[k]).sum()
@@ -162,7 +162,7 @@ pub(super) struct Projector {
     open: Vec<bool>,
     /// The first two rows of each open column, and how many there are.
     uses: Vec<([(usize, f64); 2], u32)>,
-    taken: Taken,
+    taken: Removed,
     /// By row: the cover it is, after members were taken out of it.
     cover_of: Vec<usize>,
     replaced: Vec<Option<Inequality>>,
@@ -170,7 +170,7 @@ pub(super) struct Projector {
     /// By column: its position in what is left.
     position: Vec<usize>,
     /// Memory of projections that are no longer needed.
-    spare: Vec<Taken>,
+    spare: Vec<Removed>,
 }
 
 const REMOVED: usize = usize::MAX;
@@ -197,7 +197,7 @@ impl Projector {
             }
         }
         if self.taken.members.is_empty() {
-            return Projection { reduced, taken: Taken::default() };
+            return Projection { reduced, taken: Removed::default() };
         }
         let mut rest = spare.pop().unwrap_or_default();
         self.write(&reduced, &mut rest);
@@ -348,7 +348,7 @@ impl Projector {
             self.taken.cover_rows.push((origin(reduced, cover), sign(reduced, cover)));
         }
         self.replaced[cover] = Some(Inequality { limit, ..sum });
-        self.taken.members.push(Member {
+        self.taken.members.push(RemovedBinary {
             column: reduced.columns[k],
             position: k,
             hurt: h,
@@ -372,7 +372,7 @@ impl Projector {
 
     /// Writes the program over what is left.
     fn write(&mut self, reduced: &Reduced, rest: &mut Reduced) {
-        let Projector { taken: Taken { members, terms, .. }, position, .. } = self;
+        let Projector { taken: Removed { members, terms, .. }, position, .. } = self;
         refill(position, reduced.columns.len(), 0);
         members.iter().for_each(|member| position[member.position] = REMOVED);
         rest.columns.clear();

@@ -54,7 +54,7 @@ pub(crate) struct Reducer {
     spare: Vec<Reduced>,
 }
 
-struct Contradiction;
+struct Contradictory;
 
 /// Replaces the entries of a vector.
 fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
@@ -85,7 +85,7 @@ impl Reducer {
         let mut reduced = self.spare.pop().unwrap_or_default();
         match self.build(program, &mut reduced) {
             Ok(()) => Some(reduced),
-            Err(Contradiction) => {
+            Err(Contradictory) => {
                 self.reuse(reduced);
                 None
             }
@@ -109,7 +109,7 @@ impl Reducer {
     }
 
     /// Finds out what is left of bounds and rows.
-    fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradiction> {
+    fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradictory> {
         let n = program.column_count();
         fill(&mut self.lower, (0..n).map(|j| domain.lower(j)));
         fill(&mut self.upper, (0..n).map(|j| domain.upper(j)));
@@ -150,7 +150,7 @@ impl Reducer {
     }
 
     /// Drops implied rows and turns singletons into bounds; `true` when a column became fixed.
-    fn sweep(&mut self, program: &Program) -> Result<bool, Contradiction> {
+    fn sweep(&mut self, program: &Program) -> Result<bool, Contradictory> {
         let mut changed = false;
         let mut left = 0;
         for k in 0..self.alive.len() {
@@ -190,7 +190,7 @@ impl Reducer {
                     if miss > CONTRADICTION + slack
                         && is_missed(program, row, [l, u], &self.lower, &self.slack)
                     {
-                        return Err(Contradiction);
+                        return Err(Contradictory);
                     }
                 }
                 1 => {
@@ -216,11 +216,11 @@ impl Reducer {
         j: usize,
         lower: f64,
         upper: f64,
-    ) -> Result<(), Contradiction> {
+    ) -> Result<(), Contradictory> {
         let (l, u) = (self.lower[j].max(lower), self.upper[j].min(upper));
         let scale = l.abs().max(u.abs()).max(1.0);
         if l > u && l - u > CONTRADICTION * scale {
-            return Err(Contradiction);
+            return Err(Contradictory);
         }
         if l > u {
             self.fix_at_middle(j, l, u);
@@ -231,7 +231,7 @@ impl Reducer {
         Ok(())
     }
 
-    fn build(&mut self, program: &Program, reduced: &mut Reduced) -> Result<(), Contradiction> {
+    fn build(&mut self, program: &Program, reduced: &mut Reduced) -> Result<(), Contradictory> {
         let n = program.column_count();
         fill(&mut self.position, (0..n).map(|_| usize::MAX));
         fill(&mut reduced.columns, (0..n).filter(|&j| !self.fixed[j]));
@@ -295,7 +295,7 @@ impl Reducer {
     }
 
     /// Copies the live rows over the free columns, merging parallel ones.
-    fn collect_rows(&mut self, program: &Program, out: &mut Reduced) -> Result<(), Contradiction> {
+    fn collect_rows(&mut self, program: &Program, out: &mut Reduced) -> Result<(), Contradictory> {
         let (position, seen) = (&self.position, &mut self.patterns);
         seen.clear(self.alive.len());
         let entries = self.alive.iter().map(|&row| program.row(row).0.len()).sum();
@@ -329,7 +329,7 @@ impl Reducer {
                 // All its columns became fixed in the last sweep, after the row was looked at.
                 let is_suspect = limits[0].max(-limits[1]) > CONTRADICTION;
                 if is_suspect && is_missed(program, row, [lower, upper], &self.lower, &self.slack) {
-                    return Err(Contradiction);
+                    return Err(Contradictory);
                 }
                 continue;
             }
@@ -358,7 +358,7 @@ impl Reducer {
                 continue;
             }
             if *lower - *upper > CONTRADICTION * scale {
-                return Err(Contradiction);
+                return Err(Contradictory);
             }
             if *upper - *lower <= self.negligible.max(4.0 * f64::EPSILON * scale) {
                 let middle = 0.5 * (*lower + *upper);

@@ -55,7 +55,7 @@ impl Entry {
 
 /// A row: where its entries are, and its limits.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line {
+pub(super) struct PropagatedRow {
     pub(super) range: [usize; 2],
     pub(super) limits: [f64; 2],
     /// Whether it is an equality over whole numbers.
@@ -170,7 +170,7 @@ fn tighten_binding(
     let exact = (uncertainty.plain_rounding > MAX_PLAIN_ROUNDING)
         .then(|| CompensatedSums::of(bounds, entries));
     let rounding = if exact.is_some() { uncertainty.rounding } else { uncertainty.plain_rounding };
-    let ends = Ends { least, most, exact };
+    let ends = RowActivities { least, most, exact };
     let excess = uncertainty.excess + rounding;
     if (least.infinite == 0 && ends.left(0, row_upper) < -excess)
         || (most.infinite == 0 && ends.left(1, row_lower) > excess)
@@ -294,7 +294,7 @@ fn largest_term(entry: &Entry, bounds: &[[f64; 2]]) -> f64 {
 }
 
 /// Smallest and largest activity, and both in compensated sums where plain ones are too coarse.
-struct Ends {
+struct RowActivities {
     least: Activity,
     most: Activity,
     exact: Option<CompensatedSums>,
@@ -318,7 +318,7 @@ impl CompensatedSums {
     }
 }
 
-impl Ends {
+impl RowActivities {
     /// A limit less the finite part of the smallest activity (0) or the largest one (1).
     fn left(&self, which: usize, limit: f64) -> f64 {
         match &self.exact {

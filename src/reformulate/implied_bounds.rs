@@ -10,7 +10,7 @@
 //! after `x1 = 10 x0`, a miss of 1e-6 is one of 1e-5. So every row and every bound is loosened by
 //! the tolerance *before* propagation, and the bounds hold for all points that are accepted.
 
-use super::cases::{Bounds, Cases};
+use super::cases::{Alternatives, BoundsByColumn};
 use super::circulations::flows;
 use super::linear_program::Maximizer;
 use crate::error::Error;
@@ -71,7 +71,7 @@ impl<'a> ImpliedBounds<'a> {
         program.spread = tolerance::INFINITE / tolerance::FREE_RADIUS;
         loosen(&mut program, &rows);
         let mut maximizer = Maximizer::over(program, token);
-        let cases = Cases::of(model, maximizer.domain());
+        let cases = Alternatives::of(model, maximizer.domain());
         if !token.is_over() && !maximizer.is_empty() {
             maximizer.narrow(|program, domain, propagator| {
                 go_through(&cases, program, domain, propagator, token)
@@ -220,13 +220,13 @@ fn add_row(
 
 /// Goes through all cases, in alternating directions, until nothing moves.
 fn go_through(
-    cases: &[Cases],
+    cases: &[Alternatives],
     program: &Program,
     domain: &mut Domain,
     propagator: &mut Propagator,
     token: &StopToken,
 ) -> bool {
-    let total: usize = cases.iter().map(Cases::work).sum();
+    let total: usize = cases.iter().map(Alternatives::work).sum();
     let mut work = MAX_CASE_WORK.min(MAX_CASE_VISITS.saturating_mul(total));
     let mut forward = true;
     loop {
@@ -254,7 +254,7 @@ fn go_through(
 }
 
 /// Takes over new bounds that gain enough.
-fn take_over(bounds: &Bounds, domain: &mut Domain) {
+fn take_over(bounds: &BoundsByColumn, domain: &mut Domain) {
     for (&column, &[lower, upper]) in bounds {
         let [low, high] = domain.bounds(column);
         let least = MIN_CASE_GAIN * (high - low);

@@ -13,7 +13,7 @@ const MAX_CHAIN: usize = 100;
 type MissingBound = (Variable, bool);
 
 /// A missing bound, in words.
-pub(super) struct Reason {
+pub(super) struct BoundReason {
     /// The chain of rows; empty if no row holds the variable.
     pub(super) chain: String,
     /// The variable at the end of the chain, if it is another one.
@@ -21,7 +21,11 @@ pub(super) struct Reason {
 }
 
 /// Why rows give a variable no bound.
-pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: bool) -> Reason {
+pub(super) fn reason(
+    implied: &ImpliedBounds<'_>,
+    variable: Variable,
+    is_upper: bool,
+) -> BoundReason {
     let bounds = implied.implied(variable);
     let end = if is_upper { bounds.upper } else { bounds.lower };
     if end.is_finite() && end.abs() > MAX_IMPLIED_BOUND {
@@ -29,7 +33,7 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
             " and rows bound it only by {end:.1e}, which is too large for a big-M (at most \
              {MAX_IMPLIED_BOUND:.0e})"
         );
-        return Reason { chain, root: None };
+        return BoundReason { chain, root: None };
     }
     let name = |v: Variable| format!("`{}`", implied.rows().name_of(v));
     let mut seen = vec![(variable, is_upper)];
@@ -50,7 +54,7 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
         seen.push(at);
     }
     if links.is_empty() {
-        return Reason { chain: String::new(), root: None };
+        return BoundReason { chain: String::new(), root: None };
     }
     if links.len() > 2 * NAMED_ROWS {
         let between = NAMED_ROWS..links.len() - NAMED_ROWS + 1;
@@ -65,7 +69,7 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
         Some(_) => (format!("which no other row bounds {side}"), Some(at.0)),
     };
     let chain = format!(" and rows imply none ({}, {ending})", links.join(", "));
-    Reason { chain, root: root.filter(|root| *root != variable) }
+    BoundReason { chain, root: root.filter(|root| *root != variable) }
 }
 
 /// The row that would give a bound with the fewest other bounds, and those that it lacks. Rows that

@@ -52,7 +52,7 @@ use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
 use crate::solution::{Outcome, Solution};
-use crate::solver::{Solver, StopToken};
+use crate::solver::{Solver, StopToken, uninterrupted};
 use direction::Tie;
 use implied_bounds::ImpliedBounds;
 use linear_program::Maximizer;
@@ -183,12 +183,7 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
 
 /// As [`lower`], with one method for all disjunctions.
 fn lower_by(model: &Model, method: Option<Method>) -> Result<Lowered, Error> {
-    loop {
-        // The default token never stops.
-        if let Some(lowered) = lower_until(model, method, &StopToken::default())? {
-            return Ok(lowered);
-        }
-    }
+    uninterrupted(|token| lower_until(model, method, token))
 }
 
 /// Lowers a model, with one method for all disjunctions if one is given; `None` if the token is over

@@ -64,7 +64,7 @@ impl Prover {
         if let Some(bound) = self.plain.bound(program, x, &self.y) {
             return bound;
         }
-        let bound = self.pair(program, x).map_or(f64::NEG_INFINITY, Pair::best_bound);
+        let bound = self.pair(program, x).map_or(f64::NEG_INFINITY, PrimalDualPair::best_bound);
         self.blurred = is_blurred(program, x, &self.y, bound);
         bound
     }
@@ -120,7 +120,7 @@ impl Prover {
         }
         let x = vec![Extended::default(); program.columns.len()];
         let y = self.y.iter().map(|&v| Extended::from(v)).collect();
-        Pair { program, x, y, objective: false }.best_bound() > least
+        PrimalDualPair { program, x, y, objective: false }.best_bound() > least
     }
 
     /// Takes multipliers, without those of missing limits.
@@ -133,17 +133,17 @@ impl Prover {
     }
 
     /// The pair of a claimed point and the multipliers; `None` if it contains a NaN.
-    fn pair<'a>(&self, program: &'a Reduced, x: &[f64]) -> Option<Pair<'a>> {
+    fn pair<'a>(&self, program: &'a Reduced, x: &[f64]) -> Option<PrimalDualPair<'a>> {
         if x.iter().chain(&self.y).any(|v| !v.is_finite()) {
             return None;
         }
         let extended = |v: &f64| Extended::from(*v);
         let (x, y) = (x.iter().map(extended).collect(), self.y.iter().map(extended).collect());
-        Some(Pair { program, x, y, objective: true })
+        Some(PrimalDualPair { program, x, y, objective: true })
     }
 }
 
-pub(super) struct Pair<'a> {
+pub(super) struct PrimalDualPair<'a> {
     pub(super) program: &'a Reduced,
     pub(super) x: Vec<Extended>,
     pub(super) y: Vec<Extended>,
@@ -166,19 +166,19 @@ impl Gradient {
 
 /// A sum and the sum of its terms' magnitudes.
 #[derive(Default)]
-struct Sum {
+struct ExtendedSum {
     value: Extended,
     size: f64,
 }
 
-impl Sum {
+impl ExtendedSum {
     fn add(&mut self, a: Extended, b: Extended) {
         self.value = self.value.plus_product(a, b);
         self.size += (a.high * b.high).abs();
     }
 }
 
-impl Pair<'_> {
+impl PrimalDualPair<'_> {
     fn best_bound(self) -> f64 {
         let gradient = self.gradient();
         let uncorrected = self.bound(&gradient, self.radius());
@@ -189,7 +189,7 @@ impl Pair<'_> {
         // against large ones. The pair is sometimes better without them.
         let size = |i: usize, y: &Extended| y.high.abs() * largest(self.program, i);
         let most = self.y.iter().enumerate().map(|(i, y)| size(i, y)).fold(1.0_f64, f64::max);
-        let mut plain = Pair { x: self.x.clone(), y: self.y.clone(), ..self };
+        let mut plain = PrimalDualPair { x: self.x.clone(), y: self.y.clone(), ..self };
         for (i, y) in plain.y.iter_mut().enumerate() {
             if size(i, y) <= SLIGHT_MULTIPLIER * most && !is_equality(self.program, i) {
                 *y = Extended::default();
@@ -305,7 +305,7 @@ impl Pair<'_> {
     /// The bound that the pair proves for points within the radius.
     fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
-        let mut sum = Sum::default();
+        let mut sum = ExtendedSum::default();
         if self.objective {
             sum.add(program.offset.into(), 1.0.into());
             for j in 0..self.x.len() {

@@ -1,7 +1,7 @@
 //! The ladder of attempts: which method solves a program, how accurately, and which one follows if the
 //! result is not good enough.
 //!
-//! `attempts.rs` lists the attempts of each [`Purpose`], and [`Entry::of`] the methods. No other part of
+//! `attempts.rs` lists the attempts of each [`Purpose`], and [`Method::of`] the methods. No other part of
 //! the crate names a method.
 
 use web_time::{Duration, Instant};
@@ -52,23 +52,23 @@ impl<'a> Request<'a> {
 }
 
 /// A method, its counter, and the purposes for which it gets the parent's state.
-struct Entry {
+struct Method {
     method: Box<dyn Relaxation>,
     starts_warm: fn(Purpose) -> bool,
     count: fn(&mut RelaxationCounts) -> &mut u64,
 }
 
-impl Entry {
+impl Method {
     fn of(method: RelaxationMethod) -> Self {
         match method {
-            RelaxationMethod::ActiveSet | RelaxationMethod::InteriorPoint => Entry {
+            RelaxationMethod::ActiveSet | RelaxationMethod::InteriorPoint => Method {
                 method: Box::new(InteriorPoint::new()),
                 // From nothing it ends deeper inside the face of optima, which is better if the search
                 // continues from that point.
                 starts_warm: |purpose| matches!(purpose, Purpose::Trial | Purpose::Separation),
                 count: |counts| &mut counts.interior_point,
             },
-            RelaxationMethod::Clarabel => Entry {
+            RelaxationMethod::Clarabel => Method {
                 method: Box::new(ClarabelRelaxation::new()),
                 starts_warm: |_| true,
                 count: |counts| &mut counts.clarabel,
@@ -100,10 +100,10 @@ impl Spent {
 /// The methods of a search, the memory that they work in, and what they have taken.
 pub struct Ladder {
     /// By [`WarmMethod`]; `None` if no method starts from a state.
-    warm: Option<[Entry; 2]>,
-    cold: Entry,
+    warm: Option<[Method; 2]>,
+    cold: Method,
     /// `None` if the cold method is alone.
-    fallback: Option<Entry>,
+    fallback: Option<Method>,
     /// The records of the warm methods, and of the cold one.
     records: [Record; 3],
     spent: Spent,
@@ -115,8 +115,8 @@ impl Ladder {
     /// The ladder of a choice.
     pub fn new(choice: RelaxationMethod) -> Self {
         let fallback = RelaxationMethod::Clarabel;
-        let fallback = (choice != fallback).then(|| Entry::of(fallback));
-        let entry = |method| Entry {
+        let fallback = (choice != fallback).then(|| Method::of(fallback));
+        let entry = |method| Method {
             method,
             starts_warm: |_| true,
             count: |counts| &mut counts.active_set,
@@ -126,16 +126,16 @@ impl Ladder {
                 [Box::new(ActiveSet::new()), Box::new(DualSimplex::new())];
             [entry(active_set), entry(simplex)]
         });
-        Ladder::of(warm, Entry::of(choice), fallback)
+        Ladder::of(warm, Method::of(choice), fallback)
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
-        Ladder::of(None, Entry { method, starts_warm: |_| true, count }, None)
+        Ladder::of(None, Method { method, starts_warm: |_| true, count }, None)
     }
 
-    fn of(warm: Option<[Entry; 2]>, cold: Entry, fallback: Option<Entry>) -> Self {
+    fn of(warm: Option<[Method; 2]>, cold: Method, fallback: Option<Method>) -> Self {
         let (records, spent, prover, reducer) = Default::default();
         Ladder { warm, cold, fallback, records, spent, prover, reducer }
     }

@@ -10,7 +10,7 @@ use super::step::{arrive, predecessors, predict, prediction_boxes};
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
-use crate::solver::StopToken;
+use crate::solver::{StopToken, uninterrupted};
 
 /// The largest number of sweeps over the horizon, forward and backward alternately.
 const MOST_SWEEPS: usize = 4;
@@ -113,12 +113,7 @@ impl ReachSets {
     /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for no steps or more than
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
-        loop {
-            // The token is never over, so there is a tube.
-            if let Some(tube) = self.tube_until(steps, &StopToken::default())? {
-                return Ok(tube);
-            }
-        }
+        uninterrupted(|token| self.tube_until(steps, token))
     }
 
     /// Same as [`tube`](ReachSets::tube), but `None` if the token is over before the end.

@@ -1,10 +1,10 @@
 //! The constant of the objective as a column that is fixed to 1.
 
 use super::names::CONSTANT;
-use super::read::File;
+use super::read::LpFile;
 use super::rows::Condition;
 
-impl File<'_> {
+impl LpFile<'_> {
     /// Makes a column `Constant` that is fixed to 1, and that the objective alone mentions, the
     /// constant that it stands for.
     pub(super) fn take_constant(&mut self) {

@@ -1,10 +1,10 @@
 //! The keywords that begin a section, in all spellings.
 
-use super::lexer::{Kind, Piece};
+use super::lexer::{TokenKind, TypedToken};
 
 /// The section that a keyword begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Section {
+pub(super) enum LpSection {
     Minimize,
     Maximize,
     Rows,
@@ -26,60 +26,60 @@ const FUNCTION_HELP: &str = "functions cannot be read from LP files; write them 
 const SCENARIO_HELP: &str = "a model has one objective and one set of limits; keep one";
 
 /// Spellings of one word; sections of two words are below.
-const ONE_WORD_SECTIONS: [(&str, Section); 42] = [
-    ("minimize", Section::Minimize),
-    ("minimise", Section::Minimize),
-    ("minimum", Section::Minimize),
-    ("min", Section::Minimize),
-    ("maximize", Section::Maximize),
-    ("maximise", Section::Maximize),
-    ("maximum", Section::Maximize),
-    ("max", Section::Maximize),
-    ("st", Section::Rows),
-    ("st.", Section::Rows),
-    ("s.t", Section::Rows),
-    ("s.t.", Section::Rows),
-    ("bounds", Section::Bounds),
-    ("bound", Section::Bounds),
-    ("generals", Section::Integers),
-    ("general", Section::Integers),
-    ("gens", Section::Integers),
-    ("gen", Section::Integers),
-    ("integers", Section::Integers),
-    ("integer", Section::Integers),
-    ("ints", Section::Integers),
-    ("int", Section::Integers),
-    ("binaries", Section::Binaries),
-    ("binary", Section::Binaries),
-    ("bins", Section::Binaries),
-    ("bin", Section::Binaries),
-    ("end", Section::End),
-    ("semis", Section::SemiContinuous),
-    ("semi", Section::SemiContinuous),
-    ("sos", Section::Sets(None)),
-    ("sos1", Section::Sets(Some(1))),
-    ("sos2", Section::Sets(Some(2))),
-    ("lazy", Section::Refused(LAZY_HELP)),
-    ("usercuts", Section::Refused(LAZY_HELP)),
-    ("pwlobj", Section::Refused(FUNCTION_HELP)),
-    ("pwl", Section::Refused(FUNCTION_HELP)),
-    ("gencons", Section::Refused(FUNCTION_HELP)),
-    ("gencon", Section::Refused(FUNCTION_HELP)),
-    ("genconstr", Section::Refused(FUNCTION_HELP)),
-    ("genconstrs", Section::Refused(FUNCTION_HELP)),
-    ("scenario", Section::Refused(SCENARIO_HELP)),
-    ("scenarios", Section::Refused(SCENARIO_HELP)),
+const ONE_WORD_SECTIONS: [(&str, LpSection); 42] = [
+    ("minimize", LpSection::Minimize),
+    ("minimise", LpSection::Minimize),
+    ("minimum", LpSection::Minimize),
+    ("min", LpSection::Minimize),
+    ("maximize", LpSection::Maximize),
+    ("maximise", LpSection::Maximize),
+    ("maximum", LpSection::Maximize),
+    ("max", LpSection::Maximize),
+    ("st", LpSection::Rows),
+    ("st.", LpSection::Rows),
+    ("s.t", LpSection::Rows),
+    ("s.t.", LpSection::Rows),
+    ("bounds", LpSection::Bounds),
+    ("bound", LpSection::Bounds),
+    ("generals", LpSection::Integers),
+    ("general", LpSection::Integers),
+    ("gens", LpSection::Integers),
+    ("gen", LpSection::Integers),
+    ("integers", LpSection::Integers),
+    ("integer", LpSection::Integers),
+    ("ints", LpSection::Integers),
+    ("int", LpSection::Integers),
+    ("binaries", LpSection::Binaries),
+    ("binary", LpSection::Binaries),
+    ("bins", LpSection::Binaries),
+    ("bin", LpSection::Binaries),
+    ("end", LpSection::End),
+    ("semis", LpSection::SemiContinuous),
+    ("semi", LpSection::SemiContinuous),
+    ("sos", LpSection::Sets(None)),
+    ("sos1", LpSection::Sets(Some(1))),
+    ("sos2", LpSection::Sets(Some(2))),
+    ("lazy", LpSection::Refused(LAZY_HELP)),
+    ("usercuts", LpSection::Refused(LAZY_HELP)),
+    ("pwlobj", LpSection::Refused(FUNCTION_HELP)),
+    ("pwl", LpSection::Refused(FUNCTION_HELP)),
+    ("gencons", LpSection::Refused(FUNCTION_HELP)),
+    ("gencon", LpSection::Refused(FUNCTION_HELP)),
+    ("genconstr", LpSection::Refused(FUNCTION_HELP)),
+    ("genconstrs", LpSection::Refused(FUNCTION_HELP)),
+    ("scenario", LpSection::Refused(SCENARIO_HELP)),
+    ("scenarios", LpSection::Refused(SCENARIO_HELP)),
 ];
 
 /// Sections of two words, the second one in several spellings.
-const TWO_WORD_SECTIONS: [(&str, &[&str], Section); 7] = [
-    ("subject", &["to", "to:"], Section::Rows),
-    ("such", &["that"], Section::Rows),
-    ("lazy", &["constraints", "constraint"], Section::Refused(LAZY_HELP)),
-    ("user", &["cuts", "cut"], Section::Refused(LAZY_HELP)),
-    ("general", &["constraints", "constraint"], Section::Refused(FUNCTION_HELP)),
-    ("generals", &["constraints", "constraint"], Section::Refused(FUNCTION_HELP)),
-    ("multi", &["objectives"], Section::Refused(SCENARIO_HELP)),
+const TWO_WORD_SECTIONS: [(&str, &[&str], LpSection); 7] = [
+    ("subject", &["to", "to:"], LpSection::Rows),
+    ("such", &["that"], LpSection::Rows),
+    ("lazy", &["constraints", "constraint"], LpSection::Refused(LAZY_HELP)),
+    ("user", &["cuts", "cut"], LpSection::Refused(LAZY_HELP)),
+    ("general", &["constraints", "constraint"], LpSection::Refused(FUNCTION_HELP)),
+    ("generals", &["constraints", "constraint"], LpSection::Refused(FUNCTION_HELP)),
+    ("multi", &["objectives"], LpSection::Refused(SCENARIO_HELP)),
 ];
 
 /// Words that are part of the language without beginning a section.
@@ -87,12 +87,12 @@ const OTHER_KEYWORDS: [&str; 8] =
     ["free", "inf", "infinity", "nan", "subject", "such", "user", "multi"];
 
 /// The section that the pieces begin, and how many of them its name takes.
-pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
-    let kind = |at: usize| pieces.get(at).map(|piece: &Piece<'_>| piece.kind);
+pub(super) fn section(pieces: &[TypedToken<'_>]) -> Option<(LpSection, usize)> {
+    let kind = |at: usize| pieces.get(at).map(|piece: &TypedToken<'_>| piece.kind);
     let is = |at: usize, word: &str| {
-        kind(at) == Some(Kind::Word) && pieces[at].token.text.eq_ignore_ascii_case(word)
+        kind(at) == Some(TokenKind::Word) && pieces[at].token.text.eq_ignore_ascii_case(word)
     };
-    if kind(0) != Some(Kind::Word) || kind(1) == Some(Kind::Colon) {
+    if kind(0) != Some(TokenKind::Word) || kind(1) == Some(TokenKind::Colon) {
         return None;
     }
     for (first, seconds, section) in TWO_WORD_SECTIONS {
@@ -102,11 +102,11 @@ pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
     }
     let hyphenated = (is(0, "semi") && (is(2, "continuous") || is(2, "integer")))
         || (is(0, "multi") && is(2, "objectives"));
-    if hyphenated && kind(1) == Some(Kind::Minus) {
+    if hyphenated && kind(1) == Some(TokenKind::Minus) {
         let section = match is(0, "semi") {
-            true if is(2, "continuous") => Section::SemiContinuous,
-            true => Section::Refused(SEMI_INTEGER_HELP),
-            false => Section::Refused(SCENARIO_HELP),
+            true if is(2, "continuous") => LpSection::SemiContinuous,
+            true => LpSection::Refused(SEMI_INTEGER_HELP),
+            false => LpSection::Refused(SCENARIO_HELP),
         };
         return Some((section, 3));
     }

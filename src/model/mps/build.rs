@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::decimal::Decimal;
 use super::names;
-use super::read::{Column, File, Row, RowKind};
+use super::read::{MpsColumn, MpsFile, MpsRow, RowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
@@ -22,7 +22,7 @@ use crate::model::variable::VariableKind;
 use crate::number::Exact;
 
 /// Makes the model that a file describes.
-pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
+pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
     let mut model = Model::new(file.name);
     let mut warnings = std::mem::take(&mut file.warnings);
     let variables = variables(&file, &mut model, &mut warnings)?;
@@ -58,7 +58,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
 }
 
 fn variables(
-    file: &File<'_>,
+    file: &MpsFile<'_>,
     model: &mut Model,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Variable>, Error> {
@@ -90,7 +90,7 @@ fn variables(
 
 /// Adds a semi-continuous or semi-integer column.
 fn semicontinuous(
-    column: &Column<'_>,
+    column: &MpsColumn<'_>,
     integer: bool,
     model: &mut Model,
     warnings: &mut Vec<Warning>,
@@ -117,7 +117,7 @@ fn semicontinuous(
 }
 
 /// The limits of a row from its kind, right-hand side and range.
-fn limits(row: &Row<'_>) -> Result<(f64, f64), Error> {
+fn limits(row: &MpsRow<'_>) -> Result<(f64, f64), Error> {
     let (lowest, highest) = (f64::NEG_INFINITY, f64::INFINITY);
     let right = row.right.map_or(Ok(0.0), |token| token.number())?;
     let Some(range) = row.range else {
@@ -170,7 +170,7 @@ fn other_limit(
 }
 
 fn objective(
-    file: &File<'_>,
+    file: &MpsFile<'_>,
     variables: &[Variable],
     warnings: &mut Vec<Warning>,
 ) -> Result<Quadratic, Error> {

@@ -13,7 +13,7 @@ const BINDING_DISTANCE: f64 = 1e-6;
 
 /// A row as it was before it was tightened.
 #[derive(Debug)]
-struct Tightened {
+struct TightenedRow {
     row: usize,
     /// The row in the form `sign * entries <= limit`.
     entries: Sparse,
@@ -57,14 +57,14 @@ fn tighten(work: &mut Work, row: usize) -> bool {
         if entries.iter().any(|&(j, _)| !work.integral[j]) {
             let tight = work.rows[row].clone();
             let (sign, limit) = if old[1].is_finite() { (1.0, old[1]) } else { (-1.0, -old[0]) };
-            work.push(Tightened { row, entries, sign, limit, tight });
+            work.push(TightenedRow { row, entries, sign, limit, tight });
         }
     }
     work.memory = terms;
     new.is_some()
 }
 
-impl Undo for Tightened {
+impl Undo for TightenedRow {
     /// A row that only binds in its tight form binds because its columns are at their bounds, so the
     /// bounds take the pressure over.
     fn dual(&self, all: &mut Restored) {

@@ -2,7 +2,7 @@
 //! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Range, Sparse, Work, finite};
+use super::work::{ActivityRange, Infeasible, Sparse, Work, finite};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
 use crate::tolerance;
 
@@ -68,7 +68,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
 }
 
 /// By how much a row may be missed by what it is not known to, in its unit.
-fn excess(work: &Work, row: usize, range: &Range) -> f64 {
+fn excess(work: &Work, row: usize, range: &ActivityRange) -> f64 {
     let limit = finite(work.row_lower[row]).max(finite(work.row_upper[row]));
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
     // What exact terms miss is no rounding, and not accepted beyond the tolerance.

@@ -10,7 +10,7 @@ use super::work::{Work, finite};
 
 /// A column without a cost that widened a row.
 #[derive(Debug)]
-struct Slack {
+struct RowSlack {
     column: usize,
     row: usize,
     coefficient: f64,
@@ -65,10 +65,10 @@ fn widen(work: &mut Work, column: usize, row: usize) {
     work.add_rounding(row, finite(p).max(finite(q)));
     work.drop_column(column);
     let rest = work.rows[row].clone();
-    work.push(Slack { column, row, coefficient, bounds, limits, rest });
+    work.push(RowSlack { column, row, coefficient, bounds, limits, rest });
 }
 
-impl Undo for Slack {
+impl Undo for RowSlack {
     /// The value nearest to 0 with which the row and the bounds hold.
     fn primal(&self, x: &mut [f64]) {
         let rest: f64 = self.rest.iter().map(|&(k, a)| a * x[k]).sum();

@@ -88,7 +88,7 @@ impl OldColumn {
 
 /// Least and largest value of a sum over some bounds; infinite ends included.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Range {
+pub(super) struct ActivityRange {
     pub(super) least: f64,
     pub(super) most: f64,
     /// The largest magnitude of a finite term.
@@ -197,11 +197,6 @@ impl Work {
         self.quadratic[column].is_empty()
     }
 
-    /// Whether the objective has curvature.
-    pub(super) fn is_curved(&self) -> bool {
-        !self.quadratic.iter().all(BTreeMap::is_empty)
-    }
-
     /// The coefficient of a column in a row; 0 where it is not.
     pub(super) fn coefficient(&self, row: usize, column: usize) -> f64 {
         let found = self.rows[row].binary_search_by_key(&column, |&(j, _)| j);
@@ -303,8 +298,8 @@ impl Work {
     }
 
     /// The activity of some terms over the bounds.
-    pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> Range {
-        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
+    pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> ActivityRange {
+        let mut range = ActivityRange { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
         for &(j, a) in terms {
             let exact = self.integral[j] && is_exact(a);
             let (p, q) = (a * self.lower[j], a * self.upper[j]);

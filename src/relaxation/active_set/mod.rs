@@ -16,7 +16,7 @@ mod working_set;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use metric::{Metric, Side};
+use metric::{LimitSide, Metric};
 use working_set::WorkingSet;
 
 /// Programs with more columns are left to methods that see which entries are zero.
@@ -28,11 +28,11 @@ pub struct ActiveSet {}
 
 /// The limits that hold at an optimum.
 #[derive(Debug)]
-struct Active(Vec<Held>);
+struct ActiveLimits(Vec<HeldLimit>);
 
 /// A limit of the parent, by its row or column of the program, with its multiplier.
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct HeldLimit {
     is_row: bool,
     of: usize,
     multiplier: f64,
@@ -67,7 +67,7 @@ impl Relaxation for ActiveSet {
             };
         };
         let set = WorkingSet::new(n + m);
-        let mut run = Run { metric, set, steps: 0, x: Vec::new(), ray: None };
+        let mut run = ActiveSetRun { metric, set, steps: 0, x: Vec::new(), ray: None };
         run.start(effort.warm.and_then(WarmState::get));
         let claim = run.finish(effort);
         run.answer(claim)
@@ -75,7 +75,7 @@ impl Relaxation for ActiveSet {
 }
 
 /// One solve.
-struct Run<'a> {
+struct ActiveSetRun<'a> {
     metric: Metric<'a>,
     set: WorkingSet,
     steps: u32,
@@ -84,13 +84,13 @@ struct Run<'a> {
     ray: Option<Vec<f64>>,
 }
 
-impl Run<'_> {
+impl ActiveSetRun<'_> {
     /// Fills the working set: equalities, and what held at the parent.
-    fn start(&mut self, parent: Option<&Active>) {
+    fn start(&mut self, parent: Option<&ActiveLimits>) {
         let program = self.metric.program;
         let m = program.rows.len();
         let mut wanted: Vec<(usize, f64)> = Vec::new();
-        if let Some(Active(parent)) = parent {
+        if let Some(ActiveLimits(parent)) = parent {
             let mut at = [vec![usize::MAX; 0], vec![usize::MAX; 0]];
             for (is_row, names) in [(0, &program.columns), (1, &program.origin)] {
                 for (k, &name) in names.iter().enumerate().filter(|(_, name)| **name != usize::MAX)
@@ -115,9 +115,9 @@ impl Run<'_> {
             }
             let [lower, upper] = self.metric.limits(of);
             let side = match multiplier {
-                _ if lower == upper => Side::Both,
-                y if y > 0.0 && upper.is_finite() => Side::Upper,
-                y if y < 0.0 && lower.is_finite() => Side::Lower,
+                _ if lower == upper => LimitSide::Both,
+                y if y > 0.0 && upper.is_finite() => LimitSide::Upper,
+                y if y < 0.0 && lower.is_finite() => LimitSide::Lower,
                 _ => continue,
             };
             let candidate = self.set.candidate(&mut self.metric, of, side);
@@ -197,13 +197,13 @@ impl Run<'_> {
             } else {
                 program.columns.get(member.of - m)
             };
-            held.extend(name.map(|&of| Held { is_row, of, multiplier }));
+            held.extend(name.map(|&of| HeldLimit { is_row, of, multiplier }));
         }
         if self.x.is_empty() {
             self.x = vec![f64::NAN; n];
         }
         let y = self.ray.unwrap_or(y);
-        let warm = Some(WarmState::new(Active(held)));
+        let warm = Some(WarmState::new(ActiveLimits(held)));
         RelaxationResult { claim, x: self.x, y, iterations: u64::from(self.steps), warm }
     }
 }

@@ -1,8 +1,8 @@
 //! The working set: limits that hold with equality, their multipliers, and the factor of their
 //! products.
 
-use super::metric::{Metric, Side};
-use super::triangle::{Triangle, add_multiple, dot};
+use super::metric::{LimitSide, Metric};
+use super::triangle::{LowerTriangle, add_multiple, dot};
 
 /// The squared sine of the angle between a vector and the span of others below which it counts as
 /// one of them.
@@ -13,10 +13,10 @@ const MULTIPLIER_ROUNDING: f64 = 1e-13;
 
 /// A limit that is held.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Member {
+pub(super) struct WorkingLimit {
     /// A row or a column.
     pub(super) of: usize,
-    pub(super) side: Side,
+    pub(super) side: LimitSide,
     /// The value that its unit vector takes.
     level: f64,
     pub(super) multiplier: f64,
@@ -24,9 +24,9 @@ pub(super) struct Member {
 
 /// A limit on its way into the working set: how it depends on the members.
 #[derive(Debug)]
-pub(super) struct Candidate {
+pub(super) struct EnteringLimit {
     of: usize,
-    side: Side,
+    side: LimitSide,
     /// Its row of the factor, and the diagonal entry.
     row: Vec<f64>,
     diagonal: f64,
@@ -34,7 +34,7 @@ pub(super) struct Candidate {
     multiples: Vec<f64>,
 }
 
-impl Candidate {
+impl EnteringLimit {
     pub(super) fn is_dependent(&self) -> bool {
         self.diagonal * self.diagonal <= MIN_SQUARED_SINE
     }
@@ -42,9 +42,9 @@ impl Candidate {
 
 #[derive(Debug, Default)]
 pub(super) struct WorkingSet {
-    pub(super) members: Vec<Member>,
+    pub(super) members: Vec<WorkingLimit>,
     /// `C` with `C C'` the products of the members' unit vectors.
-    factor: Triangle,
+    factor: LowerTriangle,
     /// By row and column: whether it is a member.
     pub(super) holds: Vec<bool>,
 }
@@ -55,9 +55,14 @@ impl WorkingSet {
     }
 
     /// How a limit depends on the members.
-    pub(super) fn candidate(&self, metric: &mut Metric<'_>, of: usize, side: Side) -> Candidate {
+    pub(super) fn candidate(
+        &self,
+        metric: &mut Metric<'_>,
+        of: usize,
+        side: LimitSide,
+    ) -> EnteringLimit {
         let unit = metric.unit(of).0.to_vec();
-        let product = |m: &Member| dot(metric.known(m.of), &unit);
+        let product = |m: &WorkingLimit| dot(metric.known(m.of), &unit);
         let mut row: Vec<f64> = self.members.iter().map(product).collect();
         self.factor.solve(&mut row, 0);
         let mut multiples = row.clone();
@@ -71,15 +76,20 @@ impl WorkingSet {
             }
             square = dot(&left, &left);
         }
-        Candidate { of, side, row, diagonal: square.max(0.0).sqrt(), multiples }
+        EnteringLimit { of, side, row, diagonal: square.max(0.0).sqrt(), multiples }
     }
 
     /// Holds a limit that does not depend on the members.
-    pub(super) fn add(&mut self, metric: &mut Metric<'_>, candidate: &Candidate, multiplier: f64) {
-        let &Candidate { of, side, diagonal, .. } = candidate;
+    pub(super) fn add(
+        &mut self,
+        metric: &mut Metric<'_>,
+        candidate: &EnteringLimit,
+        multiplier: f64,
+    ) {
+        let &EnteringLimit { of, side, diagonal, .. } = candidate;
         self.factor.push(&candidate.row, diagonal);
         self.holds[of] = true;
-        self.members.push(Member { of, side, level: metric.level(of, side), multiplier });
+        self.members.push(WorkingLimit { of, side, level: metric.level(of, side), multiplier });
     }
 
     fn remove(&mut self, at: usize) {
@@ -132,7 +142,7 @@ impl WorkingSet {
     pub(super) fn exchange(
         &mut self,
         metric: &mut Metric<'_>,
-        candidate: &Candidate,
+        candidate: &EnteringLimit,
         up: bool,
     ) -> Result<(), Vec<f64>> {
         let sign = if up { 1.0 } else { -1.0 };

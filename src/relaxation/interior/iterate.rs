@@ -1,7 +1,7 @@
 //! The iterates of the interior-point method: what they prove, and the next one.
 
 use super::kkt::Kkt;
-use super::scaled::{Scaled, Side};
+use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::solver::StopToken;
 
 /// Fraction of the way to the nearest side that a step may go.
@@ -58,7 +58,7 @@ pub(super) struct Iterate {
 
 impl Iterate {
     /// Computes residuals and what the checks below need.
-    pub(super) fn measure(&mut self, program: &Scaled) {
+    pub(super) fn measure(&mut self, program: &ScaledProgram) {
         program.activities(&self.x, &mut self.activity);
         program.curvature(&self.x, &mut self.curvature);
         let (rows, columns) = program.split_sides();
@@ -75,8 +75,9 @@ impl Iterate {
             self.dual_residual[side.of] -= side.sign * z;
         }
         let (of_rows, of_columns) = self.side_residual.split_at_mut(rows.len());
-        let room =
-            |(side, value, slack): (&Side, f64, &f64)| side.sign * (value - side.limit) - slack;
+        let room = |(side, value, slack): (&OneSidedLimit, f64, &f64)| {
+            side.sign * (value - side.limit) - slack
+        };
         for ((residual, side), slack) in of_rows.iter_mut().zip(rows).zip(&self.slack) {
             *residual = room((side, self.activity[side.of], slack));
         }
@@ -95,7 +96,7 @@ impl Iterate {
     }
 
     /// The largest violation of a row or a side, relative to its limit.
-    pub(super) fn violation(&self, program: &Scaled) -> f64 {
+    pub(super) fn violation(&self, program: &ScaledProgram) -> f64 {
         let sides = program.sides.iter().zip(&self.side_residual).zip(&self.slack);
         let sides = sides.map(|((side, r), s)| -(r + s) / side.limit.abs().max(1.0));
         let equalities = program.equalities.iter().zip(&self.equality_residual);
@@ -104,14 +105,14 @@ impl Iterate {
     }
 
     /// Objective, scaled, without the constant.
-    pub(super) fn value(&self, program: &Scaled) -> f64 {
+    pub(super) fn value(&self, program: &ScaledProgram) -> f64 {
         let terms = self.x.iter().zip(&program.linear).zip(&self.curvature);
         terms.map(|((x, q), p)| x * (q + 0.5 * p)).sum()
     }
 
     /// The bound that the multipliers prove over the box, scaled: see
     /// [`Prover::lower_bound`](crate::relaxation::Prover::lower_bound).
-    pub(super) fn dual_value(&self, program: &Scaled) -> f64 {
+    pub(super) fn dual_value(&self, program: &ScaledProgram) -> f64 {
         let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
         let gradient = |j: usize| self.curvature[j] + program.linear[j] + self.pressed[j];
         bent - self.limits(program).0 + self.corner(program, &gradient).0
@@ -132,7 +133,7 @@ impl Iterate {
     }
 
     /// Whether the multipliers prove that no point of the box satisfies the rows.
-    pub(super) fn refutes(&self, program: &Scaled) -> bool {
+    pub(super) fn refutes(&self, program: &ScaledProgram) -> bool {
         let (limits, size) = self.limits(program);
         if size == 0.0 {
             return false;
@@ -143,7 +144,7 @@ impl Iterate {
 
     /// The sum of multipliers times their active limits, and the sum of the magnitudes of its
     /// terms.
-    fn limits(&self, program: &Scaled) -> (f64, f64) {
+    fn limits(&self, program: &ScaledProgram) -> (f64, f64) {
         let (mut sum, mut size) = (0.0, 0.0);
         for &(i, limit) in &program.equalities {
             sum += self.multipliers[i] * limit;
@@ -157,7 +158,7 @@ impl Iterate {
     }
 
     /// The smallest value of a linear function over the box, and the sum of its terms' magnitudes.
-    fn corner(&self, program: &Scaled, gradient: &dyn Fn(usize) -> f64) -> (f64, f64) {
+    fn corner(&self, program: &ScaledProgram, gradient: &dyn Fn(usize) -> f64) -> (f64, f64) {
         let (mut sum, mut size) = (0.0, 0.0);
         for j in 0..self.x.len() {
             let g = gradient(j);
@@ -175,7 +176,7 @@ impl Iterate {
     /// down.
     pub(super) fn advance(
         &mut self,
-        program: &Scaled,
+        program: &ScaledProgram,
         kkt: &mut Kkt,
         token: &StopToken,
     ) -> Option<f64> {
@@ -231,7 +232,7 @@ impl Iterate {
     /// residual.
     pub(super) fn solve(
         &mut self,
-        program: &Scaled,
+        program: &ScaledProgram,
         kkt: &mut Kkt,
         (refinements, accurate): (usize, f64),
     ) {
@@ -283,7 +284,7 @@ impl Iterate {
     }
 
     /// Writes the residual of `right` in the system with the right side `target` into `residual`.
-    fn miss(&mut self, program: &Scaled, kkt: &Kkt) {
+    fn miss(&mut self, program: &ScaledProgram, kkt: &Kkt) {
         let (n, e) = (self.x.len(), program.equalities.len());
         self.residual.clear();
         self.residual.extend_from_slice(&self.target);
@@ -317,7 +318,7 @@ impl Iterate {
     }
 
     /// The weights of columns and rows: the sums over their sides.
-    pub(super) fn weigh(&mut self, program: &Scaled) {
+    pub(super) fn weigh(&mut self, program: &ScaledProgram) {
         self.column_weight.fill(0.0);
         self.row_weight.fill(0.0);
         let (rows, columns) = program.split_sides();

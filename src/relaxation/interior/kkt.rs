@@ -20,7 +20,7 @@ use web_time::{Duration, Instant};
 
 use super::condensed::Condensed;
 use super::elimination_order::{KeptOrders, stack};
-use super::scaled::Scaled;
+use super::scaled::ScaledProgram;
 use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
 
@@ -77,7 +77,12 @@ impl Kkt {
     /// Becomes the system of a program in even units, in the memory that it has; `false` if it cannot
     /// be ordered or the token is over. A system that has the pattern of one of the last ones is
     /// neither ordered nor analysed again.
-    pub(super) fn load(&mut self, reduced: &Reduced, program: &Scaled, token: &StopToken) -> bool {
+    pub(super) fn load(
+        &mut self,
+        reduced: &Reduced,
+        program: &ScaledProgram,
+        token: &StopToken,
+    ) -> bool {
         self.condensed.load(program);
         if token.is_over() || self.order(reduced, program).is_none() {
             return false;
@@ -104,7 +109,7 @@ impl Kkt {
     }
 
     /// Puts the order of the loaded system first; `None` if there is none.
-    fn order(&mut self, reduced: &Reduced, program: &Scaled) -> Option<()> {
+    fn order(&mut self, reduced: &Reduced, program: &ScaledProgram) -> Option<()> {
         let Condensed { start, index, long, .. } = &self.condensed;
         if let Some(k) = self.ordered.iter().position(|kept| kept.is_of(start, index)) {
             self.ordered[..=k].rotate_right(1);

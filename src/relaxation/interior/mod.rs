@@ -23,9 +23,9 @@ use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
-use results::Results;
-use scaled::Scaled;
-use warm_start::{Kept, ParentIterate, Resumed};
+use results::ResultMemory;
+use scaled::ScaledProgram;
+use warm_start::{KeptIterate, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
@@ -33,12 +33,12 @@ use warm_start::{Kept, ParentIterate, Resumed};
 /// is unlike the last ones, and for its result, unless others were given back.
 #[derive(Default)]
 pub struct InteriorPoint {
-    scaled: Scaled,
+    scaled: ScaledProgram,
     kkt: Kkt,
     at: Iterate,
-    kept: Kept,
+    kept: KeptIterate,
     resumed: Resumed,
-    results: Results,
+    results: ResultMemory,
 }
 
 impl fmt::Debug for InteriorPoint {
@@ -76,7 +76,7 @@ impl Relaxation for InteriorPoint {
         let InteriorPoint { scaled, kkt, at, kept, resumed, results } = self;
         scaled.load(program);
         let scaled = &*scaled;
-        let run = Run { program, effort, scaled };
+        let run = InteriorRun { program, effort, scaled };
         if !kkt.load(program, scaled, effort.token) {
             return run.nothing(0, results);
         }
@@ -118,18 +118,18 @@ impl Relaxation for InteriorPoint {
 }
 
 /// One solve.
-struct Run<'a> {
+struct InteriorRun<'a> {
     program: &'a Reduced,
     effort: &'a Effort<'a>,
-    scaled: &'a Scaled,
+    scaled: &'a ScaledProgram,
 }
 
-impl Run<'_> {
+impl InteriorRun<'_> {
     fn is_linear(&self) -> bool {
         self.scaled.quadratic.index.is_empty()
     }
 
-    fn nothing(&self, iterations: u32, results: &mut Results) -> RelaxationResult {
+    fn nothing(&self, iterations: u32, results: &mut ResultMemory) -> RelaxationResult {
         RelaxationResult {
             claim: Claim::Unknown,
             x: results.vector(self.program.columns.iter().map(|_| f64::NAN)),
@@ -145,7 +145,7 @@ impl Run<'_> {
         claim: Claim,
         at: &Iterate,
         iterations: u32,
-        results: &mut Results,
+        results: &mut ResultMemory,
     ) -> RelaxationResult {
         let scaled = self.scaled;
         let x = results.vector(at.x.iter().zip(&scaled.column).map(|(x, d)| x * d));
@@ -159,7 +159,7 @@ impl Run<'_> {
         &self,
         at: &mut Iterate,
         kkt: &mut Kkt,
-        (kept, results): (&mut Kept, &mut Results),
+        (kept, results): (&mut KeptIterate, &mut ResultMemory),
         is_warm: bool,
     ) -> RelaxationResult {
         let (scaled, effort) = (self.scaled, self.effort);

@@ -7,13 +7,13 @@ use crate::relaxation::{RelaxationResult, WarmState};
 const MAX_KEPT_RESULTS: usize = 16;
 
 #[derive(Default)]
-pub(super) struct Results {
+pub(super) struct ResultMemory {
     vectors: Vec<Vec<f64>>,
     /// Each of an iterate, and nobody else has it.
     states: Vec<WarmState>,
 }
 
-impl Results {
+impl ResultMemory {
     /// A vector of some values.
     pub(super) fn vector(&mut self, values: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut vector = self.vectors.pop().unwrap_or_default();

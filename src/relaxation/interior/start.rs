@@ -2,7 +2,7 @@
 
 use super::iterate::{Iterate, MAX_REFINEMENTS, RESIDUAL_TOLERANCE};
 use super::kkt::Kkt;
-use super::scaled::{Scaled, Side};
+use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::presolve::refill;
 use crate::solver::StopToken;
 
@@ -11,7 +11,7 @@ const MIN_INITIAL_SLACK: f64 = 1.0;
 
 impl Iterate {
     /// Goes to a start inside the box of a program, in the memory that it has.
-    pub(super) fn start(&mut self, program: &Scaled) {
+    pub(super) fn start(&mut self, program: &ScaledProgram) {
         let (n, m, k) = (program.column.len(), program.rows.len(), program.sides.len());
         let inside = |(&lower, &upper): (&f64, &f64)| {
             let room = (0.5 * (upper - lower)).min(1.0);
@@ -30,7 +30,7 @@ impl Iterate {
         }
         program.activities(&self.x, &mut self.activity);
         let (rows, columns) = program.split_sides();
-        let room = |side: &Side, value: f64| side.sign * (value - side.limit);
+        let room = |side: &OneSidedLimit, value: f64| side.sign * (value - side.limit);
         let (x, activity) = (&self.x, &self.activity);
         self.slack.clear();
         self.slack
@@ -65,7 +65,7 @@ impl Iterate {
     /// the violations as multipliers; both are moved inside.
     pub(super) fn improve_start(
         &mut self,
-        program: &Scaled,
+        program: &ScaledProgram,
         kkt: &mut Kkt,
         token: &StopToken,
     ) -> bool {

@@ -4,7 +4,7 @@
 //! child. What a relaxation leaves is an iterate on the way there, and the child moves it well inside.
 
 use super::iterate::Iterate;
-use super::scaled::{Scaled, Side};
+use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::presolve::{Reduced, refill};
 
 /// Complementarity, in scaled units, down to which iterates are kept. The first one has 1.
@@ -18,13 +18,13 @@ const MIN_START_DISTANCE: f64 = 0.1;
 
 /// The last iterate whose complementarity was not yet small.
 #[derive(Debug, Default)]
-pub(super) struct Kept {
+pub(super) struct KeptIterate {
     x: Vec<f64>,
     multipliers: Vec<f64>,
     dual: Vec<f64>,
 }
 
-impl Kept {
+impl KeptIterate {
     /// Forgets the iterate, not its memory.
     pub(super) fn clear(&mut self) {
         self.x.clear();
@@ -40,7 +40,12 @@ impl Kept {
     }
 
     /// Writes the iterate as the children can read it.
-    pub(super) fn write(&self, program: &Reduced, scaled: &Scaled, state: &mut ParentIterate) {
+    pub(super) fn write(
+        &self,
+        program: &Reduced,
+        scaled: &ScaledProgram,
+        state: &mut ParentIterate,
+    ) {
         let ParentIterate { columns, rows } = state;
         columns.name(&program.columns, scaled.column.len());
         rows.name(&program.origin, scaled.row.len());
@@ -63,24 +68,24 @@ impl Kept {
 #[derive(Debug, Default)]
 pub(super) struct ParentIterate {
     /// The value, and the multipliers of the lower and the upper bound.
-    columns: Named,
+    columns: ValuesByName,
     /// The multiplier of an equality, or those of the lower and the upper limit.
-    rows: Named,
+    rows: ValuesByName,
 }
 
 /// Where a side's multiplier is.
-fn place(side: &Side) -> usize {
+fn place(side: &OneSidedLimit) -> usize {
     if side.sign > 0.0 { 1 } else { 2 }
 }
 
 /// Three numbers for each of some columns or rows.
 #[derive(Debug, Default)]
-struct Named {
+struct ValuesByName {
     /// With the name of each; `usize::MAX` for those that have none.
     values: Vec<(usize, [f64; 3])>,
 }
 
-impl Named {
+impl ValuesByName {
     /// Becomes so many zeros; those beyond the names have none.
     fn name(&mut self, names: &[usize], count: usize) {
         let name = |k: usize| names.get(k).copied().unwrap_or(usize::MAX);
@@ -93,8 +98,8 @@ impl Named {
     }
 
     /// Writes the numbers under so many other names, where they are known.
-    fn write_under(&self, names: &[usize], count: usize, found: &mut Found) {
-        let Found { by_name, known } = found;
+    fn write_under(&self, names: &[usize], count: usize, found: &mut ResumedValues) {
+        let ResumedValues { by_name, known } = found;
         let named = || self.values.iter().filter(|(name, _)| *name != usize::MAX);
         let most = named().map(|(name, _)| name + 1).max().unwrap_or(0);
         refill(by_name, most, None);
@@ -107,13 +112,13 @@ impl Named {
 /// Memory for what is known of columns and rows.
 #[derive(Debug, Default)]
 pub(super) struct Resumed {
-    columns: Found,
-    rows: Found,
+    columns: ResumedValues,
+    rows: ResumedValues,
 }
 
 /// Numbers by the names of a parent, and in the order of a child.
 #[derive(Debug, Default)]
-struct Found {
+struct ResumedValues {
     by_name: Vec<Option<[f64; 3]>>,
     known: Vec<Option<[f64; 3]>>,
 }
@@ -123,7 +128,7 @@ impl Iterate {
     pub(super) fn resume(
         &mut self,
         program: &Reduced,
-        scaled: &Scaled,
+        scaled: &ScaledProgram,
         parent: &ParentIterate,
         resumed: &mut Resumed,
     ) {

@@ -2,7 +2,7 @@
 
 use super::factors::Factors;
 use super::program::LinearProgram;
-use super::ratio::{Candidate, Rest, test};
+use super::ratio::{EnteringColumn, NonbasicStatus, test};
 use crate::relaxation::sparse_vectors::SparseVectors;
 
 /// Bounds may be violated by this much at most (scaled, relative to the bound).
@@ -37,7 +37,7 @@ pub(super) struct Dual {
     /// By slot, the column in the basis, and by column, its slot.
     pub(super) head: Vec<usize>,
     pub(super) slot: Vec<usize>,
-    pub(super) rest: Vec<Rest>,
+    pub(super) rest: Vec<NonbasicStatus>,
     pub(super) x: Vec<f64>,
     /// Reduced costs.
     cost: Vec<f64>,
@@ -69,7 +69,7 @@ impl Dual {
     pub(super) fn new(
         program: LinearProgram,
         wanted: Vec<(usize, f64)>,
-        rest: Vec<Rest>,
+        rest: Vec<NonbasicStatus>,
         y: &[f64],
     ) -> Option<Self> {
         let (n, m) = program.size();
@@ -142,7 +142,7 @@ impl Dual {
             return true;
         };
         self.cost[q] = 0.0;
-        self.rest[p] = if away > 0.0 { Rest::Lower } else { Rest::Upper };
+        self.rest[p] = if away > 0.0 { NonbasicStatus::Lower } else { NonbasicStatus::Upper };
         self.enter(q);
         if self.entering[slot].abs() < MIN_PIVOT {
             return false;
@@ -168,12 +168,12 @@ impl Dual {
     }
 
     /// The columns whose reduced costs fall along the pivot row with a sign.
-    fn candidates(&self, sign: f64) -> Vec<Candidate> {
+    fn candidates(&self, sign: f64) -> Vec<EnteringColumn> {
         let mut candidates = Vec::with_capacity(self.touched.len());
         for &k in self.touched.iter().filter(|&&k| self.slot[k] == NONBASIC) {
             let bounds = [self.program.lower[k], self.program.upper[k]];
             let (entry, cost) = (sign * self.pivots[k], self.cost[k]);
-            candidates.extend(Candidate::new(k, entry, cost, bounds, self.rest[k]));
+            candidates.extend(EnteringColumn::new(k, entry, cost, bounds, self.rest[k]));
         }
         candidates
     }
@@ -194,17 +194,17 @@ impl Dual {
         let cost = self.cost[k];
         let (lower, upper) = (self.program.lower[k], self.program.upper[k]);
         let rest = match (lower.is_finite(), upper.is_finite()) {
-            (true, true) if cost > PRIMAL_TOLERANCE => Rest::Lower,
-            (true, true) if cost < -PRIMAL_TOLERANCE => Rest::Upper,
-            (true, true) if self.rest[k] == Rest::Upper => Rest::Upper,
-            (true, _) => Rest::Lower,
-            (false, true) => Rest::Upper,
-            (false, false) => Rest::Free,
+            (true, true) if cost > PRIMAL_TOLERANCE => NonbasicStatus::Lower,
+            (true, true) if cost < -PRIMAL_TOLERANCE => NonbasicStatus::Upper,
+            (true, true) if self.rest[k] == NonbasicStatus::Upper => NonbasicStatus::Upper,
+            (true, _) => NonbasicStatus::Lower,
+            (false, true) => NonbasicStatus::Upper,
+            (false, false) => NonbasicStatus::Free,
         };
         let wrong = match rest {
-            Rest::Lower => lower < upper && cost < -PRIMAL_TOLERANCE,
-            Rest::Upper => cost > PRIMAL_TOLERANCE,
-            Rest::Free => cost.abs() > PRIMAL_TOLERANCE,
+            NonbasicStatus::Lower => lower < upper && cost < -PRIMAL_TOLERANCE,
+            NonbasicStatus::Upper => cost > PRIMAL_TOLERANCE,
+            NonbasicStatus::Free => cost.abs() > PRIMAL_TOLERANCE,
         };
         if wrong {
             self.is_shifted = true;
@@ -263,9 +263,9 @@ impl Dual {
                 continue;
             }
             self.x[k] = match self.rest[k] {
-                Rest::Lower => self.program.lower[k],
-                Rest::Upper => self.program.upper[k],
-                Rest::Free => 0.0,
+                NonbasicStatus::Lower => self.program.lower[k],
+                NonbasicStatus::Upper => self.program.upper[k],
+                NonbasicStatus::Free => 0.0,
             };
             let value = self.x[k];
             if value != 0.0 {
@@ -388,16 +388,16 @@ impl Dual {
     }
 
     /// Moves columns to their other bounds.
-    fn jump(&mut self, columns: &[Candidate]) {
+    fn jump(&mut self, columns: &[EnteringColumn]) {
         if columns.is_empty() {
             return;
         }
         self.by_row.fill(0.0);
-        for &Candidate { of: k, .. } in columns {
+        for &EnteringColumn { of: k, .. } in columns {
             let (lower, upper) = (self.program.lower[k], self.program.upper[k]);
             let (rest, to) = match self.rest[k] {
-                Rest::Lower => (Rest::Upper, upper),
-                _ => (Rest::Lower, lower),
+                NonbasicStatus::Lower => (NonbasicStatus::Upper, upper),
+                _ => (NonbasicStatus::Lower, lower),
             };
             let step = to - self.x[k];
             (self.rest[k], self.x[k]) = (rest, to);
@@ -421,8 +421,8 @@ impl Dual {
         }
         (self.cost[q], self.cost[p]) = (0.0, -dual_step);
         let (rest, bound) = match sign > 0.0 {
-            true => (Rest::Upper, self.program.upper[p]),
-            false => (Rest::Lower, self.program.lower[p]),
+            true => (NonbasicStatus::Upper, self.program.upper[p]),
+            false => (NonbasicStatus::Lower, self.program.lower[p]),
         };
         let step = (self.x[p] - bound) / pivot;
         for (s, &k) in self.head.iter().enumerate() {

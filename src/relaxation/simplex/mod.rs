@@ -17,7 +17,7 @@ use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use dual::{Dual, Iteration, NONBASIC, PRIMAL_TOLERANCE};
 use program::LinearProgram;
-use ratio::Rest;
+use ratio::NonbasicStatus;
 
 /// Objectives with fewer terms than one in so many columns are left to others.
 const COLUMNS_PER_COST: usize = 50;
@@ -29,17 +29,17 @@ pub struct DualSimplex {}
 /// A basis: of each column or row by its name, where it is.
 #[derive(Debug, Default)]
 struct Basis {
-    columns: Vec<Option<Place>>,
-    rows: Vec<Option<Place>>,
+    columns: Vec<Option<BasisStatus>>,
+    rows: Vec<Option<BasisStatus>>,
     /// By row, its multiplier.
     y: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Place {
+enum BasisStatus {
     /// In the basis, with a weight.
     Inside(f64),
-    Outside(Rest),
+    Outside(NonbasicStatus),
 }
 
 impl DualSimplex {
@@ -133,10 +133,10 @@ impl Relaxation for DualSimplex {
 
 /// The columns that the basis should have, with their weights, and where the others rest: as at the
 /// parent; the rows without a parent.
-fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<Rest>) {
+fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<NonbasicStatus>) {
     let (n, m) = (program.columns.len(), program.rows.len());
     let mut wanted = Vec::with_capacity(m);
-    let mut rest = vec![Rest::Lower; n + m];
+    let mut rest = vec![NonbasicStatus::Lower; n + m];
     for (k, rest) in rest.iter_mut().enumerate() {
         let place = parent.and_then(|basis| match k.checked_sub(n) {
             None => basis.columns.get(program.columns[k]).copied().flatten(),
@@ -146,8 +146,8 @@ fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<R
             }
         });
         match place {
-            Some(Place::Inside(weight)) => wanted.push((k, weight)),
-            Some(Place::Outside(at)) => *rest = at,
+            Some(BasisStatus::Inside(weight)) => wanted.push((k, weight)),
+            Some(BasisStatus::Outside(at)) => *rest = at,
             None if k >= n => wanted.push((k, 1.0)),
             None => {}
         }
@@ -161,8 +161,8 @@ fn basis(program: &Reduced, dual: &Dual, y: &[f64]) -> Basis {
     let mut basis = Basis::default();
     for k in 0..dual.slot.len() {
         let place = match dual.slot[k] {
-            NONBASIC => Place::Outside(dual.rest[k]),
-            slot => Place::Inside(dual.weight[slot]),
+            NONBASIC => BasisStatus::Outside(dual.rest[k]),
+            slot => BasisStatus::Inside(dual.weight[slot]),
         };
         let (list, name) = match k.checked_sub(n) {
             None => (&mut basis.columns, program.columns[k]),

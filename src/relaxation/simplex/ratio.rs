@@ -8,7 +8,7 @@ const MIN_ENTRY: f64 = 1e-9;
 
 /// A column whose reduced cost falls to zero as the dual step grows.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Candidate {
+pub(super) struct EnteringColumn {
     pub(super) of: usize,
     /// Magnitudes of its entry in the pivot row and of its reduced cost.
     pub(super) entry: f64,
@@ -17,7 +17,7 @@ pub(super) struct Candidate {
     pub(super) width: f64,
 }
 
-impl Candidate {
+impl EnteringColumn {
     /// `None` if the entry has the wrong sign for it or is zero.
     ///
     /// # Arguments
@@ -28,23 +28,23 @@ impl Candidate {
         entry: f64,
         cost: f64,
         bounds: [f64; 2],
-        at: Rest,
+        at: NonbasicStatus,
     ) -> Option<Self> {
         let [lower, upper] = bounds;
         let (fits, cost) = match at {
-            Rest::Lower => (entry > MIN_ENTRY, cost),
-            Rest::Upper => (entry < -MIN_ENTRY, -cost),
-            Rest::Free => (entry.abs() > MIN_ENTRY, 0.0),
+            NonbasicStatus::Lower => (entry > MIN_ENTRY, cost),
+            NonbasicStatus::Upper => (entry < -MIN_ENTRY, -cost),
+            NonbasicStatus::Free => (entry.abs() > MIN_ENTRY, 0.0),
         };
         let width = upper - lower;
         let open = fits && width > 0.0;
-        open.then(|| Candidate { of, entry: entry.abs(), cost: cost.max(0.0), width })
+        open.then(|| EnteringColumn { of, entry: entry.abs(), cost: cost.max(0.0), width })
     }
 }
 
 /// Where a column outside the basis rests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Rest {
+pub(super) enum NonbasicStatus {
     Lower,
     Upper,
     /// At zero, without bounds.
@@ -53,13 +53,16 @@ pub(super) enum Rest {
 
 /// The column that enters, if any, after the ones that jump, which come before it in `candidates`:
 /// their number. `slope` is what the dual objective gains per unit of step.
-pub(super) fn test(candidates: &mut [Candidate], mut slope: f64) -> (usize, Option<Candidate>) {
+pub(super) fn test(
+    candidates: &mut [EnteringColumn],
+    mut slope: f64,
+) -> (usize, Option<EnteringColumn>) {
     // A bound that is reached but for rounding is reached.
     let enough = DUAL_TOLERANCE * slope.max(1.0);
     let mut done = 0;
     while done < candidates.len() {
         let rest = &mut candidates[done..];
-        let reach = |c: &Candidate| (c.cost + DUAL_TOLERANCE) / c.entry;
+        let reach = |c: &EnteringColumn| (c.cost + DUAL_TOLERANCE) / c.entry;
         let most = rest.iter().map(reach).fold(f64::INFINITY, f64::min);
         let mut group = 0;
         let mut fall = 0.0;
