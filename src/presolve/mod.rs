@@ -23,6 +23,7 @@ mod reduce;
 mod reduced;
 pub(crate) mod root;
 mod tightening;
+mod union_find;
 mod worklist;
 
 pub use big_m_tightening::tighten_big_ms;
@@ -43,4 +44,5 @@ pub(crate) use reduce::Reducer;
 pub use reduce::reduce;
 pub(crate) use reduced::refill;
 pub use reduced::{Compressed, Reduced};
+pub(crate) use union_find::UnionFind;
 pub use worklist::Worklist;

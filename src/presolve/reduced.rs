@@ -76,6 +76,44 @@ impl Compressed {
         self.value.clone_from(&other.value);
     }
 
+    /// No vectors yet, with memory for so many, and for their entries.
+    pub(crate) fn with_capacity(vectors: usize, entries: usize) -> Self {
+        let mut none = Compressed::default();
+        none.clear(vectors, entries);
+        none
+    }
+
+    /// Appends a vector.
+    pub(crate) fn push(&mut self, entries: impl Iterator<Item = (usize, f64)>) {
+        for (k, a) in entries {
+            self.index.push(k);
+            self.value.push(a);
+        }
+        self.start.push(self.index.len());
+    }
+
+    /// Pairs of position and entry of a vector.
+    pub(crate) fn entries(&self, k: usize) -> impl ExactSizeIterator<Item = (usize, f64)> {
+        let range = self.start[k]..self.start[k + 1];
+        self.index[range.clone()].iter().copied().zip(self.value[range].iter().copied())
+    }
+
+    /// The same entries by position, of which there are so many: positions become vectors.
+    pub(crate) fn transposed(&self, positions: usize) -> Compressed {
+        let mut start = vec![0; positions + 1];
+        self.index.iter().for_each(|&k| start[k + 1] += 1);
+        (0..positions).for_each(|k| start[k + 1] += start[k]);
+        let mut next = start.clone();
+        let (mut index, mut value) = (vec![0; self.index.len()], vec![0.0; self.index.len()]);
+        for vector in 0..self.len() {
+            for (k, a) in self.entries(vector) {
+                (index[next[k]], value[next[k]]) = (vector, a);
+                next[k] += 1;
+            }
+        }
+        Compressed { start, index, value }
+    }
+
     /// Positions and entries of a vector.
     pub fn vector(&self, k: usize) -> (&[usize], &[f64]) {
         let range = self.start[k]..self.start[k + 1];

@@ -12,6 +12,7 @@ use super::implied_bounds::{MAX_IMPLIED_BOUND, loosened};
 use super::linear_program::Maximizer;
 use crate::interval::{Interval, add_up};
 use crate::model::{ConstraintRef, Model, Variable, VariableKind};
+use crate::presolve::UnionFind;
 use crate::tolerance;
 
 /// A node of a network: a row that needs its flows, as `sum of flows in - sum of flows out`.
@@ -46,7 +47,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     let balances: Vec<ConstraintRef<'_>> = model.constraints().filter(is_balance).collect();
     let (arcs, is_arc) = arcs(&balances, &candidates);
     let nodes: Vec<Node> = balances.iter().map(|row| node(model, row, &is_arc, known)).collect();
-    let mut networks = Networks::new(nodes.len());
+    let mut networks = UnionFind::new(nodes.len());
     let variables: Vec<Variable> =
         model.variables().map(|v| v.id()).filter(|v| is_arc[v.index()]).collect();
     for &v in &variables {
@@ -60,12 +61,12 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
         if let Arc { from: Some(node), to: None } | Arc { from: None, to: Some(node) } =
             arcs[v.index()]
         {
-            is_open[networks.of(node)] = true;
+            is_open[networks.root(node)] = true;
         }
     }
     let (mut enters, mut leaves) = (vec![0.0; nodes.len()], vec![0.0; nodes.len()]);
     for (k, node) in nodes.iter().enumerate() {
-        let network = networks.of(k);
+        let network = networks.root(k);
         enters[network] = add_up(enters[network], node.enters);
         leaves[network] = add_up(leaves[network], node.leaves);
     }
@@ -75,7 +76,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
         let Arc { from, to } = arcs[v.index()];
         // What no balance holds is no flow.
         let Some(node) = from.or(to) else { continue };
-        let network = networks.of(node);
+        let network = networks.root(node);
         // Paths may begin or end outside, but not both.
         let total = match is_open[network] {
             true => add_up(enters[network], leaves[network]),
@@ -140,28 +141,4 @@ fn node(model: &Model, row: &ConstraintRef<'_>, is_arc: &[bool], known: &Maximiz
     }
     let positive = |end: f64| if end.is_nan() { f64::INFINITY } else { end.max(0.0) };
     Node { enters: positive(-net.lower), leaves: positive(net.upper) }
-}
-
-/// Which nodes are connected: each points towards one of its network.
-struct Networks {
-    towards: Vec<usize>,
-}
-
-impl Networks {
-    fn new(nodes: usize) -> Self {
-        Networks { towards: (0..nodes).collect() }
-    }
-
-    fn of(&mut self, mut node: usize) -> usize {
-        while self.towards[node] != node {
-            self.towards[node] = self.towards[self.towards[node]];
-            node = self.towards[node];
-        }
-        node
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.towards[a] = b;
-    }
 }

@@ -37,13 +37,6 @@ impl Relaxation for ClarabelRelaxation {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let conic = ConicProgram::of(program);
         let n = program.columns.len();
-        let unknown = || RelaxationResult {
-            claim: Claim::Unknown,
-            x: vec![0.0; n],
-            y: vec![0.0; program.rows.len()],
-            iterations: 0,
-            warm: None,
-        };
         // The library's own time limit ignores the time before its first iteration.
         let token = effort.token;
         let run = || {
@@ -92,7 +85,7 @@ impl Relaxation for ClarabelRelaxation {
                 iterations: u64::from(solution.iterations),
                 warm: None,
             },
-            _ => unknown(),
+            _ => RelaxationResult { x: vec![0.0; n], ..RelaxationResult::nothing(program) },
         }
     }
 }

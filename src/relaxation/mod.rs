@@ -23,7 +23,6 @@ mod recession;
 mod record;
 mod scaling;
 mod simplex;
-mod sparse_vectors;
 mod verdict;
 mod warm_state;
 
@@ -102,6 +101,19 @@ pub struct RelaxationResult {
     pub iterations: u64,
     /// A warm start for the relaxations of the children; `None` if the method keeps no state.
     pub warm: Option<WarmState>,
+}
+
+impl RelaxationResult {
+    /// A result without a claim and without a point.
+    fn nothing(program: &Reduced) -> Self {
+        RelaxationResult {
+            claim: Claim::Unknown,
+            x: vec![f64::NAN; program.columns.len()],
+            y: vec![0.0; program.rows.len()],
+            iterations: 0,
+            warm: None,
+        }
+    }
 }
 
 /// A solver of reduced programs (convex quadratic, continuous).

@@ -10,7 +10,6 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Col, Side};
 
-use super::sparse_vectors::SparseVectors;
 use crate::presolve::{Compressed, Reduced};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -156,21 +155,21 @@ fn normal_matrix(
 ) -> Option<SparseColMat<usize, f64>> {
     const MAX_NORMAL_ENTRIES: usize = 4_000_000;
     let entries = active.iter().map(|&(i, _)| program.rows.vector(i).0.len()).sum();
-    let mut rows = SparseVectors::with_capacity(active.len(), entries);
+    let mut rows = Compressed::with_capacity(active.len(), entries);
     for &(i, _) in active {
         let (columns, values) = program.rows.vector(i);
         rows.push(columns.iter().copied().zip(values.iter().copied()));
     }
     let by_column = rows.transposed(scale.len());
-    let products = (0..scale.len()).map(|j| by_column.of(j).len().pow(2)).sum::<usize>();
+    let products = (0..scale.len()).map(|j| by_column.entries(j).len().pow(2)).sum::<usize>();
     if products > MAX_NORMAL_ENTRIES {
         return None;
     }
     let mut entries = Vec::with_capacity(products + active.len());
     let mut diagonal = vec![0.0_f64; active.len()];
     for (j, &d) in scale.iter().enumerate() {
-        for (e, a) in by_column.of(j) {
-            for (f, b) in by_column.of(j).filter(|(f, _)| *f <= e) {
+        for (e, a) in by_column.entries(j) {
+            for (f, b) in by_column.entries(j).filter(|(f, _)| *f <= e) {
                 let entry = d * a * b;
                 entries.push(Triplet::new(e, f, entry));
                 if e == f {

@@ -2,14 +2,9 @@
 //! `u = L'x + L⁻¹q`, the objective is `1/2 |u|²` up to a constant, and a row `a'x` becomes
 //! `(L⁻¹a)'u` up to a constant.
 
+use super::parameters::{MAX_ROW_VIOLATION, MIN_CHOLESKY_PIVOT};
 use super::triangle::{LowerTriangle, dot};
 use crate::presolve::Reduced;
-
-/// A pivot below this fraction of its diagonal entry counts as none.
-const MIN_CHOLESKY_PIVOT: f64 = 1e-9;
-
-/// Violations below this, in units of a row's largest coefficient or of its limit, are none.
-const MAX_ROW_VIOLATION: f64 = 1e-9;
 
 /// A finite limit of a row or of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

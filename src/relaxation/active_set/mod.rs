@@ -11,16 +11,15 @@
 //! interior-point method would begin from nothing.
 
 mod metric;
+mod parameters;
 mod triangle;
 mod working_set;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use metric::{LimitSide, Metric};
+use parameters::MAX_DENSE_COLUMNS;
 use working_set::WorkingSet;
-
-/// Programs with more columns are left to methods that see which entries are zero.
-const MAX_DENSE_COLUMNS: usize = 150;
 
 /// The active-set method for small dense programs.
 #[derive(Debug, Clone, Default)]
@@ -55,18 +54,9 @@ impl ActiveSet {
 
 impl Relaxation for ActiveSet {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let (n, m) = (program.columns.len(), program.rows.len());
         let metric = if ActiveSet::suits(program) { Metric::new(program) } else { None };
-        let Some(metric) = metric else {
-            return RelaxationResult {
-                claim: Claim::Unknown,
-                x: vec![f64::NAN; n],
-                y: vec![0.0; m],
-                iterations: 0,
-                warm: None,
-            };
-        };
-        let set = WorkingSet::new(n + m);
+        let Some(metric) = metric else { return RelaxationResult::nothing(program) };
+        let set = WorkingSet::new(metric.len());
         let mut run = ActiveSetRun { metric, set, steps: 0, x: Vec::new(), ray: None };
         run.start(effort.warm.and_then(WarmState::get));
         let claim = run.finish(effort);

@@ -2,14 +2,8 @@
 //! products.
 
 use super::metric::{LimitSide, Metric};
+use super::parameters::{MIN_SQUARED_SINE, MULTIPLIER_ROUNDING};
 use super::triangle::{LowerTriangle, add_multiple, dot};
-
-/// The squared sine of the angle between a vector and the span of others below which it counts as
-/// one of them.
-const MIN_SQUARED_SINE: f64 = 1e-12;
-
-/// Multipliers below this fraction of the largest one are rounding.
-const MULTIPLIER_ROUNDING: f64 = 1e-13;
 
 /// A limit that is held.
 #[derive(Debug, Clone, Copy)]

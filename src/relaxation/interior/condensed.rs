@@ -1,14 +1,8 @@
 //! The entries of the condensed system, before they are ordered.
 
+use super::parameters::{MAX_SHORT_TERMS, REGULARISATION};
 use super::scaled::ScaledProgram;
 use crate::presolve::refill;
-
-/// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
-/// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.
-const REGULARISATION: f64 = 1e-8;
-
-/// Rows with at most this many entries are always condensed.
-const MAX_SHORT_TERMS: usize = 12;
 
 /// The position of a term of a condensed row.
 #[derive(Debug, Clone, Copy)]

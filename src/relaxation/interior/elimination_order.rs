@@ -1,23 +1,11 @@
 //! The order in which the unknowns of a system are eliminated, with little fill.
 
+use super::parameters::{MAX_EXTRA_UNKNOWNS, MAX_FILL_RATIO, MAX_KEPT_ORDERS, MIN_REUSED_PART};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
 use crate::presolve::{Reduced, refill};
-
-/// A kept order is used while at least this part of its unknowns is left; a smaller system has better
-/// orders of its own.
-const MIN_REUSED_PART: f64 = 0.75;
-
-/// A kept order is used if it leaves at most this many times its fill.
-const MAX_FILL_RATIO: f64 = 1.1;
-
-/// Most unknowns that a kept order lacks: they are eliminated last.
-const MAX_EXTRA_UNKNOWNS: usize = 4;
-
-/// Orders that are kept.
-const MAX_KEPT_ORDERS: usize = 6;
 
 /// The name of an unknown that has none, and the place of one that is not ordered.
 const UNNAMED: usize = usize::MAX;

@@ -1,27 +1,12 @@
 //! The iterates of the interior-point method: what they prove, and the next one.
 
 use super::kkt::Kkt;
+use super::parameters::{
+    CERTIFICATE_MARGIN, CLOSED_COMPLEMENTARITY, MAX_PREDICTOR_REFINEMENTS, MAX_REFINEMENTS,
+    RESIDUAL_FRACTION, RESIDUAL_TOLERANCE, STEP_FRACTION,
+};
 use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::solver::StopToken;
-
-/// Fraction of the way to the nearest side that a step may go.
-const STEP_FRACTION: f64 = 0.995;
-
-/// Complementarity, in scaled units, below which reducing it gains nothing.
-const CLOSED_COMPLEMENTARITY: f64 = 1e-9;
-
-/// Margin of a certificate of infeasibility, relative to its terms.
-const CERTIFICATE_MARGIN: f64 = 1e-8;
-
-/// The largest numbers of refinement steps of a direction, and of the predictor, which determines
-/// centring and the second-order correction.
-pub(super) const MAX_REFINEMENTS: usize = 2;
-const MAX_PREDICTOR_REFINEMENTS: usize = 1;
-
-/// The residual of a direction, in scaled units and as a fraction of the mean complementarity, at
-/// which refinement stops, because the next step removes the rest.
-pub(super) const RESIDUAL_TOLERANCE: f64 = 1e-11;
-const RESIDUAL_FRACTION: f64 = 1e-5;
 
 /// A primal-dual point with its residuals.
 #[derive(Debug, Default)]

@@ -7,6 +7,7 @@
 //! `[ A_e                      -δ               ]`
 //! `[ A_l                             -1/w_l - δ ]`
 
+use super::parameters::{ASSUMED_RATE, LARGE_FACTORISATION, MAX_KEPT_SYSTEMS, SUPERNODAL_RATIO};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -23,18 +24,6 @@ use super::elimination_order::{KeptOrders, stack};
 use super::scaled::ScaledProgram;
 use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
-
-/// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
-const SUPERNODAL_RATIO: f64 = 0.25;
-
-/// Operations a second (a multiplication and an addition) until a large factorisation was measured.
-const ASSUMED_RATE: f64 = 1e10;
-
-/// Operations from which a factorisation is large: some tens of milliseconds.
-const LARGE_FACTORISATION: f64 = 1e8;
-
-/// Systems whose order and symbolic factor are kept.
-const MAX_KEPT_SYSTEMS: usize = 6;
 
 pub(super) struct Kkt {
     condensed: Condensed,

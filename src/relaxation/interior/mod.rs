@@ -12,11 +12,16 @@ mod condensed;
 mod elimination_order;
 mod iterate;
 mod kkt;
+mod parameters;
 mod results;
 mod scaled;
 mod start;
 mod warm_start;
 
+use parameters::{
+    COARSE_TOLERANCE, EARLY_ITERATIONS, MAX_SHORT_STEPS, MAX_WARM_RESIDUAL, SHORT_STEP,
+    WARM_ITERATIONS,
+};
 use std::fmt;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
@@ -54,23 +59,6 @@ impl InteriorPoint {
     }
 }
 
-/// A start from the parent's iterate is given up if so many iterations leave more than this part of its
-/// residuals. Then the child is far from its parent, and a start from nothing is better.
-const WARM_ITERATIONS: u32 = 3;
-const MAX_WARM_RESIDUAL: f64 = 0.7;
-
-/// Number of consecutive iterations with negligible steps after which the method gives up.
-const MAX_SHORT_STEPS: u32 = 3;
-
-/// A start after which the method gives up within so many iterations was no good.
-const EARLY_ITERATIONS: u64 = 6;
-
-/// Steps below this length are negligible (no unit).
-const SHORT_STEP: f64 = 1e-3;
-
-/// The tolerance at which a program counts as solved if the method cannot improve it.
-const COARSE_TOLERANCE: f64 = 1e-8;
-
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let InteriorPoint { scaled, kkt, at, kept, resumed, results } = self;
@@ -78,7 +66,7 @@ impl Relaxation for InteriorPoint {
         let scaled = &*scaled;
         let run = InteriorRun { program, effort, scaled };
         if !kkt.load(program, scaled, effort.token) {
-            return run.nothing(0, results);
+            return RelaxationResult::nothing(program);
         }
         at.start(scaled);
         let linear = run.is_linear();
@@ -97,7 +85,7 @@ impl Relaxation for InteriorPoint {
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better,
         // unless it is so far out that the first steps are negligible.
         if linear && !at.improve_start(scaled, kkt, effort.token) {
-            return run.nothing(0, results);
+            return RelaxationResult::nothing(program);
         }
         let mut result = run.iterate(at, kkt, (kept, results), false);
         let lost = result.claim == Claim::Unknown && result.iterations <= EARLY_ITERATIONS;
@@ -127,16 +115,6 @@ struct InteriorRun<'a> {
 impl InteriorRun<'_> {
     fn is_linear(&self) -> bool {
         self.scaled.quadratic.index.is_empty()
-    }
-
-    fn nothing(&self, iterations: u32, results: &mut ResultMemory) -> RelaxationResult {
-        RelaxationResult {
-            claim: Claim::Unknown,
-            x: results.vector(self.program.columns.iter().map(|_| f64::NAN)),
-            y: results.vector((0..self.program.rows.len()).map(|_| 0.0)),
-            iterations: u64::from(iterations),
-            warm: None,
-        }
     }
 
     /// An iterate as an answer.
@@ -171,7 +149,8 @@ impl InteriorRun<'_> {
         while iterations < effort.iterations {
             at.measure(scaled);
             if !at.is_finite() {
-                return self.nothing(iterations, results);
+                let iterations = u64::from(iterations);
+                return RelaxationResult { iterations, ..RelaxationResult::nothing(self.program) };
             }
             if !self.is_linear() {
                 kept.update(at);

@@ -1,10 +1,8 @@
 //! Memory for results, from results that nobody needs any more.
 
+use super::parameters::MAX_KEPT_RESULTS;
 use super::warm_start::ParentIterate;
 use crate::relaxation::{RelaxationResult, WarmState};
-
-/// Most vectors and most states that are kept.
-const MAX_KEPT_RESULTS: usize = 16;
 
 #[derive(Default)]
 pub(super) struct ResultMemory {

@@ -1,13 +1,11 @@
 //! Starting points of the interior-point method.
 
-use super::iterate::{Iterate, MAX_REFINEMENTS, RESIDUAL_TOLERANCE};
+use super::iterate::Iterate;
 use super::kkt::Kkt;
+use super::parameters::{MAX_REFINEMENTS, MIN_INITIAL_SLACK, RESIDUAL_TOLERANCE};
 use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::presolve::refill;
 use crate::solver::StopToken;
-
-/// Smallest initial slack of a row's side, in scaled units.
-const MIN_INITIAL_SLACK: f64 = 1.0;
 
 impl Iterate {
     /// Goes to a start inside the box of a program, in the memory that it has.

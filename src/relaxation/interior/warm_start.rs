@@ -4,17 +4,9 @@
 //! child. What a relaxation leaves is an iterate on the way there, and the child moves it well inside.
 
 use super::iterate::Iterate;
+use super::parameters::{MIN_KEPT_COMPLEMENTARITY, MIN_START_COMPLEMENTARITY, MIN_START_DISTANCE};
 use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::presolve::{Reduced, refill};
-
-/// Complementarity, in scaled units, down to which iterates are kept. The first one has 1.
-const MIN_KEPT_COMPLEMENTARITY: f64 = 1e-3;
-
-/// Least complementarity of a side at the start, in scaled units.
-const MIN_START_COMPLEMENTARITY: f64 = 1e-2;
-
-/// Least distance of a point from its bounds and of an inequality from its limits, in scaled units.
-const MIN_START_DISTANCE: f64 = 0.1;
 
 /// The last iterate whose complementarity was not yet small.
 #[derive(Debug, Default)]

@@ -1,19 +1,10 @@
 //! The steps of the dual simplex method.
 
 use super::factors::Factors;
+use super::parameters::{MAX_EXCHANGES, MAX_PIVOT_DIFFERENCE, MIN_PIVOT, PRIMAL_TOLERANCE};
 use super::program::LinearProgram;
 use super::ratio::{EnteringColumn, NonbasicStatus, test};
-use crate::relaxation::sparse_vectors::SparseVectors;
-
-/// Bounds may be violated by this much at most (scaled, relative to the bound).
-pub(super) const PRIMAL_TOLERANCE: f64 = 1e-9;
-
-/// The smallest pivot, and how far its two computations may differ, relatively.
-const MIN_PIVOT: f64 = 1e-7;
-const MAX_PIVOT_DIFFERENCE: f64 = 1e-6;
-
-/// Exchanges until the basis is factorised again.
-const MAX_EXCHANGES: usize = 50;
+use crate::presolve::Compressed;
 
 /// No slot.
 pub(super) const NONBASIC: usize = usize::MAX;
@@ -218,10 +209,10 @@ impl Dual {
     fn factorise(&mut self) -> bool {
         let (n, m) = self.program.size();
         for _ in 0..3 {
-            let mut columns = SparseVectors::new();
+            let mut columns = Compressed::with_capacity(0, 0);
             for &k in &self.head {
                 match k.checked_sub(n) {
-                    None => columns.push(self.program.columns.of(k)),
+                    None => columns.push(self.program.columns.entries(k)),
                     Some(i) => columns.push(std::iter::once((i, -1.0))),
                 }
             }
@@ -341,7 +332,7 @@ impl Dual {
         for (i, &rho) in self.row.iter().enumerate().filter(|(_, v)| v.abs() > 1e-14) {
             (self.pivots[n + i], self.is_touched[n + i]) = (-rho, true);
             self.touched.push(n + i);
-            for (j, a) in self.program.rows.of(i) {
+            for (j, a) in self.program.rows.entries(i) {
                 if !self.is_touched[j] {
                     self.is_touched[j] = true;
                     self.touched.push(j);

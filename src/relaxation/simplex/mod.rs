@@ -10,17 +10,16 @@
 
 mod dual;
 mod factors;
+mod parameters;
 mod program;
 mod ratio;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use dual::{Dual, Iteration, NONBASIC, PRIMAL_TOLERANCE};
+use dual::{Dual, Iteration, NONBASIC};
+use parameters::{COLUMNS_PER_COST, PRIMAL_TOLERANCE};
 use program::LinearProgram;
 use ratio::NonbasicStatus;
-
-/// Objectives with fewer terms than one in so many columns are left to others.
-const COLUMNS_PER_COST: usize = 50;
 
 /// The dual simplex method.
 #[derive(Debug, Clone, Default)]
@@ -63,15 +62,8 @@ impl DualSimplex {
 
 impl Relaxation for DualSimplex {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let nothing = || RelaxationResult {
-            claim: Claim::Unknown,
-            x: vec![f64::NAN; program.columns.len()],
-            y: vec![0.0; program.rows.len()],
-            iterations: 0,
-            warm: None,
-        };
         if !DualSimplex::suits(program) {
-            return nothing();
+            return RelaxationResult::nothing(program);
         }
         let parent = effort.warm.and_then(WarmState::get::<Basis>);
         let (wanted, rest) = start(program, parent);
@@ -83,7 +75,7 @@ impl Relaxation for DualSimplex {
         }
         let y = linear.scaled_multipliers(&y);
         let Some(mut dual) = Dual::new(linear, wanted, rest, &y) else {
-            return nothing();
+            return RelaxationResult::nothing(program);
         };
         dual.allowed = effort.tolerance.min(PRIMAL_TOLERANCE);
         let enough = effort.sufficient_bound();

@@ -1,10 +1,6 @@
 //! The ratio test of the dual method: which column enters, and which ones jump to their other bound.
 
-/// Reduced costs may be of the wrong sign by this much (scaled).
-const DUAL_TOLERANCE: f64 = 1e-9;
-
-/// Entries of the pivot row below this are zero (scaled).
-const MIN_ENTRY: f64 = 1e-9;
+use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY};
 
 /// A column whose reduced cost falls to zero as the dual step grows.
 #[derive(Debug, Clone, Copy)]
