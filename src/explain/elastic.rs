@@ -14,7 +14,8 @@ pub(super) struct Elastic<'a> {
     pub(super) slacks: Vec<ElasticSlack>,
 }
 
-/// How much a statement gives: below its lower limit, above its upper one, or, for logic, at all.
+/// The variables that say how much a statement gives: below its lower limit, above its upper one, or, for
+/// logic, at all.
 pub(super) struct ElasticSlack {
     /// Position of the statement in the original model.
     pub(super) statement: usize,

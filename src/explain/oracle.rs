@@ -17,7 +17,8 @@ use crate::solver::{Solver, StopToken};
 /// Trials of probing before a solve; see `search/root.rs`.
 const MAX_PROBING_TRIALS: usize = 4000;
 
-/// How far to search where neither bounds nor rows limit a variable of a part, in its unit.
+/// The distance from 0 up to which a variable of a part is searched if neither bounds nor rows limit it,
+/// in its unit.
 const SEARCH_RADIUS: f64 = 1e5;
 
 /// The answer to whether a part of a model has a solution.

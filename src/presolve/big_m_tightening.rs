@@ -17,39 +17,40 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Most binaries that are tried, at both values.
+/// The largest number of binaries that are propagated at both values.
 const MAX_PROBED_BINARIES: usize = 4000;
 
-/// Longest rows that are looked at (columns).
+/// The largest number of terms of a row that is tightened or linked.
 const MAX_BIG_M_TERMS: usize = 24;
 
-/// Columns in more rows than this link no rows.
+/// A column links its rows only if it is in at most this many.
 const MAX_LINKING_ROWS: usize = 40;
 
-/// Fewest continuous columns that linked rows share.
+/// The smallest number of continuous columns that linked rows share.
 const MIN_SHARED_COLUMNS: usize = 2;
 
-/// Most multiples of a linked row that are tried.
+/// The largest number of multiples of a linked row that are tried.
 const MAX_MULTIPLIERS: usize = 4;
 
-/// Limits stay this much looser than they could be, relative to what was added up (no unit), so that
-/// rounding cuts no whole point off.
+/// The amount by which a limit stays looser than the bound that was computed, relative to the terms of
+/// that bound (no unit), so that rounding cuts off no whole point.
 const REACH_MARGIN: f64 = 1e-12;
 
-/// Gains below this fraction of a coefficient are not worth a change (no unit).
+/// The smallest gain that is used, as a fraction of the coefficient.
 const MIN_BIG_M_GAIN: f64 = 1e-3;
 
-/// Gains up to this, in the row's unit, are ignored.
+/// The smallest gain that is used, in the row's unit.
 const MIN_BIG_M_REDUCTION: f64 = 0.1 * tolerance::FEASIBILITY;
 
-/// Gains beyond this many times the coefficient and the limit come from impossible values.
+/// The largest gain that is used, as a multiple of coefficient and limit. Larger ones come from
+/// impossible values.
 const MAX_BIG_M_GAIN: f64 = 1e6;
 
-/// Least part of a coefficient that is kept (no unit).
+/// The smallest part of a coefficient that remains (no unit).
 const MIN_BIG_M_REMAINDER: f64 = 1e-4;
 
-/// A coefficient below this part of coefficient and limit is left out, which loosens the row by as much
-/// (no unit). Bounds from propagation are loose by a tenth of that.
+/// A new coefficient below this fraction of the old one and the limit is dropped, which loosens the row
+/// by as much. Bounds from propagation are loose by a tenth of it.
 const DROPPED_BIG_M: f64 = 1e-8;
 
 /// Shrinks big-Ms to what linked rows allow; returns `None` if none shrinks.
@@ -98,7 +99,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
         }
     }
     let mut tight = rows.into_program()?;
-    // The new rows are about binaries, whatever the old ones made them.
+    // The rows are tight for the propagated bounds of binaries, which the program keeps.
     for &j in &program.integers {
         [tight.lower[j], tight.upper[j]] = domain.bounds(j);
     }
@@ -110,7 +111,7 @@ struct SwitchedRow {
     row: usize,
     /// Where the rows linked to it are.
     linked: Range<usize>,
-    /// How far the rest of it goes at either value.
+    /// The largest value of its other terms, by value of the binary.
     reach: [f64; 2],
 }
 
@@ -272,7 +273,7 @@ impl<'a> TightenedRows<'a> {
                 reach.add_term(a, domain.bounds(k));
             }
             for &(k, c) in &beside {
-                // What cancels leaves rounding, of the size of what cancelled.
+                // Terms that cancel leave rounding of their size.
                 reach.size += (factor * c * magnitude(domain.bounds(k))).abs();
                 reach.add_term(self.line[k] - factor * c, domain.bounds(k));
             }
@@ -283,7 +284,8 @@ impl<'a> TightenedRows<'a> {
         best
     }
 
-    /// Moves a row's coefficient of a binary, and its limit, to how far the rest goes at both values.
+    /// Sets a row's coefficient of a binary, and its limit, from the largest value of the other terms at
+    /// both values.
     fn tighten(&mut self, row: usize, z: usize, reach: [f64; 2]) {
         let (sign, limit) = self.one_side(row);
         let columns = self.program.row(row).0;
@@ -295,9 +297,8 @@ impl<'a> TightenedRows<'a> {
         let size = old.abs() + limit.abs();
         let drops = (off - on).abs() <= (DROPPED_BIG_M * size).min(MIN_BIG_M_REDUCTION);
         if !drops {
-            // The coefficient keeps a part of its size, so that rounding does not decide about the
-            // binary, and never grows, as it would where a value is impossible: the side that is in
-            // the way stays looser than it could be.
+            // The coefficient keeps a part of its size, so that rounding does not decide the binary. It
+            // never grows, as it would if a value were impossible; one side then stays looser.
             let (least, most) = (MIN_BIG_M_REMAINDER * old.abs(), old.abs());
             (off, on) = (off.max(on - most), on.max(off - most));
             if (off - on).abs() < least {

@@ -7,21 +7,21 @@
 use super::reduced::Reduced;
 use crate::tolerance;
 
-/// Rows are left this much looser than they could be, relative to their activity (no unit), so that
-/// rounding cuts no whole point off.
+/// The amount by which a row stays looser than necessary, relative to its activity (no unit), so that
+/// rounding cuts off no whole point.
 const ACTIVITY_MARGIN: f64 = 1e-9;
 
-/// Rows that can be missed by no more than this stay as they are, in their unit, because coefficients
-/// that small would be rounding.
+/// The smallest possible violation of a row that is tightened, in its unit. Smaller coefficients would be
+/// rounding.
 const MIN_EXCESS: f64 = tolerance::FEASIBILITY;
 
-/// Gains below this fraction of a coefficient are not worth a change (no unit).
+/// The smallest gain that is used, as a fraction of the coefficient.
 const MIN_COEFFICIENT_GAIN: f64 = 1e-3;
 
-/// Last binary digits that are 0 in a coefficient that has not been rounded.
+/// The number of last binary digits that are 0 in a coefficient that has not been rounded.
 const MIN_TRAILING_ZEROS: u32 = 16;
 
-/// Largest coefficient of a row of integers whose limits are rounded.
+/// The largest coefficient of a row of integers whose limits are rounded.
 const MAX_DIVISIBLE: f64 = 1e9;
 
 /// A row in the form `sign * terms <= limit`.
@@ -55,7 +55,7 @@ impl OneSided {
     /// relative to the coefficient and the limit: nothing else is rounded.
     fn shrink(&mut self, coefficient: &mut f64, margin: f64, rounding: f64) -> bool {
         let size = coefficient.abs();
-        // How far the row is from binding at the binary's idle value.
+        // The distance of the row from its limit at the value of the binary that relaxes it.
         let room = self.limit - (self.most - size) - margin;
         if room <= MIN_COEFFICIENT_GAIN * size {
             return false;
@@ -137,7 +137,7 @@ pub(super) fn tighten_terms(
 }
 
 /// The limits of a row of integers, rounded to multiples of the greatest common divisor of its
-/// coefficients, and whether that is news; `None` if it has none.
+/// coefficients, and whether they have moved; `None` if there is no divisor.
 pub(super) fn round_limits(
     terms: &[(usize, f64)],
     [lower, upper]: [f64; 2],
@@ -171,8 +171,8 @@ pub(super) fn is_whole(value: f64) -> bool {
     (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
 }
 
-/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. What cancelled in
-/// presolve has all of them.
+/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. Differences from
+/// presolve have all of them.
 pub(super) fn is_exact(coefficient: f64) -> bool {
     coefficient == coefficient.round()
         || coefficient.to_bits().trailing_zeros() >= MIN_TRAILING_ZEROS

@@ -8,7 +8,7 @@
 use super::parameters::LARGEST_WHOLE;
 use super::tightening::{Entry, PropagatedRow, Tightening};
 
-/// Most columns that are not fixed; the coefficients of more hardly ever have a common divisor.
+/// The largest number of columns that are not fixed. The coefficients of more rarely have a divisor.
 const MAX_OPEN_COLUMNS: usize = 8;
 
 /// Whether a row is an equality over whole numbers, and some of its coefficients may have a divisor.

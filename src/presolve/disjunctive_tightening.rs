@@ -15,17 +15,19 @@ use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
 
-/// Most trials. A trial propagates the rows that it reaches.
+/// The largest number of trials. A trial propagates the rows that it reaches.
 const MAX_CASE_TRIALS: usize = 4000;
 
-/// Most rounds over all disjunctions, and how many cases a disjunction may have.
+/// The largest number of rounds over all disjunctions.
 const MAX_CASE_ROUNDS: usize = 4;
+
+/// The numbers of cases of the disjunctions that are tried.
 const CASE_COUNTS: RangeInclusive<usize> = 2..=12;
 
-/// Most times that a row is tightened.
+/// The largest number of passes that tighten a row.
 const MAX_ROW_PASSES: usize = 30;
 
-/// A bound must move by this fraction of the width between the bounds (no unit).
+/// The smallest move of a bound that is used, as a fraction of the width between the bounds.
 const MIN_HULL_GAIN: f64 = 0.01;
 
 /// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves, or if there
@@ -133,7 +135,7 @@ fn gain(
             shared.clear();
             for &j in columns.iter() {
                 if domain.lower(j) == 1.0 {
-                    // An excluded case has decided for this one; the others say nothing any more.
+                    // Excluding the others has selected this case, so the hull of the others is void.
                     shared.clear();
                     break;
                 }

@@ -10,7 +10,7 @@ use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
 
-/// Most implied literals that are noted while the table is made.
+/// The largest number of implied literals that are noted while the table is made.
 const MAX_NOTED_LITERALS: usize = 2_000_000;
 
 /// Probes columns in the given order at both values; `domain` keeps what follows from both
@@ -19,7 +19,7 @@ const MAX_NOTED_LITERALS: usize = 2_000_000;
 /// # Arguments
 ///
 /// * `trials`: most values that are tried.
-/// * `token`: asked before every trial; what is known when it is over is kept.
+/// * `token`: checked before every trial; conclusions until then are kept.
 ///
 /// # Errors
 ///

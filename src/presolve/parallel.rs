@@ -1,7 +1,7 @@
 //! Parallel rows (or columns): those with entries at the same positions of which one is a multiple
 //! of the other.
 
-/// Relative difference up to which two quotients of coefficients count as equal.
+/// The relative difference up to which two quotients of coefficients count as equal.
 const RATIO_TOLERANCE: f64 = 1e-13;
 
 const NO_VECTOR: usize = usize::MAX;

@@ -18,12 +18,14 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Trials after which a side is judged, the share of successes that is then expected of it (one in so
-/// many), and how often it is tried all the same (every so many visits). On programs of walls no
-/// impact is ever found to be needed, and half of all trials look for one. A share of one in a hundred
-/// left `wall_fuel_60` with twice the time for trials, and other programs the same.
+/// The number of trials of a side (the upper or the lower values) after which its success rate counts.
 const MIN_SIDE_TRIALS: u32 = 100;
+
+/// The trials per success that are accepted of a side. With 100, `wall_fuel_60` spends twice the time on
+/// trials, and other programs the same.
 const TRIALS_PER_SUCCESS: u32 = 30;
+
+/// The number of visits after which a side with too few successes is tried again.
 const RETRIAL_INTERVAL: u32 = 8;
 
 /// The rows that earlier trials visited, and the results of these trials.
@@ -70,7 +72,7 @@ impl ProbingRecord {
         self.tried
     }
 
-    /// Whether a side finds something often enough, or has its turn.
+    /// Whether the success rate of a side is high enough, or its retrial is due.
     fn is_worth(&self, is_upper: bool) -> bool {
         let (trials, found) = self.counts[usize::from(is_upper)];
         trials < MIN_SIDE_TRIALS
@@ -86,7 +88,7 @@ impl ProbingRecord {
     }
 }
 
-/// How much is tried.
+/// Limits on the number of trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trials {
     /// The most trials.
@@ -182,7 +184,7 @@ pub(crate) fn probe_again(
 }
 
 impl Propagator {
-    /// Propagates a bound on trial and takes everything back: the outcome, what it looked at, and when.
+    /// Propagates a bound on trial and undoes it. Returns the outcome, the visited blocks and the time.
     fn try_bound(
         &mut self,
         program: &Program,

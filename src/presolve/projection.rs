@@ -13,11 +13,11 @@
 
 use super::reduced::{Reduced, refill};
 
-/// Excess of a side over what the bounds imply up to which it counts as implied; a side dropped
-/// too much only loosens the relaxation (no unit, relative).
+/// The excess of the largest activity over a limit up to which the limit counts as implied, relative. A
+/// limit dropped in error only loosens the relaxation.
 const IMPLIED_EXCESS: f64 = 1e-8;
 
-/// Distance to a whole value, or of a row to its limit, that counts as none (no unit).
+/// The distance to a whole value, or of a row to its limit, that counts as zero (no unit).
 const BINARY_TOLERANCE: f64 = 1e-6;
 
 /// A reduced program without the binaries that only link two rows.
@@ -70,7 +70,7 @@ struct RemovedBinary {
     /// Its coefficient in the covering row, of the other sign.
     help: f64,
     cover: usize,
-    /// The program's row that it makes bind, and by what the multiplier of the sum is multiplied there.
+    /// The program's row that it makes bind, and the factor from the multiplier of the sum to its own.
     hurt_row: (usize, f64),
 }
 
@@ -91,7 +91,7 @@ impl Removed {
 }
 
 impl Projection {
-    /// The program's point that belongs to a point of what is left.
+    /// The program's point that belongs to a point of the projected program.
     pub fn lift(&self, x: &[f64]) -> Vec<f64> {
         let mut point = self.reduced.lift(x);
         let Removed { members, covers, terms, .. } = &self.taken;
@@ -120,7 +120,7 @@ impl Projection {
         point
     }
 
-    /// Multipliers in the rows of the program, from those of what is left.
+    /// Multipliers of the program's rows, from those of the projected program.
     ///
     /// # Arguments
     ///
@@ -189,7 +189,7 @@ impl Projector {
     ) -> Projection {
         self.taken.clear();
         if self.start(&reduced, integral) {
-            // What is taken out closes others.
+            // Taking out a column may make others ineligible.
             for k in 0..reduced.columns.len() {
                 if self.open[k] {
                     self.take_out(&reduced, k);
@@ -311,7 +311,7 @@ impl Projector {
         if m * help >= 0.0 {
             return None;
         }
-        // Alone, neither row may say anything at the binary's better value for it.
+        // At the value of the binary that relaxes a row, the bounds must imply the row.
         let implied = |row: &Inequality, coefficient: f64| {
             let terms = self.taken.terms.of(row);
             let most: f64 = terms.iter().map(|&(k, a)| most(reduced, k, a)).sum();
@@ -338,7 +338,7 @@ impl Projector {
         if !limit.is_finite() {
             return None;
         }
-        // What the members' rows are about must stay, and a row is used up once.
+        // The columns of a removed binary's row must stay, and a row is combined once.
         terms.of(&h).iter().for_each(|t| self.open[t.0] = false);
         self.open[k] = false;
         self.dropped[hurt] = true;
@@ -370,7 +370,7 @@ impl Projector {
         Some(coefficient)
     }
 
-    /// Writes the program over what is left.
+    /// Writes the program over the remaining columns and rows.
     fn write(&mut self, reduced: &Reduced, rest: &mut Reduced) {
         let Projector { taken: Removed { members, terms, .. }, position, .. } = self;
         refill(position, reduced.columns.len(), 0);

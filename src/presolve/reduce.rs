@@ -37,8 +37,8 @@ pub(crate) struct Reducer {
     lower: Vec<f64>,
     upper: Vec<f64>,
     fixed: Vec<bool>,
-    /// How far a fixed column's value may be from the values it could have had: rows it is put into
-    /// are loosened by that much.
+    /// By column, the largest distance of a fixed value from the other values within its narrow bounds.
+    /// Rows that the value is substituted in are loosened accordingly.
     slack: Vec<f64>,
     alive: Vec<usize>,
     /// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
@@ -108,7 +108,7 @@ impl Reducer {
         self.reuse(reduced);
     }
 
-    /// Finds out what is left of bounds and rows.
+    /// Tightens bounds by rows over one column, and drops implied rows.
     fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradictory> {
         let n = program.column_count();
         fill(&mut self.lower, (0..n).map(|j| domain.lower(j)));
@@ -119,7 +119,7 @@ impl Reducer {
         fill(&mut self.row_lower, program.row_lower.iter().copied());
         fill(&mut self.row_upper, program.row_upper.iter().copied());
         for j in 0..n {
-            // Fixes what is narrow and refuses what is crossed.
+            // Fixes columns with narrow bounds and refuses crossed ones.
             self.intersect(program, j, f64::NEG_INFINITY, f64::INFINITY)?;
         }
         for _ in 0..MAX_SWEEPS {
@@ -171,8 +171,8 @@ impl Reducer {
                     (free, single) = (free + 1, k);
                 }
             }
-            // A dropped side may be missed by the margin, so it must not grow with a big-M that the
-            // implied row does not have; rounding of the activity is all that grows.
+            // A dropped side may be violated by the margin, so the margin does not grow with a big-M:
+            // it only covers rounding of the activity.
             let margin = self.negligible.max(4.0 * f64::EPSILON * scale);
             if most <= self.row_upper[row] + margin {
                 self.row_upper[row] = f64::INFINITY;
@@ -284,8 +284,8 @@ impl Reducer {
         reduced.offset = constant.value();
     }
 
-    /// How much a column that was fixed inside narrow bounds may lower the objective at the other
-    /// values there; products with columns without bounds left out.
+    /// The amount by which the other values within the narrow bounds of a fixed column may lower the
+    /// objective, without products with columns that have no bounds.
     fn worth_of_slack(&self, program: &Program, j: usize) -> f64 {
         let (rows, entries) = program.quadratic_column(j);
         let reach = |i: usize| self.lower[i].abs().max(self.upper[i].abs());
@@ -321,7 +321,7 @@ impl Reducer {
                 }
             }
             let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
-            // Of large terms that cancel, rounding is left.
+            // Large terms that cancel leave their rounding.
             let rounding = 4.0 * f64::EPSILON * scale;
             slack += if rounding > self.negligible { rounding } else { 0.0 };
             let mut limits = [lower - constant - slack, upper - constant + slack];
@@ -369,11 +369,11 @@ impl Reducer {
     }
 }
 
-/// Whether a row whose columns are all fixed is missed by more than it is not known to.
+/// Whether a row whose columns are all fixed is violated by more than rounding explains.
 ///
 /// # Arguments
 ///
-/// * `values`, `slack`: by column, what it is fixed at and how far that may be off.
+/// * `values`, `slack`: by column, the fixed value and its possible error.
 fn is_missed(
     program: &Program,
     row: usize,
@@ -399,7 +399,7 @@ fn is_missed(
         beyond.value()
     };
     let miss = (-beyond(lower)).max(beyond(upper));
-    // What exact terms miss is no rounding, and not accepted beyond the tolerance.
+    // Exact terms have no rounding, so their violation counts beyond the tolerance.
     let lost = (ROW_DIGITS * scale).min(tolerance::FEASIBILITY.max(ROW_DIGITS * soft));
     miss > CONTRADICTION.max(lost) + 4.0 * f64::EPSILON * scale + loosened
 }

@@ -19,7 +19,7 @@ pub struct Reduced {
     /// Rows: starts, column indices, values.
     pub rows: Compressed,
     /// The program's row behind each row, `usize::MAX` for rows of other origins: a name by which the
-    /// same row is known at other nodes. Empty if nobody will ask.
+    /// same row is known at other nodes. Empty if it is not needed.
     pub origin: Vec<usize>,
     /// Lower limits of the rows.
     pub row_lower: Vec<f64>,
@@ -29,8 +29,8 @@ pub struct Reduced {
     pub lower: Vec<f64>,
     /// Upper bounds of the columns.
     pub upper: Vec<f64>,
-    /// How steep the objective is along each column, whatever the others do (see
-    /// `Program::steepness`); empty if nothing is known, or if all columns with curvature have bounds.
+    /// By column, a lower bound on the curvature of the objective along it, for any values of the others
+    /// (see `Program::steepness`); empty if none is known, or if all columns with curvature have bounds.
     pub steepness: Vec<f64>,
     /// As in the program; less than 1 counts as 1.
     pub spread: f64,
@@ -98,7 +98,7 @@ impl Compressed {
         self.index[range.clone()].iter().copied().zip(self.value[range].iter().copied())
     }
 
-    /// The same entries by position, of which there are so many: positions become vectors.
+    /// The transposed matrix: one vector for each position.
     pub(crate) fn transposed(&self, positions: usize) -> Compressed {
         let mut start = vec![0; positions + 1];
         self.index.iter().for_each(|&k| start[k + 1] += 1);

@@ -12,8 +12,8 @@ use super::coefficients::is_exact;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// Rounding of plain sums beyond this, in the row's unit, is avoided by compensated ones: it could hide
-/// that a point is beyond the tolerance.
+/// The largest rounding of a plain sum, in the row's unit. Beyond it, sums are compensated: rounding could
+/// hide a violation beyond the tolerance.
 const MAX_PLAIN_ROUNDING: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// One term of a row; the coefficient is not zero.
@@ -252,7 +252,7 @@ struct Uncertainty {
     /// Accumulated rounding of an activity: of a plain sum, and of a compensated one.
     plain_rounding: f64,
     rounding: f64,
-    /// By how much the row may be missed because of the uncertainty of its soft terms.
+    /// The violation of the row that the uncertainty of its soft terms may cause.
     excess: f64,
 }
 
@@ -274,7 +274,7 @@ impl Uncertainty {
         let scale = larger(scale, limit).max(1.0);
         let count = entries.len() as f64;
         let rounding = 1e-15 * soft * count + 64.0 * f64::EPSILON * limit;
-        // What exact terms miss is no rounding, and not accepted beyond the tolerance.
+        // Exact terms have no rounding, so their violation counts beyond the tolerance.
         let missed = tolerance::PROPAGATION_INFEASIBLE * soft;
         let excess = missed.max(tolerance::FEASIBILITY);
         Uncertainty {
@@ -350,8 +350,8 @@ impl RowActivities {
     }
 }
 
-/// How far a whole value may be beyond a bound of an integral column and still satisfy the row that gives
-/// the bound: the tolerance of the row, and what its other terms are not known to.
+/// The distance of a whole value beyond a bound of an integral column at which it still satisfies the row
+/// that gives the bound: the tolerance of the row and the uncertainty of its other terms.
 ///
 /// # Arguments
 ///
@@ -376,8 +376,8 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The bound that a row over one continuous column is, if it is news: to the last digit, because other
-/// rows may multiply whatever is lost.
+/// The bound that a row over one continuous column gives, if it is tighter: to the last digit, because
+/// other rows may multiply the loss.
 fn bound_of_singleton(
     [lower, upper]: [f64; 2],
     entry: &Entry,
@@ -396,7 +396,7 @@ fn bound_of_singleton(
     (news && !is_far).then_some(Tightening { column: entry.column(), is_upper, value })
 }
 
-/// A candidate bound of an integral column: the next whole value, when that is news.
+/// A candidate bound of an integral column: the next whole value, if it is tighter.
 fn whole(
     [lower, upper]: [f64; 2],
     column: usize,

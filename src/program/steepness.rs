@@ -10,10 +10,10 @@ use faer::{Mat, Side};
 
 use super::Program;
 
-/// Most columns with products whose matrix is factorised.
+/// The largest number of columns with products whose matrix is factorised.
 const MAX_FACTORISED_COLUMNS: usize = 200;
 
-/// Steepness below this part of the diagonal is not used (no unit).
+/// The smallest steepness that is used, as a part of the diagonal (no unit).
 const MIN_STEEPNESS: f64 = 1e-9;
 
 /// The parts of the diagonal that are tried, as parts of the smallest squared pivot, which no eigenvalue
@@ -73,7 +73,7 @@ fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<
             matrix[(position[i], c)] += p * scale(i) * scale(j);
         }
     }
-    // What left the range of floats proves nothing.
+    // A result outside the range of floats proves nothing.
     if matrix.col_iter().any(|column| column.iter().any(|entry| !entry.is_finite())) {
         return None;
     }

@@ -106,7 +106,7 @@ pub(super) fn apply_unless(
     Ok(())
 }
 
-/// How much the bounds allow a side to be violated.
+/// The violation of a side that the bounds allow.
 struct Need {
     /// The largest possible violation, rounded up; infinite if a bound is missing.
     value: f64,

@@ -15,7 +15,7 @@ use crate::model::{
 use crate::presolve::{CaseRow, Domain};
 use crate::program::Program;
 
-/// A condition of an indicator fails if up to this many clauses hold.
+/// The largest number of clauses that are written out for the failure of a condition.
 const MAX_FAILING_CLAUSES: usize = 8;
 
 /// The largest number of values of an integer factor that are cases of their own.
@@ -77,7 +77,7 @@ impl Alternatives {
     pub(super) fn bounds(&self, program: &Program, domain: &mut Domain) -> Option<BoundsByColumn> {
         let mut hull: Option<BoundsByColumn> = None;
         for case in &self.cases {
-            // Nothing can be tighter any more, but some case is possible.
+            // The hull is empty: no bound gets tighter, and some case is possible.
             if hull.as_ref().is_some_and(BoundsByColumn::is_empty) {
                 break;
             }

@@ -17,7 +17,7 @@ use crate::tolerance;
 
 /// A node of a network: a row that needs its flows, as `sum of flows in - sum of flows out`.
 struct Node {
-    /// How much may enter and leave here, in the flows' unit; infinite if nothing limits it.
+    /// The largest amounts that enter and leave here, in the flows' unit; infinite without a limit.
     enters: f64,
     leaves: f64,
 }
@@ -74,7 +74,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     for v in variables {
         let lower = known.bounds(v).lower;
         let Arc { from, to } = arcs[v.index()];
-        // What no balance holds is no flow.
+        // A variable without a balance is no flow.
         let Some(node) = from.or(to) else { continue };
         let network = networks.root(node);
         // Paths may begin or end outside, but not both.

@@ -23,24 +23,25 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Implied bounds of a larger magnitude, in the variable's unit, are as good as none: a big-M of this
-/// size switches nothing, and bounds of other variables are not proved beyond it either.
+/// The largest magnitude of an implied bound that is used, in the variable's unit. A larger big-M switches
+/// nothing, and bounds of other variables are not proved beyond it either.
 pub(super) const MAX_IMPLIED_BOUND: f64 = tolerance::FREE_RADIUS;
 
-/// A big-M from implied bounds that is larger than this, in the row's unit, is worth a linear
-/// program: times the tolerance of a binary, it is visible.
+/// The big-M from implied bounds, in the row's unit, from which a linear program is solved for a smaller
+/// one: times the tolerance of a binary, it is visible.
 pub(super) const LARGE_BIG_M: f64 = 1e7;
 
-/// How far beyond implied bounds to search where they may not hold, as a multiple of their magnitude.
+/// The distance beyond implied bounds up to which points are searched if the bounds may not hold, as a
+/// multiple of their magnitude.
 const SEARCH_FACTOR: f64 = 10.0;
 
-/// The least part of its width that a bound must gain to be taken over from cases.
+/// The smallest gain of a bound that is used, as a fraction of the width between the bounds.
 const MIN_CASE_GAIN: f64 = 0.05;
 
-/// How often each term of all cases is looked at, at most.
+/// The largest number of visits of each term of all cases.
 const MAX_CASE_VISITS: usize = 100;
 
-/// The same, in total.
+/// The largest number of visits of all terms together.
 const MAX_CASE_WORK: usize = 100_000_000;
 
 /// The bounds that rows imply for a model's variables.

@@ -16,7 +16,7 @@ use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::{RelaxationMethod, StopToken};
 use crate::tolerance;
 
-/// How much a bound on an expression is raised, relative to its size (at least 1), to cover
+/// The amount by which a bound on an expression is raised, relative to its size (at least 1), to cover
 /// rounding in propagation and reduction.
 const EXPRESSION_MARGIN: f64 = 1e-9;
 

@@ -22,10 +22,11 @@ use super::lowering::Lowering;
 use crate::error::Error;
 use crate::model::{Formula, Literal, Logic, LogicalConstraintRef, Variable, VariableKind, merge};
 
-/// Up to this many clauses are written out instead of adding an auxiliary variable.
+/// The largest number of clauses that are written out instead of adding an auxiliary variable.
 const MAX_CLAUSES: usize = 8;
 
-/// Up to this many clauses are written out for the condition of a row, each with its own big-M.
+/// The largest number of clauses that are written out for the condition of a row, each with its own
+/// big-M.
 const MAX_CONDITION_CLAUSES: usize = 4;
 
 /// The auxiliary binary of a formula, and which directions have rows.

@@ -25,7 +25,7 @@ impl Side {
     }
 }
 
-/// How one side of an indicator is lowered, and where its M comes from.
+/// The treatment of one side of an indicator, and the origin of its M.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -82,7 +82,7 @@ pub struct BigMEntry {
     pub indicator: String,
     /// The side of its row.
     pub side: Side,
-    /// How the side was treated.
+    /// The treatment of the side.
     pub source: BigMSource,
     /// The M in the lowered row, in the unit of the indicator's row; 0 if there is none.
     pub value: f64,

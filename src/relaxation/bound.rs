@@ -22,15 +22,15 @@ use super::plain_bound::PlainSums;
 use crate::presolve::{Reduced, refill};
 use crate::tolerance;
 
-/// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
+/// The error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
 const EXTENDED_ROUNDING: f64 = 1e-27;
 
-/// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong
-/// to inactive rows; gradients below this fraction of their terms are slight.
+/// The fraction of the largest multiplier, in the unit of the gradient, below which a multiplier probably
+/// belongs to an inactive row; and the fraction of its terms below which a gradient is slight.
 const SLIGHT_MULTIPLIER: f64 = 1e-6;
 
-/// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
-/// bound (no unit).
+/// The magnitude from which a bound of a column turns a slight error of the gradient into a large error
+/// of the proved bound.
 const FAR_BOUND: f64 = 1e6;
 
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
@@ -224,7 +224,7 @@ impl PrimalDualPair<'_> {
             corrected.extend((0..self.x.len()).filter(free));
             corrected.sort_unstable();
             corrected.dedup();
-            // The same columns again: the next digits come from the same factors.
+            // For the same columns, the same factors give the next digits.
             if corrected.len() != known || correction.is_none() {
                 correction = Correction::new(&self, &corrected);
             }
@@ -324,7 +324,7 @@ impl PrimalDualPair<'_> {
         for j in 0..self.x.len() {
             let (g, error) = (gradient.value[j], gradient.error(j));
             if let Some(steepness) = self.runs_uphill(j, g.high, error) {
-                // As in `plain_bound`, whatever the radius is.
+                // As in `plain_bound`, for any radius.
                 let missed = g.high.abs() * (1.0 + f64::EPSILON) + error;
                 sum.add(g, self.x[j]);
                 sum.add((-error).into(), self.x[j].high.abs().into());

@@ -8,7 +8,7 @@ use faer::linalg::solvers::{Llt, Solve};
 
 use super::bound::{Gradient, PrimalDualPair, is_equality, largest};
 
-/// The largest number of columns that are corrected together.
+/// The largest number of columns that are corrected at once.
 const MAX_CORRECTED_COLUMNS: usize = 400;
 
 /// The least entry on the diagonal of a factor of scaled curvature with which it is used alone: the

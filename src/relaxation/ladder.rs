@@ -77,7 +77,7 @@ impl Method {
     }
 }
 
-/// The attempts, iterations and time that a ladder has taken since it was last asked.
+/// The attempts, iterations and time of a ladder since they were last taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spent {
     /// Attempts by method.
@@ -145,7 +145,7 @@ impl Ladder {
         &mut self.prover
     }
 
-    /// Reduces the programs that it is asked about, in the memory that the ladder has for that.
+    /// Reduces programs, in the memory that the ladder has for that.
     pub(crate) fn reducer(&mut self) -> &mut Reducer {
         &mut self.reducer
     }

@@ -1,11 +1,11 @@
 //! Continuous relaxations: methods that solve them, and proofs of what the methods claim.
 //!
 //! A method implements the trait [`Relaxation`]. [`DualSimplex`] solves linear programs from their
-//! parent's basis, [`ActiveSet`] small dense ones with curvature from its multipliers; [`InteriorPoint`] is quick on the small
-//! sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
-//! decides which method is asked and how hard, and is all that the rest of the crate sees. It checks
-//! what a method claims: [`Prover`] recomputes a rigorous bound from the multipliers, and
-//! infeasibility is accepted only if the same computation proves it.
+//! parent's basis, and [`ActiveSet`] small dense ones with curvature from its multipliers.
+//! [`InteriorPoint`] is quick on the small sparse programs of a tree and gives up early, and
+//! [`ClarabelRelaxation`] solves the rest. The [`Ladder`] chooses the method and its effort; the rest of
+//! the crate uses nothing else. It checks what a method claims: [`Prover`] recomputes a rigorous bound
+//! from the multipliers, and infeasibility is accepted only if the same computation proves it.
 
 mod active_set;
 mod attempts;

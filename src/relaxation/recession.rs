@@ -3,14 +3,14 @@
 use crate::presolve::{Compressed, Reduced};
 use crate::tolerance;
 
-/// By how much a ray may leave a row, relative to the row's largest term along it (no unit).
+/// The largest violation of a row by a ray, relative to the row's largest term along it (no unit).
 const ROW_TOLERANCE: f64 = 1e-8;
 
-/// Entries of a ray that are this small beside its largest one may be rounding (no unit).
+/// The size of an entry of a ray, relative to its largest one, up to which it may be rounding (no unit).
 const RAY_ROUNDING: f64 = 1e-9;
 
-/// Curvature along a ray that may be rounding, relative to the terms it is the sum of (no unit). An
-/// error of the ray enters squared.
+/// The curvature along a ray that may be rounding, relative to its terms (no unit). An error of the ray
+/// enters squared.
 const CURVATURE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The program whose solutions are the steepest recession directions: the rows and bounds without
@@ -76,8 +76,8 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
             *d = 0.0;
         }
     }
-    // Costs of columns that stay where they are, or next to there, say nothing of the fall: curvature
-    // would end it before it is noticed.
+    // Costs of columns that hardly move are left out: curvature would end their decrease before it is
+    // noticed.
     let moves = |d: f64| if d.abs() > 10.0 * RAY_ROUNDING { d } else { 0.0 };
     let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
     let cost: f64 = costs().sum();
@@ -90,8 +90,8 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     if program.steepness.iter().zip(&d).any(is_steep) {
         return false;
     }
-    // Along the ray the objective falls at least as far as the radius that bounds are proved for, and
-    // what curvature there is, is rounding.
+    // The objective falls up to the radius for which bounds are proved, and the curvature along the ray is
+    // rounding.
     let (mut curved, mut bent, mut bends) = (vec![0.0; d.len()], 0.0, 0.0);
     for j in 0..d.len() {
         let (rows, entries) = program.quadratic.vector(j);

@@ -2,10 +2,10 @@
 
 use crate::presolve::{Reduced, refill};
 
-/// Rounds of scaling; each takes the square root of the largest entry of every row and column.
+/// The number of rounds. Each divides every row and column by the root of its largest entry.
 const SCALING_ROUNDS: usize = 3;
 
-/// Largest factor by which a column, a row or the objective is scaled.
+/// The largest factor by which a column, a row or the objective is scaled.
 pub(super) const MAX_SCALE: f64 = 1e6;
 
 /// Factors of columns and rows that bring the largest entry of each near 1.
@@ -15,7 +15,7 @@ pub(super) fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
     (column, row)
 }
 
-/// The same, written into vectors that are there; `room` has no meaning.
+/// As [`factors`], in the memory of given vectors; `room` is work space.
 pub(super) fn write_factors(
     program: &Reduced,
     column: &mut Vec<f64>,

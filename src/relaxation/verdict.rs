@@ -68,7 +68,7 @@ pub(super) struct Findings<'a> {
     pub(super) warm: Option<WarmState>,
 }
 
-/// What an attempt has led to.
+/// The consequence of an attempt.
 pub(super) enum Outcome {
     /// The verdict is final.
     Decided(Verdict),

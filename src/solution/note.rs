@@ -33,9 +33,9 @@ pub enum Note {
     },
     /// The first method of most relaxations was not good enough, and a second one was asked.
     MethodGivesUp {
-        /// How often.
+        /// The number of times.
         times: u64,
-        /// Of so many nodes and trials.
+        /// The number of nodes and trials.
         relaxations: u64,
     },
     /// Many nodes were split although all integers of their relaxed points were whole: what separates

@@ -18,7 +18,7 @@ pub struct Statistics {
     pub nested_nodes: u64,
     /// Continuous relaxations solved, including those of heuristics and checks.
     pub relaxations: u64,
-    /// The same by method, and how often the first method gave up.
+    /// Relaxations by method, and how often the first method gave up.
     pub relaxation_counts: RelaxationCounts,
     /// Interior-point iterations over all relaxations.
     pub iterations: u64,
@@ -32,7 +32,7 @@ pub struct Statistics {
     pub leaves: u64,
     /// Nodes that were split.
     pub split: u64,
-    /// Those of them whose relaxed points had whole integers.
+    /// Nodes that were split although their relaxed points had whole integers.
     pub whole_splits: u64,
     /// Nodes returned unfinished at a limit, or that could be neither finished nor split for
     /// numerical reasons.

@@ -8,7 +8,7 @@ use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Sparse, Work};
 use crate::presolve::coefficients::{Columns, round_limits, tighten_terms};
 
-/// Distance from 0 up to which a row counts as binding, relative to its terms.
+/// The distance from its limit up to which a row counts as binding, relative to its terms.
 const BINDING_DISTANCE: f64 = 1e-6;
 
 /// A row as it was before it was tightened.

@@ -15,11 +15,11 @@
 use super::fixed_columns::fix;
 use super::work::Work;
 
-/// Reduced costs must clear 0 by this much, relative to their terms, where bounds of multipliers had to
-/// be computed; signs alone are exact.
+/// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds of
+/// multipliers were computed. Signs alone are exact.
 const REDUCED_COST_MARGIN: f64 = 1e-9;
 
-/// Rounds of tightening the bounds of multipliers.
+/// The largest number of rounds that tighten the bounds of multipliers.
 const MAX_MULTIPLIER_ROUNDS: usize = 3;
 
 pub(super) fn apply(work: &mut Work) -> usize {

@@ -1,17 +1,16 @@
-//! Implied free columns: columns whose bounds are implied by rows are substituted by an equality.
-//!
-//! If the rows of a column imply its bounds, these are redundant, and the column is only a name for
-//! the rest of an equality.
+//! Implied free columns: if the rows of a column imply its bounds, an equality replaces the column.
 
 use super::substitute::{is_stable, substitute};
 use super::work::Work;
 use crate::presolve::parameters::IMPLIED;
 
-/// Longest equality, and most rows of a column, that are looked at.
+/// The largest number of terms of an equality that replaces a column.
 const MAX_EQUALITY_TERMS: usize = 6;
+
+/// The largest number of rows of a column that is replaced.
 const MAX_COLUMN_ROWS: usize = 4;
 
-/// By how many entries the matrix may grow with one substitution.
+/// The largest number of entries that one substitution may add to the matrix.
 const MAX_FILL: isize = 0;
 
 pub(super) fn apply(work: &mut Work, row: usize) -> usize {

@@ -23,7 +23,7 @@ use super::postsolve::{Restored, Undo};
 use super::work::{Sparse, Work};
 use crate::sum::{exact_product, exact_sum};
 
-/// Most entries that the elimination looks at, as a multiple of those it begins with.
+/// The largest number of entries that the elimination visits, as a multiple of the initial ones.
 const ELIMINATION_WORK: usize = 50;
 
 /// Bounds that were dropped, and the direction that leaves them behind.

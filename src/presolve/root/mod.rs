@@ -42,17 +42,17 @@ pub enum Rule {
     RedundantRows,
     /// Rows that are multiples of another one are merged into it.
     ParallelRows,
-    /// Columns of which exactly one is 1, told by the code of some binaries, become binaries.
+    /// Columns of which exactly one is 1, as the code of some binaries determines, become binaries.
     BinaryCodes,
     /// Equalities over two columns replace one of them.
     Doubletons,
     /// If columns can be shifted together without changing any row or the objective, one of them is fixed.
     Lineality,
-    /// Continuous columns in one row only become part of its limits.
+    /// Continuous columns that are in one row only become part of its limits.
     SlackColumns,
     /// Columns whose bounds an equality implies are replaced by it.
     ImpliedFree,
-    /// Columns between 0 and 1 that may as well be whole become binaries.
+    /// Columns between 0 and 1 that are whole in some optimum become binaries.
     ImpliedBinaries,
     /// The only row that keeps a column from moving becomes an equality.
     HeldColumns,
@@ -80,8 +80,8 @@ impl Rule {
         Rule::Coefficients,
     ];
 
-    /// The rules that leave every column that stays its meaning, and every assignment of the integral
-    /// ones that has a point: for programs about whose columns something is known.
+    /// The rules that keep the meaning of every remaining column, and every assignment of the integral
+    /// ones that has a point. They suit programs whose columns are referred to from outside.
     pub const FAITHFUL: [Rule; 8] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
@@ -135,8 +135,8 @@ pub fn presolve(program: &Program, rules: &[Rule], token: &StopToken) -> Result<
     presolve_around(program, &[], rules, token)
 }
 
-/// As [`presolve`], for every value of some continuous columns within their bounds: these columns
-/// stay, with their bounds, and nothing that is concluded depends on where between them they are.
+/// As [`presolve`], for every value of some continuous columns within their bounds. These columns stay,
+/// with their bounds, and no conclusion depends on their values.
 ///
 /// # Errors
 ///

@@ -13,14 +13,14 @@ use crate::presolve::parameters::LARGEST_WHOLE;
 use crate::sum::{Sum, exact_product};
 use crate::tolerance;
 
-/// Entries that cancel to less than this, relative to what they came from, are 0.
+/// A difference of entries below this, relative to them, is 0.
 const CANCELLATION: f64 = 1e-13;
 
-/// Entries that cancel to less than this and are not 0 have too few digits left: a row of `8192 x` and
-/// one of `8192.0002 x` would leave a difference that is mostly rounding.
+/// A difference of entries below this, relative to them, is mostly rounding: that of `8192 x` and
+/// `8192.0002 x`, for example. A substitution that leaves one, other than 0, is refused.
 const MIN_DIFFERENCE: f64 = 1e-6;
 
-/// Largest quotient of coefficients that goes into another row: numbers must not grow.
+/// The largest quotient of a coefficient and the pivot: entries of other rows must not grow.
 const MAX_PIVOT_RATIO: f64 = 1e3;
 
 #[derive(Debug)]
@@ -37,8 +37,8 @@ struct Substituted {
     bounds: [f64; 2],
 }
 
-/// Largest rounding of a constant that replaces part of a column (the column's unit): more would show
-/// in the objective.
+/// The largest rounding of a constant that replaces part of a column, in the column's unit: more would
+/// show in the objective.
 const MAX_CONSTANT_ROUNDING: f64 = 1e-9;
 
 /// Whether a column can be expressed by a row without numbers growing or losing their digits.
@@ -64,7 +64,7 @@ fn is_sharp(work: &Work, column: usize, row: usize, other: usize) -> bool {
     })
 }
 
-/// Replaces a column by what an equality says about it; `keep` leaves a row for its bounds.
+/// Substitutes a column by an equality; `keep` leaves a row for its bounds.
 pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool) {
     let old = work.remember(column);
     let coefficient = work.coefficient(row, column);
@@ -73,8 +73,8 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     terms.retain(|&(j, _)| j != column);
     terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
 
-    // The constant's own, and that of the quotients, which is multiplied by what columns are worth; values
-    // of continuous columns are rounded themselves.
+    // The rounding of the constant, and that of the quotients times the values of their columns. Values of
+    // continuous columns are rounded themselves.
     let is_exact = |quotient: f64, of: f64| exact_product(quotient, coefficient) == (of, 0.0);
     let mut rounded = terms.clone();
     rounded.retain(|&(j, a)| !(work.integral[j] && is_exact(a, work.coefficient(row, j))));
@@ -83,7 +83,7 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
         size += constant.abs();
     }
     let noise = work.row_noise[row] / coefficient.abs() + f64::EPSILON * size;
-    // Of whole numbers nothing is rounded.
+    // Arithmetic on whole numbers is exact.
     let is_whole = |value: f64| value == value.round() && value.abs() <= LARGEST_WHOLE;
     let whole = work.integral[column]
         && is_whole(constant)

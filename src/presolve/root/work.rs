@@ -41,13 +41,13 @@ pub(super) struct Work {
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) column_alive: Vec<bool>,
-    /// How far rounding may have moved the limits of a row, in its unit. What cancels leaves it
-    /// behind, and the limit that is left does not tell.
+    /// By row, the largest error of its limits from rounding, in its unit. Terms that cancel leave their
+    /// rounding, which the remaining limit does not show.
     pub(super) row_noise: Vec<f64>,
-    /// The same of the bounds of a column.
+    /// By column, the largest error of its bounds from rounding, in its unit.
     pub(super) column_noise: Vec<f64>,
-    /// How far a column may be out at points within the radius of proofs, as a multiple of it, if it has
-    /// no bounds (no unit): what it now stands for may be further out than what it was.
+    /// By column without bounds, its largest magnitude at points within the radius of proofs, as a multiple
+    /// of the radius (no unit): a column may now stand for a sum of several.
     pub(super) spread: Vec<f64>,
     pub(super) integral: Vec<bool>,
     /// Columns whose value comes from outside: they keep their bounds, and no rule may choose their
@@ -58,7 +58,7 @@ pub(super) struct Work {
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
     pub(super) offset: f64,
     constant: f64,
-    /// How far rounding may have moved the constant of the objective.
+    /// The largest error of the objective's constant from rounding.
     rounding: f64,
     pub(super) undos: Vec<Box<dyn Undo>>,
     step: Vec<Option<usize>>,
@@ -95,7 +95,7 @@ pub(super) struct ActivityRange {
     pub(super) scale: f64,
     /// The same of terms that are not exact, whose coefficients or columns may have been rounded.
     pub(super) soft: f64,
-    /// How far rounding may have moved either end.
+    /// The largest error of either end from rounding.
     pub(super) noise: f64,
 }
 
@@ -142,8 +142,8 @@ impl Work {
         }
     }
 
-    /// Whether rules should end where they are; asked between complete reductions, with the number
-    /// of entries looked at in between.
+    /// Whether rules should end. They check this between complete reductions, with the number of entries
+    /// that they have visited in between.
     pub(super) fn is_late(&mut self, entries: usize) -> bool {
         // A reduction looks at several times the entries of its row or column.
         self.token.spend(8 + 4 * entries)
@@ -273,8 +273,8 @@ impl Work {
         }
     }
 
-    /// Takes note that what the objective is told a column is worth may be off by `noise`. Products
-    /// with columns without bounds are left out.
+    /// Notes that the value of a column in the objective has an error of `noise`. Products with columns
+    /// without bounds are left out.
     pub(super) fn blur_objective(&mut self, column: usize, value: f64, noise: f64) {
         let mut slope = self.linear[column].abs();
         for (&other, p) in &self.quadratic[column] {
@@ -291,7 +291,7 @@ impl Work {
         self.add_rounding(row, constant);
     }
 
-    /// Takes note of a constant that joined the limits of a row: its own rounding, and the sum's.
+    /// Notes the rounding of a constant that joined the limits of a row, and that of the sum.
     pub(super) fn add_rounding(&mut self, row: usize, constant: f64) {
         let limit = finite(self.row_lower[row]).max(finite(self.row_upper[row]));
         self.row_noise[row] += f64::EPSILON * (finite(constant) + limit);
@@ -456,7 +456,7 @@ impl Work {
     }
 }
 
-/// By how much bounds or limits may be crossed: by rounding, or by what is accepted anyway.
+/// The amount by which bounds or limits may be crossed: rounding, or the accepted violation.
 fn crossed(lower: f64, upper: f64) -> f64 {
     let scale = lower.abs().max(upper.abs()).max(1.0);
     (CONTRADICTION * scale).min(tolerance::FEASIBILITY.max(EXACT_ROUNDING * scale))

@@ -116,7 +116,7 @@ impl<'a> Metric<'a> {
         (&self.vectors[image.begin..image.begin + self.shift.len()], image.size)
     }
 
-    /// The unit vector of a row or column that [`unit`](Self::unit) has been asked for.
+    /// The unit vector of a row or column that [`unit`](Self::unit) has computed.
     pub(super) fn known(&self, k: usize) -> &[f64] {
         let begin = self.images[k].map_or(0, |image| image.begin);
         &self.vectors[begin..begin + self.shift.len()]

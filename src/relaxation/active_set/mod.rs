@@ -25,7 +25,7 @@ use working_set::WorkingSet;
 #[derive(Debug, Clone, Default)]
 pub struct ActiveSet {}
 
-/// The limits that hold at an optimum.
+/// The limits that are active at an optimum.
 #[derive(Debug)]
 struct ActiveLimits(Vec<HeldLimit>);
 
@@ -43,7 +43,7 @@ impl ActiveSet {
         Self::default()
     }
 
-    /// Whether a program is of the kind that this method is for.
+    /// Whether the method suits a program.
     pub fn suits(program: &Reduced) -> bool {
         let n = program.columns.len();
         let curved = |j: usize| program.quadratic.vector(j).0.contains(&j);

@@ -16,7 +16,7 @@ pub(super) struct WorkingLimit {
     pub(super) multiplier: f64,
 }
 
-/// A limit on its way into the working set: how it depends on the members.
+/// A limit that may enter the working set, with its dependence on the members.
 #[derive(Debug)]
 pub(super) struct EnteringLimit {
     of: usize,
@@ -48,7 +48,7 @@ impl WorkingSet {
         WorkingSet { holds: vec![false; len], ..WorkingSet::default() }
     }
 
-    /// How a limit depends on the members.
+    /// A limit with its dependence on the members.
     pub(super) fn candidate(
         &self,
         metric: &mut Metric<'_>,

@@ -28,7 +28,7 @@ impl Unknowns {
 #[derive(Default)]
 pub(super) struct KeptOrders {
     kept: Vec<KeptOrder>,
-    /// Those of the system in hand.
+    /// The unknowns of the current system.
     unknowns: Unknowns,
     /// By place in a kept order, or as an order is computed, which of them is there.
     at: Vec<usize>,
@@ -46,10 +46,9 @@ struct KeptOrder {
 }
 
 impl KeptOrders {
-    /// Takes the unknowns of a system: the columns of a reduced program, and some of its rows. Writes
-    /// the part of an order that is about them, if one lacks few of them and they are most of it: by
-    /// unknown, when it is eliminated. Returns the most fill that it may leave: a system that has got
-    /// other rows, such as cuts, is no part of the one before.
+    /// Notes the unknowns of a system: the columns of a reduced program, and some of its rows. If a kept
+    /// order has most of them and few others, writes by unknown when it is eliminated, and returns the
+    /// largest fill that is acceptable: with other rows, such as cuts, a kept order may be bad.
     pub(super) fn write_part(
         &mut self,
         program: &Reduced,

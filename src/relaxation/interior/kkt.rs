@@ -27,7 +27,7 @@ use crate::solver::StopToken;
 
 pub(super) struct Kkt {
     condensed: Condensed,
-    /// Those of the last systems, this one's first.
+    /// The last systems, the current one first.
     ordered: Vec<Ordered>,
     orders: KeptOrders,
     /// The matrix in the order of elimination, and the one without weights.
@@ -202,8 +202,8 @@ impl Kkt {
     }
 }
 
-/// The upper triangle of a symmetric pattern in an order of elimination. Ordered once, it need not be
-/// permuted with every factorisation.
+/// The upper triangle of a symmetric pattern in an order of elimination, so that no factorisation has to
+/// permute it.
 struct Ordered {
     /// The pattern as it was given, by columns.
     start: Vec<usize>,
@@ -289,7 +289,7 @@ impl Ordered {
         self.start == start && self.index == index
     }
 
-    /// How long a factorisation takes at a number of operations a second.
+    /// The duration of a factorisation at a rate in operations a second.
     fn duration(&self, rate: f64) -> Duration {
         Duration::try_from_secs_f64(self.operations / rate).unwrap_or(Duration::MAX)
     }

@@ -6,7 +6,7 @@
 //! beyond the cutoff, or infeasibility, with the same formulas as [`Prover`](super::Prover) in plain
 //! floats. The caller proves it again.
 //!
-//! The method gives up early, because the ladder asks another one for the rest.
+//! The method gives up early, because the ladder has another one for the rest.
 
 mod condensed;
 mod elimination_order;
@@ -192,8 +192,8 @@ impl InteriorRun<'_> {
         solved
     }
 
-    /// The claim that a measured iterate supports, and whether that is all that was asked for;
-    /// `None` if it supports none.
+    /// The claim that a measured iterate supports, and whether it meets the requested tolerance; `None` if
+    /// it supports none.
     fn judge(&self, at: &Iterate, iterations: u32) -> Option<(Claim, bool)> {
         let (scaled, effort) = (self.scaled, self.effort);
         let objective = |value: f64| value / scaled.objective + self.program.offset;

@@ -1,4 +1,4 @@
-//! Memory for results, from results that nobody needs any more.
+//! The memory of results that are no longer needed, for new ones.
 
 use super::parameters::MAX_KEPT_RESULTS;
 use super::warm_start::ParentIterate;
@@ -7,7 +7,7 @@ use crate::relaxation::{RelaxationResult, WarmState};
 #[derive(Default)]
 pub(super) struct ResultMemory {
     vectors: Vec<Vec<f64>>,
-    /// Each of an iterate, and nobody else has it.
+    /// States of iterates that are not shared.
     states: Vec<WarmState>,
 }
 

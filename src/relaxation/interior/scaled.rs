@@ -25,9 +25,9 @@ pub(super) struct ScaledProgram {
     pub(super) rows: Compressed,
     /// Equality rows and their right sides.
     pub(super) equalities: Vec<(usize, f64)>,
-    /// Those of rows, then those of columns.
+    /// The sides of rows, then the sides of columns.
     pub(super) sides: Vec<OneSidedLimit>,
-    /// How many are of rows.
+    /// The number of sides of rows.
     pub(super) row_sides: usize,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,

@@ -73,7 +73,7 @@ impl Iterate {
         self.slack.fill(0.0);
         self.dual.fill(0.0);
         self.measure(program);
-        // With unit slacks and zero duals, a side pulls with its residual.
+        // With unit slacks and zero duals, the right-hand side of a side is its residual.
         self.slack.fill(1.0);
         self.dual.fill(1.0);
         self.invert();

@@ -9,7 +9,7 @@ use crate::presolve::Compressed;
 /// No slot.
 pub(super) const NONBASIC: usize = usize::MAX;
 
-/// The outcome of a step.
+/// The outcome of an iteration.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Iteration {
     Moved,
@@ -38,7 +38,7 @@ pub(super) struct Dual {
     /// Costs as they are used; some may have been shifted for the start.
     used: Vec<f64>,
     pub(super) is_shifted: bool,
-    /// By how much bounds may be violated.
+    /// The largest violation of a bound.
     pub(super) allowed: f64,
     // Work space.
     by_row: Vec<f64>,
@@ -291,7 +291,7 @@ impl Dual {
         self.used.iter().zip(&self.x).map(|(c, x)| c * x).sum()
     }
 
-    /// By how much bounds may be violated, relative: not less than the rounding of the point.
+    /// The largest violation of a bound, relative: not less than the rounding of the point.
     fn allowed_miss(&self) -> f64 {
         if self.allowed >= PRIMAL_TOLERANCE {
             return PRIMAL_TOLERANCE;

@@ -47,14 +47,13 @@ impl DualSimplex {
         Self::default()
     }
 
-    /// Whether a program is of the kind that this method is for. An objective of hardly any terms
-    /// leaves a large face of optima; an interior-point method ends in its middle, which tells
-    /// branching more than a corner does.
+    /// Whether the method suits a program. An objective with few terms leaves a large face of optima. An
+    /// interior-point method ends in its middle, which is a better point for branching than a vertex.
     pub fn suits(program: &Reduced) -> bool {
         program.quadratic.index.is_empty() && DualSimplex::suits_costs(&program.linear)
     }
 
-    /// The same of the costs alone.
+    /// As [`suits`](Self::suits), by the costs alone.
     pub(super) fn suits_costs(costs: &[f64]) -> bool {
         COLUMNS_PER_COST * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
     }
