@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use super::domain::Domain;
 use super::propagation::Propagator;
+use super::tightening::finite_size;
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
@@ -274,7 +275,10 @@ impl<'a> TightenedRows<'a> {
             }
             for &(k, c) in &beside {
                 // Terms that cancel leave rounding of their size.
-                reach.size += (factor * c * magnitude(domain.bounds(k))).abs();
+                // Infinite bounds make every sum infinite unless they cancel.
+                let [lower, upper] = domain.bounds(k);
+                let most = finite_size(lower.abs().max(upper.abs()));
+                reach.size += (factor * c * most).abs();
                 reach.add_term(self.line[k] - factor * c, domain.bounds(k));
             }
             best = best.min(reach.value());
@@ -327,11 +331,4 @@ impl<'a> TightenedRows<'a> {
         tight.replace_rows((0..self.limits.len()).flat_map(terms), &self.limits)?;
         Some(tight)
     }
-}
-
-/// The largest magnitude between two bounds; 0 for infinite ones, because these make every sum infinite
-/// unless they cancel.
-fn magnitude([lower, upper]: [f64; 2]) -> f64 {
-    let most = lower.abs().max(upper.abs());
-    if most.is_finite() { most } else { 0.0 }
 }

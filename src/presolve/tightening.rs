@@ -266,7 +266,7 @@ impl Uncertainty {
                 (soft, all_exact) = (soft + size, false);
             }
         }
-        let limit = size(lower).max(size(upper));
+        let limit = finite_size(lower).max(finite_size(upper));
         // Presolve leaves equalities the rounding of their limits, and widens other rows by it.
         if lower == upper && !all_exact {
             soft += limit;
@@ -290,7 +290,7 @@ impl Uncertainty {
 #[inline]
 fn largest_term(entry: &Entry, bounds: &[[f64; 2]]) -> f64 {
     let (low, high) = entry.ends(bounds);
-    larger(size(low), size(high))
+    larger(finite_size(low), finite_size(high))
 }
 
 /// Smallest and largest activity, and both in compensated sums where plain ones are too coarse.
@@ -365,7 +365,9 @@ fn whole_slack(entry: &Entry, value: f64, rest: f64) -> f64 {
     tolerated + known + own + 4.0 * f64::EPSILON * value.abs()
 }
 
-fn size(value: f64) -> f64 {
+/// The magnitude of a bound or limit; 0 where there is none.
+#[inline]
+pub(super) fn finite_size(value: f64) -> f64 {
     if value.is_finite() { value.abs() } else { 0.0 }
 }
 

@@ -19,7 +19,6 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-mod audit;
 mod big_m;
 mod bounds;
 mod cases;
@@ -44,7 +43,6 @@ mod report;
 mod semicontinuous;
 mod sos;
 
-pub use audit::{Audit, Leak};
 pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
@@ -65,9 +63,8 @@ pub struct Lowered {
     model: Model,
     report: BigMReport,
     original: usize,
-    /// Number of rows of the original model; they come first.
-    written: usize,
-    relaxed: Vec<(Variable, Function, Tie)>,
+    /// The functions of which only one side became rows.
+    one_sided: Vec<(Variable, Function, Tie)>,
     /// The state of the model that this was made from.
     revision: u64,
 }
@@ -124,13 +121,13 @@ impl Lowered {
     /// auxiliary variables, and moves variables of one-sided functions back onto them, which
     /// neither violates anything nor worsens the objective.
     pub fn restore(&self, values: &[f64]) -> Vec<f64> {
-        restore(self.original, &self.relaxed, values)
+        restore(self.original, &self.one_sided, values)
     }
 
     /// Keeps only what `restore` needs. The rest is as large as the model, and a solve does not
     /// need it.
     pub(crate) fn into_way_back(self) -> WayBack {
-        WayBack { original: self.original, relaxed: self.relaxed }
+        WayBack { original: self.original, one_sided: self.one_sided }
     }
 }
 
@@ -138,39 +135,38 @@ impl Lowered {
 #[derive(Debug)]
 pub(crate) struct WayBack {
     original: usize,
-    relaxed: Vec<(Variable, Function, Tie)>,
+    one_sided: Vec<(Variable, Function, Tie)>,
 }
 
 impl WayBack {
     /// The way back to a model that has only rows.
     pub(crate) fn to_rows(model: &Model) -> Self {
-        WayBack { original: model.variable_count(), relaxed: Vec::new() }
+        WayBack { original: model.variable_count(), one_sided: Vec::new() }
     }
 
     /// Same as [`Lowered::restore`].
     pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
-        restore(self.original, &self.relaxed, values)
+        restore(self.original, &self.one_sided, values)
     }
 }
 
-fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64]) -> Vec<f64> {
+fn restore(original: usize, one_sided: &[(Variable, Function, Tie)], values: &[f64]) -> Vec<f64> {
     let mut values: Vec<f64> = values.iter().take(original).copied().collect();
     if values.len() == original {
-        for (variable, function, tie) in relaxed {
+        for (variable, function, tie) in one_sided {
             direction::restore(*variable, function, *tie, &mut values);
         }
     }
     values
 }
 
-/// Replaces every indicator by big-M rows, with each M from the *current* bounds (of parameters:
-/// from their declared ranges) or, for variables without bounds, from those that rows imply, and every disjunction, logic statement, function, ordered set and
-/// semi-continuous variable by its rows, as the model's
+/// Replaces all statements that are not rows by rows, as the model's
 /// [`Reformulation`](crate::model::Reformulation) asks for.
 ///
-/// If the model pushes the variable of a function only towards its convex (or concave) side, the
-/// function is relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`]
-/// moves points back.
+/// The M of an indicator comes from the *current* bounds (of parameters: from their declared
+/// ranges) or, for variables without bounds, from those that rows imply. If the model pushes the
+/// variable of a function only towards its convex (or concave) side, only that side becomes rows,
+/// which need neither binaries nor bounds; [`Lowered::restore`] moves points back.
 ///
 /// # Errors
 ///
@@ -251,7 +247,7 @@ fn lower_with<'a>(
     token: &'a StopToken,
 ) -> Result<Option<Made<'a>>, Error> {
     let mut lowering = Lowering::new(model, maximizer, implied, token);
-    let mut relaxed = Vec::new();
+    let mut one_sided = Vec::new();
     for variable in model.variables() {
         let Some(values) = variable.semicontinuous() else { continue };
         if token.spend(STATEMENT_WORK) {
@@ -267,7 +263,7 @@ fn lower_with<'a>(
         }
         functions::apply(&function, tie, &mut lowering)?;
         if tie != Tie::Exact {
-            relaxed.push((function.result(), function.function().clone(), tie));
+            one_sided.push((function.result(), function.function().clone(), tie));
         }
     }
     for indicator in model.indicators() {
@@ -296,7 +292,7 @@ fn lower_with<'a>(
         sos::apply(&set, &mut lowering)?;
     }
     let Lowering { model: lowered, report, original, implied, .. } = lowering;
-    let (written, revision) = (model.constraint_count(), model.revision());
-    let lowered = Lowered { model: lowered, report, original, written, relaxed, revision };
+    let lowered =
+        Lowered { model: lowered, report, original, one_sided, revision: model.revision() };
     Ok(Some((lowered, implied)))
 }

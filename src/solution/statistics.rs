@@ -284,11 +284,6 @@ impl Times {
         ]
     }
 
-    /// The time for building, solving and proving relaxations.
-    pub fn of_relaxations(&self) -> Duration {
-        self.reduction + self.relaxation + self.proof
-    }
-
     /// The sum of the parts, over all threads.
     pub fn total(&self) -> Duration {
         self.parts().into_iter().map(|(_, time)| time).sum()
@@ -312,13 +307,6 @@ impl Statistics {
     pub fn nodes_per_second(&self) -> f64 {
         let seconds = self.time.as_secs_f64();
         if seconds > 0.0 { self.nodes as f64 / seconds } else { 0.0 }
-    }
-
-    /// The share of the threads' time that was not spent on building, solving and proving
-    /// relaxations ([`Times::of_relaxations`]), within `[0, 1]`; 0 if nothing was measured.
-    pub fn share_beyond_relaxations(&self) -> f64 {
-        let total = self.times.total().as_secs_f64();
-        if total > 0.0 { 1.0 - self.times.of_relaxations().as_secs_f64() / total } else { 0.0 }
     }
 
     /// The same counts without times and the number of threads, which vary from run to run.

@@ -9,7 +9,6 @@ use crate::error::{Error, ErrorKind};
 use crate::model::affine::{Affine, merge};
 use crate::model::checks::finite;
 use crate::model::ids::Variable;
-use crate::model::literal::Literal;
 use crate::model::name::Name;
 use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
@@ -95,7 +94,7 @@ fn add(
             model.push_constraint(name, stored).map_err(|error| at(row.place, &error))?;
         }
         Some(condition) => {
-            let literal = Literal { variable: variables[condition.column], on: condition.on };
+            let literal = condition.literal(variables);
             let added = model.push_indicator(name, literal, stored, BigM::Automatic);
             added.map_err(|error| {
                 let known = matches!(error.kind(), ErrorKind::DuplicateName { .. });
@@ -177,12 +176,7 @@ fn semicontinuous(
         return model.variable(name, kind, 0.0, one);
     }
     if lower < 0.0 {
-        warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {} and {}; some solvers refuse negative values of \
-             semi-continuous variables",
-            Exact(lower),
-            Exact(upper)
-        )));
+        warnings.push(place.warning(ends::negative(column.name.text, (lower, upper))));
     }
     match column.integer {
         true => model.semiinteger(name, lower, upper),

@@ -2,7 +2,7 @@
 
 use super::names::CONSTANT;
 use super::read::LpFile;
-use super::rows::Condition;
+use crate::model::text::row_condition::RowCondition;
 
 impl LpFile<'_> {
     /// Makes a column `Constant` that is fixed to 1, and that the objective alone mentions, the
@@ -24,7 +24,7 @@ impl LpFile<'_> {
         }
         for row in &mut self.rows {
             row.terms.iter_mut().for_each(|(at, _)| close(at, index));
-            if let Some(Condition { column, .. }) = &mut row.condition {
+            if let Some(RowCondition { column, .. }) = &mut row.condition {
                 close(column, index);
             }
         }

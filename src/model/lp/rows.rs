@@ -4,6 +4,7 @@ use super::expression::Expression;
 use super::lexer::TokenKind;
 use super::read::LpFile;
 use crate::error::Error;
+use crate::model::text::row_condition::RowCondition;
 use crate::model::text::token::Token;
 use crate::number::Exact;
 
@@ -16,15 +17,7 @@ pub(super) struct LpRow<'a> {
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) lower: f64,
     pub(super) upper: f64,
-    pub(super) condition: Option<Condition<'a>>,
-}
-
-/// The condition of a row: a column and its value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Condition<'a> {
-    pub(super) column: usize,
-    pub(super) on: bool,
-    pub(super) place: Token<'a>,
+    pub(super) condition: Option<RowCondition<'a>>,
 }
 
 /// `lower <= expression <= upper`.
@@ -60,7 +53,7 @@ impl<'a> LpFile<'a> {
             let Some((column, on)) = literal(&comparison) else {
                 return Err(place.error("expected `z = 0` or `z = 1` as the condition before `->`"));
             };
-            condition = Some(Condition { column, on, place });
+            condition = Some(RowCondition { column, on, place });
             self.step();
             comparison = self.comparison()?;
         }

@@ -9,7 +9,6 @@ use super::read::{MpsColumn, MpsFile, MpsRow, RowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
-use crate::model::literal::Literal;
 use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::sense::Sense;
@@ -19,7 +18,6 @@ use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
-use crate::number::Exact;
 
 /// Makes the model that a file describes.
 pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
@@ -42,7 +40,7 @@ pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
                 model.push_constraint(name, stored)?;
             }
             Some(condition) => {
-                let literal = Literal { variable: variables[condition.column], on: condition.on };
+                let literal = condition.literal(&variables);
                 model
                     .push_indicator(name, literal, stored, BigM::Automatic)
                     .map_err(|error| condition.place.error(error.to_string()))?;
@@ -103,12 +101,7 @@ fn semicontinuous(
     }
     let (lower, upper) = column.bounds.resolve(integer, warnings)?;
     if lower < 0.0 {
-        warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {} and {}; some solvers refuse negative values of \
-             semi-continuous columns",
-            Exact(lower),
-            Exact(upper)
-        )));
+        warnings.push(place.warning(ends::negative(name, (lower, upper))));
     }
     match integer {
         true => model.semiinteger(names::read(name), lower, upper),

@@ -8,6 +8,7 @@ use crate::model::name::Name;
 use crate::model::sense::Sense;
 use crate::model::text::names::Names;
 use crate::model::text::read::Warning;
+use crate::model::text::row_condition::RowCondition;
 use crate::model::text::sets::Set;
 use crate::model::text::token::{self, Token};
 
@@ -44,7 +45,7 @@ pub(super) struct MpsRow<'a> {
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) right: Option<Token<'a>>,
     pub(super) range: Option<Token<'a>>,
-    pub(super) condition: Option<Condition<'a>>,
+    pub(super) condition: Option<RowCondition<'a>>,
     /// The last column with an entry here, to find duplicates.
     last_column: Option<usize>,
 }
@@ -71,14 +72,6 @@ pub(super) struct MpsProduct<'a> {
     pub(super) first: usize,
     pub(super) second: usize,
     pub(super) value: f64,
-    pub(super) place: Token<'a>,
-}
-
-/// The condition of a row: a column and its value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Condition<'a> {
-    pub(super) column: usize,
-    pub(super) on: bool,
     pub(super) place: Token<'a>,
 }
 
@@ -339,7 +332,7 @@ impl<'a> MpsFile<'a> {
             1.0 => true,
             _ => return Err(value.error(format!("expected 0 or 1, found `{}`", value.text))),
         };
-        let condition = Condition { column: self.find_column(&column)?, on, place: column };
+        let condition = RowCondition { column: self.find_column(&column)?, on, place: column };
         let row = &mut self.rows[row];
         if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
             return Err(name.error(format!(

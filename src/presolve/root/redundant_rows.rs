@@ -2,8 +2,9 @@
 //! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{ActivityRange, Infeasible, Sparse, Work, finite};
+use super::work::{ActivityRange, Infeasible, Sparse, Work};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
+use crate::presolve::tightening::finite_size;
 use crate::tolerance;
 
 /// A row forces columns only if each can change its activity by at least this many times the margin.
@@ -68,7 +69,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
 
 /// The amount by which rounding may violate a row, in its unit.
 fn excess(work: &Work, row: usize, range: &ActivityRange) -> f64 {
-    let limit = finite(work.row_lower[row]).max(finite(work.row_upper[row]));
+    let limit = finite_size(work.row_lower[row]).max(finite_size(work.row_upper[row]));
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
     // Exact terms have no rounding, so their violation counts beyond the tolerance.
     let missed = (CONTRADICTION * soft).max(tolerance::FEASIBILITY);

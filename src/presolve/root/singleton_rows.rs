@@ -1,8 +1,9 @@
 //! Singleton rows become bounds; empty rows are checked and dropped.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work, finite};
+use super::work::{Infeasible, Work};
 use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
+use crate::presolve::tightening::finite_size;
 use crate::tolerance;
 
 #[derive(Debug)]
@@ -41,7 +42,7 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             let (p, q) = (lower / a, upper / a);
             (lower, upper) = (p.min(q), p.max(q));
             let gives = [lower > work.lower[column], upper < work.upper[column]];
-            let rounding = f64::EPSILON * finite(lower).max(finite(upper));
+            let rounding = f64::EPSILON * finite_size(lower).max(finite_size(upper));
             let noise = noise / a.abs() + rounding;
             if work.integral[column] {
                 // A whole value must satisfy the row itself: 0 is near 2e-7, and violates `1e8 z >= 20`.

@@ -6,7 +6,8 @@
 
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
-use super::work::{Work, finite};
+use super::work::Work;
+use crate::presolve::tightening::finite_size;
 
 /// A column without a cost that widened a row.
 #[derive(Debug)]
@@ -63,7 +64,7 @@ fn widen(work: &mut Work, column: usize, row: usize) {
     work.row_lower[row] -= p.max(q);
     work.row_upper[row] -= p.min(q);
     work.row_noise[row] += coefficient.abs() * work.column_noise[column];
-    work.add_rounding(row, finite(p).max(finite(q)));
+    work.add_rounding(row, finite_size(p).max(finite_size(q)));
     work.drop_column(column);
     let rest = work.rows[row].clone();
     work.push(RowSlack { column, row, coefficient, bounds, limits, rest });

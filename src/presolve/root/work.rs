@@ -10,6 +10,7 @@ use super::postsolve::{Postsolve, Presolved, Undo};
 use crate::error::{Error, ErrorKind};
 use crate::presolve::coefficients::is_exact;
 use crate::presolve::parameters::{CONTRADICTION, LARGEST_WHOLE};
+use crate::presolve::tightening::finite_size;
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
@@ -118,7 +119,9 @@ impl Work {
             rows,
             uses,
             // Limits may come from a sum themselves.
-            row_noise: limits.map(|(&l, &u)| f64::EPSILON * finite(l).max(finite(u))).collect(),
+            row_noise: limits
+                .map(|(&l, &u)| f64::EPSILON * finite_size(l).max(finite_size(u)))
+                .collect(),
             column_noise: vec![0.0; n],
             spread: vec![program.spread; n],
             row_lower: program.row_lower.clone(),
@@ -278,7 +281,7 @@ impl Work {
     pub(super) fn blur_objective(&mut self, column: usize, value: f64, noise: f64) {
         let mut slope = self.linear[column].abs();
         for (&other, p) in &self.quadratic[column] {
-            let size = finite(self.lower[other]).max(finite(self.upper[other]));
+            let size = finite_size(self.lower[other]).max(finite_size(self.upper[other]));
             slope += p.abs() * if other == column { value.abs() } else { size };
         }
         self.rounding += slope * noise;
@@ -293,8 +296,8 @@ impl Work {
 
     /// Notes the rounding of a constant that joined the limits of a row, and that of the sum.
     pub(super) fn add_rounding(&mut self, row: usize, constant: f64) {
-        let limit = finite(self.row_lower[row]).max(finite(self.row_upper[row]));
-        self.row_noise[row] += f64::EPSILON * (finite(constant) + limit);
+        let limit = finite_size(self.row_lower[row]).max(finite_size(self.row_upper[row]));
+        self.row_noise[row] += f64::EPSILON * (finite_size(constant) + limit);
     }
 
     /// The activity of some terms over the bounds.
@@ -378,7 +381,7 @@ impl Work {
     /// Returns by how much: of rows, and of columns.
     fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {
         let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64| {
-            let known = |limit: f64| SOFT_ROUNDING.max(part * finite(limit));
+            let known = |limit: f64| SOFT_ROUNDING.max(part * finite_size(limit));
             let is_widened = noise > known(*lower).max(known(*upper));
             if is_widened {
                 (*lower, *upper) = (*lower - noise, *upper + noise);
@@ -460,9 +463,4 @@ impl Work {
 fn crossed(lower: f64, upper: f64) -> f64 {
     let scale = lower.abs().max(upper.abs()).max(1.0);
     (CONTRADICTION * scale).min(tolerance::FEASIBILITY.max(EXACT_ROUNDING * scale))
-}
-
-/// The size of a limit; 0 where there is none.
-pub(super) fn finite(limit: f64) -> f64 {
-    if limit.is_finite() { limit.abs() } else { 0.0 }
 }
