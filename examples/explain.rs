@@ -3,7 +3,9 @@
 //! Run with `cargo run --release --example explain`.
 
 use carom::collision_tolerant::{PlanningProgram, Scenario};
-use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation, violations};
+use carom::explain::{
+    ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility, violations,
+};
 use carom::hybrid::DamageLimits;
 use carom::prelude::*;
 
@@ -38,7 +40,7 @@ fn main() -> Result<(), Error> {
         .with_weight("goal_position", 10.0);
     println!(
         "\nthe least that has to give: {}",
-        relaxation(&program.model, &mut solver, &options)?
+        elastic_relaxation(&program.model, &mut solver, &options)?
     );
     Ok(())
 }

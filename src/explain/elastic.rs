@@ -8,7 +8,7 @@ use crate::model::{
 };
 
 /// A model whose statements may give, and the variables that say by how much.
-pub(super) struct Elastic<'a> {
+pub(super) struct ElasticModel<'a> {
     original: &'a Model,
     pub(super) model: Model,
     pub(super) slacks: Vec<ElasticSlack>,
@@ -23,11 +23,11 @@ pub(super) struct ElasticSlack {
     pub(super) above: Option<Variable>,
 }
 
-impl<'a> Elastic<'a> {
+impl<'a> ElasticModel<'a> {
     /// Makes all statements with a finite weight elastic. The objective is the weighted sum of their
     /// slacks.
     pub(super) fn of(model: &'a Model, weights: &[f64]) -> Result<Self, Error> {
-        let mut elastic = Elastic {
+        let mut elastic = ElasticModel {
             original: model,
             model: subset(model, |position| weights[position].is_infinite()),
             slacks: Vec::new(),

@@ -294,7 +294,7 @@ fn turned_products_are_merged() {
 
 #[test]
 fn explanations_survive() {
-    use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation};
+    use carom::explain::{ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility};
 
     let mut model = Model::new("m");
     let x = model.continuous_family("x", 3, 0.0, f64::INFINITY).unwrap();
@@ -311,7 +311,7 @@ fn explanations_survive() {
     let why = infeasibility(&again, &mut solver, &ExplainOptions::default()).unwrap();
     assert_eq!(copy(&why).to_string(), why.to_string());
     assert_eq!(copy(&why).groups(), why.groups());
-    let relaxed = relaxation(&again, &mut solver, &ElasticOptions::default()).unwrap();
+    let relaxed = elastic_relaxation(&again, &mut solver, &ElasticOptions::default()).unwrap();
     assert_eq!(copy(&relaxed).stretches(), relaxed.stretches());
     assert_eq!(copy(&relaxed).bound(), relaxed.bound());
 }

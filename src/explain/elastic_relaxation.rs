@@ -4,7 +4,7 @@ use std::fmt;
 
 use web_time::Duration;
 
-use super::elastic::Elastic;
+use super::elastic::ElasticModel;
 use super::groups::selected;
 use crate::error::Error;
 #[cfg(doc)]
@@ -17,7 +17,7 @@ use crate::solution::{Point, Termination, Verification};
 use crate::solver::{Interrupt, Solver, StopToken};
 use crate::tolerance;
 
-/// Options of [`relaxation`].
+/// Options of [`elastic_relaxation`].
 ///
 /// Names stand for statements as in [`ExplainOptions`](super::ExplainOptions).
 #[derive(Debug, Clone, Default)]
@@ -84,11 +84,11 @@ impl ElasticOptions {
     }
 }
 
-/// Which statements would have to give, and by how much; made by [`relaxation`].
+/// Which statements would have to give, and by how much; made by [`elastic_relaxation`].
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[must_use]
-pub struct Relaxed {
+pub struct ElasticRelaxation {
     termination: Termination,
     stretches: Vec<Stretch>,
     point: Option<Point>,
@@ -111,7 +111,7 @@ pub struct Stretch {
     pub amount: f64,
 }
 
-impl Relaxed {
+impl ElasticRelaxation {
     /// Why the solver stopped: `Optimal` if no cheaper way exists, `Infeasible` if the statements that
     /// never give contradict each other.
     pub fn termination(&self) -> Termination {
@@ -154,7 +154,7 @@ impl Relaxed {
 /// give, and the model's own objective plays no role.
 ///
 /// ```
-/// use carom::explain::{ElasticOptions, relaxation};
+/// use carom::explain::{ElasticOptions, elastic_relaxation};
 /// use carom::prelude::*;
 ///
 /// let mut model = Model::new("m");
@@ -163,7 +163,7 @@ impl Relaxed {
 /// model.add("have", x.le(4.0))?;
 /// let mut solver = BranchAndBound::default();
 /// let options = ElasticOptions::default().with_weight("want", 10.0);
-/// let relaxed = relaxation(&model, &mut solver, &options)?;
+/// let relaxed = elastic_relaxation(&model, &mut solver, &options)?;
 /// assert!(relaxed.is_optimal());
 /// assert_eq!(relaxed.stretches().len(), 1);
 /// let stretch = &relaxed.stretches()[0];
@@ -177,13 +177,13 @@ impl Relaxed {
 /// [`ErrorKind::UnknownName`] for a name that the model does not have, [`ErrorKind::OutOfRange`]
 /// for a weight that is not greater than 0, and the errors of [`Solver::solve_with`]; among them
 /// [`ErrorKind::UnboundedIndicator`] if an indicator has no finite big-M.
-pub fn relaxation(
+pub fn elastic_relaxation(
     model: &Model,
     solver: &mut dyn Solver,
     options: &ElasticOptions,
-) -> Result<Relaxed, Error> {
+) -> Result<ElasticRelaxation, Error> {
     let weights = options.resolve(model)?;
-    let mut elastic = Elastic::of(model, &weights)?;
+    let mut elastic = ElasticModel::of(model, &weights)?;
     let token = StopToken::new(options.time_limit, &options.interrupt);
     let solution = match token.solve(solver, &elastic.model, &mut |_| {}) {
         // Rows that may give bound nothing.
@@ -196,7 +196,7 @@ pub fn relaxation(
         }
         other => other?,
     };
-    let mut relaxed = Relaxed {
+    let mut relaxed = ElasticRelaxation {
         termination: solution.termination(),
         stretches: Vec::new(),
         point: None,
@@ -238,7 +238,7 @@ impl fmt::Display for Stretch {
     }
 }
 
-impl fmt::Display for Relaxed {
+impl fmt::Display for ElasticRelaxation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (&self.point, self.termination) {
             (None, Termination::Infeasible) => {
