@@ -7,7 +7,6 @@ use super::transition::Transition;
 use super::transition_mut::TransitionMut;
 use super::{HybridSystem, MODE, Schedule};
 use crate::error::{Error, ErrorKind, check_finite};
-use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
 use crate::model::{Affine, Row, Variable, is_name};
 
@@ -17,11 +16,14 @@ impl HybridSystem {
     /// # Errors
     ///
     /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::NotFinite`],
-    /// [`ErrorKind::CrossedBounds`]; [`ErrorKind::Misplaced`] after the first limit or flow.
+    /// [`ErrorKind::CrossedBounds`]; [`ErrorKind::Misplaced`] after the first limit, mode or flow.
     pub fn state(&mut self, name: &str, lower: f64, upper: f64) -> Result<State, Error> {
         self.check_declaration(name)?;
         super::check_ends(name, Interval::new(lower, upper))?;
         self.states.push((name.to_owned(), Interval::new(lower, upper)));
+        if !self.disturbance.is_empty() {
+            self.disturbance.push(Interval::point(0.0));
+        }
         Ok(self.handles.state(self.states.len() - 1))
     }
 
@@ -415,10 +417,12 @@ impl HybridSystem {
         }
         let number = self.choice_numbered(choice);
         let entered = modes.as_ref().filter(|(from, to)| from != to).map(|(_, to)| to);
-        let entered = entered.and_then(|to| self.stated_flow(number, to));
-        let flow = entered.or_else(|| self.flow.clone());
-        let is_stated = flow.is_some();
-        let flow = match flow {
+        let known = match entered {
+            Some(to) => self.stated_flow(number, to),
+            None => self.flow.clone(),
+        };
+        let is_stated = known.is_some();
+        let flow = match known.or_else(|| self.flow.clone()) {
             Some(flow) => flow,
             // A place holder: `check` refuses it.
             None => self.idle()?,
@@ -432,41 +436,6 @@ impl HybridSystem {
         }
         self.declare_choice(number);
         Ok(TransitionMut::new(self, number, own))
-    }
-
-    /// The flow of the transition that stays in a mode, if it is stated.
-    fn stated_flow(&self, choice: usize, mode: &str) -> Option<LinearSystem> {
-        let transitions = self.choices[choice].transitions.iter().enumerate();
-        let stays = |modes: &Option<(String, String)>| {
-            modes.as_ref().is_some_and(|(from, to)| from == mode && to == mode)
-        };
-        let mut found = transitions
-            .filter(|(j, own)| stays(&own.modes) && !self.unstated.contains(&(choice, *j)));
-        found.next().map(|(_, own)| own.flow.clone())
-    }
-
-    /// Sets the flow of a transition, and of the switches that take theirs from it.
-    pub(super) fn set_flow(&mut self, choice: usize, number: usize, flow: LinearSystem) {
-        let own = &mut self.choices[choice].transitions[number];
-        own.flow = flow.clone();
-        let stays = own.modes.clone().filter(|(from, to)| from == to);
-        self.unstated.retain(|unstated| *unstated != (choice, number));
-        let Some((mode, _)) = stays else { return };
-        let transitions = &mut self.choices[choice].transitions;
-        self.unstated.retain(|&(other, j)| {
-            let enters = |modes: &(String, String)| modes.1 == mode;
-            let follows = other == choice && transitions[j].modes.as_ref().is_some_and(enters);
-            if follows {
-                transitions[j].flow = flow.clone();
-            }
-            !follows
-        });
-    }
-
-    /// A flow that leaves the state as it is.
-    fn idle(&self) -> Result<LinearSystem, Error> {
-        let rows = self.flow_rows::<Affine>(FlowKind::NextValues, [], "a flow")?;
-        self.linear(&rows)
     }
 
     /// Whether modes with memory are declared for a choice.
@@ -485,7 +454,8 @@ impl HybridSystem {
     /// limits is settled.
     fn check_declaration(&self, name: &str) -> Result<(), Error> {
         if self.flow.is_some() || !self.limits.is_empty() || !self.choices.is_empty() {
-            let (name, place) = (format!("`{name}`"), "a statement after a limit or a flow".into());
+            let (name, place) =
+                (format!("`{name}`"), "a statement after a limit, a mode or a flow".into());
             let help = "declare all states and inputs first";
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }

@@ -234,6 +234,34 @@ impl HybridSystem {
         self.find(&Meaning::Taken(number, taken))
     }
 
+    /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples in the
+    /// mode, 0 at the others.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn mode_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
+        let number = self.choices.iter().position(|own| own.name == choice);
+        let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
+        if !self.choices[number].modes().contains(&name) {
+            return Err(unknown(name, "mode of the choice"));
+        }
+        self.find(&Meaning::InMode(number, name.to_owned()))
+    }
+
+    /// The handle of an output, by its name.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn output_named(&self, name: &str) -> Result<Variable, Error> {
+        let mut outputs = self.transitions().flat_map(|transition| &transition.outputs);
+        if !outputs.any(|own| own.name == name) {
+            return Err(unknown(name, "output of the system"));
+        }
+        self.find(&Meaning::Output(name.to_owned()))
+    }
+
     fn find(&self, meaning: &Meaning) -> Result<Variable, Error> {
         let index = self.handles.meanings.iter().position(|known| known == meaning);
         let found = index.map(|index| Variable::new(index, self.handles.tag));

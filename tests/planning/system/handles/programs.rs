@@ -1,0 +1,1 @@
+//! Programs of systems stated by handles.
