@@ -124,7 +124,7 @@ impl HybridSystem {
     }
 }
 
-fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
+pub(super) fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
     if count == 0 {
         let what = format!("the number of {what} of the hybrid system");
         return Err(Error::out_of_range(what, 0.0, "at least 1"));

@@ -415,10 +415,9 @@ impl HybridSystem {
             let help = "the choice has modes with memory; use `stay` and `switch`";
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }
-        let number = self.choice_numbered(choice);
         let entered = modes.as_ref().filter(|(from, to)| from != to).map(|(_, to)| to);
         let known = match entered {
-            Some(to) => self.stated_flow(number, to),
+            Some(to) => number.and_then(|number| self.stated_flow(number, to)),
             None => self.flow.clone(),
         };
         let is_stated = known.is_some();
@@ -427,6 +426,7 @@ impl HybridSystem {
             // A place holder: `check` refuses it.
             None => self.idle()?,
         };
+        let number = self.choice_numbered(choice);
         let transitions = &mut self.choices[number].transitions;
         let transition = Transition { is_event, modes, ..Transition::new(name, flow) };
         transitions.push(transition);

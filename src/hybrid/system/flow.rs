@@ -32,6 +32,7 @@ impl HybridSystem {
         place: &str,
     ) -> Result<FlowRows, Error> {
         let (n, m) = (self.states.len(), self.inputs.len());
+        super::check::at_least_one("states", n)?;
         let mut flow = match &self.common {
             Some(common) if common.kind != kind => {
                 let name = "a flow of another kind than the common one".to_owned();
