@@ -4,6 +4,7 @@ use super::affine::Affine;
 use super::checks;
 use super::ids::Variable;
 use super::literal::Literal;
+use super::name::Name;
 use super::quadratic::Quadratic;
 use crate::error::Error;
 
@@ -42,9 +43,14 @@ impl Row {
     ///
     /// # Errors
     ///
-    /// As for [`Model::add`](super::Model::add).
+    /// As for [`Model::add`](super::Model::add), but for handles and empty rows.
     pub(crate) fn limits(&self, name: &str) -> Result<(f64, f64), Error> {
-        checks::limits(self.lower, self.upper, &name.into())
+        let name = Name::from(name);
+        for (_, coefficient) in self.expression.terms() {
+            checks::finite(coefficient, "a coefficient", &name)?;
+        }
+        checks::finite(self.expression.offset(), "the constant", &name)?;
+        checks::limits(self.lower, self.upper, &name)
     }
 
     /// Whether the row has no variable and holds.

@@ -59,7 +59,7 @@ impl HybridSystem {
         self.check()?;
         let plan = PlannedRun::new(self, run)?;
         let mut certificate = RunCertificate {
-            time_step: run.time_step,
+            time_step: self.time_step,
             largest_residual: 0.0,
             largest_violation: 0.0,
             drift: 0.0,

@@ -77,6 +77,7 @@ impl HybridSystem {
         };
         let names = |names: Vec<&String>| names.into_iter().cloned().collect();
         let mut run = Simulation {
+            time_step: self.time_step,
             state_names: names(self.states.iter().map(|(name, _)| name).collect()),
             input_names: names(self.inputs.iter().map(|(name, _)| name).collect()),
             choice_names: names(self.choices.iter().map(|choice| &choice.name).collect()),

@@ -153,6 +153,8 @@ impl fmt::Display for DeadEnd {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Simulation {
+    /// Δt, in s.
+    pub time_step: f64,
     /// Names of the states.
     pub state_names: Vec<String>,
     /// Names of the inputs.
@@ -207,17 +209,13 @@ impl Simulation {
 
     /// The steps that were taken, by name: for [`to_csv`](HybridRun::to_csv), for a certificate, or
     /// as a MIP start.
-    ///
-    /// # Arguments
-    ///
-    /// * `time_step`: Δt, in s.
-    pub fn to_run(&self, time_step: f64) -> HybridRun {
+    pub fn to_run(&self) -> HybridRun {
         let columns = |names: &[String], samples: &[Vec<f64>]| {
             let column = |k: usize| samples.iter().filter_map(move |sample| sample.get(k)).copied();
             let named = names.iter().enumerate();
             named.map(|(k, name)| (name.clone(), column(k).collect())).collect()
         };
-        let mut run = HybridRun { time_step, ..HybridRun::default() };
+        let mut run = HybridRun { time_step: self.time_step, ..HybridRun::default() };
         run.states = columns(&self.state_names, &self.states);
         run.inputs = columns(&self.input_names, &self.inputs);
         for (c, choice) in self.choice_names.iter().enumerate() {

@@ -24,7 +24,8 @@ impl HybridSystem {
         check_time_step(self.time_step)?;
         at_least_one("states", self.states.len())?;
         at_least_one("transitions", self.transitions().count())?;
-        if let Some(&(choice, number)) = self.unstated.first() {
+        // Switches without a flow of the mode that they enter have the common one.
+        if let Some(&(choice, number)) = self.unstated.first().filter(|_| self.flow.is_none()) {
             let name = format!("`{}`", self.choices[choice].transitions[number].name);
             let place = "the system without a flow".to_owned();
             let help = "state it by `rates` or by `next`, or state a common flow first";
@@ -72,7 +73,7 @@ impl HybridSystem {
             return Err(Error::out_of_range(
                 format!("the number of transitions of `{name}` that name modes"),
                 with_modes as f64,
-                "none or all of them; use `within` for those that stay in a mode",
+                "none or all of them; use `stay` and `switch` for all",
             ));
         }
         let modes = choice.modes();
@@ -123,7 +124,7 @@ impl HybridSystem {
     }
 }
 
-fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
+pub(super) fn at_least_one(what: &str, count: usize) -> Result<(), Error> {
     if count == 0 {
         let what = format!("the number of {what} of the hybrid system");
         return Err(Error::out_of_range(what, 0.0, "at least 1"));

@@ -15,11 +15,14 @@ impl HybridSystem {
     /// # Errors
     ///
     /// [`ErrorKind::DuplicateName`], [`ErrorKind::InvalidName`], [`ErrorKind::NotFinite`],
-    /// [`ErrorKind::CrossedBounds`]; [`ErrorKind::Misplaced`] after the first limit or flow.
+    /// [`ErrorKind::CrossedBounds`]; [`ErrorKind::Misplaced`] after the first limit, mode or flow.
     pub fn state(&mut self, name: &str, lower: f64, upper: f64) -> Result<State, Error> {
         self.check_declaration(name)?;
         super::check_ends(name, Interval::new(lower, upper))?;
         self.states.push((name.to_owned(), Interval::new(lower, upper)));
+        if !self.disturbance.is_empty() {
+            self.disturbance.push(Interval::point(0.0));
+        }
         Ok(self.handles.state(self.states.len() - 1))
     }
 
@@ -223,7 +226,8 @@ impl HybridSystem {
     /// limits is settled.
     fn check_declaration(&self, name: &str) -> Result<(), Error> {
         if self.flow.is_some() || !self.limits.is_empty() || !self.choices.is_empty() {
-            let (name, place) = (format!("`{name}`"), "a statement after a limit or a flow".into());
+            let (name, place) =
+                (format!("`{name}`"), "a statement after a limit, a mode or a flow".into());
             let help = "declare all states and inputs first";
             return Err(ErrorKind::Misplaced { name, place, help }.into());
         }

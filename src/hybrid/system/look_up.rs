@@ -77,6 +77,29 @@ impl HybridSystem {
         found.ok_or_else(|| unknown(name, "transition of the choice"))
     }
 
+    /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples in the
+    /// mode, 0 at the others.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn mode_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
+        let number = self.choices.iter().position(|own| own.name == choice);
+        let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
+        let found = self.handles.find(&Meaning::InMode(number, name.to_owned()));
+        found.ok_or_else(|| unknown(name, "mode of the choice"))
+    }
+
+    /// The handle of an output, by its name.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::UnknownName`].
+    pub fn output_named(&self, name: &str) -> Result<Variable, Error> {
+        let found = self.handles.find(&Meaning::Output(name.to_owned()));
+        found.ok_or_else(|| unknown(name, "output of the system"))
+    }
+
     /// Declares the handles of a choice: of its modes, transitions and outputs.
     pub(super) fn declare_choice(&mut self, number: usize) {
         let choice = &self.choices[number];

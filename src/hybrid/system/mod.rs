@@ -144,7 +144,7 @@ pub struct HybridSystem {
     pub(crate) handles: Handles,
     /// The common flow as it was stated.
     common: Option<FlowRows>,
-    /// Transitions, by choice and number, whose flow is not yet known.
+    /// Transitions, by choice and number, that have not stated a flow and take that of no other yet.
     unstated: Vec<(usize, usize)>,
 }
 

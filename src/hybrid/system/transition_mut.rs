@@ -22,11 +22,13 @@ pub struct TransitionMut<'a> {
     system: &'a mut HybridSystem,
     choice: usize,
     number: usize,
+    /// Whether it has stated its flow.
+    has_flow: bool,
 }
 
 impl<'a> TransitionMut<'a> {
     pub(super) fn new(system: &'a mut HybridSystem, choice: usize, number: usize) -> Self {
-        TransitionMut { system, choice, number }
+        TransitionMut { system, choice, number, has_flow: false }
     }
 
     fn own(&mut self) -> &mut Transition {
@@ -68,8 +70,8 @@ impl<'a> TransitionMut<'a> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, and next to
-    /// a common flow by next values; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
+    /// [`ErrorKind::Misplaced`] for derivatives that are not functions of states and inputs, next to a
+    /// common flow by next values, and for a second flow; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`];
     /// [`ErrorKind::OutOfRange`] for a time step that is not finite and positive.
     pub fn rates<E: Into<Affine>>(
         self,
@@ -96,8 +98,10 @@ impl<'a> TransitionMut<'a> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Shape`] if the numbers of states and inputs differ.
-    pub fn flow(self, flow: LinearSystem) -> Result<Self, Error> {
+    /// [`ErrorKind::Shape`] if the numbers of states and inputs differ; [`ErrorKind::Misplaced`] for a
+    /// second flow.
+    pub fn flow(mut self, flow: LinearSystem) -> Result<Self, Error> {
+        self.state_flow()?;
         let (n, m) = (self.system.states.len(), self.system.inputs.len());
         if (flow.states(), flow.inputs()) != (n, m) {
             return Err(ErrorKind::Shape {
@@ -112,11 +116,26 @@ impl<'a> TransitionMut<'a> {
         Ok(self)
     }
 
+    /// Refuses a second flow.
+    fn state_flow(&mut self) -> Result<(), Error> {
+        match std::mem::replace(&mut self.has_flow, true) {
+            true => Err(self.second("flow", "state all rows of the flow at once")),
+            false => Ok(()),
+        }
+    }
+
+    /// The error for a part that is stated twice.
+    fn second(&self, part: &str, help: &'static str) -> Error {
+        let (name, place) = (format!("a second {part}"), self.place("the statement"));
+        ErrorKind::Misplaced { name, place, help }.into()
+    }
+
     fn flow_by<E: Into<Affine>>(
-        self,
+        mut self,
         kind: FlowKind,
         rows: impl IntoIterator<Item = (State, E)>,
     ) -> Result<Self, Error> {
+        self.state_flow()?;
         let rows = self.system.flow_rows(kind, rows, &self.place("the flow"))?;
         let flow = self.system.linear(&rows)?;
         self.system.set_flow(self.choice, self.number, flow);
@@ -193,12 +212,15 @@ impl<'a> TransitionMut<'a> {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions;
-    /// [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
+    /// [`ErrorKind::Misplaced`] for a value that is not a function of predictions, and for a second
+    /// reset; [`ErrorKind::ForeignHandle`], [`ErrorKind::DuplicateName`].
     pub fn reset<E: Into<Affine>>(
         mut self,
         values: impl IntoIterator<Item = (State, E)>,
     ) -> Result<Self, Error> {
+        if self.own().reset.is_some() {
+            return Err(self.second("reset", "name all states of the reset at once"));
+        }
         let place = self.place("a reset");
         let n = self.system.states.len();
         let mut matrix = faer::Mat::<f64>::identity(n, n);

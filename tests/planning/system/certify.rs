@@ -22,7 +22,7 @@ fn wall() -> HybridSystem {
 
 fn bounce() -> HybridRun {
     let inputs: Vec<[f64; 1]> = (0..12).map(|_| [0.25]).collect();
-    wall().simulate(&[1.0, -2.0], &inputs).unwrap().to_run(0.1)
+    wall().simulate(&[1.0, -2.0], &inputs).unwrap().to_run()
 }
 
 proptest! {
@@ -35,7 +35,7 @@ proptest! {
         let options = follow_wishes(&system, &start, &inputs, &wishes);
         let simulation = system.simulate_with(&start, &inputs, &options).unwrap();
         prop_assume!(!simulation.steps.is_empty());
-        let run = simulation.to_run(0.5);
+        let run = simulation.to_run();
         let certificate = system.certify(&run).unwrap();
         prop_assert!(certificate.largest_residual <= 1e-12 && certificate.drift <= 1e-12);
         prop_assert!(certificate.largest_violation <= 1e-9);
@@ -50,7 +50,7 @@ proptest! {
         let options = follow_wishes(&system, &start, &inputs, &wishes);
         let simulation = system.simulate_with(&start, &inputs, &options).unwrap();
         prop_assume!(!simulation.steps.is_empty());
-        let run = simulation.to_run(0.5);
+        let run = simulation.to_run();
         let mut model = Model::new("m");
         let program = system.write(&mut model, "", simulation.steps.len()).unwrap();
         let mut values = vec![0.0; model.variable_count()];
@@ -68,7 +68,7 @@ proptest! {
         let (start, inputs) = raw.cut(&wishes);
         let simulation = system.simulate(&start, &inputs).unwrap();
         prop_assume!(!simulation.steps.is_empty());
-        let mut run = simulation.to_run(0.5);
+        let mut run = simulation.to_run();
         let steps = simulation.steps.len();
         // Not the first sample: that is another run.
         let (sample, state) =
@@ -91,7 +91,7 @@ proptest! {
         let (start, inputs) = raw.cut(&wishes);
         let simulation = system.simulate(&start, &inputs).unwrap();
         prop_assume!(!simulation.steps.is_empty());
-        let mut run = simulation.to_run(0.5);
+        let mut run = simulation.to_run();
         let c = usize::from(place[0]) % system.choices.len();
         let t = usize::from(place[1]) % simulation.steps.len();
         let transitions = &system.choices[c].transitions;
@@ -194,7 +194,7 @@ fn what_is_wrong_is_named() {
 fn modes_are_compared() {
     let room =
         HybridSystem::thermostat(60.0, 1800.0, 5.0, 40.0, Interval::new(19.0, 21.0)).unwrap();
-    let run = room.simulate(&[19.5], &[[]; 100]).unwrap().to_run(60.0);
+    let run = room.simulate(&[19.5], &[[]; 100]).unwrap().to_run();
     let certificate = room.certify(&run).unwrap();
     assert!(certificate.events > 2);
     let mut wrong = run;

@@ -3,6 +3,7 @@
 mod certify;
 mod constructors;
 mod flaws;
+mod handles;
 mod input_ranges;
 mod literature;
 mod random;
@@ -18,7 +19,7 @@ use carom::interval::Interval;
 fn wall(e: f64, max_speed: Option<f64>) -> HybridSystem {
     let contact = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(e).unwrap());
     let [flight, impact] = contact.transitions(0.1, max_speed).unwrap();
-    HybridSystem::new(1.0)
+    HybridSystem::new(0.1)
         .with_state("x", Interval::new(0.0, 20.0))
         .with_state("v", Interval::new(-8.0, 8.0))
         .with_input("a", Interval::new(-1.0, 1.0))

@@ -101,7 +101,7 @@ fn matrix(rows: usize, columns: usize, entries: &[f64]) -> Matrix {
 impl RawSystem {
     pub(crate) fn hybrid(&self) -> HybridSystem {
         let (n, m) = (self.states, self.inputs);
-        let mut system = HybridSystem::new(1.0);
+        let mut system = HybridSystem::new(0.5);
         for i in 0..n {
             system = system.with_state(format!("s{i}"), Interval::new(-10.0, 10.0));
         }

@@ -52,5 +52,5 @@ fn what_does_not_fit_is_refused() {
     let text = error(&|v| {
         v["choices"][0]["transitions"][0]["guards"][0]["limit"] = serde_json::json!({"values": []});
     });
-    assert!(text.contains("the number of values of the limit of `at least`"), "{text}");
+    assert!(text.contains("the number of values of the limit of `temperature >= 19`"), "{text}");
 }
