@@ -96,7 +96,9 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::UnknownName`].
     pub fn output_named(&self, name: &str) -> Result<Variable, Error> {
-        let found = self.handles.find(&Meaning::Output(name.to_owned()));
+        let mut outputs = self.transitions().flat_map(|transition| &transition.outputs);
+        let is_stated = outputs.any(|own| own.name == name);
+        let found = self.handles.find(&Meaning::Output(name.to_owned())).filter(|_| is_stated);
         found.ok_or_else(|| unknown(name, "output of the system"))
     }
 
