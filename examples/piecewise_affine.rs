@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "{step:>4} {:>7.3} {:>7.3} {u:>7.3} {cost:>9.5} {nodes:>6}  {mode}",
             now[0], now[1]
         );
-        states.push(system.simulate(&now, &[[u]])?.last().to_vec());
+        states.push(system.simulate(&now, &[[u]])?.end()?);
     }
     if let Some(path) = std::env::args().nth(1) {
         draw(&states, &path)?;

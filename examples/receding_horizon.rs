@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut push = Disturbance::new([0.0..=0.0, -0.02..=0.02], 1);
     let plant = |state: &[f64], next: &Move| {
         let run = pendulum.simulate(state, &[&next.input])?;
-        Ok(run.last().iter().zip(push.next_value()).map(|(x, w)| x + w).collect())
+        Ok(run.end()?.iter().zip(push.next_value()).map(|(x, w)| x + w).collect())
     };
     let run = controller.run(&[0.0, 0.8], 40, plant)?;
     println!("{}{run}", run.to_csv());

@@ -302,6 +302,14 @@ pub enum ErrorKind {
         /// The termination status.
         termination: String,
     },
+    /// A plan was asked for, but the search ended without one.
+    #[error("there is no plan: the search ended as `{termination}`; {help}")]
+    NoPlan {
+        /// The termination status.
+        termination: String,
+        /// The advice on what to do.
+        help: &'static str,
+    },
     /// A shadow price or a reduced cost was asked for, but the solution has none.
     #[error(
         "the solution has no multipliers (`{termination}`); they come with an optimal solution of \

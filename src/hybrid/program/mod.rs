@@ -243,7 +243,7 @@ impl HybridProgram {
     ///
     /// # Errors
     ///
-    /// [`ErrorKind::NoPoint`] if the solver ends without a plan, because there is none or because it was
+    /// [`ErrorKind::NoPlan`] if the solver ends without a plan, because there is none or because it was
     /// stopped: [`explain`](crate::explain) says why the [model](HybridProgram::model) has none. Errors
     /// of the solver; those of [`HybridSystem::certify`] for a plan that is not what a system states.
     pub fn solve(&self, solver: &mut dyn Solver) -> Result<HybridPlan, Error> {

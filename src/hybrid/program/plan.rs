@@ -1,5 +1,6 @@
 //! Plans of hybrid programs: replayed when they are read.
 
+use std::fmt;
 use std::sync::Arc;
 
 use super::{AtSample, Members};
@@ -25,8 +26,29 @@ pub struct HybridPlan {
     others: Vec<(HybridRun, RunCertificate)>,
 }
 
+/// The objective, and a table with a line per sample.
+impl fmt::Display for HybridPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(objective) = self.solution.objective() {
+            writeln!(f, "objective {objective}, {}", self.solution.termination())?;
+        }
+        self.runs().try_for_each(|run| f.write_str(&run.to_csv()))
+    }
+}
+
 impl HybridPlan {
     pub(super) fn of(members: &Arc<Members>, solution: &Solution) -> Result<Self, Error> {
+        if solution.point().is_none() {
+            let help = match solution.is_infeasible() {
+                true => {
+                    "`explain::infeasibility` says which statements of its model contradict each \
+                         other; a limit that is softened may be exceeded"
+                }
+                false => "give it more time, or a larger gap",
+            };
+            let termination = solution.termination().to_string();
+            return Err(ErrorKind::NoPlan { termination, help }.into());
+        }
         let (run, certificate) = members.first().certified(solution)?;
         let others = members.iter().skip(1).map(|own| own.certified(solution));
         let others = others.collect::<Result<_, Error>>()?;

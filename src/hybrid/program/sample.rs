@@ -52,8 +52,13 @@ impl Members {
             return Err(Error::out_of_range("the time step (s)", system.time_step, range));
         }
         let is_in = |own: &SystemVariables| own.system().handles.tag == system.handles.tag;
-        if self.iter().any(is_in) || self.all.iter().any(|(own, _)| own == name) {
-            let name = if name.is_empty() { "the system".to_owned() } else { name.to_owned() };
+        if self.iter().any(is_in) {
+            let (name, place) = (format!("the system of `{name}`"), "this program".to_owned());
+            let help = "it is in it already; state a second system, with handles of its own";
+            return Err(ErrorKind::Misplaced { name, place, help }.into());
+        }
+        if name.is_empty() || self.all.iter().any(|(own, _)| own == name) {
+            let name = name.to_owned();
             return Err(ErrorKind::DuplicateName { name, kind: "system of the program" }.into());
         }
         Ok(())
@@ -90,6 +95,7 @@ impl Members {
                 Ok(Affine::constant(values.get(sample).copied().unwrap_or(f64::NAN)))
             }
             Meaning::InMode(choice, mode) => own.mode_value(*choice, mode, sample),
+            Meaning::Acting(choice, mode) => own.mode_value(*choice, mode, sample + 1),
             Meaning::Taken(choice, number) => Ok(own.taken_value(*choice, *number, sample)),
             Meaning::Output(name) => Ok(own.output(name)?[sample].clone()),
             Meaning::Prediction(_) => {

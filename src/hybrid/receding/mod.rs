@@ -67,7 +67,7 @@ use planner::{Clock, Handles, Planned, Planner, Question};
 /// let mut solver = BranchAndBound::default();
 /// let mut controller = RecedingHorizon::new(program, &mut solver)?;
 /// let plant = |state: &[f64], next: &Move| {
-///     Ok(cart.simulate(state, &[&next.input])?.last().to_vec())
+///     cart.simulate(state, &[&next.input])?.end()
 /// };
 /// let run = controller.run(&[4.0, 0.0], 20, plant)?;
 /// assert!(run.states[20].iter().all(|x| x.abs() < 0.1));
@@ -112,6 +112,7 @@ impl<'a> RecedingHorizon<'a> {
     ) -> Result<Self, Error> {
         let mut program = program.into();
         check_moves(&program.model)?;
+        check_memory(&program)?;
         let handles = Handles::measure(&mut program)?;
         let HybridProgram { model, members } = program;
         let system = members.only().map(|only| only.system().clone());
@@ -202,7 +203,7 @@ impl<'a> RecedingHorizon<'a> {
     /// let mut solver = BranchAndBound::default();
     /// let mut controller = RecedingHorizon::moving(build, &mut solver);
     /// let plant = |state: &[f64], next: &Move| {
-    ///     Ok(cart.from_step(next.step).simulate(state, &[&next.input])?.last().to_vec())
+    ///     cart.from_step(next.step).simulate(state, &[&next.input])?.end()
     /// };
     /// let run = controller.run(&[0.0, 0.0], 14, plant)?;
     /// assert!(run.states.iter().any(|state| state[0] > 1.5));
@@ -415,6 +416,23 @@ impl<'a> RecedingHorizon<'a> {
 /// Refuses models in which something depends on the step.
 fn check_moves(model: &Model) -> Result<(), Error> {
     model.by_step().map_or(Ok(()), |what| Err(cannot_move(what)))
+}
+
+/// Refuses systems with modes that last, because nothing measures in which mode a step begins.
+fn check_memory(program: &HybridProgram) -> Result<(), Error> {
+    let systems = program.members.iter().map(|own| own.system());
+    let mut choices = systems.flat_map(|system| &system.choices);
+    match choices.find(|choice| !choice.modes().is_empty()) {
+        None => Ok(()),
+        Some(choice) => Err(ErrorKind::Unsupported {
+            solver: "a receding horizon with one program for all steps".into(),
+            what: format!("the modes of `{}`, which last from step to step", choice.name),
+            help: "build the program of each step with `RecedingHorizon::moving`, and state in it the \
+                   mode in which it starts"
+                .into(),
+        }
+        .into()),
+    }
 }
 
 fn cannot_move(what: &str) -> Error {

@@ -182,8 +182,7 @@ impl<P> fmt::Display for Shortest<P> {
             }
             (ShortestStatus::NoneWithin { max_steps }, _) => write!(
                 f,
-                "no plan of up to {}, under {law}; a smaller Δt, or a law with rest at its \
-                 contacts, may have one",
+                "no plan of up to {}, under {law}; a smaller Δt may have one",
                 horizon(max_steps)
             ),
             (status, found) => {

@@ -43,7 +43,8 @@ impl HybridSystem {
     ///
     /// # Errors
     ///
-    /// The errors of [`HybridSystem::check`] and of [`HybridSystem::region`]; errors of the solver;
+    /// The errors of [`HybridSystem::check`] and of [`HybridSystem::region`]; [`ErrorKind::OutOfRange`]
+    /// for a start or a goal outside the domains; errors of the solver;
     /// those of [`HybridSystem::certify`] for a plan that is not what the system states.
     pub fn shortest(
         &self,
@@ -67,10 +68,27 @@ impl HybridSystem {
         solver: &mut dyn Solver,
     ) -> Result<Shortest<HybridPlan>, Error> {
         let (start, goal) = (&start.stated().of(self)?, &goal.stated().of(self)?);
+        self.check_reachable(start, "the start")?;
+        self.check_reachable(goal, "the goal")?;
         let waiting = options.waiting(self.waiting(start, goal)?);
         let task = Task { system: self, start, goal, waiting };
         let found = shortest_horizon(&task, options, solver)?;
         found.try_map(|Solved { program, solution }| program.plan(&solution))
+    }
+}
+
+impl HybridSystem {
+    /// Refuses a region outside the domains of the states.
+    fn check_reachable(&self, region: &Region, what: &str) -> Result<(), Error> {
+        region.check(self, "the region")?;
+        for ((name, domain), range) in self.states.iter().zip(&region.ranges) {
+            if domain.intersection(*range).is_empty() {
+                let value = range.nearest(0.5 * (domain.lower + domain.upper));
+                let range = format!("within its domain, {} to {}", domain.lower, domain.upper);
+                return Err(Error::out_of_range(format!("{what} of `{name}`"), value, range));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::condition::Condition;
+use crate::error::Error;
 use crate::hybrid::rows::HybridRun;
 
 /// A transition in one step of a simulation: whether it was possible, and by how much.
@@ -146,6 +147,8 @@ impl fmt::Display for DeadEnd {
     }
 }
 
+impl std::error::Error for DeadEnd {}
+
 /// A run of a hybrid system, computed step by step.
 ///
 /// `{}` prints a table with a line per sample.
@@ -185,7 +188,21 @@ impl Simulation {
         self.states.iter().map(|state| state.get(column).copied()).collect()
     }
 
-    /// The state at the last sample.
+    /// The state after the last input.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::Other`](crate::ErrorKind::Other) with the [`DeadEnd`] as its source if the run ended
+    /// before the last input.
+    pub fn end(&self) -> Result<Vec<f64>, Error> {
+        match &self.dead_end {
+            Some(dead_end) => Err(Error::other(dead_end.clone())),
+            None => Ok(self.last().to_vec()),
+        }
+    }
+
+    /// The state at the last sample that was reached; a run that ended early says why in
+    /// [`dead_end`](Simulation::dead_end).
     pub fn last(&self) -> &[f64] {
         self.states.last().map_or(&[], Vec::as_slice)
     }

@@ -21,9 +21,12 @@ impl Dwell {
     pub(super) fn check(&self) -> Result<(), Error> {
         let (least, most) = (self.least, self.most.unwrap_or(usize::MAX));
         if least == 0 || most < least {
-            let what = format!("the dwell time of `{}`", self.mode);
+            let what = match least {
+                0 => format!("the least dwell time of `{}`", self.mode),
+                _ => format!("the longest dwell time of `{}`", self.mode),
+            };
             let value = if least == 0 { least } else { most };
-            let range = "at least 1 step, and at most not below at least";
+            let range = format!("at least {} samples", least.max(1));
             return Err(Error::out_of_range(what, value as f64, range));
         }
         Ok(())

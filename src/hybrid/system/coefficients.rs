@@ -5,7 +5,7 @@ use super::halfspace::Halfspace;
 use super::handles::Meaning;
 use super::region::Region;
 use super::schedule::Schedule;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, check_finite};
 use crate::interval::Interval;
 use crate::model::{Affine, Row, Variable};
 
@@ -69,6 +69,8 @@ impl HybridSystem {
             modes: Vec::new(),
             constant: expression.offset().into(),
         };
+        let numbers = expression.raw_terms().iter().map(|&(_, factor)| factor);
+        check_finite(place, "a number", numbers.chain([expression.offset()]))?;
         for (variable, factor) in expression.terms() {
             match self.meaning(variable, place)? {
                 Meaning::State(i) => all.states[*i] += factor,
@@ -83,7 +85,7 @@ impl HybridSystem {
                     };
                     all.constant = (0..=last).map(at).collect::<Vec<f64>>().into();
                 }
-                Meaning::Taken(..) | Meaning::Output(_) => {
+                Meaning::Acting(..) | Meaning::Taken(..) | Meaning::Output(_) => {
                     let help = "transitions and outputs stand in expressions of a program";
                     return Err(self.misplaced(variable, place, help));
                 }

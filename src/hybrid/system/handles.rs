@@ -7,6 +7,7 @@
 //! | input | [`Variable`] | its value in the step |
 //! | series | [`Variable`] | a number that is known for each step |
 //! | mode | [`Variable`] | 1 at the samples in the mode, 0 at the others |
+//! | acting mode | [`Variable`] | 1 in the steps after which the mode holds, 0 in the others |
 //! | transition | [`Variable`] | 1 in the steps that take it, 0 in the others |
 //! | output | [`Variable`] | its value in the step |
 
@@ -100,6 +101,8 @@ pub(crate) enum Meaning {
     Series(String, Schedule<f64>),
     /// Whether a choice, by its number, is in a mode.
     InMode(usize, String),
+    /// Whether the mode of a choice, by its number, acts in a step: it is the one that is entered or kept.
+    Acting(usize, String),
     /// Whether a choice, by its number, takes a transition, by its number in the choice.
     Taken(usize, usize),
     /// An output, by its name.

@@ -2,9 +2,7 @@
 
 use super::HybridSystem;
 use super::check::check_matrix;
-#[cfg(doc)]
-use crate::error::ErrorKind;
-use crate::error::{Error, check_finite, check_length};
+use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 use crate::model::{Affine, Variable};
@@ -221,6 +219,12 @@ impl HybridSystem {
         gap: impl Into<Affine>,
     ) -> Result<(), Error> {
         let gap = gap.into();
+        if self.flow.is_none() {
+            let (name, place) = (format!("`{name}`"), "a system without a common flow".to_owned());
+            let help =
+                "state the flow, with the force in it, by `rates` or `next` of the system first";
+            return Err(ErrorKind::Misplaced { name, place, help }.into());
+        }
         self.mode_of(name, "free")?.guard(force.le(0.0))?.guard(gap.ge(0.0))?;
         self.mode_of(name, "pressed")?.guard(gap.equals(0.0))?;
         Ok(())

@@ -21,15 +21,14 @@ impl HybridSystem {
     /// A handle in words.
     pub(crate) fn handle_name(&self, variable: Variable) -> String {
         let state = |i: &usize| self.states.get(*i).map_or("", |(name, _)| name);
+        let name_of = |choice: &usize| self.choices.get(*choice).map_or("", |own| &own.name);
         match self.handles.meaning(variable) {
             Some(Meaning::State(i)) => state(i).to_owned(),
             Some(Meaning::Prediction(i)) => format!("{}'", state(i)),
             Some(Meaning::Input(u)) => self.inputs.get(*u).map_or("", |(name, _)| name).to_owned(),
             Some(Meaning::Series(name, _) | Meaning::Output(name)) => name.clone(),
-            Some(Meaning::InMode(choice, mode)) => {
-                let choice = self.choices.get(*choice).map_or("", |choice| &choice.name);
-                format!("{choice} is {mode}")
-            }
+            Some(Meaning::InMode(choice, mode)) => format!("{} is {mode}", name_of(choice)),
+            Some(Meaning::Acting(choice, mode)) => format!("{} acts as {mode}", name_of(choice)),
             Some(Meaning::Taken(choice, number)) => {
                 let choice = self.choices.get(*choice);
                 let taken = choice.and_then(|choice| choice.transitions.get(*number));
@@ -86,7 +85,9 @@ impl HybridSystem {
     pub fn mode_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
         let number = self.choices.iter().position(|own| own.name == choice);
         let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
-        let found = self.handles.find(&Meaning::InMode(number, name.to_owned()));
+        let is_stated = self.choices[number].modes().contains(&name);
+        let meaning = Meaning::InMode(number, name.to_owned());
+        let found = self.handles.find(&meaning).filter(|_| is_stated);
         found.ok_or_else(|| unknown(name, "mode of the choice"))
     }
 

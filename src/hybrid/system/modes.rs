@@ -135,12 +135,43 @@ impl HybridSystem {
     pub fn switch(&mut self, from: Variable, to: Variable) -> Result<TransitionMut<'_>, Error> {
         let (choice, from_mode) = self.mode_handle(from, "`switch`")?;
         let (other, to_mode) = self.mode_handle(to, "`switch`")?;
-        if choice != other {
-            return Err(self.misplaced(to, "`switch`", "name two modes of one choice"));
+        if choice != other || from_mode == to_mode {
+            return Err(self.misplaced(to, "`switch`", "name two different modes of one choice"));
         }
         let (choice, name) =
             (self.choices[choice].name.clone(), format!("{from_mode} to {to_mode}"));
         self.transition(&choice, &name, Some((from_mode, to_mode)), true)
+    }
+
+    /// The handle of a mode that acts: 1 in the steps that enter the mode or stay in it, whose flow is the
+    /// mode's, and 0 in the others. The mode itself is 1 at the samples *before* the steps that stay in it
+    /// or leave it. What a mode costs in a step is written with this handle.
+    ///
+    /// ```
+    /// use carom::prelude::*;
+    ///
+    /// let mut room = HybridSystem::new(900.0); // s
+    /// let t = room.state("temperature", 5.0, 30.0)?; // °C
+    /// let [off, on] = room.modes("heater", ["off", "on"])?;
+    /// room.stay(off)?.rates([t.is(0.0)])?;
+    /// room.stay(on)?.rates([t.is(0.001)])?;
+    /// room.switch(off, on)?;
+    /// let heats = room.acting(on)?;
+    /// let mut program = room.program(1)?;
+    /// program.start([t.equals(20.0), off.equals(1.0)])?;
+    /// program.goal([t.ge(20.8)])?;
+    /// program.minimize(program.sum(heats)?)?;
+    /// let plan = program.solve(&mut BranchAndBound::default())?;
+    /// assert_eq!((plan.count(heats)?, plan.is_on(on, 0)?, plan.is_on(on, 1)?), (1, false, true));
+    /// # Ok::<(), carom::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`stay`](HybridSystem::stay).
+    pub fn acting(&mut self, mode: Variable) -> Result<Variable, Error> {
+        let (choice, mode) = self.mode_handle(mode, "`acting`")?;
+        Ok(self.handles.of(Meaning::Acting(choice, mode)))
     }
 
     /// Limits how long a mode lasts once it is entered: at least `least` samples in a row, and at most

@@ -154,6 +154,32 @@ impl<'a> TransitionMut<'a> {
         self.add(None, &row)
     }
 
+    /// Adds a row of states and series that holds at both ends of the step: a guard on the start and the
+    /// same guard on the [prediction](State::predicted), such as the range of speeds of a gear.
+    ///
+    /// # Errors
+    ///
+    /// As for [`guard`](TransitionMut::guard); [`ErrorKind::Misplaced`] for inputs and predictions.
+    pub fn invariant(self, row: Row) -> Result<Self, Error> {
+        let place = self.place("an invariant");
+        let mut predicted = Affine::constant(row.expression().offset());
+        for (variable, factor) in row.expression().terms() {
+            match *self.system.meaning(variable, &place)? {
+                Meaning::State(i) => {
+                    let prediction = self.system.handles.of(Meaning::Prediction(i));
+                    predicted.add_term(factor, prediction);
+                }
+                Meaning::Series(..) => predicted.add_term(factor, variable),
+                _ => {
+                    let help = "an invariant is about states; use `guard` for inputs";
+                    return Err(self.system.misplaced(variable, &place, help));
+                }
+            }
+        }
+        let predicted = predicted.within(row.lower(), row.upper());
+        self.guard(row)?.guard(predicted)
+    }
+
     /// Adds a guard that could be dropped, such as a rule of the user: explanations name it, and say
     /// whether dropping it would help. It is never a range of an input.
     ///
