@@ -96,7 +96,7 @@ fn regions_may_ask_for_modes() {
     program.require("hot", [t.ge(9.5), on.equals(1.0)], When::OnceIn(0..=1)).unwrap();
     assert!(BranchAndBound::default().solve(program.model()).unwrap().is_infeasible());
     let error = program.solve(&mut BranchAndBound::default()).unwrap_err();
-    assert!(matches!(error.kind(), ErrorKind::NoPoint { .. }), "{error}");
+    assert!(matches!(error.kind(), ErrorKind::NoPlan { .. }), "{error}");
 }
 
 #[test]

@@ -74,7 +74,7 @@ proptest! {
             }
             (_, _, plan) => {
                 let error = plan.map(|_| ()).unwrap_err();
-                prop_assert!(matches!(error.kind(), ErrorKind::NoPoint { .. }), "{error}");
+                prop_assert!(matches!(error.kind(), ErrorKind::NoPlan { .. }), "{error}");
             }
         }
         // A row between them.
@@ -87,7 +87,7 @@ proptest! {
                 }
             }
             Err(error) => {
-                prop_assert!(matches!(error.kind(), ErrorKind::NoPoint { .. }), "{error}");
+                prop_assert!(matches!(error.kind(), ErrorKind::NoPlan { .. }), "{error}");
             }
         }
     }
@@ -113,10 +113,12 @@ fn what_cannot_join_is_refused() {
             "the name `{name}` is already taken by another system of the program; choose another one"
         )
     };
-    assert_eq!(refused("again", &first.system), taken("again"));
-    assert_eq!(refused("again", &second.system.clone()), taken("again"));
+    let twice = "the system of `again` cannot stand in this program; it is in it already; state a \
+                 second system, with handles of its own";
+    assert_eq!(refused("again", &first.system), twice);
+    assert_eq!(refused("again", &second.system.clone()), twice);
     assert_eq!(refused("second", &cart(1.0, 1.0).system), taken("second"));
-    assert_eq!(refused("", &cart(1.0, 1.0).system), taken("the system"));
+    assert_eq!(refused("", &cart(1.0, 1.0).system), taken(""));
     let mut empty = HybridSystem::new(1.0);
     empty.state("y", 0.0, 1.0).unwrap();
     assert!(refused("empty", &empty).contains("the number of transitions"));
