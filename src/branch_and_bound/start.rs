@@ -9,7 +9,7 @@ use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Incumbent, Progress};
 
 /// Least entries of the rows of a program whose first relaxation may take longer than a limit allows.
-const LARGE: usize = 10_000;
+const LARGE_ENTRIES: usize = 10_000;
 
 /// Largest share of the remaining time that the point of a large program may take (no unit).
 const TIME_SHARE: f64 = 0.25;
@@ -88,7 +88,7 @@ fn first_point_of_large(task: Task<'_>) -> Option<Found> {
     let (program, options) = (task.program, task.options);
     let left = task.token.left()?;
     let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
-    if entries <= LARGE || program.integers.is_empty() || !options.heuristics.rounding {
+    if entries <= LARGE_ENTRIES || program.integers.is_empty() || !options.heuristics.rounding {
         return None;
     }
     let token = &task.token.child(Some(left.mul_f64(TIME_SHARE)));

@@ -120,7 +120,7 @@ pub struct Node {
     pub path: Path,
     /// The proved bound, in the unit of the (minimised) objective.
     pub bound: f64,
-    /// How far the last decision moved its column from the parent's relaxed value.
+    /// The distance by which the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
     /// The relaxation of a trial, if there was one.
     pub(super) known: Option<Box<Known>>,

@@ -5,6 +5,7 @@
 //! enter or leave the parts that appear on the way, so if the rows of a part together need a flow, whole
 //! binaries open more than the point does: the sum of the rows is rounded.
 
+use super::parameters::PARAMETERS;
 use std::collections::BTreeMap;
 
 use super::cut::Cut;
@@ -13,12 +14,6 @@ use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::solver::StopToken;
-
-/// Longest sum of rows, in entries.
-const LONGEST: usize = 1000;
-
-/// Arcs less open than this are not contracted.
-const OPEN: f64 = 1e-6;
 
 /// A continuous column of two rows.
 struct Arc {
@@ -54,10 +49,10 @@ fn arcs(point: &SeparatedPoint<'_>) -> Vec<Arc> {
         let Some(ends) = ends(point, column) else { continue };
         let open = match point.opening(column) {
             Some(bound) => point.x[bound.binary],
-            None if point.distance(column) > OPEN => f64::INFINITY,
+            None if point.distance(column) > PARAMETERS.open_arc => f64::INFINITY,
             None => 0.0,
         };
-        if open > OPEN {
+        if open > PARAMETERS.open_arc {
             arcs.push(Arc { column, ends, open });
         }
     }
@@ -122,7 +117,7 @@ impl Search<'_> {
             if self.token.spend(100 * sum.terms.len()) {
                 return;
             }
-            if sum.terms.len() <= LONGEST {
+            if sum.terms.len() <= PARAMETERS.set_entries {
                 self.round(&sum);
                 parts.sums[a] = Some(sum);
             }
