@@ -45,17 +45,18 @@ impl Begun {
         Some(Start { integers: Vec::new(), point, ..given.cloned().unwrap_or_default() })
     }
 
-    /// Becomes the answer without a search, if any point will do.
-    pub(super) fn answer(self, task: Task<'_>, control: &mut Control<'_>) -> Result<Found, Begun> {
-        let options = task.options;
-        let suffices =
-            task.program.is_feasibility_problem() && options.pool == 1 && !options.keep_leaves;
-        if !suffices || self.found.points.is_empty() {
-            return Err(self);
-        }
+    /// Whether no search is needed, because there is a point and any point will do.
+    pub(super) fn suffices(&self, task: Task<'_>) -> bool {
+        let Task { program, options, .. } = task;
+        let any_point = program.is_feasibility_problem() && options.pool == 1;
+        any_point && !options.keep_leaves && !self.found.points.is_empty()
+    }
+
+    /// Becomes the answer without a search.
+    pub(super) fn into_answer(self, task: Task<'_>, control: &mut Control<'_>) -> Found {
         report(task, &self.found, control);
         let bound = task.program.offset;
-        Ok(Found { termination: Termination::Optimal, bound, ..self.found })
+        Found { termination: Termination::Optimal, bound, ..self.found }
     }
 
     /// Adds what is known to the result of the search that has begun with it.

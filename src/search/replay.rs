@@ -69,7 +69,7 @@ pub(super) fn replay(
     parts.sort_by(|a, b| a.bound.total_cmp(&b.bound));
     let facts = ctx.node.path.get(root.path.len()..).unwrap_or_default();
     let base = ctx.tree.path_with(&root.path, facts);
-    let node_of = |Part { path, bound, id, multipliers }: Part| {
+    let node_of = |OpenPart { path, bound, id, multipliers }: OpenPart| {
         let path = ctx.tree.path_with(&base, &path);
         Node { path, bound, id, multipliers, warm: ctx.node.warm.clone(), ..Node::root() }
     };
@@ -82,7 +82,7 @@ struct Replay {
     /// The decisions that lead to the part in hand, from the root on.
     path: Vec<Decision>,
     /// Open parts.
-    parts: Vec<Part>,
+    parts: Vec<OpenPart>,
     /// The tree as it is now, and what closed its ends.
     forks: Vec<Fork>,
     proofs: Vec<Proof>,
@@ -104,7 +104,7 @@ struct Replay {
 }
 
 /// An open part.
-struct Part {
+struct OpenPart {
     path: Vec<Decision>,
     bound: f64,
     id: u32,
@@ -153,7 +153,7 @@ impl Replay {
             self.parts.truncate(open);
             (fork.chain, fork.rest) = (Vec::new(), None);
             let (path, multipliers) = (self.path[..top].to_vec(), ctx.node.multipliers.clone());
-            self.parts.push(Part { path, bound, id, multipliers });
+            self.parts.push(OpenPart { path, bound, id, multipliers });
         }
         self.path.truncate(length);
         self.forks.push(fork);
@@ -240,7 +240,7 @@ impl Replay {
             }
             _ => {}
         }
-        self.parts.push(Part { path: self.path.clone(), bound, id, multipliers });
+        self.parts.push(OpenPart { path: self.path.clone(), bound, id, multipliers });
         Some(self.path.len())
     }
 

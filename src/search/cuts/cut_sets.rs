@@ -28,7 +28,7 @@ struct Arc {
 pub fn cut_set_cuts(program: &Program, domain: &Domain, x: &[f64], token: &StopToken) -> Vec<Cut> {
     let point = &SeparatedPoint::new(program, domain, x);
     let mut arcs = arcs(point);
-    let mut search = Search { point, token, rounder: Rounder::default(), cuts: Vec::new() };
+    let mut search = SetSearch { point, token, rounder: Rounder::default(), cuts: Vec::new() };
     if arcs.iter().any(|arc| arc.open.is_finite()) {
         search.round_ends(&arcs);
         search.contract(&arcs);
@@ -80,14 +80,14 @@ fn sorted(mut arcs: Vec<Arc>) -> Vec<Arc> {
     arcs
 }
 
-struct Search<'a> {
+struct SetSearch<'a> {
     point: &'a SeparatedPoint<'a>,
     token: &'a StopToken,
     rounder: Rounder,
     cuts: Vec<Cut>,
 }
 
-impl Search<'_> {
+impl SetSearch<'_> {
     /// Rounds the rows at the ends of arcs.
     fn round_ends(&mut self, arcs: &[Arc]) {
         let mut rows: Vec<usize> = arcs.iter().flat_map(|arc| arc.ends).collect();

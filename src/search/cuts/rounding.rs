@@ -14,7 +14,7 @@ use crate::presolve::Domain;
 
 /// A whole column measured from a bound.
 #[derive(Debug, Clone, Copy)]
-struct Whole {
+struct WholeColumn {
     column: usize,
     coefficient: f64,
     bounds: [f64; 2],
@@ -32,7 +32,7 @@ struct Rest {
 
 #[derive(Default)]
 struct Base {
-    whole: Vec<Whole>,
+    whole: Vec<WholeColumn>,
     rest: Vec<Rest>,
     /// The sum of coefficient times value over the rest, and of the squares of the coefficients.
     rest_sum: f64,
@@ -177,7 +177,7 @@ fn divide(
     let values = base.whole.iter().map(|whole| whole.value).enumerate();
     candidates.clear();
     candidates.extend(values.filter(|(_, value)| *value > 1e-6));
-    // Whole columns are sorted.
+    // WholeColumn columns are sorted.
     candidates.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     for &(k, _) in &*candidates {
         let size = base.whole[k].coefficient.abs();
@@ -214,7 +214,7 @@ fn turn_around(base: &mut Base, divisor: f64, most: &mut f64) {
             whole.value > 1e-6 && whole.bounds[1] - whole.bounds[0] < f64::INFINITY
         })
         .collect();
-    let centre = |w: &Whole| (w.value - 0.5 * (w.bounds[1] - w.bounds[0])).abs();
+    let centre = |w: &WholeColumn| (w.value - 0.5 * (w.bounds[1] - w.bounds[0])).abs();
     flips.sort_by(|&a, &b| centre(&base.whole[a]).total_cmp(&centre(&base.whole[b])));
     for k in flips.into_iter().take(PARAMETERS.most_flips) {
         base.flip(k);
@@ -279,7 +279,13 @@ impl Base {
             right -= a * bound;
             let (coefficient, value) =
                 if at_upper { (-a, bound - x[column]) } else { (a, x[column] - bound) };
-            whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
+            whole.push(WholeColumn {
+                column,
+                coefficient,
+                bounds,
+                at_upper,
+                value: value.max(0.0),
+            });
         }
         self.rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
         self.rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
