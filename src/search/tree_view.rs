@@ -10,9 +10,9 @@ use std::sync::atomic::Ordering;
 
 use web_time::Instant;
 
+use super::best_points::Accepted;
 use super::node::{Decision, Node, Path};
 use super::proofs::{Fork, Proof, Proofs};
-use super::round_buffer::RoundBuffer;
 use super::start::{Completion, Start};
 use super::tree::{Share, Tree};
 use crate::relaxation::WarmState;
@@ -38,6 +38,20 @@ enum Exchange {
     Immediate,
     /// Between rounds: the deterministic search.
     InRounds(RefCell<RoundBuffer>),
+}
+
+/// The cutoff that a worker of the deterministic search sees in a round, and what it keeps back until the
+/// end of the round.
+#[derive(Default)]
+pub(super) struct RoundBuffer {
+    /// The cutoff at the start, lowered by the worker's own points.
+    cutoff: f64,
+    /// New open nodes.
+    pub(super) nodes: Vec<Node>,
+    /// Verified points.
+    pub(super) points: Vec<Accepted>,
+    /// The reason for which the worker ends the search.
+    pub(super) stop: Option<Termination>,
 }
 
 /// A source of points at work.
