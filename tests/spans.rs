@@ -87,9 +87,9 @@ fn a_solve_is_a_tree_of_spans() {
     assert_eq!(count("solve/search"), 1);
     assert_eq!(count("solve/search/node"), solution.statistics().nodes);
     assert!(count("solve/search/node/heuristic") > 0);
-    // The searches of looks have their own.
+    // The pilot search has its own.
     let events = |field: &str| {
-        let own = seen.events.iter().filter(|(path, _)| !path.starts_with("solve/look"));
+        let own = seen.events.iter().filter(|(path, _)| !path.starts_with("solve/pilot"));
         own.filter(|(_, fields)| fields.contains(field)).count() as u64
     };
     assert_eq!(events("found_by"), solution.statistics().incumbents);

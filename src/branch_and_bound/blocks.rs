@@ -77,7 +77,7 @@ struct Blocks<'a> {
     searches: usize,
     /// Whether any points will do, since the objective of a block falls forever.
     any_point: bool,
-    /// As in [`Found`].
+    /// Whether the value of a point is due to limits that presolve has widened, as in [`Found`].
     is_widened: bool,
     /// Also over when the user stops the solve.
     token: StopToken,
@@ -257,7 +257,7 @@ impl Blocks<'_> {
         self.task.program.offset + self.states.iter().map(|part| part.bound).sum::<f64>()
     }
 
-    /// How far bound and objective of the whole may be apart.
+    /// Largest gap between bound and objective of the whole.
     fn allowed(&self, value: f64) -> f64 {
         self.task.options.allowed_gap(value, self.task.program.constant)
     }

@@ -27,7 +27,7 @@ struct Pilot {
     point: Option<StartPoint>,
     /// Whether it ran from the root without cuts.
     ran: bool,
-    /// As in [`Found`].
+    /// Whether the value of a point is due to limits that presolve has widened, as in [`Found`].
     is_widened: bool,
     statistics: Statistics,
 }

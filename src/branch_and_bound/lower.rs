@@ -27,7 +27,7 @@ impl Lowered {
         Lowered { program, way_back, postsolve: None, rounding: 0.0 }
     }
 
-    /// What a presolve for all values of the parameters has left of the program.
+    /// The program that a presolve for all values of the parameters has left.
     pub(super) fn presolved(&self, program: Program, postsolve: Postsolve, rounding: f64) -> Self {
         let way_back = self.way_back.clone();
         Lowered { program, way_back, postsolve: Some(postsolve), rounding }

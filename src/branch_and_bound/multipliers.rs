@@ -11,7 +11,7 @@ use crate::tolerance;
 
 /// Reduced costs, and pressures of rows on columns, below this fraction of the largest coefficient of
 /// the objective or of their own terms are rounding (no unit).
-const ROUNDING: f64 = 1e-8;
+const RELATIVE_ROUNDING: f64 = 1e-8;
 
 /// Multipliers of a program, as derivatives of its minimum: one a row and one a column.
 #[derive(Debug, Clone)]
@@ -80,7 +80,7 @@ fn checked(
     let mut columns = Vec::with_capacity(x.len());
     for (j, &value) in x.iter().enumerate() {
         let (d, size) = reduced_cost(program, j, &x, &y);
-        let d = if d.abs() <= ROUNDING * size.max(scale) { 0.0 } else { d };
+        let d = if d.abs() <= RELATIVE_ROUNDING * size.max(scale) { 0.0 } else { d };
         let limit = if d > 0.0 { program.lower[j] } else { program.upper[j] };
         if d != 0.0 {
             excess.add_product(d.abs(), (value - limit).abs());
@@ -100,7 +100,7 @@ fn drop_rounding(program: &Program, activities: &[f64], scale: f64, y: &mut [f64
         let limit = if *y > 0.0 { program.row_upper[row] } else { program.row_lower[row] };
         let binds =
             (activities[row] - limit).abs() <= tolerance::FEASIBILITY * limit.abs().max(1.0);
-        if limit.is_infinite() || (!binds && y.abs() * size(row) <= ROUNDING * scale) {
+        if limit.is_infinite() || (!binds && y.abs() * size(row) <= RELATIVE_ROUNDING * scale) {
             *y = 0.0;
         }
     }

@@ -1,4 +1,4 @@
-//! A model that is solved many times: what holds for all values of its parameters is done once.
+//! A model that is solved many times. Work that holds for all values of its parameters is done once.
 //!
 //! The lowered model is assembled with parameters as columns between the ends of their ranges, and
 //! presolved around them. A solve gives these columns their values and passes through the phases of any

@@ -16,7 +16,7 @@ pub(super) struct RowJudge<'a> {
     /// The model with the lazy constraints that were found before, and without cuts.
     model: &'a Model,
     lazy: Option<&'a RowSource<'a>>,
-    /// How many lazy constraints the model has.
+    /// The number of lazy constraints of the model.
     known: usize,
     cuts: &'a [StoredRow],
     feasibility: f64,

@@ -11,11 +11,8 @@ use crate::solver::Control;
 /// Solves the program of a task: looks for a point to begin with, and searches.
 pub(super) fn search_task(task: Task<'_>, known: &Known<'_>, control: &mut Control<'_>) -> Found {
     let mut begun = Begun::new(task, known.start);
-    if let Some(point) = begun.take() {
-        match point.answer(task, control) {
-            Ok(found) => return found,
-            Err(point) => begun = Some(point),
-        }
+    if let Some(begun) = begun.take_if(|begun| begun.suffices(task)) {
+        return begun.into_answer(task, control);
     }
     let start = match &begun {
         Some(begun) => begun.start(known.start),

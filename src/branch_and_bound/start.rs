@@ -9,7 +9,7 @@ use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Incumbent, Progress};
 
 /// Least entries of the rows of a program whose first relaxation may take longer than a limit allows.
-const LARGE: usize = 10_000;
+const LARGE_ENTRIES: usize = 10_000;
 
 /// Largest share of the remaining time that the point of a large program may take (no unit).
 const TIME_SHARE: f64 = 0.25;
@@ -45,17 +45,18 @@ impl Begun {
         Some(Start { integers: Vec::new(), point, ..given.cloned().unwrap_or_default() })
     }
 
-    /// Becomes the answer without a search, if any point will do.
-    pub(super) fn answer(self, task: Task<'_>, control: &mut Control<'_>) -> Result<Found, Begun> {
-        let options = task.options;
-        let suffices =
-            task.program.is_feasibility_problem() && options.pool == 1 && !options.keep_leaves;
-        if !suffices || self.found.points.is_empty() {
-            return Err(self);
-        }
+    /// Whether no search is needed, because there is a point and any point will do.
+    pub(super) fn suffices(&self, task: Task<'_>) -> bool {
+        let Task { program, options, .. } = task;
+        let any_point = program.is_feasibility_problem() && options.pool == 1;
+        any_point && !options.keep_leaves && !self.found.points.is_empty()
+    }
+
+    /// Becomes the answer without a search.
+    pub(super) fn into_answer(self, task: Task<'_>, control: &mut Control<'_>) -> Found {
         report(task, &self.found, control);
         let bound = task.program.offset;
-        Ok(Found { termination: Termination::Optimal, bound, ..self.found })
+        Found { termination: Termination::Optimal, bound, ..self.found }
     }
 
     /// Adds what is known to the result of the search that has begun with it.
@@ -88,7 +89,7 @@ fn first_point_of_large(task: Task<'_>) -> Option<Found> {
     let (program, options) = (task.program, task.options);
     let left = task.token.left()?;
     let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
-    if entries <= LARGE || program.integers.is_empty() || !options.heuristics.rounding {
+    if entries <= LARGE_ENTRIES || program.integers.is_empty() || !options.heuristics.rounding {
         return None;
     }
     let token = &task.token.child(Some(left.mul_f64(TIME_SHARE)));

@@ -23,7 +23,7 @@ impl<'a> Tightened<'a> {
         Tightened { program, root }
     }
 
-    /// The same program, whose bounds may have become tighter, and its root for these bounds.
+    /// The program, whose bounds may have become tighter, and its root for these bounds.
     pub(super) fn within_bounds(&self, task: Task<'_>) -> Tightened<'_> {
         let program = &*self.program;
         let root = self.root.within(program, task.token, task.options.probing);

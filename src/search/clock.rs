@@ -60,7 +60,7 @@ impl Clock {
         self.activity = activity;
     }
 
-    /// Starts measuring anew: time that passed since the last reading is nobody's.
+    /// Starts measuring anew. The time since the last reading belongs to no activity.
     pub(super) fn restart(&mut self) {
         self.since = Instant::now();
     }

@@ -1,4 +1,4 @@
-//! Closing nodes: their proved bounds, and what is kept of them.
+//! Closing nodes: bounds, leaves and proofs.
 
 use super::branching::Child;
 use super::context::Context;
@@ -13,7 +13,7 @@ pub(super) fn cut_off(ctx: &Context<'_>, path: &Path, bound: f64) {
     keep_proof(ctx);
 }
 
-/// Keeps what the bound of the current node was proved by.
+/// Keeps the multipliers that prove the bound of the current node.
 pub(super) fn keep_proof(ctx: &Context<'_>) {
     if let Some(multipliers) = ctx.node.multipliers.clone() {
         ctx.tree.keep_proof(|| Proof::new(End::Node(ctx.node.id), multipliers));
@@ -31,12 +31,12 @@ pub(super) fn close_refuted(ctx: &Context<'_>, path: &Path) {
     keep_proof(ctx);
 }
 
-/// The bound of what was closed at the current node by its trials or multipliers.
+/// The bound of the parts of the current node that its trials or multipliers have closed.
 pub(super) fn closed_bound(ctx: &Context<'_>) -> f64 {
     ctx.tree.strengthen(ctx.tree.cutoff().min(ctx.node.cutoff))
 }
 
-/// Keeps the ends of the tree that a split's facts and trials closed, if they are asked for.
+/// Keeps the leaves of the tree that the facts and trials of a split have closed, if they are asked for.
 pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], children: &[Child]) {
     if !ctx.options().keep_leaves {
         return;

@@ -14,11 +14,11 @@ use crate::program::Program;
 
 /// By how much an accepted point may miss a strengthened row or a bound, in units of the largest
 /// coefficient, and relative to the sum of its terms (no unit).
-const MISSED: f64 = 1e-4;
-const ROUNDED: f64 = 1e-8;
+const COEFFICIENT_MISS: f64 = 1e-4;
+const TERMS_MISS: f64 = 1e-8;
 
 /// By how much a value of the objective may be off, relative to the sum of its terms (no unit).
-const OFF: f64 = 1e-9;
+const OBJECTIVE_ROUNDING: f64 = 1e-9;
 
 /// An error of a strengthened program about an accepted point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub(super) fn contradiction(task: &Task<'_>, root: &Domain, x: &[f64]) -> Option
     let excluded = |j: &usize| {
         let [lower, upper] = root.bounds(*j);
         let miss = (lower - x[*j]).max(x[*j] - upper);
-        miss > if exact.integral[*j] { 0.5 } else { MISSED * x[*j].abs().max(1.0) }
+        miss > if exact.integral[*j] { 0.5 } else { COEFFICIENT_MISS * x[*j].abs().max(1.0) }
     };
     if let Some(j) = (0..x.len()).find(excluded) {
         return Some(Contradiction::Column(j));
@@ -66,7 +66,7 @@ fn is_missed(program: &Program, row: usize, x: &[f64]) -> bool {
     let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
     let limit = if lower - sum > sum - upper { lower } else { upper };
     let miss = (lower - sum).max(sum - upper);
-    miss > MISSED * largest + ROUNDED * (size + limit.abs())
+    miss > COEFFICIENT_MISS * largest + TERMS_MISS * (size + limit.abs())
 }
 
 /// Whether the strengthened objective is above the exact one by more than the point's violations and
@@ -81,9 +81,9 @@ fn is_dearer(program: &Program, exact: &Program, x: &[f64], feasibility: f64) ->
     for (j, value) in x.iter().enumerate() {
         let slope = if exact.integral[j] { 0.0 } else { (strong[j] - plain[j]).abs() };
         size += 10.0 * feasibility * slope;
-        size += OFF * (strong[j].abs() + plain[j].abs()) * value.abs();
+        size += OBJECTIVE_ROUNDING * (strong[j].abs() + plain[j].abs()) * value.abs();
     }
-    excess > size + OFF * (program.offset.abs() + exact.offset.abs() + 1.0)
+    excess > size + OBJECTIVE_ROUNDING * (program.offset.abs() + exact.offset.abs() + 1.0)
 }
 
 /// The gradient of a program's objective at a point.

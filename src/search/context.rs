@@ -14,7 +14,7 @@ use crate::solver::{Options, PoolMode, StopToken};
 
 /// The cost of starting a relaxation from its parent's state, in the budgets of heuristics, in
 /// iterations.
-const START: u64 = 8;
+const WARM_START_ITERATIONS: u64 = 8;
 
 /// The node in hand, and what a worker propagates and relaxes it with.
 pub(super) struct Context<'a> {
@@ -111,7 +111,7 @@ impl<'a> Context<'a> {
         self.clock.transfer(Activity::Relaxation, spent.time);
         // Steps from a parent's state are few, and the start is most of the work.
         let warm_starts = spent.counts.dual_simplex + spent.counts.active_set;
-        self.iterations += spent.iterations + START * warm_starts;
+        self.iterations += spent.iterations + WARM_START_ITERATIONS * warm_starts;
         self.tree.count(|s| spent.count(s));
     }
 }

@@ -48,7 +48,7 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) 
     } else {
         opportunistic::run(&tree, &mut reporter);
     }
-    // What other threads found while the caller's had nothing to do.
+    // Other threads may have found points while the caller's had nothing to do.
     reporter.report(&tree);
     tree.into_found()
 }
@@ -88,7 +88,7 @@ pub(crate) fn first_point(task: Task<'_>) -> Found {
     at_root(task, None, look_for_first_point)
 }
 
-/// What is found by a heuristic at the root, propagated and not probed.
+/// Runs a heuristic at the root, which is propagated and not probed, and returns its finds.
 fn at_root(task: Task<'_>, start: Option<&Start>, look: impl FnOnce(&mut Context<'_>)) -> Found {
     let root = Root::new(task.program, task.token, false);
     if root.conflict.is_some() {

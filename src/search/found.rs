@@ -15,7 +15,8 @@ pub struct Found {
     pub points: Vec<Vec<f64>>,
     /// The heuristic that found the best one.
     pub(crate) found_by: Option<Heuristic>,
-    /// Whether a point owes a visible part of its value to limits that presolve has widened for rounding.
+    /// Whether a visible part of the value of a point is due to limits that presolve has widened for
+    /// rounding.
     pub is_widened: bool,
     /// The part of the strengthened program that an accepted point contradicts, if there is one. Then no
     /// bound is known.

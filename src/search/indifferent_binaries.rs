@@ -12,19 +12,19 @@ use crate::program::Program;
 
 /// By how much, relative to its largest term, a row may be missed (no unit). The point only guides
 /// the search, nothing is concluded from it; points of trials are known to 1e-5.
-const MISS: f64 = 1e-5;
+const ROW_MISS: f64 = 1e-5;
 
 /// The choice of no column of a group.
-const NONE: usize = usize::MAX;
+const NO_COLUMN: usize = usize::MAX;
 
 /// Most columns of a group.
-const LARGEST: usize = 8;
+const LARGEST_GROUP: usize = 8;
 
 /// Binaries of which at most, at least, or exactly one is to be 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Group {
     /// Its columns, and how many they are.
-    all: [usize; LARGEST],
+    all: [usize; LARGEST_GROUP],
     count: usize,
     /// Whether one of them must be 1.
     wants_one: bool,
@@ -44,10 +44,11 @@ pub fn groups(program: &Program) -> Vec<Group> {
         let alike =
             values.iter().all(|&a| a == first) && columns.iter().all(|&j| is_binary(program, j));
         let limits = [program.row_lower[row], program.row_upper[row]];
-        let found = (2..=LARGEST).contains(&columns.len()) && alike && limits.contains(&first);
+        let found =
+            (2..=LARGEST_GROUP).contains(&columns.len()) && alike && limits.contains(&first);
         let wants_one = limits[usize::from(first < 0.0)] == first;
         found.then(|| {
-            let mut all = [NONE; LARGEST];
+            let mut all = [NO_COLUMN; LARGEST_GROUP];
             all[..columns.len()].copy_from_slice(columns);
             Group { all, count: columns.len(), wants_one }
         })
@@ -131,7 +132,7 @@ fn is_fractional(value: f64, integrality: f64) -> bool {
 /// where the rows allow none of that.
 fn choose_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f64]) -> bool {
     let (old, order) = ranked(group, point);
-    let fits = order[..group.len()].iter().chain([&NONE]).any(|&chosen| {
+    let fits = order[..group.len()].iter().chain([&NO_COLUMN]).any(|&chosen| {
         for (k, &j) in group.iter().enumerate() {
             point[j] = f64::from(u8::from(k == chosen));
         }
@@ -146,14 +147,14 @@ fn choose_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [
 }
 
 /// The values of the columns of a group.
-fn values_of(group: &[usize], point: &[f64]) -> [f64; LARGEST] {
-    let mut values = [0.0; LARGEST];
+fn values_of(group: &[usize], point: &[f64]) -> [f64; LARGEST_GROUP] {
+    let mut values = [0.0; LARGEST_GROUP];
     values.iter_mut().zip(group).for_each(|(value, &j)| *value = point[j]);
     values
 }
 
 /// The values of the columns of a group, and their places by value, the largest first.
-fn ranked(group: &[usize], point: &[f64]) -> ([f64; LARGEST], [usize; LARGEST]) {
+fn ranked(group: &[usize], point: &[f64]) -> ([f64; LARGEST_GROUP], [usize; LARGEST_GROUP]) {
     let (values, mut order) = (values_of(group, point), std::array::from_fn(|k| k));
     order[..group.len()]
         .sort_unstable_by(|&a: &usize, &b: &usize| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
@@ -179,7 +180,7 @@ fn round(program: &Program, domain: &Domain, j: usize, point: &mut [f64]) {
 fn raise_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f64]) {
     let (old, order) = ranked(group, point);
     let order = &order[..group.len()];
-    let mut best: Option<(f64, [f64; LARGEST])> = None;
+    let mut best: Option<(f64, [f64; LARGEST_GROUP])> = None;
     for &k in order {
         let j = group[k];
         point[j] += room(program, domain, &[(j, 1.0)], point);
@@ -192,7 +193,7 @@ fn raise_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f
         for other in others() {
             point[other] -= room(program, domain, &[(other, -1.0)], point);
         }
-        if best.as_ref().is_none_or(|(most, _)| point[j] > *most + MISS) {
+        if best.as_ref().is_none_or(|(most, _)| point[j] > *most + ROW_MISS) {
             best = Some((point[j], values_of(group, point)));
         }
         group.iter().zip(&old).for_each(|(&j, &value)| point[j] = value);
@@ -202,7 +203,7 @@ fn raise_one(program: &Program, domain: &Domain, group: &[usize], point: &mut [f
     }
 }
 
-/// How far a point can go in a direction until a bound or a row of its columns binds.
+/// The distance that a point can go in a direction until a bound or a row of its columns binds.
 fn room(program: &Program, domain: &Domain, direction: &[(usize, f64)], point: &[f64]) -> f64 {
     let mut most = f64::INFINITY;
     for &(j, sign) in direction {
@@ -234,7 +235,7 @@ fn holds(program: &Program, j: usize, point: &[f64]) -> bool {
             sum += a * point[k];
             scale = scale.max((a * point[k]).abs());
         }
-        let miss = MISS * scale;
+        let miss = ROW_MISS * scale;
         sum >= program.row_lower[row] - miss && sum <= program.row_upper[row] + miss
     })
 }

@@ -72,7 +72,7 @@ pub(super) fn offer_leaf(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y:
     found
 }
 
-/// Whether a visible part of a leaf's value is due to what presolve has widened.
+/// Whether a visible part of the value of a leaf is due to limits that presolve has widened.
 fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f64]) -> bool {
     let program = ctx.task().exact.unwrap_or(ctx.program());
     let [rows, columns] = &program.widened;

@@ -54,7 +54,7 @@ pub(super) fn fix_near(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
     false
 }
 
-/// Tightens the domain of the current node by what is known to hold in it. The facts become part of
+/// Tightens the domain of the current node by decisions that hold in it. The facts become part of
 /// the path, so that the node's children have them too. If the ends of the tree are kept they are
 /// left out, because each would be an end of its own.
 ///

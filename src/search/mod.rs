@@ -1,8 +1,6 @@
 //! The tree search: best bound first, plunging, with every conclusion verified.
 //!
-//! A file sees only those above it in this list, so that each can be read without those below.
-//!
-//! Input and output:
+//! The files, from the input of a search to its driver. Input and output:
 //!
 //! * `task`, `found` - the task and its result
 //! * `start` - integers to complete, and a point to beat
@@ -15,7 +13,7 @@
 //! * `best_points` - the incumbent and those after it
 //! * `pseudocosts` - the average effect of branching on a column
 //! * `tree` - shared by all workers: queue, best points, bounds, limits
-//! * `tree_view` - one worker's view of the tree, with a `round_buffer` where it searches in rounds
+//! * `tree_view` - one worker's view of the tree
 //! * `reporter` - progress events
 //!
 //! The program:
@@ -28,10 +26,10 @@
 //!
 //! The focus node:
 //!
-//! * `focus_node` - its domain and path; `clock` - what the time is spent on
-//! * `context` - the focus node and what propagates and relaxes it
+//! * `focus_node` - its domain and path; `clock` - the time by activity
+//! * `context` - the focus node, its propagator and its methods for relaxations
 //! * `local_bounds` - tightening and propagating the domain of the node
-//! * `switch_node` - from node to node, `node_probing` - how much probing nodes get
+//! * `switch_node` - from node to node, `node_probing` - the budget of probing
 //! * `node_relaxation` - its relaxation
 //! * `unbounded` - an unbounded root
 //! * `reduced_cost` - reduced-cost fixing
@@ -40,7 +38,7 @@
 //! Processing:
 //!
 //! * `heuristics` - points from relaxed points
-//! * `branching` - which column to split, and which child to visit first
+//! * `branching` - the column to split, and the child to visit first
 //! * `close_node` - nodes that have no children
 //! * `replay` - the root divided as the tree of an earlier solve was
 //! * `children` - the children of a split
@@ -78,7 +76,6 @@ mod replay;
 mod reporter;
 mod root;
 mod root_point;
-mod round_buffer;
 mod start;
 mod switch_node;
 mod task;

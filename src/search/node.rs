@@ -29,8 +29,8 @@ pub type StepCount = Arc<AtomicUsize>;
 
 /// A decision, and those before it.
 #[derive(Debug)]
-struct Step {
-    parent: Option<Arc<Step>>,
+struct PathStep {
+    parent: Option<Arc<PathStep>>,
     value: f64,
     /// Twice the column, plus one for an upper bound.
     bound: u32,
@@ -38,7 +38,7 @@ struct Step {
     count: StepCount,
 }
 
-impl Drop for Step {
+impl Drop for PathStep {
     fn drop(&mut self) {
         self.count.fetch_sub(1, Memory::Relaxed);
         // Not by recursion: a path may be longer than a stack.
@@ -52,17 +52,17 @@ impl Drop for Step {
 /// The decisions from the root to a node.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
-    last: Option<Arc<Step>>,
+    last: Option<Arc<PathStep>>,
 }
 
 impl Path {
     /// Bytes of a step, with the two counts of its pointer.
-    pub(super) const STEP_BYTES: usize = size_of::<Step>() + 2 * size_of::<usize>();
+    pub(super) const STEP_BYTES: usize = size_of::<PathStep>() + 2 * size_of::<usize>();
 
     /// This path and a decision more.
     pub fn then(&self, decision: &Decision, count: &StepCount) -> Self {
         count.fetch_add(1, Memory::Relaxed);
-        let step = Step {
+        let step = PathStep {
             parent: self.last.clone(),
             value: decision.value,
             bound: 2 * decision.column as u32 + u32::from(decision.is_upper),
@@ -120,7 +120,7 @@ pub struct Node {
     pub path: Path,
     /// The proved bound, in the unit of the (minimised) objective.
     pub bound: f64,
-    /// How far the last decision moved its column from the parent's relaxed value.
+    /// The distance by which the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
     /// The relaxation of a trial, if there was one.
     pub(super) known: Option<Box<Known>>,

@@ -1,4 +1,4 @@
-//! How much probing nodes get: as much as it pays.
+//! The budget of probing at nodes, which follows its success.
 //!
 //! On some programs a few trials refute nodes without a relaxation. On others, hundreds of trials
 //! per node find nothing and cost more than the relaxations. So trials are paid from a credit that
@@ -7,20 +7,20 @@
 use crate::presolve::{ProbingRecord, Trials};
 
 /// Most trials at a node, and those that are always allowed, to notice when probing begins to pay.
-const MOST: usize = 200;
-const ALWAYS: usize = 4;
+const MOST_TRIALS: usize = 200;
+const LEAST_TRIALS: usize = 4;
 
 /// Trials in a row that may find nothing before a node's probing ends. What is excluded at one step
 /// lets the next one be excluded, so successes come in runs.
-const PATIENCE: usize = 10;
+const FAILED_TRIALS: usize = 10;
 
 /// The credit at first and at most, in trials; about that of ten full nodes.
-const CREDIT: i64 = 2000;
+const MOST_CREDIT: i64 = 2000;
 
 /// The credit for a bound of an integer that probing moves, and for a refuted node, in trials. A tenth of
 /// these left a pendulum of 40 steps open after 40 s that takes 0.4 s; more changes little.
-const BOUND: i64 = 50;
-const REFUTED: i64 = 400;
+const CREDIT_PER_BOUND: i64 = 50;
+const CREDIT_PER_REFUTATION: i64 = 400;
 
 /// The account of one worker.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ pub struct NodeProbing {
 impl NodeProbing {
     /// An account with full credit, for a program with so many columns.
     pub fn new(columns: usize) -> Self {
-        NodeProbing { credit: CREDIT, at_root: true, record: ProbingRecord::new(columns) }
+        NodeProbing { credit: MOST_CREDIT, at_root: true, record: ProbingRecord::new(columns) }
     }
 
     /// Whether the next node is to be probed: every one but the first.
@@ -45,16 +45,17 @@ impl NodeProbing {
 
     /// Trials for the next node.
     pub fn trials(&self) -> Trials {
-        let most = usize::try_from(self.credit).unwrap_or(0).clamp(ALWAYS, MOST);
-        Trials { most, patience: PATIENCE }
+        let most = usize::try_from(self.credit).unwrap_or(0).clamp(LEAST_TRIALS, MOST_TRIALS);
+        Trials { most, patience: FAILED_TRIALS }
     }
 
     /// Books what a node's probing took and brought.
     pub fn book(&mut self, trials: usize, bounds: usize, refuted: bool) {
         let trials = i64::try_from(trials).unwrap_or(i64::MAX);
         let bounds = i64::try_from(bounds).unwrap_or(i64::MAX);
-        let refuted = if refuted { REFUTED } else { 0 };
-        let gain = bounds.saturating_mul(BOUND).saturating_add(refuted).saturating_sub(trials);
-        self.credit = self.credit.saturating_add(gain).clamp(-CREDIT, CREDIT);
+        let refuted = if refuted { CREDIT_PER_REFUTATION } else { 0 };
+        let gain =
+            bounds.saturating_mul(CREDIT_PER_BOUND).saturating_add(refuted).saturating_sub(trials);
+        self.credit = self.credit.saturating_add(gain).clamp(-MOST_CREDIT, MOST_CREDIT);
     }
 }

@@ -24,29 +24,29 @@ use crate::relaxation::Ladder;
 use crate::solver::{Options, StopToken};
 
 /// Longest rows that are looked at (columns).
-const LONGEST: usize = 200;
+const ROW_ENTRIES: usize = 200;
 
 /// Width of bounds, relative, up to which a column counts as fixed by a binary.
-const FIXED: f64 = 1e-12;
+const FIXED_WIDTH: f64 = 1e-12;
 
 /// Most relaxations of the root.
-const ROUNDS: usize = 12;
+const MOST_ROUNDS: usize = 12;
 
 /// Part of the way to the slope of the relaxed point that a round goes.
-const STEP: f64 = 0.7;
+const SLOPE_STEP: f64 = 0.7;
 
 /// A round that lifts the bound by less than this, relative, is idle; so many in a row are the end.
-const LIFT: f64 = 1e-4;
-const IDLE: usize = 2;
+const IDLE_LIFT: f64 = 1e-4;
+const IDLE_ROUNDS: usize = 2;
 
 /// A first round that lifts the bound by less than this, relative, is the last.
-const HOPELESS: f64 = 5e-4;
+const FIRST_LIFT: f64 = 5e-4;
 
 /// All rounds together must lift the bound by this much, relative.
-const WORTH: f64 = 2e-3;
+const TOTAL_LIFT: f64 = 2e-3;
 
 /// Below this value of `w` the slope of a point says nothing (no unit).
-const OFF: f64 = 1e-4;
+const LEAST_WEIGHT: f64 = 1e-4;
 
 /// A square that a binary switches off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,7 +107,7 @@ fn tighten_by_row(
     let is_open = |j: usize| program.integral[j] && bounds(j) == [0.0, 1.0] && j != column;
     let Some(at) = columns.iter().position(|&j| j == column) else { return };
     let a = values[at];
-    if columns.len() > LONGEST || !columns.iter().any(|&j| is_open(j)) {
+    if columns.len() > ROW_ENTRIES || !columns.iter().any(|&j| is_open(j)) {
         return;
     }
     // Least and largest value of the others.
@@ -136,7 +136,7 @@ fn only_value(own: [f64; 2], [lower, upper]: [f64; 2]) -> Option<f64> {
     if own[0] == own[1] || !lower.is_finite() || !upper.is_finite() {
         return None;
     }
-    let room = FIXED * lower.abs().max(upper.abs()).max(1.0);
+    let room = FIXED_WIDTH * lower.abs().max(upper.abs()).max(1.0);
     if (upper - lower).abs() > room {
         return None;
     }
@@ -163,9 +163,9 @@ pub(crate) fn with_perspective(
     // No function lifts the bound beyond its own value at this point.
     let most: f64 = squares.iter().map(|square| excess(square, &point.x)).sum();
     let mut tighter = None;
-    if point.is_lifted_by(WORTH, point.value + most) {
+    if point.is_lifted_by(TOTAL_LIFT, point.value + most) {
         let found = best_slopes(program, &root.domain, &point, &squares, (options, token, ladder));
-        tighter = found.filter(|(_, best)| point.is_lifted_by(WORTH, best.value));
+        tighter = found.filter(|(_, best)| point.is_lifted_by(TOTAL_LIFT, best.value));
     }
     let (tighter, point) = match tighter {
         Some((program, best)) => {
@@ -189,23 +189,23 @@ fn best_slopes(
     let mut slopes: Vec<f64> = squares.iter().map(at_root).collect();
     let mut best: Option<(Program, RootPoint)> = None;
     let mut idle = 0;
-    for _ in 0..ROUNDS {
+    for _ in 0..MOST_ROUNDS {
         let tighter = with_slopes(program, squares, &slopes)?;
         let warm = best.as_ref().map_or(root, |(_, point)| point).warm.as_ref();
         let point = RootPoint::new(&tighter, domain, ladder, options, token, warm);
         let Some(point) = point else { break };
         for (r, square) in slopes.iter_mut().zip(squares) {
             let wanted = slope(square, &point.x).unwrap_or(*r);
-            *r += STEP * (wanted - *r);
+            *r += SLOPE_STEP * (wanted - *r);
         }
         let (last, value) = (best.as_ref().map_or(root, |(_, point)| point), point.value);
-        idle = if last.is_lifted_by(LIFT, value) { 0 } else { idle + 1 };
+        idle = if last.is_lifted_by(IDLE_LIFT, value) { 0 } else { idle + 1 };
         if value > last.value {
             best = Some((tighter, point));
         }
         // The first slopes are the largest: where they go too far, the bound falls.
-        let hopeless = value >= root.value && !root.is_lifted_by(HOPELESS, value);
-        if hopeless || idle >= IDLE || token.is_over() {
+        let hopeless = value >= root.value && !root.is_lifted_by(FIRST_LIFT, value);
+        if hopeless || idle >= IDLE_ROUNDS || token.is_over() {
             break;
         }
     }
@@ -224,7 +224,7 @@ fn one_each(all: Vec<Switched>, x: &[f64]) -> Vec<Switched> {
     best.into_values().collect()
 }
 
-/// How far a square is on: 1 for on, 0 for off.
+/// The degree to which a square is on: 1 for on, 0 for off.
 fn on(square: &Switched, x: &[f64]) -> f64 {
     let z = x[square.binary].clamp(0.0, 1.0);
     if square.off_at_one { 1.0 - z } else { z }
@@ -233,12 +233,12 @@ fn on(square: &Switched, x: &[f64]) -> f64 {
 /// `d / w` at a point; `None` where the square is off.
 fn slope(square: &Switched, x: &[f64]) -> Option<f64> {
     let w = on(square, x);
-    (w > OFF).then(|| (x[square.column] - square.value) / w)
+    (w > LEAST_WEIGHT).then(|| (x[square.column] - square.value) / w)
 }
 
 /// By how much the perspective of a square exceeds the square at a point.
 fn excess(square: &Switched, x: &[f64]) -> f64 {
-    let (w, d) = (on(square, x).max(OFF), x[square.column] - square.value);
+    let (w, d) = (on(square, x).max(LEAST_WEIGHT), x[square.column] - square.value);
     0.5 * square.curvature * d * d * (1.0 / w - 1.0)
 }
 

@@ -14,11 +14,11 @@ use crate::presolve::Reduced;
 use crate::relaxation::Prover;
 
 /// Most proofs that are kept of a solve, and most numbers in all of them (32 MB).
-const MOST: usize = 2000;
-const NUMBERS: usize = 4_000_000;
+const MOST_PROOFS: usize = 2000;
+const MOST_NUMBERS: usize = 4_000_000;
 
 /// Split nodes of a large tree.
-const LARGE: usize = 8;
+const LARGE_TREE: usize = 8;
 
 /// Multipliers of a relaxation, and the point that belongs to them, over all rows and columns of the
 /// program.
@@ -107,7 +107,7 @@ fn pick(from: &[f64], places: &[usize], to: &mut Vec<f64>) {
     to.extend(places.iter().map(|&k| from.get(k).copied().unwrap_or(0.0)));
 }
 
-/// How a node was split, by the names of its children.
+/// The split of a node, by the names of its children.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Fork {
     pub(super) id: u32,
@@ -121,7 +121,7 @@ pub(crate) struct Fork {
 
 impl Fork {
     /// Most nodes of a tree whose splits are kept.
-    pub(super) const MOST: u32 = 4000;
+    pub(super) const MOST_NODES: u32 = 4000;
 }
 
 /// The tree of an earlier solve.
@@ -162,7 +162,7 @@ impl Proofs {
 
     /// Whether so many nodes were split that what saves nodes pays.
     pub(super) fn is_large(&self) -> bool {
-        self.forks.len() >= LARGE
+        self.forks.len() >= LARGE_TREE
     }
 
     /// The multipliers that closed an end; `None` if none were kept.
@@ -170,8 +170,8 @@ impl Proofs {
         self.ends.get(&end.key())
     }
 
-    /// How many are kept of a search over so many columns and rows.
+    /// Most proofs that are kept of a search over so many columns and rows.
     pub(super) fn most(columns: usize, rows: usize) -> usize {
-        MOST.min(NUMBERS / (columns + rows).max(1))
+        MOST_PROOFS.min(MOST_NUMBERS / (columns + rows).max(1))
     }
 }

@@ -52,29 +52,29 @@ impl Pseudocosts {
         self.total[side].1 += 1;
     }
 
-    /// Keeps what is learned from here on, to tell it.
+    /// Records lessons from now on, for other workers.
     pub(super) fn record(&mut self) {
         self.fresh = Some(Vec::new());
     }
 
-    /// Tells what was learned since the last time.
+    /// Adds the lessons since the last call to shared pseudocosts.
     pub(super) fn tell(&mut self, shared: &mut Pseudocosts) {
         self.fresh.iter_mut().for_each(|fresh| fresh.drain(..).for_each(|l| shared.take_in(l)));
     }
 
-    /// Knows from here on what all together learned.
+    /// Takes over the pseudocosts of all workers.
     pub(super) fn learn_all(&mut self, shared: &Pseudocosts) {
         self.sum.copy_from_slice(&shared.sum);
         self.count.copy_from_slice(&shared.count);
         self.total = shared.total;
     }
 
-    /// Whether both sides of a column have taught something.
+    /// Whether a gain is known for both sides of a column.
     pub fn known(&self, column: usize) -> bool {
         self.count[column].iter().all(|&c| c > 0)
     }
 
-    /// Whether raising a column has taught something.
+    /// Whether a gain is known for raising a column.
     pub fn known_up(&self, column: usize) -> bool {
         self.count[column][1] > 0
     }

@@ -10,7 +10,7 @@ use super::node::Decision;
 use crate::presolve::Reduced;
 
 /// A whole value is kept when it is missed by less than this (no unit).
-const KEPT: f64 = 1e-6;
+const WHOLE_MARGIN: f64 = 1e-6;
 
 /// Tightens integral columns at the current node; `false` when nothing is left of it.
 pub(super) fn fix_by_reduced_costs(
@@ -46,9 +46,9 @@ fn facts(reduced: &Reduced, integral: &[bool], slopes: &[f64], room: f64) -> Vec
         }
         let reach = room / slope.abs();
         let fact = if slope > 0.0 {
-            Decision { column, is_upper: true, value: (lower + reach + KEPT).floor() }
+            Decision { column, is_upper: true, value: (lower + reach + WHOLE_MARGIN).floor() }
         } else {
-            Decision { column, is_upper: false, value: (upper - reach - KEPT).ceil() }
+            Decision { column, is_upper: false, value: (upper - reach - WHOLE_MARGIN).ceil() }
         };
         let cuts = if fact.is_upper { fact.value < upper } else { fact.value > lower };
         if cuts && fact.value.is_finite() {

@@ -23,7 +23,7 @@ use super::proofs::{End, EndKey, Fork, Multipliers, Proof, Proofs, Tried};
 use crate::relaxation::{Purpose, Verdict};
 
 /// Most decisions on a way down.
-const DEPTH: usize = 400;
+const MOST_DECISIONS: usize = 400;
 
 /// Divides the root along the earlier tree, if there is one and a point to beat. Returns the open
 /// parts, the most promising one first; `None` if the root is as it was.
@@ -69,7 +69,7 @@ pub(super) fn replay(
     parts.sort_by(|a, b| a.bound.total_cmp(&b.bound));
     let facts = ctx.node.path.get(root.path.len()..).unwrap_or_default();
     let base = ctx.tree.path_with(&root.path, facts);
-    let node_of = |Part { path, bound, id, multipliers }: Part| {
+    let node_of = |OpenPart { path, bound, id, multipliers }: OpenPart| {
         let path = ctx.tree.path_with(&base, &path);
         Node { path, bound, id, multipliers, warm: ctx.node.warm.clone(), ..Node::root() }
     };
@@ -82,7 +82,7 @@ struct Replay {
     /// The decisions that lead to the part in hand, from the root on.
     path: Vec<Decision>,
     /// Open parts.
-    parts: Vec<Part>,
+    parts: Vec<OpenPart>,
     /// The tree as it is now, and what closed its ends.
     forks: Vec<Fork>,
     proofs: Vec<Proof>,
@@ -104,7 +104,7 @@ struct Replay {
 }
 
 /// An open part.
-struct Part {
+struct OpenPart {
     path: Vec<Decision>,
     bound: f64,
     id: u32,
@@ -153,13 +153,14 @@ impl Replay {
             self.parts.truncate(open);
             (fork.chain, fork.rest) = (Vec::new(), None);
             let (path, multipliers) = (self.path[..top].to_vec(), ctx.node.multipliers.clone());
-            self.parts.push(Part { path, bound, id, multipliers });
+            self.parts.push(OpenPart { path, bound, id, multipliers });
         }
         self.path.truncate(length);
         self.forks.push(fork);
     }
 
-    /// The same. Returns the length of the path to the node with all that sides have decided; `None` if
+    /// Goes down to the ends below a node of the earlier tree. Returns the length of the path to the node
+    /// with all that sides have decided; `None` if
     /// nothing is left of the node.
     fn go_down(
         &mut self,
@@ -173,7 +174,7 @@ impl Replay {
         loop {
             let split = earlier.and_then(|node| Some((node, proofs.fork(node)?)));
             let Some((node, split)) =
-                split.filter(|_| self.path.len() < DEPTH && !ctx.token.is_over())
+                split.filter(|_| self.path.len() < MOST_DECISIONS && !ctx.token.is_over())
             else {
                 return self.end(ctx, proofs, earlier, (fork.id, bound));
             };
@@ -183,13 +184,13 @@ impl Replay {
             // What is below a crowded node is not kept.
             self.relaxes &= own.is_none_or(|own| !self.crowded.contains(&own));
             for &(decision, child) in &split.chain {
-                match Stand::of(ctx, &decision) {
-                    Stand::Holds => {
+                match Relation::of(ctx, &decision) {
+                    Relation::Holds => {
                         next = Some(child);
                         break;
                     }
-                    Stand::Fails => {}
-                    Stand::Open => {
+                    Relation::Fails => {}
+                    Relation::Open => {
                         let id = ctx.tree.new_id();
                         fork.chain.push((decision, id));
                         let (mark, length) = (ctx.node.domain.mark(), self.path.len());
@@ -239,7 +240,7 @@ impl Replay {
             }
             _ => {}
         }
-        self.parts.push(Part { path: self.path.clone(), bound, id, multipliers });
+        self.parts.push(OpenPart { path: self.path.clone(), bound, id, multipliers });
         Some(self.path.len())
     }
 
@@ -261,7 +262,7 @@ impl Replay {
             let mut kept = 0;
             for k in 0..left.len() {
                 let side = left[k];
-                if !matches!(Stand::of(ctx, &side), Stand::Open) || ctx.token.is_over() {
+                if !matches!(Relation::of(ctx, &side), Relation::Open) || ctx.token.is_over() {
                     continue;
                 }
                 let mark = ctx.node.domain.mark();
@@ -353,14 +354,14 @@ impl Replay {
     }
 }
 
-/// How a decision stands to the domain.
-enum Stand {
+/// The relation of a decision to the domain.
+enum Relation {
     Holds,
     Fails,
     Open,
 }
 
-impl Stand {
+impl Relation {
     fn of(ctx: &Context<'_>, decision: &Decision) -> Self {
         let [lower, upper] = ctx.node.domain.bounds(decision.column);
         let (holds, fails) = match decision.is_upper {
@@ -368,9 +369,9 @@ impl Stand {
             false => (lower >= decision.value, upper < decision.value),
         };
         match (holds, fails) {
-            (true, _) => Stand::Holds,
-            (_, true) => Stand::Fails,
-            _ => Stand::Open,
+            (true, _) => Relation::Holds,
+            (_, true) => Relation::Fails,
+            _ => Relation::Open,
         }
     }
 }

@@ -14,10 +14,10 @@ use crate::solver::StopToken;
 const ROOT_TRIALS: usize = 4000;
 
 /// Trials in a row that may find nothing where a wider root has been probed before.
-const PATIENCE: usize = 12;
+const FAILED_TRIALS: usize = 12;
 
 /// Numbers of sides of the disjunctions that are split at once.
-const SIDES: std::ops::RangeInclusive<usize> = 3..=64;
+const DISJUNCTION_SIDES: std::ops::RangeInclusive<usize> = 3..=64;
 
 /// The root after propagation and probing; every worker starts from it.
 #[derive(Debug, Clone)]
@@ -60,7 +60,7 @@ impl Root {
             })
             .map(|implications| propagator.set_implications(implications))
             .err();
-        let (covers, groups) = (covering_rows(program, &SIDES), groups(program));
+        let (covers, groups) = (covering_rows(program, &DISJUNCTION_SIDES), groups(program));
         let lone = lone_binaries(program, &groups);
         Root { covers, groups, lone, late_first, domain, propagator, conflict, point: None }
     }
@@ -82,7 +82,7 @@ impl Root {
         }
         if root.conflict.is_none() {
             let most = if probing { ROOT_TRIALS } else { 0 };
-            let trials = Trials { most, patience: PATIENCE };
+            let trials = Trials { most, patience: FAILED_TRIALS };
             let mut record = ProbingRecord::new(program.column_count());
             root.conflict = propagator
                 .propagate_since(program, domain, mark)
@@ -101,7 +101,7 @@ impl Root {
         if self.conflict.is_some() {
             return;
         }
-        (self.covers, self.groups) = (covering_rows(program, &SIDES), groups(program));
+        (self.covers, self.groups) = (covering_rows(program, &DISJUNCTION_SIDES), groups(program));
         self.lone = lone_binaries(program, &self.groups);
         self.renew(program, token);
     }

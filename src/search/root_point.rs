@@ -8,7 +8,7 @@ use crate::solver::{Options, StopToken};
 
 /// Largest distance of a bound from the value of its point with which a root needs no other
 /// relaxation, relative.
-const SHARP: f64 = 1e-7;
+const TIGHT_BOUND: f64 = 1e-7;
 
 /// The relaxed point of a program, and its value.
 #[derive(Debug, Clone)]
@@ -78,14 +78,14 @@ impl RootPoint {
         point
     }
 
-    /// The same with another proved bound, if that is higher.
+    /// Raises the bound to another proved one, if that is higher.
     pub(super) fn with_bound(self, bound: f64) -> RootPoint {
         RootPoint { bound: self.bound.max(bound), ..self }
     }
 
     /// Whether the search need not relax the root: the bound is as good as that of any relaxation.
     pub(super) fn is_final(&self) -> bool {
-        !self.lacks_state && self.value - self.bound <= SHARP * self.value.abs().max(1.0)
+        !self.lacks_state && self.value - self.bound <= TIGHT_BOUND * self.value.abs().max(1.0)
     }
 
     /// Whether another value is higher by at least a part of this one.

@@ -39,7 +39,7 @@ pub(super) fn switch_to(
     }
     ctx.node.path.extend_from_slice(fresh);
     if probes && !ctx.options().keep_leaves {
-        // What trials found becomes part of the path: no child has to find it again.
+        // The finds of trials become part of the path, so that no child has to find them again.
         let found = probing.record.found().iter();
         let facts = found.map(|&(column, is_upper, value)| Decision { column, is_upper, value });
         ctx.node.path.extend(facts);
@@ -47,7 +47,7 @@ pub(super) fn switch_to(
     Ok(())
 }
 
-/// Probes as much as probing has paid so far.
+/// Probes within the credit that probing has earned.
 fn probe_node(ctx: &mut Context<'_>, probing: &mut NodeProbing) -> Result<(), Conflict> {
     let program = ctx.program();
     let before = ctx.node.domain.mark();

@@ -53,7 +53,7 @@ impl<F: Fn(&[f64]) -> bool + Sync> PointJudge for F {
 pub struct Task<'a> {
     /// The program.
     pub program: &'a Program,
-    /// The same columns and rows before the program was strengthened, for what becomes an answer.
+    /// The program before it was strengthened, with the same columns, for points that become answers.
     pub exact: Option<&'a Program>,
     /// The propagated and probed root of the program, if it is known.
     pub root: Option<&'a Root>,

@@ -18,8 +18,8 @@ use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::Progress;
 
-/// Nodes that a search goes on for, at least, once it has found rows that its program lacks.
-const MORE_NODES: u64 = 8;
+/// Least number of nodes for which a search goes on once it has found rows that its program lacks.
+const NODES_AFTER_ROWS: u64 = 8;
 
 /// The search itself, for heuristics that solve smaller programs with it.
 pub(super) type NestedSearch = fn(Task<'_>) -> Found;
@@ -65,7 +65,7 @@ pub(super) struct State {
     /// Smallest bound of a subtree that could be neither finished nor split.
     stalled: f64,
     pub(super) stop: Option<Termination>,
-    /// Whether a point owes a visible part of its value to what presolve has widened.
+    /// Whether a visible part of the value of a point is due to limits that presolve has widened.
     pub(super) is_widened: bool,
     /// The error of the strengthened program, if an accepted point shows one.
     contradiction: Option<Contradiction>,
@@ -213,7 +213,7 @@ impl<'a> Tree<'a> {
         state.stop.is_none()
     }
 
-    /// Bytes of what grows with the search: open nodes, their shared decisions, kept leaves, best
+    /// Bytes of all that grows with the search: open nodes, their shared decisions, kept leaves, best
     /// points.
     fn bytes(&self, state: &State) -> u64 {
         let nodes = self.open.load(Ordering::Relaxed) * size_of::<Node>();
@@ -276,7 +276,7 @@ impl<'a> Tree<'a> {
         better
     }
 
-    /// Takes in what a worker found.
+    /// Takes in the finds of a worker.
     pub(super) fn take_in(&self, state: &mut State, share: Share) {
         state.statistics.add(&share.statistics);
         state.closed = state.closed.min(share.closed.unwrap_or(f64::INFINITY));
@@ -400,7 +400,7 @@ fn has_enough_rows(state: &mut State) -> bool {
     }
     let nodes = state.statistics.nodes;
     let since = *state.rows_since.get_or_insert(nodes);
-    nodes - since >= MORE_NODES.max(since / 2)
+    nodes - since >= NODES_AFTER_ROWS.max(since / 2)
 }
 
 /// The proved bound on the whole program.

@@ -10,16 +10,16 @@ use std::sync::atomic::Ordering;
 
 use web_time::Instant;
 
+use super::best_points::Accepted;
 use super::node::{Decision, Node, Path};
 use super::proofs::{Fork, Proof, Proofs};
-use super::round_buffer::RoundBuffer;
 use super::start::{Completion, Start};
 use super::tree::{Share, Tree};
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 
 /// Open nodes from which on no more relaxed points are kept with them.
-const ROOMY: usize = 1000;
+const MOST_NODES_WITH_POINTS: usize = 1000;
 
 /// One worker's view of the tree.
 pub(super) struct TreeView<'a> {
@@ -32,12 +32,26 @@ pub(super) struct TreeView<'a> {
     last_found: RefCell<Option<Vec<f64>>>,
 }
 
-/// How cutoffs, nodes and points pass between a worker and the tree.
+/// The way in which cutoffs, nodes and points pass between a worker and the tree.
 enum Exchange {
     /// At once: the opportunistic search.
     Immediate,
     /// Between rounds: the deterministic search.
     InRounds(RefCell<RoundBuffer>),
+}
+
+/// The cutoff that a worker of the deterministic search sees in a round, and what it keeps back until the
+/// end of the round.
+#[derive(Default)]
+pub(super) struct RoundBuffer {
+    /// The cutoff at the start, lowered by the worker's own points.
+    cutoff: f64,
+    /// New open nodes.
+    pub(super) nodes: Vec<Node>,
+    /// Verified points.
+    pub(super) points: Vec<Accepted>,
+    /// The reason for which the worker ends the search.
+    pub(super) stop: Option<Termination>,
 }
 
 /// A source of points at work.
@@ -95,7 +109,7 @@ impl<'a> TreeView<'a> {
     /// Whether open nodes may hold more than their path: not where memory is counted, or nodes are
     /// many.
     pub(super) fn has_room(&self) -> bool {
-        let few = self.tree.open.load(Ordering::Relaxed) < ROOMY;
+        let few = self.tree.open.load(Ordering::Relaxed) < MOST_NODES_WITH_POINTS;
         few && self.tree.task.options.memory_limit.is_none()
     }
 
@@ -146,7 +160,7 @@ impl<'a> TreeView<'a> {
         }
     }
 
-    /// From here on, points are found by this source; what [`end`](Self::end) wants to know.
+    /// Attributes points to this source until [`end`](Self::end) is called with the returned state.
     pub(super) fn begin(&self, source: Heuristic) -> Begun {
         self.count(|s| s.heuristics.of_mut(source).calls += 1);
         let relaxations = self.share.borrow().statistics.relaxations;
@@ -200,7 +214,7 @@ impl<'a> TreeView<'a> {
         self.tree.lock().completion = Some(completion);
     }
 
-    /// Notes that a point owes a visible part of its value to what presolve has widened.
+    /// Notes that a visible part of the value of a point is due to limits that presolve has widened.
     pub(super) fn note_widened(&self) {
         self.tree.lock().is_widened = true;
     }
@@ -224,28 +238,28 @@ impl<'a> TreeView<'a> {
         }
     }
 
-    /// Proofs of an earlier solve; `None` if nobody asks for those of this one either.
+    /// The tree of an earlier solve; `None` if the tree of this search need not be kept either.
     pub(super) fn proofs(&self) -> Option<Arc<Proofs>> {
         self.tree.start.and_then(|start| start.proofs.clone())
     }
 
-    /// Whether what closes nodes is kept.
+    /// Whether the multipliers that close nodes are kept.
     pub(super) fn keeps_proofs(&self) -> bool {
         self.tree.start.is_some_and(|start| start.proofs.is_some())
     }
 
-    /// Keeps what closed a node, if there is room.
+    /// Keeps the multipliers that closed a node, if there is room.
     pub(super) fn keep_proof(&self, proof: impl FnOnce() -> Proof) {
         if self.tree.has_room_for_proof() {
             self.share.borrow_mut().proofs.push(proof());
         }
     }
 
-    /// Keeps how a node was split, if there is room.
+    /// Keeps the split of a node, if there is room.
     pub(super) fn keep_fork(&self, fork: impl FnOnce() -> Fork) {
         if self.keeps_proofs() && self.tree.task.options.memory_limit.is_none() {
             let mut share = self.share.borrow_mut();
-            if self.tree.ids.load(Ordering::Relaxed) < Fork::MOST {
+            if self.tree.ids.load(Ordering::Relaxed) < Fork::MOST_NODES {
                 share.forks.push(fork());
             }
         }

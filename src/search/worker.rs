@@ -26,7 +26,7 @@ use crate::solution::{Heuristic, Termination};
 const NEAR_CUTOFF: f64 = 1e-4;
 
 /// By how much a trial's point may leave the domain that its child has come to (no unit).
-const OUTSIDE: f64 = 1e-6;
+const OUTSIDE_DOMAIN: f64 = 1e-6;
 
 /// One thread of the search, with its own domain and propagation.
 pub(super) struct Worker<'a> {
@@ -165,7 +165,7 @@ impl<'a> Worker<'a> {
         branch(ctx, &mut self.branching, &node, relaxed)
     }
 
-    /// Makes what a node was left by its parent the start of its relaxation.
+    /// Makes the state that the parent of a node has left the start of its relaxation.
     fn focus(&mut self, node: &mut Node) {
         let own = node.known.as_mut().and_then(|known| known.warm.take());
         let parent = || node.warm.clone().or_else(|| self.context.tree.root_state());
@@ -175,7 +175,7 @@ impl<'a> Worker<'a> {
         self.context.node.multipliers = node.multipliers.clone();
     }
 
-    /// Brings the domain to a node. Returns `false` if that refutes it.
+    /// Brings the domain to a node. Returns `false` if propagation refutes the node.
     fn enter(&mut self, node: &Node) -> bool {
         node.path.write_to(&mut self.route);
         self.context.root().conflict.is_none()
@@ -195,7 +195,7 @@ pub(super) fn may_reuse(ctx: &Context<'_>, known: &Known, bound: f64) -> bool {
     let inside = || {
         known.point.iter().enumerate().all(|(j, &v)| {
             let [lower, upper] = ctx.node.domain.bounds(j);
-            let slack = OUTSIDE * v.abs().max(1.0);
+            let slack = OUTSIDE_DOMAIN * v.abs().max(1.0);
             v >= lower - slack && v <= upper + slack
         })
     };

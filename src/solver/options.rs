@@ -31,11 +31,6 @@ use crate::tolerance;
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
 /// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *The latest step first* |
 /// | `relaxation` | [`RelaxationMethod`] | `Automatic` | `Automatic` | `Automatic` | benchmarks, *Relaxations by either method* |
-/// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
-/// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
-/// | `big_m_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
-/// | `probing` | on or off | on | on | on | decisions, *Probing at every node* |
-/// | `blocks` | on or off | on | on | on | decisions, *Blocks are searched one after the other* |
 /// | `cuts` | on or off | on | on | on | decisions, *Cuts at the root* |
 /// | `heuristics` | [`Heuristics`] | all | all | all | decisions, *Heuristics are paid from allowances* |
 ///
@@ -94,19 +89,24 @@ pub struct Options {
     /// Whether presolve reduces the program before the search: its rules remove rows and columns,
     /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves are kept,
     /// because these refer to the original columns. MIP starts are mapped through it.
+    #[doc(hidden)]
     pub reductions: bool,
     /// Whether presolve tightens bounds by propagating every case of a covering row
     /// `z_1 + ... + z_k >= 1` (constructive disjunction); default on. Left
     /// out if leaves are kept.
+    #[doc(hidden)]
     pub disjunctive_tightening: bool,
     /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on. Left
     /// out if leaves are kept.
+    #[doc(hidden)]
     pub big_m_tightening: bool,
     /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
     /// the nodes, to exclude values before a relaxation is solved; default on.
+    #[doc(hidden)]
     pub probing: bool,
     /// Whether parts of the program without a common row are searched one after the other; default
     /// on. Not used without presolve, for pools and leaves, or with a MIP start.
+    #[doc(hidden)]
     pub blocks: bool,
     /// Whether the root relaxation is made tighter if that improves its bound: by cuts, and by
     /// perspectives of squares that binaries switch off; default on. Left out if
@@ -229,15 +229,15 @@ impl Options {
         with_branching(rule: BranchingRule) => branching = rule;
         /// Sets the method that solves the relaxations.
         with_relaxation(method: RelaxationMethod) => relaxation = method;
-        /// Sets whether presolve reduces the program.
+        #[doc(hidden)]
         with_reductions(reductions: bool) => reductions = reductions;
-        /// Sets whether presolve tightens bounds by the cases of covering rows.
+        #[doc(hidden)]
         with_disjunctive_tightening(tightening: bool) => disjunctive_tightening = tightening;
-        /// Sets whether presolve shrinks big-Ms by pairs of rows.
+        #[doc(hidden)]
         with_big_m_tightening(tightening: bool) => big_m_tightening = tightening;
-        /// Sets whether binaries are probed.
+        #[doc(hidden)]
         with_probing(probing: bool) => probing = probing;
-        /// Sets whether parts without a common row are searched one after the other.
+        #[doc(hidden)]
         with_blocks(blocks: bool) => blocks = blocks;
         /// Sets whether cuts are added to the root relaxation.
         with_cuts(cuts: bool) => cuts = cuts;
@@ -245,14 +245,15 @@ impl Options {
         with_heuristics(heuristics: Heuristics) => heuristics = heuristics;
     }
 
-    /// Sets whether the program is presolved before the search: sets
-    /// [`reductions`](Self::reductions), [`disjunctive_tightening`](Self::disjunctive_tightening) and
-    /// [`big_m_tightening`](Self::big_m_tightening) together.
+    /// Sets whether the program is presolved before the search; default on. Presolve removes rows and
+    /// columns, tightens bounds and makes big-Ms smaller. It is left out if a pool or leaves are kept,
+    /// because these refer to the original columns.
     #[must_use]
-    pub fn with_presolve(self, presolve: bool) -> Self {
-        self.with_reductions(presolve)
-            .with_disjunctive_tightening(presolve)
-            .with_big_m_tightening(presolve)
+    pub fn with_presolve(mut self, presolve: bool) -> Self {
+        self.reductions = presolve;
+        self.disjunctive_tightening = presolve;
+        self.big_m_tightening = presolve;
+        self
     }
 
     /// How far the bound may be from an objective, in the objective's unit.

@@ -1,16 +1,10 @@
 //! The column to split, by pseudocosts and strong branching.
 
+use super::parameters::PARAMETERS;
 use super::split::{Child, RelaxedPoint, Split, both_sides, keep_only};
-use super::strong_branching::{TRIALS, Trial, try_child};
+use super::strong_branching::{Trial, try_child};
 use crate::search::context::Context;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
-
-/// Trials of new columns at a node where a disjunction could be split instead, whose sides have had
-/// theirs.
-const BESIDE: usize = 2;
-
-/// Trials in a row that may find no better column before the rest is taken at its pseudocosts.
-const PATIENCE: usize = 4;
 
 /// The column that a node is split at.
 pub(super) struct Chosen {
@@ -46,14 +40,15 @@ pub(super) fn choose_column(
         let fractional = || distance(b.1).total_cmp(&distance(a.1));
         b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
     });
-    let (mut trials, mut idle) = (if beside { BESIDE } else { TRIALS }, 0);
+    let (mut trials, mut idle) =
+        (if beside { PARAMETERS.trials_beside_disjunction } else { PARAMETERS.trials }, 0);
     let (mut most, mut best) = (f64::NEG_INFINITY, Chosen { column: None, fixed: false });
     for (expected, j) in ranked {
         if ctx.node.domain.is_fixed(j) {
             continue;
         }
         let (mut score, mut tried) = (expected, None);
-        let wanted = trials > 0 && idle < PATIENCE && !pseudocosts.known(j);
+        let wanted = trials > 0 && idle < PARAMETERS.idle_trials && !pseudocosts.known(j);
         if wanted && !ctx.token.is_over() {
             trials -= 1;
             match try_column(ctx, pseudocosts, relaxed, j, beside)? {

@@ -12,8 +12,9 @@
 use std::collections::BTreeMap;
 
 use super::growth::growth_rate;
+use super::parameters::PARAMETERS;
 use super::split::{Child, Split};
-use super::strong_branching::{TRIALS, Trial, try_child};
+use super::strong_branching::{Trial, try_child};
 use crate::search::context::Context;
 use crate::search::node::Decision;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
@@ -40,7 +41,7 @@ pub(super) fn split_disjunction(
     // Those least near to holding first: their sides are likely to cost most.
     let nearest = |v: &Violated| x[v.sides[0]];
     violated.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)).then(a.sides.cmp(&b.sides)));
-    let mut trials = TRIALS;
+    let mut trials = PARAMETERS.trials;
     let mut tried = BTreeMap::new();
     for disjunction in &mut violated {
         if trials == 0 {

@@ -1,9 +1,9 @@
-//! How fast a tree grows, given the gains of its splits.
+//! The rate at which a tree grows, given the gains of its splits.
 
 /// Halvings of the interval of a rate of growth: five digits, of rates from 1 to 1e9.
 const HALVINGS: usize = 22;
 
-/// At which rate a tree grows whose nodes all split with these gains of their children: it has
+/// The rate at which a tree grows whose nodes all split with these gains of their children. The tree has
 /// `exp(rate * gap)` nodes, where `sum of exp(-rate * gain) = 1` (Le Bodic and Nemhauser 2017).
 pub fn growth_rate(gains: &[f64]) -> f64 {
     let (least, most) =

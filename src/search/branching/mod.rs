@@ -11,6 +11,7 @@
 mod column;
 mod disjunction;
 mod growth;
+mod parameters;
 mod split;
 mod strong_branching;
 mod strong_fixing;
@@ -18,6 +19,7 @@ mod strong_fixing;
 use column::choose_column;
 use disjunction::split_disjunction;
 pub use growth::growth_rate;
+use parameters::PARAMETERS;
 use split::both_sides;
 pub(super) use split::{Child, RelaxedPoint, Split};
 use strong_branching::Trial;
@@ -27,10 +29,6 @@ use strong_fixing::fix_by_trials;
 use super::context::Context;
 use super::pseudocosts::{LEAST_GAIN, Pseudocosts};
 use crate::solver::BranchingRule;
-
-/// Nodes that the tree below a node is expected to have at least where fixings by trials may pay, beside
-/// the tree of an earlier solve.
-const WORTH_FIXING: f64 = 2.0;
 
 /// The experience of a worker with splits.
 pub(super) struct Branching {
@@ -109,7 +107,7 @@ fn choose_by_gains(
     let grows = ctx.tree.proofs().is_none()
         || chosen.column.as_ref().is_some_and(|column| {
             let rate = growth_rate(&gains_of(pseudocosts, column));
-            (rate * (ctx.tree.cutoff() - bound)).exp() >= WORTH_FIXING
+            (rate * (ctx.tree.cutoff() - bound)).exp() >= PARAMETERS.fixing_tree
         });
     let fixed = grows && fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
     let stands = |(j, tried): &(usize, Option<_>)| {

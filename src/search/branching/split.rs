@@ -29,16 +29,16 @@ pub(crate) struct Child {
     pub(crate) multipliers: Option<Arc<Multipliers>>,
 }
 
-/// How a node is split.
+/// A split of a node.
 pub(crate) struct Split {
     /// The child to visit first is in front. No child: all of the node is closed.
     pub(crate) children: Vec<Child>,
-    /// Whether anything that no child has is refuted or beyond the cutoff.
+    /// Whether a part of the node that no child contains was refuted or is beyond the cutoff.
     pub(crate) closed: bool,
 }
 
 impl Split {
-    /// No child: all of the node is refuted or beyond the cutoff.
+    /// No child, because all of the node is refuted or beyond the cutoff.
     pub(super) fn nothing() -> Self {
         Split { children: Vec::new(), closed: true }
     }
@@ -62,7 +62,7 @@ impl Split {
         }
     }
 
-    /// The same node, with what is now known of its bounds.
+    /// One child, which is the same node with tighter bounds.
     pub(super) fn again(bound: f64) -> Self {
         Split {
             children: vec![Child { decisions: Vec::new(), bound, known: None, multipliers: None }],
@@ -79,8 +79,8 @@ impl Child {
     }
 }
 
-/// Goes on with one side of a column, the other one being closed. If the ends of the tree are kept,
-/// that is a split.
+/// Goes on with one side of a column, whose other side is closed. If the leaves of the tree are kept, the
+/// result is a split with one child.
 pub(super) fn keep_only(ctx: &mut Context<'_>, side: Decision, bound: f64) -> Result<(), Split> {
     if ctx.options().keep_leaves {
         return Err(Split::only(side, bound));

@@ -14,9 +14,6 @@ use crate::search::node_relaxation::{project_reduced, reduce_node, relax_and_kee
 use crate::search::proofs::{End, Multipliers, Proof};
 use crate::search::pseudocosts::Pseudocosts;
 
-/// Trials of new columns at a node.
-pub(super) const TRIALS: usize = 8;
-
 /// A child that a trial has left open.
 #[derive(Debug, Clone)]
 pub(super) struct Trial {

@@ -6,20 +6,11 @@
 //! are paid from a credit that comes with the nodes and that every fixing raises. In a prepared solve, a
 //! node whose tree is expected to end at once does without, too.
 
+use super::parameters::PARAMETERS;
 use super::split::{RelaxedPoint, Split, both_sides, keep_only};
 use super::strong_branching::try_child;
 use crate::search::context::Context;
 use crate::search::pseudocosts::Pseudocosts;
-
-/// Most trials at a node that find nothing.
-const PATIENCE: usize = 8;
-
-/// The credit at most, in trials.
-const MOST: f64 = 16.0;
-
-/// The credit that a fixing adds, and the credit that a node without credit gains, in trials.
-const FIXED: f64 = 2.0;
-const DRIP: f64 = 0.05;
 
 /// The credit of one worker; none at first.
 #[derive(Debug, Default)]
@@ -31,7 +22,7 @@ impl FixingCredit {
     /// Whether there is credit for a trial.
     pub fn may_try(&mut self) -> bool {
         if self.credit < 1.0 {
-            self.credit += DRIP;
+            self.credit += PARAMETERS.credit_per_node;
             return false;
         }
         true
@@ -39,8 +30,8 @@ impl FixingCredit {
 
     /// Books a trial, and whether it fixed a column.
     pub fn book(&mut self, fixed: bool) {
-        let gain = if fixed { FIXED } else { -1.0 };
-        self.credit = (self.credit + gain).min(MOST);
+        let gain = if fixed { PARAMETERS.credit_per_fixing } else { -1.0 };
+        self.credit = (self.credit + gain).min(PARAMETERS.fixing_credit);
     }
 }
 
@@ -59,7 +50,7 @@ pub(super) fn fix_by_trials(
     settled.sort_by(|&a, &b| away(raw[b]).total_cmp(&away(raw[a])).then(a.cmp(&b)));
     let (mut idle, mut any) = (0, false);
     for j in settled {
-        if idle == PATIENCE || !credit.may_try() {
+        if idle == PARAMETERS.fixing_idle_trials || !credit.may_try() {
             break;
         }
         if ctx.node.domain.is_fixed(j) {

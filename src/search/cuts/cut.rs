@@ -1,18 +1,9 @@
 //! A cut, and the margins that make it safe.
 
+use super::parameters::PARAMETERS;
 use std::collections::BTreeMap;
 
 use crate::presolve::Domain;
-
-/// Largest quotient of two coefficients of a cut; smaller ones are taken out at the column's bound.
-const DYNAMISM: f64 = 1e6;
-
-/// Limits are loosened by this much of the terms' size (no unit): rounding must not cut a whole point
-/// off.
-const MARGIN: f64 = 1e-9;
-
-/// Least distance of a point to the cut that it violates.
-const DEPTH: f64 = 1e-5;
 
 /// A row `terms <= limit` that every whole point of a program satisfies.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +34,7 @@ impl Cut {
         for (j, a) in terms {
             let [lower, upper] = domain.bounds(j);
             let corner = if a > 0.0 { lower } else { upper };
-            if a.abs() * DYNAMISM > largest {
+            if a.abs() * PARAMETERS.dynamism > largest {
                 size = size.max(a.abs() * reach(domain, j));
                 kept.push((j, a));
             } else if a != 0.0 {
@@ -53,17 +44,17 @@ impl Cut {
                 limit -= a * corner;
             }
         }
-        limit += MARGIN * size;
+        limit += PARAMETERS.limit_margin * size;
         kept.iter_mut().for_each(|(_, a)| *a /= largest);
         let cut = Cut { terms: kept, limit: limit / largest };
-        (cut.depth(x) >= DEPTH && cut.limit.is_finite()).then_some(cut)
+        (cut.depth(x) >= PARAMETERS.least_depth && cut.limit.is_finite()).then_some(cut)
     }
 
     fn activity(&self, x: &[f64]) -> f64 {
         self.terms.iter().map(|&(j, a)| a * x[j]).sum()
     }
 
-    /// How far a point is from violating the cut.
+    /// The distance of a point from violating the cut.
     pub fn room(&self, x: &[f64]) -> f64 {
         self.limit - self.activity(x)
     }

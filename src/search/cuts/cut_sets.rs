@@ -5,6 +5,7 @@
 //! enter or leave the parts that appear on the way, so if the rows of a part together need a flow, whole
 //! binaries open more than the point does: the sum of the rows is rounded.
 
+use super::parameters::PARAMETERS;
 use std::collections::BTreeMap;
 
 use super::cut::Cut;
@@ -13,12 +14,6 @@ use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::solver::StopToken;
-
-/// Longest sum of rows, in entries.
-const LONGEST: usize = 1000;
-
-/// Arcs less open than this are not contracted.
-const OPEN: f64 = 1e-6;
 
 /// A continuous column of two rows.
 struct Arc {
@@ -33,7 +28,7 @@ struct Arc {
 pub fn cut_set_cuts(program: &Program, domain: &Domain, x: &[f64], token: &StopToken) -> Vec<Cut> {
     let point = &SeparatedPoint::new(program, domain, x);
     let mut arcs = arcs(point);
-    let mut search = Search { point, token, rounder: Rounder::default(), cuts: Vec::new() };
+    let mut search = SetSearch { point, token, rounder: Rounder::default(), cuts: Vec::new() };
     if arcs.iter().any(|arc| arc.open.is_finite()) {
         search.round_ends(&arcs);
         search.contract(&arcs);
@@ -54,10 +49,10 @@ fn arcs(point: &SeparatedPoint<'_>) -> Vec<Arc> {
         let Some(ends) = ends(point, column) else { continue };
         let open = match point.opening(column) {
             Some(bound) => point.x[bound.binary],
-            None if point.distance(column) > OPEN => f64::INFINITY,
+            None if point.distance(column) > PARAMETERS.open_arc => f64::INFINITY,
             None => 0.0,
         };
-        if open > OPEN {
+        if open > PARAMETERS.open_arc {
             arcs.push(Arc { column, ends, open });
         }
     }
@@ -85,14 +80,14 @@ fn sorted(mut arcs: Vec<Arc>) -> Vec<Arc> {
     arcs
 }
 
-struct Search<'a> {
+struct SetSearch<'a> {
     point: &'a SeparatedPoint<'a>,
     token: &'a StopToken,
     rounder: Rounder,
     cuts: Vec<Cut>,
 }
 
-impl Search<'_> {
+impl SetSearch<'_> {
     /// Rounds the rows at the ends of arcs.
     fn round_ends(&mut self, arcs: &[Arc]) {
         let mut rows: Vec<usize> = arcs.iter().flat_map(|arc| arc.ends).collect();
@@ -122,7 +117,7 @@ impl Search<'_> {
             if self.token.spend(100 * sum.terms.len()) {
                 return;
             }
-            if sum.terms.len() <= LONGEST {
+            if sum.terms.len() <= PARAMETERS.set_entries {
                 self.round(&sum);
                 parts.sums[a] = Some(sum);
             }

@@ -4,6 +4,7 @@
 //! further rows, up to a few; each aggregate is rounded in both directions (`rounding`).
 
 use super::cut::Cut;
+use super::parameters::PARAMETERS;
 use super::rounding::{Aggregate, Rounder};
 use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
@@ -11,23 +12,7 @@ use crate::program::Program;
 use crate::solver::StopToken;
 
 /// Most rows of an aggregate.
-pub const ROWS: usize = 6;
-
-/// Longest aggregate, in entries.
-const LONGEST: usize = 300;
-
-/// Most rows from which aggregates are started.
-const STARTS: usize = 2000;
-
-/// A row starts no aggregate of several if its slack is larger than this, relative to its largest
-/// coefficient.
-const LOOSE: f64 = 0.05;
-
-/// Distance from its bounds below which a column is not worth eliminating.
-const NEAR: f64 = 1e-6;
-
-/// Accuracy to which the coefficients of a row are taken to be known, relative to its largest.
-const ACCURACY: f64 = 1e-10;
+pub const MOST_ROWS: usize = 6;
 
 /// Cuts by rounding that a point violates, from aggregates of at most `rows` rows.
 pub fn mixed_integer_rounding_cuts(
@@ -41,7 +26,7 @@ pub fn mixed_integer_rounding_cuts(
     let (mut cuts, mut rounder) = (Vec::new(), Rounder::default());
     let (mut aggregate, mut other) = (Aggregate::default(), Aggregate::default());
     let (mut sum, mut open, mut used) = (Vec::new(), Vec::new(), Vec::new());
-    for start in (0..program.row_count()).take(STARTS) {
+    for start in (0..program.row_count()).take(PARAMETERS.start_rows) {
         if !aggregate.set_to_row(point, start) {
             continue;
         }
@@ -53,7 +38,7 @@ pub fn mixed_integer_rounding_cuts(
                 return cuts;
             }
             cuts.extend(best_rounding(point, &aggregate, &mut rounder));
-            if used.len() >= rows || aggregate.terms.len() > LONGEST {
+            if used.len() >= rows || aggregate.terms.len() > PARAMETERS.aggregate_entries {
                 break;
             }
             let Some((column, row)) = next(point, &aggregate, &used, &mut open) else { break };
@@ -70,7 +55,7 @@ pub fn mixed_integer_rounding_cuts(
 /// Whether the slack of an aggregate's first row is so large that other rows hardly make a cut of it.
 fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bool {
     let largest = aggregate.terms.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
-    point.slack(row) > LOOSE * largest
+    point.slack(row) > PARAMETERS.start_slack * largest
 }
 
 /// The better of the roundings of an aggregate and of its negative.
@@ -96,7 +81,7 @@ fn next(
     let columns = keys.filter(|&j| j < n && !program.integral[j]);
     let distances = columns.map(|j| (j, point.distance(j)));
     open.clear();
-    open.extend(distances.filter(|(_, distance)| *distance > NEAR));
+    open.extend(distances.filter(|(_, distance)| *distance > PARAMETERS.bound_distance));
     open.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     open.iter().find_map(|&(column, _)| {
         let rows = program.column(column).0.iter().copied();
@@ -113,7 +98,7 @@ fn next(
 /// The slack of a row at the point; slight ones count as none.
 fn slack(point: &SeparatedPoint<'_>, row: usize) -> f64 {
     let slack = point.slack(row);
-    if slack <= NEAR { 0.0 } else { slack }
+    if slack <= PARAMETERS.bound_distance { 0.0 } else { slack }
 }
 
 impl Aggregate {
@@ -132,7 +117,8 @@ impl Aggregate {
         if lower != upper {
             self.terms.push((program.column_count() + row, 1.0));
         }
-        self.noise = ACCURACY * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        self.noise =
+            PARAMETERS.row_accuracy * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         self.right = if sign > 0.0 { upper } else { -lower };
         let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
         self.size = reaches.fold(self.right.abs(), f64::max);

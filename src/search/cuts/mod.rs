@@ -7,12 +7,15 @@
 mod cut;
 mod cut_sets;
 mod mixed_integer_rounding;
+mod parameters;
 mod rounding;
 mod separated_point;
 
 pub use cut::Cut;
 pub use cut_sets::cut_set_cuts;
-pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
+pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
+
+use parameters::PARAMETERS;
 
 use super::root::Root;
 use super::root_point::{PilotResult, RootPoint, Strengthened};
@@ -23,46 +26,6 @@ use crate::solver::{Options, StopToken};
 
 /// A search of one node from a root; `None` if it is not wanted.
 pub(crate) type PilotSearch<'a> = dyn FnMut(&Root) -> Option<PilotResult> + 'a;
-
-const ROUNDS: usize = 40;
-
-/// Most cuts of a round.
-const CUTS: usize = 300;
-
-/// A round that lifts the bound by less than this, relative, and by less than this part of what all
-/// rounds have lifted it by, is idle; so many idle ones end it.
-const LIFT: f64 = 1e-3;
-const PART: f64 = 0.03;
-const IDLE: usize = 3;
-
-/// A first round that lifts the bound by less than this, relative, is the last: under a linear
-/// objective, whose relaxed optimum is a corner, and under a curved one, where it rarely is.
-const HOPELESS: [f64; 2] = [1e-5, 5e-3];
-
-/// All rounds together must lift the bound by this much, relative.
-const WORTH: [f64; 2] = [5e-3, 1e-2];
-
-/// An objective may have a large constant part. Lifts below those, but not below this, relative, do
-/// if they close so much of the gap to a point found by rounding: the first round, and all together.
-const SLIGHT: f64 = 1e-5;
-const CLOSED: [f64; 2] = [0.05, 0.1];
-
-/// From the second round on, that must be within reach of so many more rounds that lift the bound as
-/// much as the last one did: the first rounds lift the most.
-const AHEAD: f64 = 2.0;
-
-/// Cut sets stay if a round with them lifts the bound by so many times as much as without them.
-const MORE: f64 = 1.5;
-
-/// Cuts more parallel than this to a better one are left out (cosine).
-const PARALLEL: f64 = 0.7;
-
-/// Rounds for which a cut may be slack before it leaves: the point is inside the face of all optima,
-/// and the next round may move it back.
-const PATIENCE: u32 = 2;
-
-/// Room, relative to the cut's terms, up to which a cut counts as binding.
-const BINDING: f64 = 1e-6;
 
 /// Adds cuts to a program. Returns `None` if they do not pay. The root gets the relaxed point of the
 /// program that is left.
@@ -107,7 +70,9 @@ pub(crate) fn strengthen(
         sets: Sets::Untried,
     };
     let last = rounds.run(&point, options, token, ladder);
-    let last = last.filter(|last| rounds.pays([WORTH[curved], CLOSED[1]], &point, last.value));
+    let last = last.filter(|last| {
+        rounds.pays([PARAMETERS.total_lift[curved], PARAMETERS.closed_share[1]], &point, last.value)
+    });
     let more = last.as_ref().and_then(|last| {
         rounds.drop_idle(&last.x, 0);
         let program = with_cuts(program, &rounds.cuts)?;
@@ -154,24 +119,34 @@ impl Rounds<'_> {
     ) -> Option<RootPoint> {
         let (mut last, mut more): (Option<RootPoint>, Option<Program>) = (None, None);
         let mut idle = 0;
-        for round in 0..ROUNDS {
+        for round in 0..PARAMETERS.most_rounds {
             if token.is_over() {
                 return None;
             }
             let before = last.as_ref().unwrap_or(root);
             let how = (options, token);
             let Some(point) = self.cut(before, &mut more, round, how, ladder) else { break };
-            let part = PART * (point.value - root.value).max(0.0);
-            let moved = before.is_lifted_by(LIFT, point.value) || point.value - before.value > part;
+            let part = PARAMETERS.idle_share * (point.value - root.value).max(0.0);
+            let moved = before.is_lifted_by(PARAMETERS.idle_lift, point.value)
+                || point.value - before.value > part;
             idle = if moved { 0 } else { idle + 1 };
             let hopeless = if round == 0 {
-                !self.pays([HOPELESS[self.curved], CLOSED[0]], root, point.value)
+                !self.pays(
+                    [PARAMETERS.first_lift[self.curved], PARAMETERS.closed_share[0]],
+                    root,
+                    point.value,
+                )
             } else {
-                let ahead = point.value + AHEAD * (point.value - before.value).max(0.0);
-                !self.pays([WORTH[self.curved], CLOSED[1]], root, ahead)
+                let ahead =
+                    point.value + PARAMETERS.rounds_ahead * (point.value - before.value).max(0.0);
+                !self.pays(
+                    [PARAMETERS.total_lift[self.curved], PARAMETERS.closed_share[1]],
+                    root,
+                    ahead,
+                )
             };
             last = Some(point);
-            if idle >= IDLE || hopeless {
+            if idle >= PARAMETERS.idle_rounds || hopeless {
                 break;
             }
         }
@@ -197,7 +172,7 @@ impl Rounds<'_> {
         if found.is_empty() && sets.is_empty() {
             return None;
         }
-        self.drop_idle(&before.x, PATIENCE);
+        self.drop_idle(&before.x, PARAMETERS.slack_rounds);
         // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
@@ -210,10 +185,11 @@ impl Rounds<'_> {
         let mut best = if some { relax(&self.cuts) } else { None };
         if !sets.is_empty() {
             let value = best.as_ref().map_or(before.value, |(_, point)| point.value);
-            let lift = MORE * (value - before.value).max(0.0);
+            let lift = PARAMETERS.set_factor * (value - before.value).max(0.0);
             let all = [&self.cuts[..], &sets].concat();
             let both = relax(&all).filter(|(_, point)| {
-                before.is_lifted_by(LIFT, point.value) && point.value - before.value >= lift
+                before.is_lifted_by(PARAMETERS.idle_lift, point.value)
+                    && point.value - before.value >= lift
             });
             self.sets = if both.is_some() { Sets::Help } else { Sets::Idle };
             if both.is_some() {
@@ -231,14 +207,14 @@ impl Rounds<'_> {
     fn pays(&self, [large, closed]: [f64; 2], root: &RootPoint, value: f64) -> bool {
         let closes = |gap| value - root.value >= closed * gap;
         root.is_lifted_by(large, value)
-            || (root.is_lifted_by(SLIGHT, value)
+            || (root.is_lifted_by(PARAMETERS.slight_lift, value)
                 && self.best.is_some_and(|best| closes(best - root.value)))
     }
 
     /// The best cuts that a point violates, from the rows of a program.
     fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
         // Most curved programs gain nothing, and a look at single rows tells.
-        let rows = if self.looks_at_single_rows(round) { 1 } else { ROWS };
+        let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
         let cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
         select(cuts, &[], x)
     }
@@ -260,7 +236,7 @@ impl Rounds<'_> {
     /// Drops the cuts that were not active for more than some rounds.
     fn drop_idle(&mut self, x: &[f64], most: u32) {
         for (cut, age) in self.cuts.iter().zip(&mut self.ages) {
-            let active = cut.room(x) <= BINDING * cut.scale(x);
+            let active = cut.room(x) <= PARAMETERS.binding * cut.scale(x);
             *age = if active { 0 } else { *age + 1 };
         }
         let mut ages = self.ages.iter();
@@ -274,10 +250,10 @@ fn select(mut cuts: Vec<Cut>, others: &[Cut], x: &[f64]) -> Vec<Cut> {
     cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));
     let mut chosen: Vec<Cut> = Vec::new();
     for cut in cuts {
-        if chosen.len() == CUTS {
+        if chosen.len() == PARAMETERS.most_cuts {
             break;
         }
-        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= PARALLEL) {
+        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= PARAMETERS.most_cosine) {
             chosen.push(cut);
         }
     }

@@ -5,34 +5,16 @@
 //! follows `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is
 //! the fraction of `b / d` and `F(a) = floor(a) + max(0, fraction(a) - f) / (1 - f)`.
 
+use super::parameters::PARAMETERS;
 use std::collections::BTreeMap;
 
 use super::cut::{Cut, reach};
 use super::separated_point::{From, SeparatedPoint};
 use crate::presolve::Domain;
 
-/// Fractions of the right side that are rounded.
-const FRACTIONS: std::ops::RangeInclusive<f64> = 0.02..=0.98;
-
-/// The least that is missing to the next multiple of the divisor, relative to the aggregate's size: more
-/// than tolerances of rows sum up to.
-const LEAST: f64 = 1e-6;
-
-/// Divisors are at least this much larger than the noise of the coefficients.
-const CLEAR: f64 = 1e5;
-
-/// Most divisors that are tried.
-const DIVISORS: usize = 12;
-
-/// Most columns whose direction is tried both ways.
-const FLIPS: usize = 12;
-
-/// The part of an aggregate's size that counts for the margin of its cut: rounding, and no more.
-const SUMMED: f64 = 1e-3;
-
 /// A whole column measured from a bound.
 #[derive(Debug, Clone, Copy)]
-struct Whole {
+struct WholeColumn {
     column: usize,
     coefficient: f64,
     bounds: [f64; 2],
@@ -50,7 +32,7 @@ struct Rest {
 
 #[derive(Default)]
 struct Base {
-    whole: Vec<Whole>,
+    whole: Vec<WholeColumn>,
     rest: Vec<Rest>,
     /// The sum of coefficient times value over the rest, and of the squares of the coefficients.
     rest_sum: f64,
@@ -75,7 +57,7 @@ pub(super) struct Aggregate {
     /// By key.
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) right: f64,
-    /// How accurately the coefficients are known: rows that nearly cancel leave little else.
+    /// The accuracy to which the coefficients are known, since rows that nearly cancel leave little else.
     pub(super) noise: f64,
     /// The sum over its rows of the largest magnitude of a term or side, with what has cancelled.
     pub(super) size: f64,
@@ -191,17 +173,17 @@ fn divide(
     candidates: &mut Vec<(usize, f64)>,
 ) -> Option<(f64, f64)> {
     let can_cut = |divisor| any || base.can_cut(divisor);
-    let (mut divisors, mut count) = ([0.0_f64; DIVISORS], 0);
+    let (mut divisors, mut count) = ([0.0_f64; PARAMETERS.most_divisors], 0);
     let values = base.whole.iter().map(|whole| whole.value).enumerate();
     candidates.clear();
     candidates.extend(values.filter(|(_, value)| *value > 1e-6));
-    // Whole columns are sorted.
+    // WholeColumn columns are sorted.
     candidates.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     for &(k, _) in &*candidates {
         let size = base.whole[k].coefficient.abs();
-        let clear = size >= CLEAR * noise && can_cut(size);
+        let clear = size >= PARAMETERS.divisor_noise * noise && can_cut(size);
         let is_new = |found: &[f64]| found.iter().all(|d| (d - size).abs() > 1e-6 * size);
-        if count < DIVISORS && clear && is_new(&divisors[..count]) {
+        if count < PARAMETERS.most_divisors && clear && is_new(&divisors[..count]) {
             divisors[count] = size;
             count += 1;
         }
@@ -232,9 +214,9 @@ fn turn_around(base: &mut Base, divisor: f64, most: &mut f64) {
             whole.value > 1e-6 && whole.bounds[1] - whole.bounds[0] < f64::INFINITY
         })
         .collect();
-    let centre = |w: &Whole| (w.value - 0.5 * (w.bounds[1] - w.bounds[0])).abs();
+    let centre = |w: &WholeColumn| (w.value - 0.5 * (w.bounds[1] - w.bounds[0])).abs();
     flips.sort_by(|&a, &b| centre(&base.whole[a]).total_cmp(&centre(&base.whole[b])));
-    for k in flips.into_iter().take(FLIPS) {
+    for k in flips.into_iter().take(PARAMETERS.most_flips) {
         base.flip(k);
         let depth = depth(base, divisor);
         if depth > *most {
@@ -297,19 +279,25 @@ impl Base {
             right -= a * bound;
             let (coefficient, value) =
                 if at_upper { (-a, bound - x[column]) } else { (a, x[column] - bound) };
-            whole.push(Whole { column, coefficient, bounds, at_upper, value: value.max(0.0) });
+            whole.push(WholeColumn {
+                column,
+                coefficient,
+                bounds,
+                at_upper,
+                value: value.max(0.0),
+            });
         }
         self.rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
         self.rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
         (self.right, self.slack) = (right, slack);
-        self.least = LEAST * aggregate.size;
+        self.least = PARAMETERS.least_missing * aggregate.size;
         Some(())
     }
 
     /// Whether a divisor may lead to a cut that the point violates. `F(a) <= a`, so rounding takes away
     /// a fraction of the divisor at most, and what is slack already has to be less.
     fn can_cut(&self, divisor: f64) -> bool {
-        self.slack < divisor * FRACTIONS.end()
+        self.slack < divisor * PARAMETERS.right_fractions.end()
     }
 
     fn flip(&mut self, k: usize) {
@@ -344,9 +332,9 @@ fn floor(a: f64) -> f64 {
 fn fraction(base: &Base, divisor: f64) -> Option<f64> {
     let quotient = base.right / divisor;
     let fraction = quotient - quotient.floor();
-    let gentle = FRACTIONS.contains(&fraction);
+    let gentle = PARAMETERS.right_fractions.contains(&fraction);
     // Without continuous terms, nothing is divided by what is missing to the next whole number.
-    let whole = base.rest.is_empty() && fraction > *FRACTIONS.end();
+    let whole = base.rest.is_empty() && fraction > *PARAMETERS.right_fractions.end();
     let clear = whole && (1.0 - fraction) * divisor >= base.least;
     (quotient.abs() < 1e7 && (gentle || clear)).then_some(fraction)
 }
@@ -391,7 +379,7 @@ fn write(point: &SeparatedPoint<'_>, base: &Base, divisor: f64, size: f64) -> Op
     let SeparatedPoint { program, domain, x, .. } = *point;
     let f = fraction(base, divisor)?;
     let n = program.column_count();
-    let size = SUMMED * size / (divisor * (1.0 - f));
+    let size = PARAMETERS.margin_share * size / (divisor * (1.0 - f));
     let mut total = Total { domain, terms: BTreeMap::new(), limit: 0.0, size };
     total.raise((base.right / divisor).floor());
     for whole in &base.whole {

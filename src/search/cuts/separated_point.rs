@@ -130,7 +130,7 @@ impl<'a> SeparatedPoint<'a> {
         self.fit[row]
     }
 
-    /// How far a continuous column is from what it is measured from; infinite for a free one.
+    /// The distance of a continuous column from the bound that it is measured from; infinite for a free one.
     pub(super) fn distance(&self, column: usize) -> f64 {
         self.nearest(column).map_or(f64::INFINITY, |from| from.value)
     }

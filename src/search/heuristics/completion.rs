@@ -1,5 +1,6 @@
 //! Points from the integers of a start: fixed, completed, and repaired if they contradict the program.
 
+use super::parameters::PARAMETERS;
 use super::penalties::{forgo, pays, penalties};
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, Verdict};
@@ -11,14 +12,6 @@ use crate::search::start::Completion;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
-/// Most relaxations of all completions, and most in a prepared solve that nothing stops, where going
-/// through the last tree finds points as well.
-const DIVE: usize = 12;
-const DIVE_PREPARED: usize = 3;
-
-/// The shares of the integers, from its beginning, that are tried.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
-
 /// Looks for a point with the integers of the start, or with any if it has none. The domain is left as
 /// it was.
 pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
@@ -28,8 +21,9 @@ pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     let mut contradiction = None;
     let mut found = None;
     let is_quick = start.proofs.is_some() && !ctx.options().may_stop();
-    let mut left = if is_quick { DIVE_PREPARED } else { DIVE };
-    for share in SHARES {
+    let mut left =
+        if is_quick { PARAMETERS.prepared_relaxations } else { PARAMETERS.completion_relaxations };
+    for share in PARAMETERS.start_shares {
         let kept = (share * start.integers.len() as f64).ceil() as usize;
         let mark = ctx.node.domain.mark();
         for &(j, value) in &start.integers[..kept] {
@@ -67,7 +61,7 @@ fn complete_unsoftened(ctx: &mut Context<'_>, found: Option<&[f64]>) -> Option<V
     }
     let mark = ctx.node.domain.mark();
     if forgo(ctx, &penalties) {
-        complete(ctx, &mut { DIVE });
+        complete(ctx, &mut { PARAMETERS.completion_relaxations });
     }
     ctx.node.domain.undo_to(mark);
     ctx.tree.take_last_found()

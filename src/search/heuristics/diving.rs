@@ -7,6 +7,7 @@
 //! allowance ends rounds the rest.
 
 use super::allowance::Allowance;
+use super::parameters::PARAMETERS;
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, Verdict};
 use crate::search::context::Context;
@@ -17,15 +18,6 @@ use crate::search::node_relaxation::{project_node, relax};
 use crate::search::pseudocosts::Pseudocosts;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
-
-/// Iterations that must be left for a dive to begin.
-const LEAST: u64 = 50;
-
-/// Most relaxations of a dive.
-const STEPS: usize = 20;
-
-/// A step fixes one in so many of the fractional integers.
-const PART: usize = 2;
 
 /// The measure of how sure a value of an integer is; the surest ones are fixed first.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +47,7 @@ pub(super) fn dive_where_it_pays(
     let free =
         cutoff == f64::INFINITY && ctx.tree.id == 0 && !ctx.program().is_feasibility_problem();
     let left = allowance.left(ctx.iterations, free);
-    if left < LEAST || bound == f64::NEG_INFINITY || bound >= cutoff {
+    if left < PARAMETERS.dive_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
     span!(DEBUG, "heuristic", name = "diving");
@@ -78,7 +70,7 @@ fn dive(ctx: &mut Context<'_>, rule: Rule<'_>, point: &[f64], last: u64) {
     let start = ctx.node.domain.mark();
     let mut point = point.to_vec();
     let mut turned_back = false;
-    for _ in 0..STEPS {
+    for _ in 0..PARAMETERS.dive_steps {
         let candidates = candidates(ctx, rule, &point);
         let Some(&(_, first, value)) = candidates.first() else { break };
         let mark = ctx.node.domain.mark();
@@ -132,7 +124,7 @@ fn candidates(ctx: &Context<'_>, rule: Rule<'_>, point: &[f64]) -> Vec<Candidate
     };
     let mut candidates: Vec<Candidate> = fractional.map(candidate).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    candidates.truncate(candidates.len().div_ceil(PART));
+    candidates.truncate(candidates.len().div_ceil(PARAMETERS.dive_divisor));
     candidates
 }
 

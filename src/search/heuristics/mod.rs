@@ -4,6 +4,7 @@ mod allowance;
 mod completion;
 mod diving;
 mod neighbourhood;
+mod parameters;
 mod penalties;
 mod roll_out;
 mod rounding;
@@ -12,6 +13,7 @@ pub use allowance::Allowance;
 pub(super) use completion::complete_start;
 use diving::dive_where_it_pays;
 use neighbourhood::search_near_incumbent;
+use parameters::PARAMETERS;
 pub use roll_out::Frontier;
 use roll_out::roll_out;
 use rounding::{fix_at_cheap_ends, round_and_propagate};
@@ -22,13 +24,6 @@ use super::leaf::try_assignment;
 use super::pseudocosts::Pseudocosts;
 use super::trace::span;
 use crate::solution::Heuristic;
-
-/// Nodes between two runs of rounding, while there is no point and afterwards.
-const PAUSE: u64 = 5;
-const LONG_PAUSE: u64 = 50;
-
-/// A point is good if no point can be better by more than this part of its value.
-const FAR: f64 = 0.5;
 
 /// The accounts of the heuristics of one worker.
 pub(super) struct Heuristics {
@@ -67,7 +62,7 @@ impl Heuristics {
 /// Whether there is a good point beside the bound of the current node.
 fn has_good_point(ctx: &Context<'_>, bound: f64) -> bool {
     let cutoff = ctx.tree.cutoff();
-    cutoff < f64::INFINITY && cutoff - bound <= FAR * cutoff.abs()
+    cutoff < f64::INFINITY && cutoff - bound <= PARAMETERS.good_point_gap * cutoff.abs()
 }
 
 /// Looks for points near the relaxed point of the current node.
@@ -85,7 +80,11 @@ pub(super) fn look_for_points(
     if whole {
         try_whole_point(ctx, point);
     }
-    let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
+    let pause = if ctx.tree.cutoff() == f64::INFINITY {
+        PARAMETERS.pause_without_point
+    } else {
+        PARAMETERS.pause_with_point
+    };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
         // Where a pilot search has tried them at the same root, and beside a good start, they can wait.

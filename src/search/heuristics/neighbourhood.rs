@@ -5,27 +5,13 @@
 //! further.
 
 use super::allowance::Allowance;
+use super::parameters::PARAMETERS;
 use crate::program::Program;
 use crate::search::context::Context;
 use crate::search::found::Found;
 use crate::search::task::Task;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
-
-/// Iterations that must be left for a search to begin.
-const LEAST: u64 = 150;
-
-/// Fewest and most nodes of a search.
-const NODES: [u64; 2] = [10, 200];
-
-/// Distance up to which the best point and the relaxed one agree on an integer (no unit).
-const AGREE: f64 = 0.1;
-
-/// Least share of the open integers that must be fixed.
-const LEAST_FIXED: f64 = 0.4;
-
-/// Share of the gap by which a new point must be better.
-const GAIN: f64 = 0.02;
 
 /// Searches near the best point if an allowance has room for it.
 ///
@@ -42,14 +28,14 @@ pub(super) fn search_near_incumbent(
 ) {
     let (left, cutoff, base) =
         (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.program());
-    if left < LEAST || bound == f64::NEG_INFINITY || bound >= cutoff {
+    if left < PARAMETERS.neighbourhood_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
     let Some((value, best)) = ctx.tree.incumbent() else { return };
     if base.is_feasibility_problem() {
         return;
     }
-    let wanted = cutoff.min(value - GAIN * (value - bound).max(0.0));
+    let wanted = cutoff.min(value - PARAMETERS.gap_share * (value - bound).max(0.0));
     let Some(program) = agreement(base, point, &best) else { return };
     span!(DEBUG, "heuristic", name = "neighbourhood");
     let source = ctx.tree.begin(Heuristic::Neighbourhood);
@@ -73,7 +59,10 @@ fn search_within(
 ) -> u64 {
     let a_node = (ctx.iterations / nodes.max(1)).max(1);
     let mut options = ctx.options().nested();
-    options.node_limit = Some((iterations / a_node).clamp(NODES[0], NODES[1]));
+    options.node_limit = Some(
+        (iterations / a_node)
+            .clamp(PARAMETERS.neighbourhood_nodes[0], PARAMETERS.neighbourhood_nodes[1]),
+    );
     options.memory_limit = ctx.tree.memory_left();
     let task = Task { program, root: None, options: &options, cutoff, ..*ctx.task() };
     let activity = ctx.clock.pause();
@@ -94,10 +83,10 @@ fn search_within(
 /// all.
 fn agreement(base: &Program, point: &[f64], best: &[f64]) -> Option<Program> {
     let open = |&&j: &&usize| base.lower[j] < base.upper[j];
-    let agree = |&j: &usize| (point[j] - best[j]).abs() <= AGREE;
+    let agree = |&j: &usize| (point[j] - best[j]).abs() <= PARAMETERS.agreement;
     let open: Vec<usize> = base.integers.iter().filter(open).copied().collect();
     let fixed: Vec<usize> = open.iter().copied().filter(agree).collect();
-    let enough = fixed.len() as f64 >= LEAST_FIXED * open.len() as f64;
+    let enough = fixed.len() as f64 >= PARAMETERS.fixed_share * open.len() as f64;
     if fixed.is_empty() || fixed.len() == open.len() || !enough {
         return None;
     }

@@ -1,6 +1,7 @@
-//! Columns that soften rows at a price, such as the depth in an obstacle that may be entered. Relaxed
-//! points say little about the integers of such rows, because softening each a little is cheap.
-//! Without them propagation says much, so a dive that does without is tried first.
+//! Columns that soften rows at a price, such as the depth in an obstacle that may be entered.
+//!
+//! Relaxed points tell little about the integers of such rows, because softening each a little is cheap.
+//! With these columns at their lower bounds propagation tells much, so such a point is looked for as well.
 
 use crate::program::Program;
 use crate::search::context::Context;
@@ -25,12 +26,13 @@ pub(super) fn penalties(program: &Program) -> Vec<usize> {
     continuous.filter(is_penalty).collect()
 }
 
-/// Whether a point pays for one of them.
+/// Whether such a column is above its lower bound at a point.
 pub(super) fn pays(program: &Program, penalties: &[usize], point: &[f64]) -> bool {
     penalties.iter().any(|&j| point[j] > program.lower[j] + FEASIBILITY)
 }
 
-/// Does without them. `false` if that is a contradiction; the domain may have changed then.
+/// Fixes such columns at their lower bounds. Returns `false` if that is a contradiction; the domain may
+/// have changed then.
 pub(super) fn forgo(ctx: &mut Context<'_>, penalties: &[usize]) -> bool {
     let mark = ctx.node.domain.mark();
     for &j in penalties {

@@ -11,6 +11,7 @@
 //! that occurs in the fewest unknown rows: an input occurs only in the rows of its step, a state
 //! also in those of the next step.
 
+use super::parameters::PARAMETERS;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -20,12 +21,8 @@ use crate::search::context::Context;
 use crate::search::leaf::try_assignment;
 use crate::search::local_bounds::{fix_near, propagate_since};
 
-/// Width up to which a continuous column counts as known, relative to what it had at first; in the
-/// column's unit if it had no bounds.
-const NARROW: f64 = 1e-4;
-
 /// Shares of unknown columns in a row are compared in so many steps.
-const SHARES: usize = 1 << 20;
+const SHARE_STEPS: usize = 1 << 20;
 
 /// Tries the modes that follow from the inputs of a relaxed point. The domain is left as it was.
 pub(super) fn roll_out(ctx: &mut Context<'_>, point: &[f64]) {
@@ -98,8 +95,8 @@ impl<'a> Frontier<'a> {
         let (m, n) = (program.row_count(), program.column_count());
         let narrow = |j: usize| match domain.upper(j) - domain.lower(j) {
             _ if program.integral[j] => 0.0,
-            width if width.is_finite() => NARROW * width,
-            _ => NARROW,
+            width if width.is_finite() => PARAMETERS.known_width * width,
+            _ => PARAMETERS.known_width,
         };
         let moves = |row: usize| program.row(row).0.iter().any(|&j| !program.integral[j]);
         let mut frontier = Frontier {
@@ -119,7 +116,7 @@ impl<'a> Frontier<'a> {
     }
 
     fn share(&self, row: usize) -> usize {
-        self.unknown[row] * SHARES / self.program.row(row).0.len()
+        self.unknown[row] * SHARE_STEPS / self.program.row(row).0.len()
     }
 
     fn file(&mut self, row: usize) {

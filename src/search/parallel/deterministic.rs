@@ -21,7 +21,7 @@ pub(in crate::search) const WORKERS: usize = 8;
 
 /// Most nodes of a worker in a round. More waste less time waiting for the slowest, fewer spread
 /// news sooner.
-const NODES: u64 = 4;
+const NODES_PER_ROUND: u64 = 4;
 
 /// A worker between and in the rounds.
 #[derive(Default)]
@@ -29,7 +29,7 @@ struct Slot<'a> {
     worker: Option<Worker<'a>>,
     /// The node to process in the present round, and the largest number of nodes to process from there.
     assignment: Option<(Node, u64)>,
-    /// Where its plunge goes on.
+    /// The node with which its plunge goes on.
     plunge: Option<Node>,
 }
 
@@ -130,7 +130,7 @@ fn assign(tree: &Tree<'_>, slots: &Slots<'_>) -> Vec<usize> {
         state.floors[id] = node.as_ref().map(|node| node.bound);
         if let Some(node) = node {
             tree.open.fetch_sub(1, Ordering::Relaxed);
-            let nodes = NODES.min(left);
+            let nodes = NODES_PER_ROUND.min(left);
             left -= nodes;
             slot.assignment = Some((node, nodes));
             assigned.push(id);
@@ -150,7 +150,7 @@ fn next_node(tree: &Tree<'_>, state: &mut State, plunge: Option<Node>) -> Option
     }
 }
 
-/// Puts together what the workers found, in their order.
+/// Merges the finds of the workers, in their order.
 fn put_together(tree: &Tree<'_>, slots: &Slots<'_>, assigned: &[usize]) {
     let mut state = tree.lock();
     let mut shared = lock(&tree.pseudocosts);

@@ -6,7 +6,7 @@
 
 use carom::internals::presolve::{Domain, Propagator, probe_implications};
 use carom::internals::program::Program;
-use carom::internals::search::cuts::{Cut, ROWS, mixed_integer_rounding_cuts};
+use carom::internals::search::cuts::{Cut, MOST_ROWS, mixed_integer_rounding_cuts};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -74,7 +74,7 @@ proptest! {
         prop_assert!(!conflict || points.is_empty());
         prop_assume!(!conflict);
         let x = case.relaxed(&program);
-        let cuts = mixed_integer_rounding_cuts(&program, &domain, &x, ROWS, &StopToken::default());
+        let cuts = mixed_integer_rounding_cuts(&program, &domain, &x, MOST_ROWS, &StopToken::default());
         prop_assert_eq!(cut_off(&cuts, &points), None);
         for cut in &cuts {
             prop_assert!(cut.room(&x) < 0.0, "the relaxed point is not cut off");
@@ -89,7 +89,7 @@ proptest! {
         let more = Program::assemble(&model).unwrap();
         let middle: Vec<f64> = x.iter().zip(&program.lower).map(|(x, l)| 0.5 * (x + l)).collect();
         let next =
-            mixed_integer_rounding_cuts(&more, &domain, &middle, ROWS, &StopToken::default());
+            mixed_integer_rounding_cuts(&more, &domain, &middle, MOST_ROWS, &StopToken::default());
         prop_assert_eq!(cut_off(&next, &points), None);
     }
 
@@ -161,7 +161,7 @@ fn the_fraction_of_a_knapsack_is_rounded() {
         &program,
         &Domain::new(&program),
         &[2.5],
-        ROWS,
+        MOST_ROWS,
         &StopToken::default(),
     );
     assert_eq!(cuts.len(), 1);
