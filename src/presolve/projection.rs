@@ -163,7 +163,7 @@ pub(super) struct Projector {
     /// The first two rows of each open column, and how many there are.
     uses: Vec<([(usize, f64); 2], u32)>,
     taken: Removed,
-    /// By row: the cover it is, after members were taken out of it.
+    /// By row: its number among the covering rows from which binaries were taken out.
     cover_of: Vec<usize>,
     replaced: Vec<Option<Inequality>>,
     dropped: Vec<bool>,
@@ -301,7 +301,7 @@ impl Projector {
         let (mut h, mut sum) = (self.inequality(reduced, hurt)?, self.inequality(reduced, cover)?);
         let c = sum;
         if self.cover_of[cover] == REMOVED {
-            // The covering row as it was is kept, and taken apart behind itself.
+            // The original covering row is kept; its terms are copied and the copy is reduced.
             let terms = &mut self.taken.terms.0;
             sum.range = [c.range[1], terms.len() + c.range[1] - c.range[0]];
             terms.extend_from_within(c.range[0]..c.range[1]);

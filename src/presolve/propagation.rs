@@ -245,12 +245,12 @@ impl Propagator {
         self.run(program, domain)
     }
 
-    /// Whether changes from here on are on trial, to be taken back.
+    /// Sets whether changes from here on are on trial and will be undone.
     pub fn set_on_trial(&mut self, on_trial: bool) {
         self.change_log.set_on_trial(on_trial);
     }
 
-    /// The bounds of these columns are no longer what they were.
+    /// Notes that the bounds of these columns have changed.
     pub fn touch(&mut self, columns: impl Iterator<Item = (usize, bool)>) {
         columns.for_each(|(column, _)| self.change_log.touch(self.uses.blocks[column]));
     }
@@ -286,7 +286,8 @@ impl Propagator {
         self.queue.drain(|row| status[row] = Status::Idle);
     }
 
-    /// Wakes the rows whose sleep began in what has been undone since the last propagation.
+    /// Makes rows idle that were put to sleep by bounds that have been undone since the last
+    /// propagation.
     fn wake(&mut self, domain: &mut Domain) {
         let undone = domain.undone_to();
         while let Some(&(row, since)) = self.asleep.last() {

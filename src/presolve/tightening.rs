@@ -4,9 +4,9 @@
 //! is at least its widest term, no bound can move. Bounds of continuous columns are loosened
 //! slightly ([`tolerance::PROPAGATION_SLACK`]), so that rounding never cuts off a feasible point.
 //!
-//! Terms of integral columns with coefficients that were not rounded are exact, however large they are: what they add to
-//! a row is no reason to loosen anything. So `1e8 z >= 20` leaves a binary the value 1, and a row over
-//! wide integers is refuted as soon as it is missed.
+//! Terms of integral columns with coefficients that were not rounded are exact, however large they
+//! are, so they loosen no bound. So `1e8 z >= 20` leaves a binary only the value 1, and a row over wide
+//! integers is refuted as soon as it is violated.
 
 use super::coefficients::is_exact;
 use crate::sum::Sum;

@@ -46,7 +46,7 @@ pub(super) fn apply(
     Ok(())
 }
 
-/// Adds rows that say "the row, or one of `guard`".
+/// Adds rows for "the row holds, or one of `guard`".
 pub(super) fn apply_unless(
     guard: &[Literal],
     row: &Implied<'_>,

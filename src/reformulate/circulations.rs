@@ -1,9 +1,9 @@
 //! Bounds of flows in networks, whose rows alone leave them unbounded because flow may circulate.
 //!
-//! If less flow never harms (it costs nothing less, and no statement but the balances of the nodes
-//! asks for more), every point has another one that is at least as good, with the same values of all
-//! other variables, in which no flow runs in a circle. Its flows are sums of paths from where
-//! something enters to where something leaves, so none is larger than all that enters and leaves.
+//! If less flow never harms (it costs no more, and no statement but the balances of the nodes limits
+//! a flow from below), every point has another one that is at least as good, with the same values of
+//! all other variables, in which no flow runs in a circle. Its flows are sums of paths from sources to
+//! sinks, so none is larger than all that enters and leaves the network.
 //! The bounds hold for that point, not for all. They are taken only for continuous variables, so
 //! that none of the values of integers is lost.
 
@@ -91,8 +91,8 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     found
 }
 
-/// Which variables may be flows: continuous, at least some value, without a largest one, and never
-/// asked to be more by anything but rows.
+/// The variables that may be flows: continuous, bounded from below but not from above, and such that
+/// only rows force them to be large.
 fn candidates(model: &Model, known: &Maximizer<'_>) -> Vec<bool> {
     let mut harm = Harm::without_rows(model);
     for function in model.functions() {

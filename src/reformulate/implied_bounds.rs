@@ -23,8 +23,8 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// The largest magnitude of an implied bound that is used, in the variable's unit. A larger big-M switches
-/// nothing, and bounds of other variables are not proved beyond it either.
+/// The largest magnitude of an implied bound that is used, in the variable's unit. A larger big-M
+/// would not switch its row within the tolerances, and proofs do not look further out.
 pub(super) const MAX_IMPLIED_BOUND: f64 = tolerance::FREE_RADIUS;
 
 /// The big-M from implied bounds, in the row's unit, from which a linear program is solved for a smaller

@@ -65,7 +65,7 @@ pub(super) fn reason(
     let (ending, root) = match nearest(implied, at, &[]) {
         _ if seen.len() > MAX_CHAIN => ("and so on".to_owned(), None),
         None => (format!("which no row bounds {side}"), Some(at.0)),
-        // All others need what the chain has already asked for.
+        // All other rows need bounds that are in the chain already.
         Some(_) => (format!("which no other row bounds {side}"), Some(at.0)),
     };
     let chain = format!(" and rows imply none ({}, {ending})", links.join(", "));

@@ -63,8 +63,8 @@ impl Method {
         match method {
             RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => Method {
                 method: Box::new(InteriorPoint::new()),
-                // From nothing it ends deeper inside the face of optima, which is better if the search
-                // continues from that point.
+                // Without a start it ends deeper inside the face of optima, which is better if the
+                // search continues from that point.
                 starts_warm: |purpose| matches!(purpose, Purpose::Trial | Purpose::Separation),
                 count: |counts| &mut counts.interior_point,
             },

@@ -36,7 +36,7 @@ impl RoundedSum {
 pub(super) struct PlainSums {
     /// By column.
     gradient: Vec<RoundedSum>,
-    /// The bound without what the gradient adds.
+    /// The bound without the terms of the gradient.
     constant: RoundedSum,
     /// The possible error of the bound's terms.
     error: f64,
@@ -57,7 +57,7 @@ impl PlainSums {
         self.add_objective(program, x);
         self.add_rows(program, y);
         let bound = self.add_columns(program, x, &program.steepness)?;
-        // Apart, as the rounding of all sums would be charged to it, and it may be large.
+        // Added last: among the sums, a large offset would enlarge the bound on their rounding.
         let offset = program.offset;
         Some(if offset == 0.0 { bound } else { (offset + bound).next_down() })
     }
@@ -105,7 +105,7 @@ impl PlainSums {
         }
     }
 
-    /// The bound, once what the gradient adds is added.
+    /// Adds the terms of the gradient and returns the bound.
     ///
     /// # Arguments
     ///

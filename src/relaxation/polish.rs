@@ -49,7 +49,7 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
         let left_box = clip(program, x, &mut held);
         let settled = active.len() == known && !left_box;
         if settled || token.is_over() || !move_onto(program, &active, &held, x) {
-            // Rows before the box: what held columns still moved is rounding.
+            // Held columns that moved have moved by rounding only.
             x.copy_from_slice(&moved);
             return;
         }

@@ -76,8 +76,7 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
             *d = 0.0;
         }
     }
-    // Costs of columns that hardly move are left out: curvature would end their decrease before it is
-    // noticed.
+    // Costs of columns that hardly move are left out: curvature would end their decrease early.
     let moves = |d: f64| if d.abs() > 10.0 * RAY_ROUNDING { d } else { 0.0 };
     let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
     let cost: f64 = costs().sum();

@@ -7,7 +7,7 @@
 //! direction can be fixed at 0, and propagation bounds the others, which could otherwise take
 //! values of any size.
 //!
-//! Where a point is shifted, the other columns of the direction move further out (see `Work::spread`).
+//! If a point is shifted, the other columns of the direction move further out (see `Work::spread`).
 //!
 //! The columns of a direction must have no bounds, or only bounds that one sense of the direction
 //! moves away from, such as non-negative potentials. These bounds are dropped, and postsolve shifts

@@ -37,7 +37,7 @@ struct Image {
     shift: f64,
 }
 
-/// A reduced program, and what its limits are in the metric of its curvature.
+/// A reduced program, and its limits in the metric of its curvature.
 #[derive(Debug)]
 pub(super) struct Metric<'a> {
     pub(super) program: &'a Reduced,

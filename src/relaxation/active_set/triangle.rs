@@ -43,8 +43,8 @@ impl LowerTriangle {
         }
     }
 
-    /// Makes `T T'` lose a row and the column of the same number: rotations of columns move what
-    /// the following rows had beyond their new diagonals.
+    /// Removes a row and the column of the same number from `T T'`. Rotations of columns make the
+    /// following rows triangular again.
     pub(super) fn remove(&mut self, at: usize) {
         let mut rotations: Vec<(f64, f64)> = Vec::with_capacity(self.len - at);
         let mut write = at * (at + 1) / 2;

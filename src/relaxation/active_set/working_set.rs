@@ -92,7 +92,7 @@ impl WorkingSet {
         self.holds[member.of] = false;
     }
 
-    /// The multipliers at which all members hold, and nothing else does.
+    /// The multipliers at which all members hold with equality and all others are zero.
     fn target(&self) -> Vec<f64> {
         let mut target: Vec<f64> = self.members.iter().map(|m| -m.level).collect();
         self.factor.solve(&mut target, 0);
@@ -126,8 +126,8 @@ impl WorkingSet {
         blocking.is_none()
     }
 
-    /// Lets a limit in that depends on the members: moves the multipliers along the direction in
-    /// which nothing else changes, up to the first one that becomes zero.
+    /// Adds a limit that depends on the members: moves the multipliers along the direction that
+    /// keeps the point, up to the first multiplier that becomes zero.
     ///
     /// # Errors
     ///
@@ -174,7 +174,7 @@ impl WorkingSet {
         u
     }
 
-    /// Corrects the multipliers by what the members miss their limits by at a point.
+    /// Corrects the multipliers by the distances of the members to their limits at a point.
     pub(super) fn refine(&mut self, metric: &mut Metric<'_>, x: &[f64]) {
         let mut miss = Vec::with_capacity(self.members.len());
         for member in &self.members {

@@ -95,8 +95,9 @@ impl Dual {
         Some(dual)
     }
 
-    /// Makes the reduced cost of a slot's column zero, or lets it out of the basis where that of
-    /// another column becomes zero first. Returns `false` if the numbers are too bad.
+    /// Makes the reduced cost of a slot's column zero. If the reduced cost of another column becomes
+    /// zero first, that column enters the basis in its place. Returns `false` if the numbers are too
+    /// bad.
     fn push(&mut self, slot: usize) -> bool {
         let p = self.head[slot];
         let away = self.cost[p];
@@ -116,7 +117,8 @@ impl Dual {
             let near = candidates.iter().filter(|c| c.cost / c.entry <= nearest + PRIMAL_TOLERANCE);
             entering = near.max_by(|a, b| a.entry.total_cmp(&b.entry)).map(|c| c.of);
         } else if nearest < away.abs() {
-            // It may not rest anywhere: its cost gives way.
+            // Without this bound the column must stay in the basis: the rest of its reduced cost is
+            // taken from its cost.
             step = sign * nearest;
         }
         if let Some(q) = entering {

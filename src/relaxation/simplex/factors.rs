@@ -1,4 +1,4 @@
-//! Factors of a basis, and what its exchanges append to them.
+//! Factors of a basis, and the factors that its exchanges append to them.
 //!
 //! Most columns of a basis can be ordered into a triangle: one by one those with a single entry in
 //! the rows that are left, then those that are alone in a row. What remains, the nucleus, is small
@@ -7,7 +7,7 @@
 use super::parameters::MIN_FACTOR_PIVOT;
 use crate::presolve::Compressed;
 
-/// Where the row and the slot of a pivot are, and its value.
+/// The row and the slot of a pivot, and its value.
 #[derive(Debug, Clone, Copy)]
 struct Pivot {
     row: usize,

@@ -6,7 +6,7 @@
 //! or columns of the parent are gone, is mended with the rows' own columns. The dual objective
 //! never falls, so the method stops when it exceeds the cutoff.
 //!
-//! Where the numbers are too bad, or a start is not dual feasible in the end, the method gives up.
+//! If the numbers are too bad, or the start cannot be made dual feasible, the method gives up.
 
 mod dual;
 mod factors;

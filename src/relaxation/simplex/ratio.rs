@@ -38,7 +38,7 @@ impl EnteringColumn {
     }
 }
 
-/// Where a column outside the basis rests.
+/// The bound at which a column outside the basis rests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NonbasicStatus {
     Lower,

@@ -97,6 +97,11 @@ proptest! {
     }
 
     #[test]
+    fn parallel_columns(case in program(false)) {
+        compare(&case, &[Rule::ParallelColumns])?;
+    }
+
+    #[test]
     fn coefficients(case in program(true)) {
         compare(&case, &[Rule::Coefficients])?;
     }
