@@ -4,10 +4,10 @@
 use std::hint::black_box;
 
 use carom::collision_tolerant::{
-    Objective, PlanningOptions, PlanningProgram, Scenario, explain, shortest_plan,
+    Objective, PlanningOptions, PlanningProgram, Scenario, shortest_plan,
 };
 use carom::hybrid::reach::{ReachSets, SetOptions};
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, ShortestOptions};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, ShortestOptions};
 use carom::internals::hybrid::{Choice, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -49,7 +49,7 @@ fn sweeps(criterion: &mut Criterion) {
             BatchSize::LargeInput,
         )
     });
-    group.bench_function("explain_484", |b| b.iter(|| explain(&scenario(0.005), black_box(484))));
+    group.bench_function("explain_484", |b| b.iter(|| sets(0.005).explain(black_box(484))));
     group.finish();
 }
 
@@ -105,24 +105,24 @@ fn more_states(criterion: &mut Criterion) {
     let dt = 0.05;
     let line = LinearSystem::double_integrator(dt).expect("a time step");
     let masses = |axes: usize| {
-        let a = Mat::from_fn(2 * axes, 2 * axes, |i, j| match i / 2 == j / 2 {
+        let a = Matrix::from_fn(2 * axes, 2 * axes, |i, j| match i / 2 == j / 2 {
             true => line.a()[(i % 2, j % 2)],
             false => 0.0,
         });
-        let b = Mat::from_fn(2 * axes, axes, |i, j| match i / 2 == j {
+        let b = Matrix::from_fn(2 * axes, axes, |i, j| match i / 2 == j {
             true => line.b()[(i % 2, 0)],
             false => 0.0,
         });
         LinearSystem::new(a, b, vec![0.0; 2 * axes])
     };
     let chain = LinearSystem::new(
-        Mat::from_fn(3, 3, |i, j| match j.checked_sub(i) {
+        Matrix::from_fn(3, 3, |i, j| match j.checked_sub(i) {
             Some(0) => 1.0,
             Some(1) => dt,
             Some(2) => 0.5 * dt * dt,
             _ => 0.0,
         }),
-        Mat::from_fn(3, 1, |i, _| [dt * dt * dt / 6.0, 0.5 * dt * dt, dt][i]),
+        Matrix::from_fn(3, 1, |i, _| [dt * dt * dt / 6.0, 0.5 * dt * dt, dt][i]),
         vec![0.0; 3],
     );
     for (name, flow) in [("three_axes", masses(3)), ("jerk", chain)] {
@@ -153,14 +153,14 @@ fn rooms(criterion: &mut Criterion) {
     group.sample_size(10);
     for count in [5, 10, 20] {
         let flow = |heat: f64| {
-            let exchange = Mat::from_fn(count, count, |i, j| match i.abs_diff(j) {
+            let exchange = Matrix::from_fn(count, count, |i, j| match i.abs_diff(j) {
                 0 => 0.75,
                 1 => 0.1,
                 _ => 0.0,
             });
             let mut rise = vec![0.5; count];
             rise[0] += heat;
-            LinearSystem::new(exchange, Mat::zeros(count, 0), rise).expect("finite matrices")
+            LinearSystem::new(exchange, Matrix::zeros(count, 0), rise).expect("finite matrices")
         };
         let heater = Choice::new("heater")
             .with_transition(Transition::new("idle", flow(0.0)).within("off"))

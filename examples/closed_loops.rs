@@ -25,7 +25,6 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use carom::hybrid::Disturbance;
-use carom::interval::Interval;
 use carom::prelude::*;
 use instances::generators::{cartpole, pendulum};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -101,7 +100,7 @@ fn run(
     let measured: Vec<Variable> = model.parameters().collect();
     let next = of.states.iter().map(|name| model.variable_by_name((*name, 1)));
     let next: Vec<Variable> = next.collect::<Result<_, _>>()?;
-    let pushes = of.push.iter().map(|&most| Interval::new(-noise * most, noise * most)).collect();
+    let pushes = of.push.iter().map(|&most| -noise * most..=noise * most);
     let mut push = Disturbance::new(pushes, seed);
     let (mut cold, mut solver) = (BranchAndBound::default(), BranchAndBound::default());
     let mut prepared = solver.prepare(&model)?;

@@ -4,7 +4,7 @@
 //! Run with `cargo run --release --example damage_budget`.
 
 use carom::collision_tolerant::{Objective, Scenario, plan};
-use carom::hybrid::DamageLimits;
+use carom::hybrid::scene::DamageRule;
 use carom::prelude::*;
 
 fn main() -> Result<(), Error> {
@@ -15,10 +15,10 @@ fn main() -> Result<(), Error> {
 
     for budget in [None, Some(4.0), Some(0.5)] {
         let limits = match budget {
-            Some(budget) => DamageLimits::default().with_cumulative(budget),
-            None => DamageLimits::default(),
+            Some(budget) => DamageRule::default().with_total(budget),
+            None => DamageRule::default(),
         };
-        let task = scenario.with_damage(limits);
+        let task = scenario.clone().with_damage(limits);
         let outcome = plan(&task, steps, Objective::Effort, &mut solver)?;
         let allowed = budget.map_or("no budget".into(), |b| format!("budget {b} m/s"));
         let Some(plan) = outcome.plan() else {
@@ -42,10 +42,8 @@ fn main() -> Result<(), Error> {
         }
         let certificate = &plan.certificate;
         println!(
-            "  replays: discrete within {:.0e} m; continuous dips {:.1e} m, speed off by {:.1e} m/s",
-            certificate.discrete.max_position_error,
-            certificate.continuous.max_penetration,
-            certificate.continuous.max_speed_error
+            "  replay: within {:.0e} m; in continuous time dips {:.1e} m, speed off by {:.1e} m/s",
+            certificate.replay.drift, certificate.replay.dip, certificate.replay.step_speed_error
         );
     }
     Ok(())

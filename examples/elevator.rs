@@ -15,10 +15,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let x = lift.state("x", 0.0, 15.0)?; // m
     let v = lift.state("v", -2.5, 2.5)?; // m/s
     let u = lift.input("u", -1.0, 1.0)?;
-    let least = "the least speed of high gear"; // m/s
-    lift.mode("low gear")?.rates([(x, v.into()), (v, 0.6 * u)])?;
-    let high = lift.mode("high gear")?.rates([(x, v.into()), (v, 1.5 * u)])?;
-    let high = high.limit(least, v.ge(0.4))?.taken();
+    lift.mode("low gear")?.rates([x.is(v), v.is(0.6 * u)])?;
+    let high = lift.mode("high gear")?.rates([x.is(v), v.is(1.5 * u)])?;
+    let high = high.limit("the least speed of high gear", v.ge(0.4))?.taken(); // m/s
 
     let (start, goal) = ([x.equals(0.0), v.equals(0.0)], [x.equals(12.0), v.equals(0.0)]);
     let mut found = lift.shortest(start, goal, &mut BranchAndBound::default())?;

@@ -3,8 +3,10 @@
 //! Run with `cargo run --release --example explain`.
 
 use carom::collision_tolerant::{PlanningProgram, Scenario};
-use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation, violations};
-use carom::hybrid::DamageLimits;
+use carom::explain::{
+    ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility, violations,
+};
+use carom::hybrid::scene::DamageRule;
 use carom::prelude::*;
 
 fn main() -> Result<(), Error> {
@@ -12,7 +14,7 @@ fn main() -> Result<(), Error> {
 
     // The paper's vehicle in 40 steps of 0.06 s. Braking against the wall is fast enough, but no
     // impact may be faster than 3 m/s.
-    let limits = DamageLimits::default().with_per_impact(3.0);
+    let limits = DamageRule::default().with_per_hit(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
     let program = PlanningProgram::explainable(&scenario, 40)?;
 
@@ -38,7 +40,7 @@ fn main() -> Result<(), Error> {
         .with_weight("goal_position", 10.0);
     println!(
         "\nthe least that has to give: {}",
-        relaxation(&program.model, &mut solver, &options)?
+        elastic_relaxation(&program.model, &mut solver, &options)?
     );
     Ok(())
 }

@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
 
     let solution = BranchAndBound::default().solve(&model)?;
     for ((name, _, _), take) in things.iter().zip(taken) {
-        println!("{name}: {}", if solution.value(take)? > 0.5 { "take" } else { "leave" });
+        println!("{name}: {}", if solution.is_on(take)? { "take" } else { "leave" });
     }
     println!("value {}, weight {} kg", solution.value(&value)?, solution.value(&weight)?);
     Ok(())

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use carom::hybrid::{
-    Disturbance, HybridSystem, LinearSystem, Lqr, Mat, Move, MoveSource, RecedingHorizon,
+    Disturbance, HybridSystem, LinearSystem, Lqr, Matrix, Move, MoveSource, RecedingHorizon,
     TerminalOptions, TerminalSet,
 };
 use carom::internals::hybrid::{Halfspace, Transition};
@@ -118,11 +118,11 @@ fn cart_pole() -> Result<CartPole, Error> {
     }
     let force_only = LinearSystem::new(
         system.a().clone(),
-        Mat::from_fn(4, 1, |i, _| system.b()[(i, 0)]),
+        Matrix::from_fn(4, 1, |i, _| system.b()[(i, 0)]),
         [0.0; 4],
     )?;
     let h2 = H * H;
-    let q = Mat::from_fn(4, 4, |i, j| if i == j { h2 } else { 0.0 });
+    let q = Matrix::from_fn(4, 4, |i, j| if i == j { h2 } else { 0.0 });
     let lqr = Lqr::new(&force_only, q, [[h2]])?;
     let end = [0, 1, 2, 3].map(|i| state[i][T]);
     let set = terminal_set(force_only, &lqr)?;
@@ -187,8 +187,7 @@ fn timed(solve: impl FnOnce() -> Result<Solution, Error>) -> Result<(Solution, E
 fn run_with_budget(steps: usize, milliseconds: f64) -> Result<ExitCode, Error> {
     let CartPole { model, start, state, force, end } = cart_pole()?;
     let mut solver = BranchAndBound::default();
-    let mut noise =
-        Disturbance::new([0.002, 0.002, 0.02, 0.02].map(|w| Interval::new(-w, w)).into(), 1);
+    let mut noise = Disturbance::new([0.002, 0.002, 0.02, 0.02].map(|w| -w..=w), 1);
     let regulator = |x: &[f64]| vec![end.feedback(x).map_or(0.0, |u| u[0].clamp(-1.0, 1.0))];
     let within = |x: &[f64]| x.iter().zip(MOST).all(|(x, most)| x.abs() <= most + 1e-6);
     let check = |x: &[f64], inputs: &[Vec<f64>]| {

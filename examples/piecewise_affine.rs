@@ -20,7 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [("right half", FRAC_PI_3, x1.ge(0.0)), ("left half", -FRAC_PI_3, x1.le(0.0))]
     {
         let (s, c) = (0.8 * angle.sin(), 0.8 * angle.cos());
-        system.mode(name)?.next([(x1, c * x1 - s * x2), (x2, s * x1 + c * x2 + u)])?.guard(half)?;
+        system
+            .mode(name)?
+            .next([x1.is(c * x1 - s * x2), x2.is(s * x1 + c * x2 + u)])?
+            .guard(half)?;
     }
 
     let mut program = system.program(10)?;

@@ -6,7 +6,6 @@
 //! little, 40 times. FILE gets a picture (SVG).
 
 use carom::hybrid::Disturbance;
-use carom::interval::Interval;
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let mut solver = BranchAndBound::default();
     let mut controller = RecedingHorizon::new(program, &mut solver)?;
-    let mut push = Disturbance::new(vec![Interval::new(0.0, 0.0), Interval::new(-0.02, 0.02)], 1);
+    let mut push = Disturbance::new([0.0..=0.0, -0.02..=0.02], 1);
     let plant = |state: &[f64], next: &Move| {
         let run = pendulum.simulate(state, &[&next.input])?;
         Ok(run.last().iter().zip(push.next_value()).map(|(x, w)| x + w).collect())

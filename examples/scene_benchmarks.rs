@@ -16,11 +16,12 @@ use std::error::Error as StdError;
 use std::time::Instant;
 
 use carom::collision_tolerant::{
-    Collisions, Endpoint, IntervalOptions, PlanningOptions, Scenario, damage_interval,
-    shortest_plan,
+    Collisions, Endpoint, PlanningOptions, Scenario, damage_interval, shortest_plan,
 };
-use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
-use carom::hybrid::{DamageLimits, ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::hybrid::scene::{
+    Body, DamageMeasure, DamageRule, IntervalOptions, Scene, Solid, Surface,
+};
+use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -108,7 +109,7 @@ fn rows() -> Result<Vec<(String, Scenario)>, Error> {
         let options = IntervalOptions::default();
         let found = damage_interval(&open, 478, &options, &mut BranchAndBound::default())?;
         let limit = found.middle().unwrap_or(found.lower.attained);
-        let limited = open.with_damage(DamageLimits::default().with_per_impact(limit));
+        let limited = open.with_damage(DamageRule::default().with_per_hit(limit));
         rows.push((format!("e = {e}, at most {limit:.3} m/s"), limited));
     }
     for goal in [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
@@ -137,7 +138,7 @@ fn on_a_line(scenario: &Scenario) -> Scene {
         .with_body(car)
         .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, surface))
         .with_estimate(ImpactEstimate::EndOfStep);
-    match scenario.damage.per_impact {
+    match scenario.damage.per_hit {
         Some(most) => {
             scene.with_rule(DamageRule::new("limit", DamageMeasure::ImpactSpeed).with_per_hit(most))
         }

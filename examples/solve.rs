@@ -31,8 +31,8 @@ use carom::prelude::{
     BranchAndBound, Control, Event, Log, Model, Options, Solution, Solver, Termination,
 };
 use carom::reformulate;
-use carom::solution::GuessStatus;
-use carom::solver::{Heuristics, PoolMode, RelaxationMethod, TreeSeed};
+use carom::solution::StartStatus;
+use carom::solver::{Heuristics, MipStart, PoolMode, RelaxationMethod};
 
 use bar::Bar;
 
@@ -60,9 +60,9 @@ usage: solve FILE [OPTIONS]
                        `roll-out`, `diving`, `neighbourhood`) or all
                        `heuristics`; may be given several times
   --with PART          add a heuristic, or all `heuristics`
-  --relaxation METHOD  solve relaxations by `active-set` (the default: small dense ones that way,
-                       the others as by the next), `interior-point` (with Clarabel if it gives up)
-                       or `clarabel` alone
+  --relaxation METHOD  solve relaxations by `automatic` (the default: dual simplex or active set
+                       where they suit, else as by the next), `interior-point` (with Clarabel if
+                       it gives up) or `clarabel` alone
   --help               print this";
 
 #[derive(Default)]
@@ -101,7 +101,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     if let Some(path) = arguments.lowered {
         write(reformulate::lower(&model)?.model(), &path)?;
     }
-    let seed = arguments.start.map(|path| seed(&model, &path)).transpose()?;
+    let mip_start = arguments.start.map(|path| start(&model, &path)).transpose()?;
     let threads = arguments.options.threads;
     let (start, cpu) = (Instant::now(), processor_seconds(threads));
     let (mut log, bar) = (Log::new(std::io::stderr()), Bar::new());
@@ -112,8 +112,8 @@ fn run() -> Result<(), Box<dyn Error>> {
     } else {
         Control::default().with_progress(&mut line)
     };
-    if let Some(seed) = &seed {
-        control = control.with_seed(seed);
+    if let Some(start) = &mip_start {
+        control = control.with_start(start);
     }
     let mut solver = BranchAndBound::new(arguments.options);
     let solution = solver.solve_with(&model, &mut control);
@@ -121,8 +121,8 @@ fn run() -> Result<(), Box<dyn Error>> {
     let (solution, seconds) = (solution?, start.elapsed().as_secs_f64());
     let spent =
         processor_seconds(threads).zip(cpu).map(|(end, start)| format!(" cpu={:.6}", end - start));
-    if let Some(report) = solution.seed_report() {
-        eprintln!("{}", start_report(report.guess.as_ref()));
+    if let Some(report) = solution.start_report() {
+        eprintln!("{}", start_report(report.status.as_ref()));
     }
     if arguments.log {
         log.finish(&solution);
@@ -170,19 +170,19 @@ fn processor_seconds(threads: usize) -> Option<f64> {
 }
 
 /// The MIP start of a file.
-fn seed(model: &Model, path: &str) -> Result<TreeSeed, String> {
-    let guess = sol::integers(model, &text(path)?).map_err(|error| format!("{path}: {error}"))?;
-    Ok(TreeSeed::new().with_guess(guess))
+fn start(model: &Model, path: &str) -> Result<MipStart, String> {
+    let values = sol::integers(model, &text(path)?).map_err(|error| format!("{path}: {error}"))?;
+    Ok(MipStart::new().with_values(values))
 }
 
 /// What became of the MIP start.
-fn start_report(guess: Option<&GuessStatus>) -> String {
-    match guess {
-        Some(GuessStatus::Accepted) => "start: accepted".into(),
-        Some(GuessStatus::Repaired { changed }) => {
+fn start_report(status: Option<&StartStatus>) -> String {
+    match status {
+        Some(StartStatus::Accepted) => "start: accepted".into(),
+        Some(StartStatus::Repaired { changed }) => {
             format!("start: repaired, {} integers differ", changed.len())
         }
-        Some(GuessStatus::Rejected { reason }) => format!("start: rejected, {reason}"),
+        Some(StartStatus::Rejected { reason }) => format!("start: rejected, {reason}"),
         _ => "start: not tried, because the answer was known before".into(),
     }
 }

@@ -8,7 +8,7 @@
 //! * `--threads K`: threads of the tree search, 1 by default
 //! * `--time-limit S`: seconds per solve, 60 by default
 //! * `--rounds N`: solves of each program, whose median time is printed; 3 by default
-//! * `--relaxation METHOD`: `active-set` (the default), `interior-point` or `clarabel`
+//! * `--relaxation METHOD`: `automatic` (the default), `interior-point` or `clarabel`
 //! * `--write FOLDER`: write each program as an MPS file, and all answers as `answers.txt` (name
 //!   and optimum, or `infeasible`), for `benches/compare.py`, without solving
 //!

@@ -36,7 +36,7 @@ const PLACES: [(f64, f64); 20] = [
 fn parts(flights: &[(usize, usize, Variable)], point: &Point) -> Result<Vec<usize>, Error> {
     let mut part: Vec<usize> = (0..PLACES.len()).collect();
     for &(a, b, flown) in flights {
-        if point.value(flown)? > 0.5 {
+        if point.is_on(flown)? {
             let (kept, gone) = (part[a].min(part[b]), part[a].max(part[b]));
             part.iter_mut().filter(|p| **p == gone).for_each(|p| *p = kept);
         }
@@ -83,7 +83,7 @@ fn main() -> Result<(), Error> {
         let here = tour[tour.len() - 1];
         let mut next = None;
         for (k, &(a, b, flown)) in left.iter().enumerate() {
-            if (a == here || b == here) && solution.value(flown)? > 0.5 {
+            if (a == here || b == here) && solution.is_on(flown)? {
                 next = Some((k, a + b - here));
             }
         }

@@ -1,36 +1,41 @@
-//! The default backend: the whole pipeline, one function per step.
+//! The default backend: the phases of a solve, from the model to the verified solution.
 
 mod alternation;
 mod answer;
 mod blocks;
-mod curvature;
+mod cut;
+mod events;
 mod far;
-mod first_point;
-mod history;
-mod looks;
+mod last_solve;
+mod lower;
+mod mip_start;
 mod multipliers;
-mod pipeline;
+mod phases;
 mod prepared;
+mod presolve;
 mod refusals;
+mod restore;
 mod row_judge;
 mod row_rounds;
 mod rows;
-mod seeding;
-mod stage;
+mod search;
+mod solve;
+mod start;
+mod tighten;
 mod user_cuts;
+mod verify;
 
 use crate::error::Error;
 use crate::model::Model;
 use crate::relaxation::LadderPool;
-use crate::search::ColumnGuidance;
 use crate::solution::Solution;
-use crate::solver::{Control, Options, Prepared, Solver, StopToken, TreeSeed};
+use crate::solver::{Control, Options, Prepared, Solver, StopToken};
 use answer::answer;
-use pipeline::Pipeline;
+use mip_start::GivenStart;
 use prepared::PreparedProgram;
 use refusals::Refusals;
 use row_rounds::{finds_rows, solve_in_rounds};
-use seeding::{report, seed_of};
+use solve::{Known, Solve};
 
 /// Branch and bound over continuous relaxations.
 ///
@@ -83,23 +88,17 @@ impl Solver for BranchAndBound {
         #[cfg(feature = "tracing")]
         let _span = tracing::info_span!("solve", model = model.name()).entered();
         let options = &self.options;
+        options.check()?;
         if finds_rows(control) {
-            options.check()?;
             return solve_in_rounds(model, options, control);
         }
-        let token = StopToken::new(options.time_limit, control.interrupt());
-        options.check()?;
-        let guidance = ColumnGuidance::new(model, control.guidance())?;
-        let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
-        let seed = given.as_ref().map(|(seed, _)| seed);
-        let ladders = &LadderPool::new(options);
-        let (guidance, token, refusals, judge) = (&guidance, &token, &Refusals::default(), None);
-        let pipeline = Pipeline { model, options, token, guidance, ladders, refusals, judge, seed };
-        let (mut found, derivatives) = pipeline.run(control)?;
-        found.statistics.time = token.elapsed();
-        let seed_report =
-            given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
-        answer(model, options, found, derivatives, seed_report, refusals.take())
+        let token = &StopToken::new(options.time_limit, control.interrupt());
+        let (ladders, refusals) = (&LadderPool::new(options), &Refusals::default());
+        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        let given = control.start().map(|given| GivenStart::new(model, given));
+        let start = given.as_ref().map(|given| &given.start);
+        let solved = solve.run(&Known { start, ..Known::default() }, control)?;
+        answer(&solve, solved, given.as_ref())
     }
 
     fn prepare<'a>(&'a mut self, model: &Model) -> Result<Box<dyn Prepared + 'a>, Error> {

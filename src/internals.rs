@@ -7,7 +7,12 @@ pub mod conformance {
 }
 
 pub mod hybrid {
-    pub use crate::hybrid::exponential::exponential;
+    use crate::hybrid::Matrix;
+
+    pub fn exponential(matrix: &Matrix) -> Matrix {
+        crate::hybrid::exponential::exponential(matrix.faer()).into()
+    }
+
     pub use crate::hybrid::rows::SystemVariables;
     pub use crate::hybrid::system::{Choice, Halfspace, Transition};
 }
@@ -49,7 +54,7 @@ pub mod relaxation {
 
 pub mod search {
     pub use crate::search::{
-        Accept, ColumnGuidance, Contradiction, Found, Task, search, search_unstrengthened,
+        Contradiction, Found, PointJudge, Start, StartPoint, Task, search, search_unstrengthened,
     };
 
     pub mod best_points {
@@ -87,22 +92,14 @@ pub mod search {
     pub mod pseudocosts {
         pub use crate::search::{LEAST_GAIN, Pseudocosts};
     }
-
-    pub mod seed {
-        pub use crate::search::{Part, Seed, SeedBox, Start, divide};
-    }
-
-    pub mod time_order {
-        pub use crate::search::in_time;
-    }
 }
 
 pub mod semidefinite {
     pub use crate::semidefinite::{Direction, Product, negative_direction};
 }
 
-pub mod simulate {
-    pub use crate::hybrid::simulate::continuous::{advance, penetration_bound, speed_bound};
+pub mod scene {
+    pub use crate::hybrid::scene::samples::{Samples, advance_line, replay_line};
 }
 
 pub mod sum {

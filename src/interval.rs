@@ -1,6 +1,6 @@
 //! Closed intervals with outward rounding: the arithmetic behind every big-M and every bound.
 
-use std::ops::{Add, Mul, Neg};
+use std::ops::{Add, Mul, Neg, RangeInclusive};
 
 use crate::error::{Error, ErrorKind, check_finite};
 
@@ -15,7 +15,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 ///
 /// let tenths = Interval::point(0.1) * 3.0;
 /// assert!(tenths.lower < tenths.upper && tenths.contains(0.1 * 3.0));
-/// assert_eq!(Interval::new(-1.0, 2.0) + Interval::point(0.5), Interval::new(-0.5, 2.5));
+/// assert_eq!(Interval::from(-1.0..=2.0) + Interval::point(0.5), Interval::new(-0.5, 2.5));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -26,6 +26,12 @@ pub struct Interval {
     /// The larger end; `+inf` when unbounded above.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub upper: f64,
+}
+
+impl From<RangeInclusive<f64>> for Interval {
+    fn from(range: RangeInclusive<f64>) -> Self {
+        Interval { lower: *range.start(), upper: *range.end() }
+    }
 }
 
 impl Interval {

@@ -20,29 +20,28 @@
 
 mod certificate;
 mod control;
-mod guidance;
 mod heuristics;
 mod log;
+mod mip_start;
 mod options;
 mod prepared;
 mod progress;
 mod relaxation_method;
 mod rules;
-mod seed;
 mod stop_token;
 
 pub use certificate::{Certificate, certify};
 pub use control::{Control, Interrupt, RowSource};
-pub use guidance::{Branching, Guidance, NodeView, Proposal, SplitAt};
 pub use heuristics::Heuristics;
 pub use log::Log;
+pub use mip_start::MipStart;
 pub use options::{Options, PoolMode};
 pub use prepared::Prepared;
 pub use progress::{Event, Incumbent, Progress};
 pub use relaxation_method::RelaxationMethod;
 pub use rules::BranchingRule;
-pub use seed::TreeSeed;
 pub use stop_token::StopToken;
+pub(crate) use stop_token::uninterrupted;
 
 use crate::error::Error;
 use crate::model::Model;

@@ -71,9 +71,9 @@ pub const SLOPE: f64 = 1e-12;
 /// Largest difference of a plan's samples from its discrete replay, in SI units (m, m/s).
 pub const REPLAY: f64 = 1e-6;
 
-/// Distance from a wall, in m, within which a replay uses the plan's contact binaries, because both
-/// modes agree on the position there and rows are satisfied only to [`FEASIBILITY`]. Farther away
-/// the replay decides alone.
+/// Distance from a surface, in m, within which a replay with located impacts asks the plan in which
+/// step an impact is, because rows are satisfied only to [`FEASIBILITY`]. Farther away the replay
+/// decides alone.
 pub const CONTACT_TIE: f64 = 1e-6;
 
 /// Rebound speed, in m/s, below which a vehicle that is pressed against a wall rests there in a
@@ -82,7 +82,7 @@ pub const REST_SPEED: f64 = 1e-7;
 
 /// Number of bounces within one step after which a vehicle that is pressed against a wall rests
 /// there in a continuous replay. This limits the work at huge accelerations.
-pub const MAX_BOUNCES: usize = 100_000;
+pub const MAX_BOUNCES: usize = 1000;
 
 /// Default margin of reach sets, in SI units: how much a plan may miss limits, guards and ends and
 /// still lie in the sets. An accepted plan satisfies its rows to [`FEASIBILITY`] and agrees with

@@ -78,11 +78,11 @@ impl Map {
         // Without collisions the restitution does not matter.
         let bar = bar(size * (size + 1));
         let free = in_parallel(threads, size, &bar, |k| {
-            let scenario = paper.with_goal_position(goals[k]).collision_free();
+            let scenario = paper.clone().with_goal_position(goals[k]).collision_free();
             search(&scenario, ShortestOptions::default())
         })?;
         let tolerant = in_parallel(threads, size * size, &bar, |k| {
-            let scenario = paper.with_restitution(restitutions[k / size])?;
+            let scenario = paper.clone().with_restitution(restitutions[k / size])?;
             search_below(&scenario.with_goal_position(goals[k % size]), free[k % size].steps)
         })?;
         bar.finish_and_clear();

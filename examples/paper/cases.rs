@@ -4,10 +4,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use carom::collision_tolerant::{
-    DamageInterval, IntervalOptions, PlanningOptions, Scenario, ShortestPlan, damage_interval,
-    shortest_plan_with,
+    PlanningOptions, Scenario, ShortestPlan, damage_interval, shortest_plan_with,
 };
-use carom::hybrid::{DamageLimits, HorizonEvent, Refutation, Verdict};
+use carom::hybrid::scene::{DamageInterval, DamageRule, IntervalOptions};
+use carom::hybrid::{HorizonEvent, Refutation, Verdict};
 use carom::prelude::*;
 
 use super::progress::{Bars, Line};
@@ -136,12 +136,12 @@ fn solve(case: Case, line: &Line) -> Result<Solved, Error> {
             let found = damage_interval(&open, LIMITED_STEPS, &options, &mut solver)?;
             let limit = found.middle().unwrap_or(found.lower.attained);
             interval = Some(found);
-            open.with_damage(DamageLimits::default().with_per_impact(limit))
+            open.with_damage(DamageRule::default().with_per_hit(limit))
         }
         Case::Destination { goal } => {
             let there = paper.with_goal_position(goal);
             let label = format!("to {goal} m, no collision");
-            without = Some(search(&there.collision_free(), label, &mut solver, line)?);
+            without = Some(search(&there.clone().collision_free(), label, &mut solver, line)?);
             there
         }
     };

@@ -53,7 +53,7 @@ pub(crate) fn write_all(
                 }
             }
             Case::DamageLimited { restitution } => {
-                let limit = solved.scenario.damage.per_impact.unwrap_or(f64::NAN);
+                let limit = solved.scenario.damage.per_hit.unwrap_or(f64::NAN);
                 let label = format!("up to {limit:.2} m/s, e = {restitution}");
                 damage.extend(curve(plan, label));
             }

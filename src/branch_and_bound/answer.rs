@@ -1,29 +1,32 @@
-//! From what a search found to the verified solution.
+//! From the result of a search to the verified solution.
 
-use super::multipliers::Derivatives;
-use super::seeding::leaf_of;
+use std::collections::BTreeMap;
+
+use super::mip_start::GivenStart;
+use super::solve::{Solve, Solved};
 use crate::error::Error;
-use crate::model::Model;
-use crate::search::Found;
-use crate::solution::{Multipliers, Outcome, SeedReport, Solution, Verification};
+use crate::model::{Model, Variable};
+use crate::search::{ClosedNode, Found};
+use crate::solution::{LeafBound, LeafBox, Multipliers, Outcome, Solution};
 use crate::solver::{Options, PoolMode};
 
 /// The verified solution with all that is known of it.
 pub(super) fn answer(
-    model: &Model,
-    options: &Options,
-    found: Found,
-    derivatives: Option<Derivatives>,
-    seed_report: Option<SeedReport>,
-    refused: Option<Verification>,
+    solve: &Solve<'_>,
+    solved: Solved,
+    given: Option<&GivenStart>,
 ) -> Result<Solution, Error> {
+    let Solve { model, options, .. } = *solve;
+    let Solved { mut found, derivatives, .. } = solved;
+    found.statistics.time = solve.token.elapsed();
+    let report = given.map(|given| given.report(model, &found));
     let sign = model.sense().sign();
     let signed = |values: Vec<f64>| values.into_iter().map(|v| sign * v + 0.0).collect();
     let multipliers =
         derivatives.map(|d| Multipliers::new(model, signed(d.rows), signed(d.columns)));
     let solution = solution(model, options, found)?
-        .with_seed_report(seed_report)
-        .with_refused(refused)
+        .with_start_report(report)
+        .with_refused(solve.refusals.take())
         .with_multipliers(multipliers);
     #[cfg(feature = "tracing")]
     tracing::info!(
@@ -54,4 +57,24 @@ fn solution(model: &Model, options: &Options, found: Found) -> Result<Solution, 
     let complete = found.pool_complete || (is_alone && is_proved);
     let solution = solution.with_pool(model, points, complete, feasibility)?;
     Ok(solution.with_leaves(leaves))
+}
+
+/// An end of the tree over the variables of the model. What it says about auxiliary columns is left out,
+/// which makes it larger.
+fn leaf_of(model: &Model, closed: &ClosedNode, sign: f64) -> LeafBox {
+    let variables: Vec<Variable> = model.variables().map(|variable| variable.id()).collect();
+    let mut bounds: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
+    for decision in &closed.decisions {
+        let [lower, upper] =
+            bounds.entry(decision.column).or_insert([f64::NEG_INFINITY, f64::INFINITY]);
+        if decision.is_upper {
+            *upper = upper.min(decision.value);
+        } else {
+            *lower = lower.max(decision.value);
+        }
+    }
+    let bounds = bounds.into_iter().filter_map(|(column, [lower, upper])| {
+        Some(LeafBound { variable: *variables.get(column)?, lower, upper })
+    });
+    LeafBox { bounds: bounds.collect(), bound: sign * closed.bound }
 }

@@ -4,22 +4,21 @@
 //! a bound only if every block has one. Time and nodes are shared evenly among the remaining
 //! blocks, and what a block does not use is left for the others.
 
-use std::cell::RefCell;
-use std::ops::ControlFlow;
-
 use web_time::Duration;
 
-use super::stage::{Search, Stage};
+use super::events::PartOfSolve;
+use super::search::search_task;
+use super::solve::Known;
 use crate::presolve::root::{Block, blocks};
 use crate::program::Program;
-use crate::search::Found;
-use crate::solution::{Statistics, Termination};
-use crate::solver::{Control, Event, Incumbent, Options, Progress, StopToken};
+use crate::search::{Found, PointJudge, Task};
+use crate::solution::{Point, Statistics, Termination};
+use crate::solver::{Control, Options, Progress, StopToken};
 use crate::sum::Sum;
 use crate::tolerance;
 
 /// A block and what is known of it.
-struct Part {
+struct BlockState {
     block: Block,
     bound: f64,
     /// Objective and values of its best point.
@@ -68,21 +67,12 @@ impl Others {
             ..*own
         }
     }
-
-    fn event(&self, own: &Event) -> Event {
-        let progress = self.progress(own.progress());
-        match own {
-            Event::Root(_) if self.nodes == 0 => Event::Root(progress),
-            Event::Incumbent(_) if progress.incumbent.is_some() => Event::Incumbent(progress),
-            _ => Event::Progress(progress),
-        }
-    }
 }
 
-/// All blocks of a stage.
-struct Parts<'a> {
-    stage: &'a Stage<'a>,
-    parts: Vec<Part>,
+/// The blocks of the program of a task.
+struct Blocks<'a> {
+    task: Task<'a>,
+    states: Vec<BlockState>,
     statistics: Statistics,
     searches: usize,
     /// Whether any points will do, since the objective of a block falls forever.
@@ -93,50 +83,48 @@ struct Parts<'a> {
     token: StopToken,
 }
 
-impl Stage<'_> {
-    /// The result of searching the program block by block; `None` if it must not be split, if it is a
-    /// single block, or if the blocks come to no conclusion.
-    pub(super) fn run_blocks(&self, control: &mut Control<'_>) -> Option<Found> {
-        if !self.options.blocks || self.as_is || self.options.pool > 1 {
-            return None;
-        }
-        let blocks = blocks(self.program);
-        let count = blocks.len();
-        let gap = [self.options.absolute_gap / count.max(1) as f64, self.options.relative_gap];
-        let part = |block| Part {
-            block,
-            bound: f64::NEG_INFINITY,
-            best: None,
-            ended: None,
-            granted: Grant::default(),
-            gap,
-        };
-        let mut parts = Parts {
-            stage: self,
-            parts: blocks.into_iter().map(part).collect(),
-            statistics: Statistics { blocks: count as u64, ..Statistics::default() },
-            searches: 0,
-            any_point: false,
-            is_widened: false,
-            token: self.token.child(None),
-        };
-        (count > 1).then(|| parts.run(control))?
+/// The result of searching the program of a task block by block; `None` if it must not be split, if it
+/// is a single block, or if the blocks come to no conclusion.
+pub(super) fn search_blocks(task: Task<'_>, control: &mut Control<'_>) -> Option<Found> {
+    let options = task.options;
+    if !options.blocks || options.keep_leaves || options.pool > 1 {
+        return None;
     }
+    let blocks = blocks(task.program);
+    let count = blocks.len();
+    let gap = [options.absolute_gap / count.max(1) as f64, options.relative_gap];
+    let state = |block| BlockState {
+        block,
+        bound: f64::NEG_INFINITY,
+        best: None,
+        ended: None,
+        granted: Grant::default(),
+        gap,
+    };
+    let mut blocks = Blocks {
+        task,
+        states: blocks.into_iter().map(state).collect(),
+        statistics: Statistics { blocks: count as u64, ..Statistics::default() },
+        searches: 0,
+        any_point: false,
+        is_widened: false,
+        token: task.token.child(None),
+    };
+    (count > 1).then(|| blocks.run(control))?
 }
 
-impl Parts<'_> {
+impl Blocks<'_> {
     fn run(&mut self, control: &mut Control<'_>) -> Option<Found> {
-        let control = &RefCell::new(control);
         // A second time where the gaps of the blocks are met and that of the whole is not: objectives
         // may cancel.
         for _ in 0..2 {
             loop {
                 let before = self.searches;
-                for k in 0..self.parts.len() {
+                for k in 0..self.states.len() {
                     if !self.token.is_over() && !self.is_done(k) {
                         self.search(k, control);
                     }
-                    if self.parts[k].ended == Some(Termination::Infeasible) {
+                    if self.states[k].ended == Some(Termination::Infeasible) {
                         let statistics = self.statistics;
                         return Some(Found { statistics, ..Found::infeasible() });
                     }
@@ -153,15 +141,15 @@ impl Parts<'_> {
     }
 
     fn is_done(&self, k: usize) -> bool {
-        let Part { ended, best, .. } = &self.parts[k];
+        let BlockState { ended, best, .. } = &self.states[k];
         let ended = ended.is_some_and(|reason| !reason.is_limit());
         ended || (self.any_point && best.is_some())
     }
 
     /// The share of a block in the time and nodes that are left; `None` if none are left.
     fn grant(&self, k: usize) -> Option<Grant> {
-        let waiting = (k..self.parts.len()).filter(|&k| !self.is_done(k)).count().max(1);
-        let (limits, time) = (self.stage.options, self.token.left());
+        let waiting = (k..self.states.len()).filter(|&k| !self.is_done(k)).count().max(1);
+        let (limits, time) = (self.task.options, self.token.left());
         let nodes = limits.node_limit.map(|limit| limit.saturating_sub(self.statistics.nodes));
         if time.is_some_and(|time| time.is_zero()) || (self.searches > 0 && nodes == Some(0)) {
             return None;
@@ -171,9 +159,9 @@ impl Parts<'_> {
     }
 
     /// Searches a block, unless it was before with as much time and as many nodes.
-    fn search(&mut self, k: usize, control: &RefCell<&mut Control<'_>>) {
+    fn search(&mut self, k: usize, control: &mut Control<'_>) {
         let Some(grant) = self.grant(k) else { return };
-        let Part { block, granted, ended, gap, .. } = &self.parts[k];
+        let BlockState { block, granted, ended, gap, .. } = &self.states[k];
         if ended.is_some() && !grant.exceeds(*granted) {
             return;
         }
@@ -182,7 +170,7 @@ impl Parts<'_> {
             absolute_gap,
             relative_gap,
             node_limit: grant.nodes,
-            ..self.stage.options.clone()
+            ..self.task.options.clone()
         };
         let mut flat = None;
         if self.any_point {
@@ -198,14 +186,12 @@ impl Parts<'_> {
         self.is_widened |= found.is_widened;
         self.statistics.add(&found.statistics);
         self.statistics.threads = self.statistics.threads.max(found.statistics.threads);
-        let Part { block, bound, best, ended, granted, .. } = &mut self.parts[k];
+        let BlockState { block, bound, best, ended, granted, .. } = &mut self.states[k];
         (*ended, *granted) = (Some(found.termination), grant);
         if flat.is_none() {
             *bound = bound.max(found.bound);
         }
-        if let Some(mut values) = found.points.into_iter().next() {
-            // Windows of events are columns of the search only.
-            values.truncate(block.program.column_count());
+        if let Some(values) = found.points.into_iter().next() {
             let value = block.program.objective(&values);
             if best.as_ref().is_none_or(|(old, _)| value < *old) {
                 *best = Some((value, values));
@@ -220,55 +206,44 @@ impl Parts<'_> {
         program: &Program,
         options: &Options,
         token: &StopToken,
-        control: &RefCell<&mut Control<'_>>,
+        control: &mut Control<'_>,
     ) -> Found {
-        let (stage, block) = (self.stage, &self.parts[k].block);
         let others = self.others(k);
-        let rest = self.point(Some(k));
-        let accept = |values: &[f64]| holds(&block.program, values, options.feasibility);
-        let describe = |values: &[f64]| {
-            let mut point = rest.clone()?;
-            block.scatter(values, &mut point);
-            stage.verified(&point)
+        let judge = BlockJudge {
+            block: &self.states[k].block,
+            rest: self.point(Some(k)),
+            whole: self.task.judge,
+            feasibility: options.feasibility,
         };
-        let mut on_event = |event: &Event| control.borrow_mut().report(&others.event(event));
-        let mut on_incumbent = |found: &Incumbent<'_>| {
-            let Some(value) = others.value else { return ControlFlow::Continue(()) };
-            let (objective, figures) = (found.objective + value, others.progress(&found.progress));
-            let whole = Incumbent::new(found.point, objective, found.found_by, figures);
-            let flow = control.borrow_mut().report_incumbent(&whole);
-            if flow.is_break() {
-                self.token.stop();
-            }
-            flow
+        let part = PartOfSolve {
+            is_first: others.nodes == 0,
+            figures: &|own| others.progress(own),
+            objective: &|own| others.value.map(|others| own + others),
+            told: None,
+            token: &self.token,
         };
-        let watches = control.borrow().watches_incumbents();
-        let mut inner = Control::default().with_progress(&mut on_event);
-        if watches {
-            inner = inner.with_incumbent(&mut on_incumbent);
-        }
-        let search = Search { program, accept: &accept, describe: &describe, options, token };
-        stage.search(search, &mut inner, None)
+        let task = Task { program, judge: &judge, options, token, ..self.task };
+        part.run(control, |control| search_task(task, &Known::default(), control))
     }
 
     fn others(&self, k: usize) -> Others {
         let others =
-            || self.parts.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, part)| part);
-        let (sign, offset) = (self.stage.program.sign, self.stage.program.offset);
+            || self.states.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, part)| part);
+        let (sign, offset) = (self.task.program.sign, self.task.program.offset);
         let values = others().map(|part| part.best.as_ref().map(|(value, _)| value));
         Others {
             nodes: self.statistics.nodes,
             relaxations: self.statistics.relaxations,
             value: values.sum::<Option<f64>>().map(|value| sign * (offset + value)),
             bound: sign * (offset + others().map(|part| part.bound).sum::<f64>()),
-            constant: sign * self.stage.program.constant,
+            constant: sign * self.task.program.constant,
         }
     }
 
     /// The best points of all blocks, but perhaps one, put together; `None` if one is missing.
     fn point(&self, except: Option<usize>) -> Option<Vec<f64>> {
-        let mut point = vec![0.0; self.stage.program.column_count()];
-        for (k, part) in self.parts.iter().enumerate() {
+        let mut point = vec![0.0; self.task.program.column_count()];
+        for (k, part) in self.states.iter().enumerate() {
             match &part.best {
                 _ if Some(k) == except => {}
                 Some((_, values)) => part.block.scatter(values, &mut point),
@@ -279,28 +254,28 @@ impl Parts<'_> {
     }
 
     fn bound(&self) -> f64 {
-        self.stage.program.offset + self.parts.iter().map(|part| part.bound).sum::<f64>()
+        self.task.program.offset + self.states.iter().map(|part| part.bound).sum::<f64>()
     }
 
     /// How far bound and objective of the whole may be apart.
     fn allowed(&self, value: f64) -> f64 {
-        self.stage.options.allowed_gap(value, self.stage.program.constant)
+        self.task.options.allowed_gap(value, self.task.program.constant)
     }
 
     /// If all blocks are solved and the whole is not, reopens those that are further from their bounds
     /// than their share. Returns whether there are any.
     fn tighten(&mut self) -> bool {
-        let solved = |part: &Part| part.ended == Some(Termination::Optimal);
-        let Some(point) = self.point(None).filter(|_| self.parts.iter().all(solved)) else {
+        let solved = |part: &BlockState| part.ended == Some(Termination::Optimal);
+        let Some(point) = self.point(None).filter(|_| self.states.iter().all(solved)) else {
             return false;
         };
-        let value = self.stage.program.objective(&point);
+        let value = self.task.program.objective(&point);
         let allowed = self.allowed(value);
         if value - self.bound() <= allowed {
             return false;
         }
-        let share = 0.9 * allowed / self.parts.len() as f64;
-        for part in &mut self.parts {
+        let share = 0.9 * allowed / self.states.len() as f64;
+        for part in &mut self.states {
             if part.best.as_ref().is_some_and(|(value, _)| value - part.bound > share) {
                 (part.ended, part.gap) = (None, [share, 0.0]);
             }
@@ -312,7 +287,7 @@ impl Parts<'_> {
     fn conclude(&self) -> Option<Found> {
         let reason = self.limit();
         let point = self.point(None);
-        let verified = point.filter(|point| self.stage.verified(point).is_some());
+        let verified = point.filter(|point| self.task.judge.accepts(point));
         let found = |termination, bound, points: Vec<Vec<f64>>| {
             let statistics = self.statistics;
             Some(Found {
@@ -325,8 +300,8 @@ impl Parts<'_> {
                 ..Found::infeasible()
             })
         };
-        let ended = |part: &Part| part.ended == Some(Termination::Unbounded);
-        let falls = self.parts.iter().any(ended);
+        let ended = |part: &BlockState| part.ended == Some(Termination::Unbounded);
+        let falls = self.states.iter().any(ended);
         let Some(point) = verified else {
             let bound = if falls { f64::NEG_INFINITY } else { self.bound() };
             return found(reason?, bound, Vec::new());
@@ -334,7 +309,7 @@ impl Parts<'_> {
         if falls {
             return found(Termination::Unbounded, f64::NEG_INFINITY, vec![point]);
         }
-        let value = self.stage.program.objective(&point);
+        let value = self.task.program.objective(&point);
         let bound = self.bound().min(value);
         if value - bound <= self.allowed(value) {
             return found(Termination::Optimal, bound, vec![point]);
@@ -348,15 +323,36 @@ impl Parts<'_> {
         if ended == Some(Termination::Interrupted) {
             return ended;
         }
-        let reached = self.parts.iter().filter_map(|part| part.ended).find(|end| end.is_limit());
-        let waits = self.parts.iter().any(|part| part.ended.is_none());
-        let options = self.stage.options;
+        let reached = self.states.iter().filter_map(|part| part.ended).find(|end| end.is_limit());
+        let waits = self.states.iter().any(|part| part.ended.is_none());
+        let options = self.task.options;
         let nodes = options.node_limit.is_some_and(|limit| self.statistics.nodes >= limit);
         reached.or(match (waits, ended.is_some(), nodes) {
             (true, true, _) => Some(Termination::TimeLimit),
             (true, false, true) => Some(Termination::NodeLimit),
             _ => None,
         })
+    }
+}
+
+/// Judges points of one block, beside the best points of the others.
+struct BlockJudge<'a> {
+    block: &'a Block,
+    /// The best points of the other blocks; `None` if one of them has none.
+    rest: Option<Vec<f64>>,
+    whole: &'a dyn PointJudge,
+    feasibility: f64,
+}
+
+impl PointJudge for BlockJudge<'_> {
+    fn accepts(&self, x: &[f64]) -> bool {
+        holds(&self.block.program, x, self.feasibility)
+    }
+
+    fn point(&self, x: &[f64]) -> Option<Point> {
+        let mut point = self.rest.clone()?;
+        self.block.scatter(x, &mut point);
+        self.whole.point(&point).filter(|_| self.whole.accepts(&point))
     }
 }
 
@@ -376,7 +372,6 @@ fn holds(program: &Program, x: &[f64], feasibility: f64) -> bool {
         let rounded = if whole { 0.0 } else { magnitude + limit };
         below.max(above) <= tolerance::allowed_miss(feasibility, rounded)
     };
-    // Behind the program's own columns there may be windows of the search.
     (0..program.column_count()).all(|j| within(&[j], &[1.0], [program.lower[j], program.upper[j]]))
         && (0..program.row_count()).all(|row| {
             let (columns, values) = program.row(row);

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::model::Model;
 
-/// How far variables without bounds may go in a box, in their units.
-pub(super) const FAR: [f64; 2] = [1e3, 1e6];
+/// Distances that variables without bounds may go in a box, in their units.
+pub(super) const DISTANCES: [f64; 2] = [1e3, 1e6];
 
 /// A model in which variables without bounds have some: so far from 0, or from their other bound.
 pub(super) fn boxed(model: &Model, far: f64) -> Result<Model, Error> {

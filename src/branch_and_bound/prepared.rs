@@ -1,52 +1,46 @@
 //! A model that is solved many times: what holds for all values of its parameters is done once.
 //!
 //! The lowered model is assembled with parameters as columns between the ends of their ranges, and
-//! presolved around them. A solve gives these columns their values and goes on from there, with
-//! all that the values imply. Solves that speak of the tree or of all columns begin with the
-//! assembled program instead, as solves from nothing do.
+//! presolved around them. A solve gives these columns their values and passes through the phases of any
+//! solve, with what is known already. Solves that speak of all columns begin with the assembled program.
+
+use std::sync::Arc;
 
 use super::answer::answer;
-use super::curvature::check_curvature;
-use super::history::History;
-use super::pipeline::Pipeline;
+use super::last_solve::LastSolve;
+use super::lower::{Lowered, check_curvature};
+use super::mip_start::GivenStart;
 use super::refusals::Refusals;
 use super::row_rounds::{finds_rows, solve_in_rounds};
-use super::seeding::{report, seed_of};
-use super::stage::{Stage, Tightened};
+use super::solve::{Known, Solve, Solved};
+use super::tighten::Tightened;
 use crate::error::Error;
 use crate::model::{Model, Name, Variable};
-use crate::presolve::root::{Postsolve, Presolve, Rule, blocks, presolve, presolve_around};
+use crate::presolve::root::{Presolve, Rule, blocks, presolve, presolve_around};
 use crate::program::Program;
-use crate::reformulate::{self, WayBack};
+use crate::reformulate;
 use crate::relaxation::LadderPool;
-use crate::search::{ColumnGuidance, Found, GuessEnd, Seed, Start};
-use crate::solution::{Heuristic, Solution, Termination};
-use crate::solver::{BranchingRule, Control, Options, Prepared, StopToken, TreeSeed};
+use crate::search::{Found, Start};
+use crate::solution::Solution;
+use crate::solver::{Control, Options, Prepared, StopToken};
 
 /// A prepared model.
 #[derive(Debug)]
 pub(super) struct PreparedProgram<'a> {
     options: &'a mut Options,
     model: Model,
-    lowered: LoweredProgram,
-    reduced: Reduced,
-    ladders: LadderPool,
-}
-
-/// The assembled program of a lowered model.
-#[derive(Debug)]
-struct LoweredProgram {
-    program: Program,
-    way_back: WayBack,
-    /// The parameters, whose columns are those of the model.
     parameters: Vec<Variable>,
+    /// The assembled program, in which the columns of the parameters are those of the model.
+    lowered: Lowered,
+    reduction: Reduction,
+    ladders: LadderPool,
 }
 
 /// The result of presolve for all values of the parameters.
 #[derive(Debug)]
-enum Reduced {
+enum Reduction {
     /// Presolve is off.
-    Not,
+    Off,
     /// No value of the parameters has a point.
     Infeasible,
     To(Box<ReducedProgram>),
@@ -54,35 +48,33 @@ enum Reduced {
 
 #[derive(Debug)]
 struct ReducedProgram {
-    /// The columns of parameters have their last values.
-    program: Program,
-    postsolve: Postsolve,
-    rounding: f64,
+    lowered: Lowered,
     /// The column of each parameter.
     columns: Vec<usize>,
     /// The integral columns, the earliest steps first.
     integers: Vec<usize>,
     /// Whether it falls into blocks, which are searched one after the other.
     in_blocks: bool,
-    tightened: Tightened,
-    history: History,
+    tightened: Tightened<'static>,
+    last: LastSolve,
 }
 
 impl<'a> PreparedProgram<'a> {
     /// Lowers and presolves a model.
     pub(super) fn new(options: &'a mut Options, model: &Model) -> Result<Self, Error> {
         options.check()?;
-        let lowered = reformulate::lower(model)?;
-        let program = Program::assemble(lowered.model())?;
+        let rows = reformulate::lower(model)?;
+        let program = Program::assemble(rows.model())?;
         check_curvature(model, &program, true)?;
         let parameters: Vec<Variable> = model.parameters().collect();
-        let reduced = match options.reductions && !program.integers.is_empty() {
-            true => ReducedProgram::of(options, model, lowered.model(), &program, &parameters)?,
-            false => Reduced::Not,
+        let names: Vec<Name> = rows.model().variables().map(|v| v.name().clone()).collect();
+        let lowered = Lowered::new(program, Arc::new(rows.into_way_back()));
+        let reduction = match options.reductions && !lowered.program.integers.is_empty() {
+            true => ReducedProgram::of(options, model, &lowered, &names, &parameters)?,
+            false => Reduction::Off,
         };
-        let lowered = LoweredProgram { program, way_back: lowered.into_way_back(), parameters };
-        let ladders = LadderPool::new(options);
-        Ok(PreparedProgram { options, model: model.clone(), lowered, reduced, ladders })
+        let (ladders, model) = (LadderPool::new(options), model.clone());
+        Ok(PreparedProgram { options, model, parameters, lowered, reduction, ladders })
     }
 }
 
@@ -96,8 +88,8 @@ impl Prepared for PreparedProgram<'_> {
     }
 
     fn shift(&mut self) {
-        if let Reduced::To(reduced) = &mut self.reduced {
-            reduced.history.shift();
+        if let Reduction::To(reduced) = &mut self.reduction {
+            reduced.last.shift();
         }
     }
 
@@ -114,36 +106,33 @@ impl Prepared for PreparedProgram<'_> {
         if finds_rows(control) {
             return solve_in_rounds(model, options, control);
         }
-        let token = StopToken::new(options.time_limit, control.interrupt());
-        let guidance = ColumnGuidance::new(model, control.guidance())?;
-        let given = control.seed().map(|seed: &TreeSeed| seed_of(model, seed));
-        let seed = given.as_ref().map(|(seed, _)| seed);
+        let token = &StopToken::new(options.time_limit, control.interrupt());
         if !self.ladders.suits(options) {
             self.ladders = LadderPool::new(options);
         }
-        let (guidance, ladders, token) = (&guidance, &self.ladders, &token);
-        let (refusals, judge) = (&Refusals::default(), None);
-        let pipeline = Pipeline { model, options, token, guidance, ladders, refusals, judge, seed };
-        let about_columns = pipeline.is_about_columns() || !guidance.is_idle();
-        let (mut found, derivatives) = match &mut self.reduced {
-            Reduced::Infeasible if options.reductions => (Found::infeasible(), None),
-            Reduced::To(reduced) if options.reductions && !about_columns => {
-                (reduced.solve(&self.lowered, &pipeline, control)?, None)
+        let (ladders, refusals) = (&self.ladders, &Refusals::default());
+        let solve = Solve { model, options, token, ladders, refusals, rows: None };
+        let given = control.start().map(|given| GivenStart::new(model, given));
+        let start = given.as_ref().map(|given| &given.start);
+        let is_about_columns = options.pool > 1 || options.keep_leaves;
+        let values = values_of(model, &self.parameters)?;
+        let solved = match &mut self.reduction {
+            Reduction::Infeasible if options.reductions => {
+                Solved::without_point(Found::infeasible())
+            }
+            Reduction::To(reduced) if options.reductions && !is_about_columns => {
+                reduced.solve(&solve, &values, start, control)?
             }
             _ => {
-                let LoweredProgram { program, way_back, parameters } = &self.lowered;
-                let mut program = program.clone();
-                for parameter in parameters {
-                    let value = model.variable_ref(*parameter)?.bounds().lower;
-                    let j = parameter.index();
-                    (program.lower[j], program.upper[j]) = (value, value);
-                }
-                pipeline.run_program(program, &|values| way_back.restore(values), control)?
+                let program = &mut self.lowered.program;
+                let columns = self.parameters.iter().map(|parameter| parameter.index());
+                columns.zip(&values).for_each(|(j, &value)| fix(program, j, value));
+                program.constant = program.sign * model.objective_constant();
+                let lowered = Some(&self.lowered);
+                solve.run(&Known { lowered, start, ..Known::default() }, control)?
             }
         };
-        found.statistics.time = token.elapsed();
-        let report = given.as_ref().map(|(seed, ignored)| report(model, &found, seed, *ignored));
-        answer(model, options, found, derivatives, report, refusals.take())
+        answer(&solve, solved, given.as_ref())
     }
 }
 
@@ -152,11 +141,11 @@ impl ReducedProgram {
     fn of(
         options: &Options,
         model: &Model,
-        lowered: &Model,
-        program: &Program,
+        lowered: &Lowered,
+        names: &[Name],
         parameters: &[Variable],
-    ) -> Result<Reduced, Error> {
-        let mut open = program.clone();
+    ) -> Result<Reduction, Error> {
+        let mut open = lowered.program.clone();
         let given: Vec<usize> = parameters.iter().map(|parameter| parameter.index()).collect();
         for &parameter in parameters {
             if let Some(range) = model.variable_ref(parameter)?.parameter_range() {
@@ -166,165 +155,80 @@ impl ReducedProgram {
         }
         let presolved =
             match presolve_around(&open, &given, &Rule::FAITHFUL, &StopToken::default())? {
-                Presolve::Infeasible => return Ok(Reduced::Infeasible),
-                Presolve::Stopped => return Ok(Reduced::Not),
+                Presolve::Infeasible => return Ok(Reduction::Infeasible),
+                Presolve::Stopped => return Ok(Reduction::Off),
                 Presolve::Presolved(presolved) => *presolved,
             };
         let (program, postsolve) = (presolved.program, presolved.postsolve);
         let place = |j: &usize| postsolve.columns().binary_search(j).ok();
         // A column that stays has a place.
         let Some(columns) = given.iter().map(place).collect::<Option<Vec<usize>>>() else {
-            return Ok(Reduced::Not);
+            return Ok(Reduction::Off);
         };
-        let names: Vec<&Name> = lowered.variables().map(|variable| variable.name()).collect();
-        let columns_of: Vec<&Name> = postsolve.columns().iter().map(|&j| names[j]).collect();
-        let history = History::new(&columns_of);
+        let names: Vec<&Name> = postsolve.columns().iter().map(|&j| &names[j]).collect();
+        let last = LastSolve::new(&names);
         let mut integers = program.integers.clone();
         integers.sort_by_key(|&j| (program.step[j], j));
         let in_blocks = is_in_blocks(&program, &columns)?;
-        let rounding = presolved.rounding;
-        let tightened = Tightened::new(&program, options, &StopToken::default());
-        Ok(Reduced::To(Box::new(ReducedProgram {
-            program,
-            postsolve,
-            rounding,
+        let whole = Options { keep_leaves: false, ..options.clone() };
+        let tightened = Tightened::new(&program, &whole, &StopToken::default()).into_owned();
+        let lowered = lowered.presolved(program, postsolve, presolved.rounding);
+        Ok(Reduction::To(Box::new(ReducedProgram {
+            lowered,
             columns,
             integers,
             in_blocks,
             tightened,
-            history,
+            last,
         })))
     }
 
-    /// Searches for the present values of the parameters.
+    /// Solves the model for these values of the parameters, from the user's start or else from what the
+    /// last solve has left.
     fn solve(
         &mut self,
-        lowered: &LoweredProgram,
-        pipeline: &Pipeline<'_>,
+        solve: &Solve<'_>,
+        values: &[f64],
+        given: Option<&Start>,
         control: &mut Control<'_>,
-    ) -> Result<Found, Error> {
-        let (program, postsolve) = (&mut self.program, &self.postsolve);
-        for (&column, &parameter) in self.columns.iter().zip(&lowered.parameters) {
-            let value = pipeline.model.variable_ref(parameter)?.bounds().lower;
-            for program in [&mut *program, &mut self.tightened.program] {
-                (program.lower[column], program.upper[column]) = (value, value);
-            }
+    ) -> Result<Solved, Error> {
+        let ReducedProgram { lowered, columns, integers, in_blocks, tightened, last } = self;
+        for program in [&mut lowered.program, tightened.program.to_mut()] {
+            columns.iter().zip(values).for_each(|(&j, &value)| fix(program, j, value));
+            program.constant = program.sign * solve.model.objective_constant();
         }
-        program.constant = program.sign * pipeline.model.objective_constant();
-        self.tightened.program.constant = program.constant;
-        let restore = |values: &[f64]| lowered.way_back.restore(&postsolve.point(values));
-        let carried = |seed: &Seed| Seed { guess: postsolve.carry(&seed.guess), ..Seed::default() };
-        let given = pipeline.seed.map(carried);
-        let guidance = pipeline.guidance.presolved(postsolve, &lowered.program);
-        let mut found = if self.in_blocks {
-            let inner = Pipeline { seed: given.as_ref(), guidance: &guidance, ..*pipeline };
-            inner.run_program(program.clone(), &restore, control)?.0
-        } else {
-            let stage = Stage {
-                model: pipeline.model,
-                options: pipeline.options,
-                token: pipeline.token,
-                guidance: &guidance,
-                ladders: pipeline.ladders,
-                refusals: pipeline.refusals,
-                judge: None,
-                program,
-                restore: &restore,
-                as_is: false,
-                tightened: self.history.expects_few_nodes().then_some(&self.tightened),
-                strengthens: self.history.tries_cuts(),
-            };
-            let own = self.history.seed();
-            let guess = given.map_or(own.guess, |given| given.guess);
-            let root_first = self.history.expects_no_tree();
-            let mut found = search_from(&stage, Seed { guess, ..own }, root_first, control);
-            self.history.take_in(&mut found, &self.integers);
-            found.points = found.points.iter().map(|values| restore(values)).collect();
-            if let Some(GuessEnd::Point(values)) = &mut found.guess {
-                *values = restore(values);
-            }
-            found
+        let given = given.map(|given| lowered.carry(&given.integers));
+        let given = given.map(|integers| Start { integers, ..Start::default() });
+        let known = Known { lowered: Some(lowered), ..Known::default() };
+        if *in_blocks {
+            return solve.run(&Known { start: given.as_ref(), ..known }, control);
+        }
+        let start = match given {
+            Some(given) => Start { integers: given.integers, ..last.start() },
+            None => last.start(),
         };
-        if let Some(GuessEnd::Contradiction(column)) = &mut found.guess {
-            *column = postsolve.columns().get(*column).copied().unwrap_or(*column);
-        }
-        if found.guess.is_none() && pipeline.seed.is_some_and(|seed| !seed.guess.is_empty()) {
-            // Presolve has decided all that was guessed.
-            found.guess = found.points.first().cloned().map(GuessEnd::Point);
-        }
-        pipeline.charge(self.rounding, &mut found)?;
-        Ok(found)
+        let known = Known {
+            is_presolved: true,
+            tightened: last.expects_few_nodes().then_some(tightened),
+            start: Some(&start),
+            skips_cuts: last.skips_cuts(),
+            ..known
+        };
+        let mut solved = solve.run(&known, control)?;
+        last.take_in(&mut solved.found, solved.point.as_deref(), integers);
+        Ok(solved)
     }
 }
 
-/// Completes the guess of a seed, and searches from there. A search that is stopped before it has
-/// looked at a point returns the completed one, and the bound that the last root proves. Where it may be
-/// stopped, a point is looked for before anything else even without a guess.
-///
-/// # Arguments
-///
-/// * `root_first`: whether it looks no further than the root at first.
-fn search_from(
-    stage: &Stage<'_>,
-    mut seed: Seed,
-    root_first: bool,
-    control: &mut Control<'_>,
-) -> Found {
-    let begun = (stage.options.may_stop() || !seed.guess.is_empty()).then(|| stage.complete(&seed));
-    if let Some(begun) = &begun {
-        seed.guess.clear();
-        seed.point = start_of(begun, begun.found_by.unwrap_or(Heuristic::Guess));
-    }
-    // Callbacks would see two searches.
-    let may_search_twice = stage.options.node_limit.is_none() && !control.is_watched();
-    let mut found = if root_first && may_search_twice {
-        search_root_first(stage, &mut seed, control)
-    } else {
-        stage.run(control, Some(&seed))
-    };
-    if let Some(begun) = begun {
-        found.guess.clone_from(&begun.guess);
-        go_on_from(begun, &mut found);
-    }
-    found
+/// The values of some parameters.
+fn values_of(model: &Model, parameters: &[Variable]) -> Result<Vec<f64>, Error> {
+    let value = |&parameter| Ok(model.variable_ref(parameter)?.bounds().lower);
+    parameters.iter().map(value).collect()
 }
 
-/// Searches no further than the root, and tightens the program for the values of the parameters if that
-/// is not enough: if a tree is unexpected, tightening is likely to save it.
-fn search_root_first(stage: &Stage<'_>, seed: &mut Seed, control: &mut Control<'_>) -> Found {
-    let (node_limit, branching) = (Some(1), BranchingRule::LatestFirst);
-    let options = &Options { node_limit, branching, ..stage.options.clone() };
-    let mut root = Stage { options, strengthens: false, ..*stage }.run(control, Some(seed));
-    if !matches!(root.termination, Termination::NodeLimit | Termination::Stalled) {
-        return root;
-    }
-    let point = start_of(&root, root.found_by.unwrap_or(Heuristic::Rounding));
-    seed.point = point.or(seed.point.take());
-    let mut found = Stage { tightened: None, ..*stage }.run(control, Some(seed));
-    // It has the same root.
-    root.statistics.nodes -= root.statistics.nodes.min(1);
-    go_on_from(root, &mut found);
-    found
-}
-
-/// The best point of a search, as the start of another one.
-fn start_of(found: &Found, found_by: Heuristic) -> Option<Start> {
-    let values = found.points.first()?.clone();
-    Some(Start { values, found_by })
-}
-
-/// Adds what a search knew that another one has begun with.
-fn go_on_from(begun: Found, found: &mut Found) {
-    let mut counts = begun.statistics;
-    if found.points.is_empty() && found.termination != Termination::Infeasible {
-        (found.points, found.found_by) = (begun.points, begun.found_by);
-    } else {
-        counts.forget_incumbents();
-    }
-    found.statistics.add(&counts);
-    if found.termination.is_limit() && begun.bound.is_finite() {
-        found.bound = found.bound.max(begun.bound);
-    }
+/// Gives a column one value.
+fn fix(program: &mut Program, column: usize, value: f64) {
+    (program.lower[column], program.upper[column]) = (value, value);
 }
 
 /// Whether a program falls into blocks with integers once the columns of its parameters have values. What

@@ -6,10 +6,10 @@ use super::rows::{LAZY, is_violated, row_name, wrong_cut};
 use crate::error::Error;
 use crate::model::{Model, StoredRow};
 use crate::solution::Point;
-use crate::solver::{RowSource, StopToken};
+use crate::solver::{Options, RowSource, StopToken};
 
-/// Accepted points that are kept, for comparison with later cuts.
-const POINTS: usize = 1000;
+/// Most accepted points that are kept for comparison with later cuts.
+const MOST_POINTS: usize = 1000;
 
 /// Judges the points of one search, which are points of the model.
 pub(super) struct RowJudge<'a> {
@@ -38,12 +38,13 @@ pub(super) struct Noted {
 impl<'a> RowJudge<'a> {
     pub(super) fn new(
         model: &'a Model,
-        (lazy, known): (Option<&'a RowSource<'a>>, usize),
+        lazy: Option<&'a RowSource<'a>>,
+        known: usize,
         cuts: &'a [StoredRow],
-        feasibility: f64,
+        options: &Options,
         token: &'a StopToken,
     ) -> Self {
-        let noted = Mutex::default();
+        let (noted, feasibility) = (Mutex::default(), options.feasibility);
         RowJudge { model, lazy, known, cuts, feasibility, token, noted }
     }
 
@@ -83,7 +84,7 @@ impl<'a> RowJudge<'a> {
             Ok(true) => true,
             Ok(false) => {
                 let points = &mut self.lock().points;
-                if points.len() < POINTS {
+                if points.len() < MOST_POINTS {
                     points.push(point.clone());
                 }
                 false

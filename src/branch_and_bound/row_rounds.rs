@@ -7,32 +7,28 @@
 //! conclude from the absence of a row is concluded within a round only. A round that has found rows ends
 //! soon, and the next one begins with them and with the integers of the best point.
 
-use std::cell::{Cell, RefCell};
-use std::ops::ControlFlow;
-
 use super::answer::answer;
-use super::far::{FAR, boxed};
-use super::multipliers::Derivatives;
-use super::pipeline::Pipeline;
+use super::events::{PartOfSolve, Told};
+use super::far::{DISTANCES, boxed};
+use super::mip_start::GivenStart;
 use super::refusals::Refusals;
 use super::row_judge::RowJudge;
 use super::rows::{CUT, LAZY, add_new, is_violated, with_rows};
-use super::seeding::{report, seed_of};
-use super::user_cuts::Relaxing;
+use super::solve::{Known, Solve, Solved};
 use crate::error::Error;
 use crate::model::{Model, StoredRow};
 use crate::relaxation::LadderPool;
-use crate::search::{ColumnGuidance, Found, Seed};
-use crate::solution::{Point, SeedReport, Solution, Statistics, Termination};
-use crate::solver::{Control, Event, Incumbent, Options, PoolMode, Progress, StopToken};
+use crate::search::{Completion, Found, Start};
+use crate::solution::{Point, Solution, Statistics, Termination};
+use crate::solver::{Control, Options, PoolMode, Progress, StopToken};
 
 /// Nodes of the search without cuts before cuts are asked for, and of one for a point far out.
-const PLAIN_NODES: u64 = 50;
+const FIRST_NODES: u64 = 50;
 
 /// Nodes of the search without cuts after cuts have left no point: at least so many, and so many times
 /// as many as before.
 const DOUBT_NODES: u64 = 1000;
-const DOUBT_TIMES: u64 = 2;
+const DOUBT_FACTOR: u64 = 2;
 
 /// Whether rows may be found while a model is solved.
 pub(super) fn finds_rows(control: &Control<'_>) -> bool {
@@ -46,7 +42,7 @@ pub(super) fn solve_in_rounds(
     control: &mut Control<'_>,
 ) -> Result<Solution, Error> {
     let token = StopToken::new(options.time_limit, control.interrupt());
-    let given = control.seed().map(|seed| seed_of(model, seed));
+    let given = control.start().map(|given| GivenStart::new(model, given));
     let mut rounds = Rounds {
         model,
         options,
@@ -54,82 +50,88 @@ pub(super) fn solve_in_rounds(
         ladders: LadderPool::new(options),
         refusals: Refusals::default(),
         given,
-        seed_report: None,
+        completion: None,
         lazy: Vec::new(),
         cuts: Vec::new(),
         points: Vec::new(),
         best: None,
         bound: f64::NEG_INFINITY,
         statistics: Statistics::default(),
-        told: [Cell::new(f64::INFINITY), Cell::new(f64::INFINITY)],
+        told: Told::nothing(model.sense().sign()),
     };
-    let (found, derivatives) = rounds.run(control)?;
-    let Rounds { refusals, seed_report, .. } = rounds;
-    answer(model, options, found, derivatives, seed_report, refusals.take())
+    let mut solved = rounds.run(control)?;
+    let Rounds { ladders, refusals, given, completion, .. } = &mut rounds;
+    solved.found.completion = completion.take();
+    let (ladders, token) = (&*ladders, &token);
+    let solve = Solve { model, options, token, ladders, refusals, rows: None };
+    answer(&solve, solved, given.as_ref())
 }
 
 /// The state of the rounds of a solve.
-struct Rounds<'a> {
+pub(super) struct Rounds<'a> {
     model: &'a Model,
-    options: &'a Options,
-    token: &'a StopToken,
-    ladders: LadderPool,
+    pub(super) options: &'a Options,
+    pub(super) token: &'a StopToken,
+    pub(super) ladders: LadderPool,
     refusals: Refusals,
-    /// The user's seed, and how many of its entries are ignored.
-    given: Option<(Seed, usize)>,
-    seed_report: Option<SeedReport>,
+    /// The user's MIP start.
+    given: Option<GivenStart>,
+    /// The outcome of that start, once it was tried.
+    completion: Option<Completion>,
     lazy: Vec<StoredRow>,
-    cuts: Vec<StoredRow>,
+    pub(super) cuts: Vec<StoredRow>,
     /// Points that were accepted.
-    points: Vec<Point>,
+    pub(super) points: Vec<Point>,
     /// The (minimised) objective and the values of the best point.
     best: Option<(f64, Vec<f64>)>,
     /// The bound on the minimised objective.
     bound: f64,
-    statistics: Statistics,
-    /// The best (minimised) objective that the user was told of, as an event and as a point.
-    told: [Cell<f64>; 2],
+    pub(super) statistics: Statistics,
+    told: Told,
 }
 
 /// A round.
 struct Round {
-    found: Found,
-    derivatives: Option<Derivatives>,
-    /// How many lazy constraints it has found.
+    solved: Solved,
+    /// Number of lazy constraints that it has found.
     new: usize,
 }
 
 impl Rounds<'_> {
     /// Rounds until one finds nothing more, or a limit is reached.
-    fn run(&mut self, control: &mut Control<'_>) -> Result<(Found, Option<Derivatives>), Error> {
+    fn run(&mut self, control: &mut Control<'_>) -> Result<Solved, Error> {
         if control.user_cuts().is_some() {
             // Points that are found without cuts tell of wrong ones.
-            let limit = self.left().unwrap_or(u64::MAX).min(PLAIN_NODES);
+            let limit = self.left().unwrap_or(u64::MAX).min(FIRST_NODES);
             let model = with_rows(self.model, LAZY, &self.lazy)?;
             let round = self.search(&model, Some(limit), control)?;
-            let stopped = round.found.termination == Termination::NodeLimit;
-            let stalled = round.found.termination == Termination::Stalled;
+            let stopped = round.solved.found.termination == Termination::NodeLimit;
+            let stalled = round.solved.found.termination == Termination::Stalled;
             if !stalled && self.is_last(&round) && !(stopped && self.left() != Some(0)) {
                 return Ok(self.conclude(round));
             }
         }
         loop {
             let plain = with_rows(self.model, LAZY, &self.lazy)?;
-            self.separate(&plain, control)?;
+            if let Some(source) = control.user_cuts().filter(|_| !self.token.is_over()) {
+                self.separate(&plain, source)?;
+            }
             let round = self.search(&with_rows(&plain, CUT, &self.cuts)?, self.left(), control)?;
-            if round.found.termination == Termination::Unbounded && round.new == 0 {
+            if round.solved.found.termination == Termination::Unbounded && round.new == 0 {
                 if !self.finds_rows_far_out(&plain, control)? {
                     return Ok(self.conclude(round));
                 }
             } else if self.is_last(&round) {
-                if round.found.termination == Termination::Infeasible && !self.cuts.is_empty() {
+                if round.solved.found.termination == Termination::Infeasible
+                    && !self.cuts.is_empty()
+                {
                     return self.without_cuts(round, control);
                 }
                 return Ok(self.conclude(round));
             }
             if let Some(reason) = self.limit() {
-                let found = Found::stopped(reason);
-                return Ok(self.conclude(Round { found, derivatives: None, new: 0 }));
+                let solved = Solved::without_point(Found::stopped(reason));
+                return Ok(self.conclude(Round { solved, new: 0 }));
             }
         }
     }
@@ -144,16 +146,6 @@ impl Rounds<'_> {
         self.token.ended().or(nodes)
     }
 
-    /// Asks for cuts at the root.
-    fn separate(&mut self, model: &Model, control: &Control<'_>) -> Result<(), Error> {
-        let Some(source) = control.user_cuts().filter(|_| !self.token.is_over()) else {
-            return Ok(());
-        };
-        let Rounds { options, token, ladders, cuts, points, statistics, .. } = self;
-        let relaxing = Relaxing { options, token, ladders };
-        relaxing.separate(model, source, cuts, points, statistics)
-    }
-
     /// Searches a model, which is the user's with further rows, and takes in what is found.
     fn search(
         &mut self,
@@ -164,23 +156,19 @@ impl Rounds<'_> {
         let options = &Options { node_limit, blocks: false, ..self.options.clone() };
         let judged = with_rows(self.model, LAZY, &self.lazy)?;
         let token = &self.token.child(None);
-        let lazy = (control.lazy_constraints(), self.lazy.len());
-        let judge = RowJudge::new(&judged, lazy, &self.cuts, options.feasibility, token);
-        let excludes = |point: &Point| judge.excludes(point);
-        let guidance = &ColumnGuidance::new(model, control.guidance())?.with_judge(&excludes);
-        let own = self.seed();
-        let seed = own.as_ref().or(self.given.as_ref().map(|(seed, _)| seed));
+        let source = control.lazy_constraints();
+        let rows = RowJudge::new(&judged, source, self.lazy.len(), &self.cuts, options, token);
+        let own = self.start();
+        let given = self.given.as_ref().map(|given| &given.start);
+        let known = &Known { start: own.as_ref().or(given), ..Known::default() };
         let (ladders, refusals) = (&self.ladders, &self.refusals);
-        let (mut found, derivatives) = {
-            let judge = Some(&judge);
-            let pipeline =
-                Pipeline { model, options, token, guidance, ladders, refusals, judge, seed };
-            self.watched(control, &mut |control| pipeline.run(control))?
-        };
-        if let (None, None, Some((seed, ignored))) = (&own, &self.seed_report, &self.given) {
-            self.seed_report = Some(report(self.model, &found, seed, *ignored));
+        let solve = Solve { model, options, token, ladders, refusals, rows: Some(&rows) };
+        let mut solved = self.watched(control, |control| solve.run(known, control))?;
+        let found = &mut solved.found;
+        if own.is_none() && self.completion.is_none() {
+            self.completion.clone_from(&found.completion);
         }
-        let noted = judge.into_noted();
+        let noted = rows.into_noted();
         noted.error.map_or(Ok(()), Err)?;
         let new = add_new(&mut self.lazy, noted.rows);
         found.statistics.lazy_constraints += new as u64;
@@ -190,8 +178,8 @@ impl Rounds<'_> {
             self.bound = self.bound.max(found.bound);
         }
         self.points.extend(noted.points);
-        self.take_in(&mut found)?;
-        Ok(Round { found, derivatives, new })
+        self.take_in(found)?;
+        Ok(Round { solved, new })
     }
 
     /// Keeps the points that satisfy all rows.
@@ -217,20 +205,18 @@ impl Rounds<'_> {
         Ok(())
     }
 
-    /// The integers of the best point so far, with the boxes of the user's seed.
-    fn seed(&self) -> Option<Seed> {
+    /// The integers of the best point so far.
+    fn start(&self) -> Option<Start> {
         let (_, values) = self.best.as_ref()?;
         let integral = self.model.variables().zip(values).enumerate();
         let integral = integral.filter(|(_, (variable, _))| variable.kind().is_integral());
-        let guess: Vec<(usize, f64)> = integral.map(|(j, (_, value))| (j, *value)).collect();
-        let leaves = self.given.as_ref().map_or(Vec::new(), |(seed, _)| seed.leaves.clone());
-        let is_empty = guess.is_empty() && leaves.is_empty();
-        (!is_empty).then(|| Seed { guess, leaves, ..Seed::default() })
+        let integers: Vec<(usize, f64)> = integral.map(|(j, (_, value))| (j, *value)).collect();
+        (!integers.is_empty()).then(|| Start { integers, ..Start::default() })
     }
 
     /// Whether no further round is needed.
     fn is_last(&self, round: &Round) -> bool {
-        let Round { found, new, .. } = round;
+        let Round { solved: Solved { found, .. }, new } = round;
         let wants_pool = self.options.pool > 1 && self.options.pool_mode == PoolMode::Best;
         match found.termination {
             Termination::Optimal if *new > 0 => {
@@ -249,12 +235,8 @@ impl Rounds<'_> {
     }
 
     /// Searches as much again without cuts, where these leave no point.
-    fn without_cuts(
-        &mut self,
-        round: Round,
-        control: &mut Control<'_>,
-    ) -> Result<(Found, Option<Derivatives>), Error> {
-        let most = DOUBT_NODES.max(DOUBT_TIMES * self.statistics.nodes);
+    fn without_cuts(&mut self, round: Round, control: &mut Control<'_>) -> Result<Solved, Error> {
+        let most = DOUBT_NODES.max(DOUBT_FACTOR * self.statistics.nodes);
         let limit = self.left().map_or(most, |left| left.min(most));
         let plain = with_rows(self.model, LAZY, &self.lazy)?;
         self.search(&plain, Some(limit), control)?;
@@ -271,11 +253,11 @@ impl Rounds<'_> {
         if control.lazy_constraints().is_none() {
             return Ok(false);
         }
-        for far in FAR {
+        for far in DISTANCES {
             let boxed = boxed(plain, far)?;
             // What is proved of it says nothing of the model.
             let bound = self.bound;
-            let limit = self.left().unwrap_or(u64::MAX).min(PLAIN_NODES);
+            let limit = self.left().unwrap_or(u64::MAX).min(FIRST_NODES);
             let round = self.search(&boxed, Some(limit), control)?;
             self.bound = bound;
             if round.new > 0 {
@@ -286,8 +268,8 @@ impl Rounds<'_> {
     }
 
     /// The answer.
-    fn conclude(&mut self, round: Round) -> (Found, Option<Derivatives>) {
-        let Round { mut found, derivatives, .. } = round;
+    fn conclude(&mut self, round: Round) -> Solved {
+        let Solved { mut found, derivatives, .. } = round.solved;
         if let Some((value, values)) = &self.best {
             if found.points.first() != Some(values) {
                 found.points.retain(|point| point != values);
@@ -306,19 +288,15 @@ impl Rounds<'_> {
         } else if found.termination != Termination::Infeasible {
             found.bound = self.bound;
         }
-        found.statistics = Statistics { time: self.token.elapsed(), ..self.statistics };
-        (found, derivatives)
+        found.statistics = self.statistics;
+        Solved { found, derivatives, point: None }
     }
 
     /// Runs a search whose events and points the user sees as those of one solve.
-    fn watched<T>(
-        &self,
-        control: &mut Control<'_>,
-        run: &mut dyn FnMut(&mut Control<'_>) -> T,
-    ) -> T {
+    fn watched<T>(&self, control: &mut Control<'_>, run: impl FnOnce(&mut Control<'_>) -> T) -> T {
         let sign = self.model.sense().sign();
         let better = |a: f64, b: f64| if sign * a < sign * b { a } else { b };
-        let progress = |own: &Progress| {
+        let figures = |own: &Progress| {
             let best = self.best.as_ref().map(|(value, _)| sign * value);
             Progress {
                 nodes: own.nodes + self.statistics.nodes,
@@ -328,42 +306,13 @@ impl Rounds<'_> {
                 ..*own
             }
         };
-        let is_news = |told: &Cell<f64>, objective: f64| {
-            let better = sign * objective < told.get();
-            told.set(told.get().min(sign * objective));
-            better
+        let round = PartOfSolve {
+            is_first: self.statistics.nodes == 0,
+            figures: &figures,
+            objective: &Some,
+            told: Some(&self.told),
+            token: self.token,
         };
-        let watches = control.watches_incumbents();
-        let control = RefCell::new(control);
-        let mut on_event = |event: &Event| {
-            let progress = progress(event.progress());
-            let event = match event {
-                Event::Root(_) if self.statistics.nodes == 0 => Event::Root(progress),
-                Event::Incumbent(_)
-                    if progress.incumbent.is_some_and(|v| is_news(&self.told[0], v)) =>
-                {
-                    Event::Incumbent(progress)
-                }
-                _ => Event::Progress(progress),
-            };
-            control.borrow_mut().report(&event);
-        };
-        let mut on_incumbent = |found: &Incumbent<'_>| {
-            if !is_news(&self.told[1], found.objective) {
-                return ControlFlow::Continue(());
-            }
-            let figures = progress(&found.progress);
-            let whole = Incumbent::new(found.point, found.objective, found.found_by, figures);
-            let flow = control.borrow_mut().report_incumbent(&whole);
-            if flow.is_break() {
-                self.token.stop();
-            }
-            flow
-        };
-        let mut inner = Control::default().with_progress(&mut on_event);
-        if watches {
-            inner = inner.with_incumbent(&mut on_incumbent);
-        }
-        run(&mut inner)
+        round.run(control, run)
     }
 }

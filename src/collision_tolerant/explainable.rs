@@ -3,9 +3,9 @@
 use super::program::{Ends, Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::{ContactLaw, DamageLimits, Horizon, Region};
+use crate::hybrid::{ContactLaw, Horizon, Region};
 use crate::interval::Interval;
-use crate::model::Row;
+use crate::model::{Affine, Row};
 
 impl PlanningProgram {
     /// Writes the program of a scenario over a horizon for explanations: start, goal and limits are
@@ -21,8 +21,8 @@ impl PlanningProgram {
     /// | `acceleration[t]` | a(t) within its limits, in flight | (5), (6) |
     /// | `speed[t]` | v(t) within its limits | |
     /// | `wall[t]` | x(t) on the free side, if collisions are forbidden | (7) |
-    /// | `damage_limit[t]` | D(t) <= D_max | (19) |
-    /// | `damage_budget` | D_total <= D_total,max | (20) |
+    /// | `damage_limit[t]` | D(t) <= D_max, as a limit on the speed | (19) |
+    /// | `damage_budget[t]` | the sum of D over the rule's window from t on <= D_total,max | (20) |
     ///
     /// Domains are at least twice the limits, and wide enough to go from the start to the goal in
     /// the given time. The goal's acceleration is never applied, so it contradicts nothing.
@@ -103,14 +103,27 @@ impl PlanningProgram {
         if scenario.collisions == Collisions::Forbidden {
             self.state_wall(scenario)?;
         }
-        let Some(damage) = &self.damage else { return Ok(()) };
-        if let Some(limit) = scenario.damage.per_impact {
-            for (t, d) in damage.values.iter().enumerate() {
-                self.model.add(("damage_limit", t), d.le(limit))?;
+        self.state_damage(scenario)
+    }
+
+    /// The limits of the rule: on the impact speed of a contact, and on sums over its window.
+    fn state_damage(&mut self, scenario: &Scenario) -> Result<(), Error> {
+        let (rule, steps) = (&scenario.damage, self.horizon.steps());
+        if let Some(most) = scenario.contact.most_speed(rule).filter(|most| most.is_finite()) {
+            for (t, speed) in self.counted_speed.iter().flatten().enumerate() {
+                let limited = match &self.contact {
+                    // No impact is slow enough.
+                    Some(zeta) if most < 0.0 => zeta[t].le(0.0),
+                    _ => speed.le(most),
+                };
+                self.model.add(("damage_limit", t), limited)?;
             }
         }
-        if let Some(limit) = scenario.damage.cumulative {
-            self.model.add("damage_budget", damage.total.le(limit))?;
+        let Some(total) = rule.total.filter(|_| !self.damage.is_empty()) else { return Ok(()) };
+        for (t, window) in self.damage.windows(rule.window.unwrap_or(steps).min(steps)).enumerate()
+        {
+            let sum: Affine = window.iter().cloned().sum();
+            self.model.add(("damage_budget", t), sum.le(total))?;
         }
         Ok(())
     }
@@ -141,9 +154,10 @@ fn widened(scenario: &Scenario, horizon: &Horizon) -> Scenario {
     let mut wide = scenario.clone();
     wide.acceleration = Interval::new(-most, most);
     wide.max_speed = 2.0 * scenario.max_speed.max(fastest);
-    if scenario.damage.is_active() {
-        // Damage states without limits.
-        wide.damage = DamageLimits::default().with_per_impact(f64::MAX);
+    let limits = [wide.damage.per_hit.take(), wide.damage.total.take()];
+    if limits.iter().any(Option::is_some) {
+        // Damage without limits.
+        wide.damage.price = 1.0;
     }
     wide
 }

@@ -11,7 +11,7 @@
 //! | plan over a fixed horizon | [`plan()`] | any [`Solver`](crate::solver::Solver) |
 //! | find the shortest plan, with a proof | [`shortest_plan`], [`compare`] | [`shortest_horizon`](crate::hybrid::shortest_horizon()) |
 //! | read the result | [`Plan`]: a [`Trajectory`] and its [`PlanCertificate`] | two replays |
-//! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`], [`explain`] | [`reach`](crate::hybrid::reach) |
+//! | ask what can be reached, and why there is no plan | [`Scenario::reach_sets`] | [`reach`](crate::hybrid::reach) |
 //! | ask which limits prevent a plan | [`PlanningProgram::explainable`] | [`crate::explain`] |
 //! | find limits on damage | [`damage_interval()`] | |
 //!
@@ -30,25 +30,20 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-pub mod damage_interval;
-mod error;
+mod damage_interval;
 mod explainable;
 pub mod plan;
 pub mod program;
 mod reach;
 pub mod scenario;
 pub mod shortest;
-pub mod tables;
 pub mod trajectory;
 
-pub use damage_interval::{DamageInterval, End, IntervalOptions, damage_interval};
-pub use error::ScenarioError;
+pub use damage_interval::damage_interval;
 pub use plan::{Plan, PlanCertificate, PlanOutcome, plan, plan_with};
 pub use program::{Objective, PlanningProgram};
-pub use reach::explain;
 pub use scenario::{Collisions, Endpoint, Scenario};
 pub use shortest::{
     PlanComparison, PlanningOptions, ShortestPlan, compare, shortest_plan, shortest_plan_with,
 };
-pub use tables::Saving;
 pub use trajectory::{Impact, Trajectory};

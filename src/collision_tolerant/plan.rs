@@ -1,15 +1,12 @@
 //! Planning over a fixed horizon, with a certificate for every plan.
 
-use super::error::ScenarioError;
 use super::program::{Objective, PlanningProgram};
-use super::reach::tighten;
 use super::scenario::Scenario;
 use super::trajectory::Trajectory;
 use crate::error::{Error, ErrorKind};
-use crate::hybrid::rows::push_outward;
-use crate::hybrid::{
-    ContinuousReplay, DiscreteReplay, RunCertificate, replay_continuous, replay_discrete,
-};
+use crate::hybrid::scene::samples::{check_line_ends, replay_line};
+use crate::hybrid::scene::{SceneCertificate, SceneError, SceneHit};
+use crate::hybrid::{ContactLaw, HybridRun, RunCertificate};
 use crate::solution::{Solution, Statistics, Termination, Verification};
 use crate::solver::{Control, Solver, StopToken};
 use crate::tolerance::{self, margin_scale};
@@ -25,11 +22,11 @@ pub struct PlanCertificate {
     /// The check of every step against the [scenario's system](Scenario::hybrid_system): limits,
     /// guards and next states.
     pub run: RunCertificate,
-    /// The replay through the same discrete law; it agrees with the plan at every sample within
-    /// [`tolerance::REPLAY`].
-    pub discrete: DiscreteReplay,
-    /// The replay in continuous time, which measures the discretisation error.
-    pub continuous: ContinuousReplay,
+    /// The replay through the scenario's scene, step by step and from the first
+    /// sample alone, which agrees with the plan within [`tolerance::REPLAY`], and with impacts where
+    /// they happen, which measures the discretisation error. Scenes do not have the literal law; its
+    /// residual and drift are those of `run`.
+    pub replay: SceneCertificate,
 }
 
 /// A certified plan.
@@ -39,6 +36,8 @@ pub struct PlanCertificate {
 pub struct Plan {
     /// The samples and impacts.
     pub trajectory: Trajectory,
+    /// The run of the [scenario's system](Scenario::hybrid_system).
+    pub run: HybridRun,
     /// Why it can be trusted.
     pub certificate: PlanCertificate,
     /// Value of the objective, in the unit of [`Objective`].
@@ -106,7 +105,7 @@ impl PlanOutcome {
 /// let outcome = plan(&scenario, 30, Objective::Effort, &mut BranchAndBound::default())?;
 /// let plan = outcome.plan().expect("3 s are enough");
 /// assert_eq!(plan.trajectory.steps(), 30);
-/// assert!(plan.certificate.discrete.max_position_error <= 1e-6);
+/// assert!(plan.certificate.replay.drift <= 1e-6);
 /// # Ok::<(), carom::Error>(())
 /// ```
 ///
@@ -117,8 +116,7 @@ impl PlanOutcome {
 /// # Errors
 ///
 /// Those of [`Scenario::check`], of [`Horizon::new`](crate::hybrid::Horizon::new) and of the
-/// solver; [`ReplayError`](crate::hybrid::ReplayError) if the solver's plan disagrees with its
-/// discrete replay and cannot be certified.
+/// solver; [`SceneError`] if the solver's plan disagrees with its replay and cannot be certified.
 pub fn plan(
     scenario: &Scenario,
     steps: usize,
@@ -142,7 +140,9 @@ pub fn plan_with(
 ) -> Result<PlanOutcome, Error> {
     let mut program = PlanningProgram::build(scenario, steps, objective)?;
     let token = StopToken::new(solver.options().time_limit, control.interrupt());
-    if !tighten(&mut scenario.reach_sets()?, &mut program, &token)? {
+    if let Some(tube) = scenario.reach_sets()?.tube_until(steps, &token)?
+        && tube.tighten(&mut program.model, &program.hybrid.horizon_variables())?.infeasible
+    {
         return Ok(PlanOutcome::Infeasible(Statistics::default()));
     }
     let solution = solver.solve_with(&program.model, control)?;
@@ -193,30 +193,27 @@ impl Plan {
     /// # Errors
     ///
     /// [`ErrorKind::NoPoint`] if the solution has no point, [`ErrorKind::ForeignHandle`] if it is of
-    /// another model; [`ScenarioError::Missed`] if start or goal are not the scenario's;
-    /// [`RunError`](crate::hybrid::RunError) and [`ReplayError`](crate::hybrid::ReplayError) if the
-    /// plan is not what the scenario's law says.
+    /// another model; [`RunError`](crate::hybrid::RunError) and
+    /// [`SceneError`] if the plan is not what the scenario says.
     pub fn certify(
         scenario: &Scenario,
         program: &PlanningProgram,
         solution: &Solution,
     ) -> Result<Self, Error> {
         scenario.check()?;
-        let trajectory = Trajectory::read(scenario, program, solution)?;
-        check_ends(scenario, &trajectory)?;
-        let system = scenario.system(&program.horizon, scenario.damage.per_impact)?;
-        let run = system.certify(&program.hybrid.read(solution)?)?;
-        let samples = trajectory.samples();
-        let discrete = replay_discrete(&scenario.contact, &samples)?;
-        discrete.check(&samples, tolerance::REPLAY)?;
-        let continuous = replay_continuous(&scenario.contact, &samples)?;
+        let mut trajectory = Trajectory::read(program, solution)?;
+        let system = scenario.system(&program.horizon, &scenario.damage)?;
+        let run = program.hybrid.read(solution)?;
+        let checked = system.certify(&run)?;
+        let replay = replay(scenario, program, &checked, &mut trajectory)?;
         let no_point =
             || Error::from(ErrorKind::NoPoint { termination: solution.termination().to_string() });
         let verification = solution.verification().cloned().ok_or_else(no_point)?;
         let objective = solution.objective().ok_or_else(no_point)?;
         Ok(Plan {
             trajectory,
-            certificate: PlanCertificate { verification, run, discrete, continuous },
+            run,
+            certificate: PlanCertificate { verification, run: checked, replay },
             objective,
             bound: solution.bound(),
             termination: solution.termination(),
@@ -238,14 +235,7 @@ impl Plan {
     pub fn extreme(&self, scenario: &Scenario, solver: &mut dyn Solver) -> Result<Plan, Error> {
         let steps = self.trajectory.steps();
         let program = PlanningProgram::build(scenario, steps, Objective::Feasibility)?;
-        let mut model = program.model.clone();
-        for (zeta, hits) in program.contact.iter().flatten().zip(&self.trajectory.contact) {
-            model.fix(zeta, f64::from(u8::from(*hits)))?;
-        }
-        // a(τ) is not applied.
-        let pushes = program.acceleration.iter().take(steps);
-        let inputs: Vec<_> = pushes.zip(self.trajectory.acceleration.iter().copied()).collect();
-        match push_outward(model, &inputs, solver)? {
+        match program.hybrid.extreme(&program.model, &self.run, solver)? {
             None => Ok(self.clone()),
             Some(solution) => {
                 let Plan { objective, bound, termination, statistics, .. } = *self;
@@ -256,22 +246,39 @@ impl Plan {
     }
 }
 
-/// Refuses plans that start or end elsewhere than the scenario says.
-fn check_ends(scenario: &Scenario, trajectory: &Trajectory) -> Result<(), Error> {
-    let ends = [
-        ("start", 0, scenario.start_state(), scenario.start.acceleration),
-        ("goal", trajectory.steps(), scenario.goal_states(), scenario.goal.acceleration),
-    ];
-    for (end, t, region, wanted) in ends {
-        let state = [trajectory.position[t], trajectory.velocity[t]];
-        let acceleration = trajectory.acceleration[t];
-        let size = state.iter().fold(acceleration.abs(), |size, x| size.max(x.abs()));
-        let miss = (tolerance::FEASIBILITY + tolerance::REPLAY) * margin_scale(size, 0.0);
-        let is_wanted = wanted.is_none_or(|wanted| (acceleration - wanted).abs() <= miss);
-        if !is_wanted || !region.contains(&state, miss)? {
-            let [position, velocity] = state;
-            return Err(ScenarioError::Missed { end, position, velocity, acceleration }.into());
+/// Replays a trajectory and completes its impacts.
+fn replay(
+    scenario: &Scenario,
+    program: &PlanningProgram,
+    run: &RunCertificate,
+    trajectory: &mut Trajectory,
+) -> Result<SceneCertificate, Error> {
+    let e = scenario.contact.restitution.value();
+    let scene = scenario.scene(&program.horizon);
+    let certificate = if scenario.contact.law == ContactLaw::Literal {
+        check_line_ends(&scene, &trajectory.samples())?;
+        // The wall pushes from the start of the step on.
+        for t in 0..trajectory.steps() {
+            if trajectory.contact[t] {
+                let speed = -scenario.contact.wall.rate(trajectory.velocity[t]);
+                trajectory.add_impact(t, trajectory.time[t], [speed, speed.max(0.0)], e);
+            }
         }
+        let RunCertificate { time_step, largest_residual, drift, .. } = *run;
+        SceneCertificate { time_step, largest_residual, drift, ..Default::default() }
+    } else {
+        let (hits, certificate) = replay_line(&scene, &trajectory.samples())?;
+        for SceneHit { step, time, end_speed, damage, .. } in hits {
+            trajectory.add_impact(step, time, [end_speed, damage], e);
+        }
+        certificate
+    };
+    let samples = trajectory.position.iter().chain(&trajectory.velocity);
+    let size = samples.fold(0.0_f64, |size, x| size.max(x.abs()));
+    let (by, allowed) = (certificate.drift, tolerance::REPLAY * margin_scale(size, 0.0));
+    if by <= allowed {
+        return Ok(certificate);
     }
-    Ok(())
+    let what = "its accelerations lead elsewhere from the first sample alone (m, m/s)".into();
+    Err(SceneError::Replay { step: trajectory.steps(), what, by, allowed }.into())
 }

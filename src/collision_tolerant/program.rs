@@ -6,12 +6,13 @@ use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
 use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::rows::SystemVariables;
-use crate::hybrid::{ContactLaw, Damage, Horizon, ImpactSpeed, When};
-use crate::model::{Affine, Family, Model, Quadratic, Variable};
+use crate::hybrid::scene::SceneProgram;
+use crate::hybrid::{ContactLaw, Horizon, When};
+use crate::model::{Affine, Family, Model, Quadratic};
 
 /// The objective of a plan over a fixed horizon.
 ///
-/// A damage weight of the scenario is added, except with [`Feasibility`](Objective::Feasibility).
+/// The prices of the scenario's damage are added, except with [`Feasibility`](Objective::Feasibility).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -23,7 +24,7 @@ pub enum Objective {
     Effort,
     /// The number of contacts, `Σ ζ(t)`.
     Impacts,
-    /// The largest damage of one contact, `max D(t)`, in the damage function's unit.
+    /// The largest impact speed of a contact that counts as damage, in m/s.
     LargestDamage,
 }
 
@@ -58,8 +59,11 @@ pub struct PlanningProgram {
     /// The system's variables by name: (3)-(7), and (8)-(13) or the reflecting law instead.
     #[doc(hidden)]
     pub hybrid: SystemVariables,
-    /// The damage states, if the scenario or the objective needs them.
-    pub damage: Option<Damage>,
+    /// D(0), ..., D(τ-1), in the unit of the scenario's rule, at least the damage of the step; empty
+    /// if the rule has neither a total nor a price.
+    pub damage: Vec<Affine>,
+    /// The impact speeds that count as damage, in m/s, if the model has them.
+    pub(super) counted_speed: Option<Family>,
 }
 
 impl Borrow<Model> for PlanningProgram {
@@ -111,115 +115,47 @@ impl PlanningProgram {
             Collisions::Forbidden => "collision_free",
         });
 
-        let hybrid = scenario.system(&horizon, None)?.write(&mut model, "", steps)?;
+        let hybrid = scenario.system(&horizon, &scenario.damage)?.write(&mut model, "", steps)?;
         // a(τ) does not enter the dynamics.
         let limits = scenario.acceleration;
         let last = model.continuous(("a", steps), limits.lower, limits.upper)?;
-        let mut program = PlanningProgram {
-            horizon,
-            position: hybrid.state("x")?.clone(),
-            velocity: hybrid.state("v")?.clone(),
-            acceleration: hybrid.input("a")?.iter().chain([last]).collect(),
-            contact: contacts(&hybrid),
-            impact_speed: Vec::new(),
-            damage: None,
-            model,
-            hybrid,
+        let (position, velocity) = (hybrid.state("x")?.clone(), hybrid.state("v")?.clone());
+        let acceleration: Family = hybrid.input("a")?.iter().chain([last]).collect();
+        let contact = contacts(&hybrid);
+        let impact_speed = match (scenario.collisions, scenario.contact.law) {
+            (Collisions::Forbidden, _) => Vec::new(),
+            (_, ContactLaw::Literal) => {
+                let speeds = velocity.iter().take(steps);
+                speeds.map(|v| -scenario.contact.wall.rate_of(&v.into())).collect()
+            }
+            _ => hybrid.output(IMPACT_SPEED)?.to_vec(),
         };
-        if scenario.collisions == Collisions::Tolerated {
-            let wall = scenario.contact.wall;
-            program.impact_speed = match scenario.contact.law {
-                ContactLaw::Literal => {
-                    let speeds = program.velocity.iter().take(steps);
-                    speeds.map(|v| -wall.rate_of(&v.into())).collect()
-                }
-                _ => program.hybrid.output(IMPACT_SPEED)?.to_vec(),
-            };
-        }
         if ends == Ends::Fixed {
-            program.fix_ends(scenario)?;
+            let families = [&position, &velocity, &acceleration];
+            fix_ends(scenario, &mut model, &hybrid, families)?;
         }
-        program.add_damage(scenario, objective)?;
-        program.set_objective(objective)?;
-        Ok(program)
-    }
-
-    /// (14)-(20).
-    fn add_damage(&mut self, scenario: &Scenario, objective: Objective) -> Result<(), Error> {
-        let Some(zeta) = &self.contact else { return Ok(()) };
-        if !scenario.damage.is_active() && objective != Objective::LargestDamage {
-            return Ok(());
-        }
-        // Under the literal law the wall pushes from the start of the step on.
-        let zero_in_flight = scenario.contact.law == ContactLaw::Reflecting;
-        let speeds = self.impact_speed.iter();
-        let wall = scenario.contact.wall;
-        let impacts = speeds.zip(&self.velocity).map(|(speed, v)| {
-            let impact = ImpactSpeed::new(speed.clone(), zero_in_flight);
-            match scenario.is_sound() {
-                true => impact.with_start(-wall.rate_of(&v.into())),
-                false => impact,
-            }
-        });
-        let contacts: Vec<(Variable, ImpactSpeed)> = zeta.iter().zip(impacts).collect();
-        self.damage = Some(Damage::add(&mut self.model, &contacts, &scenario.damage)?);
-        Ok(())
-    }
-
-    fn set_objective(&mut self, objective: Objective) -> Result<(), Error> {
-        let cost = match objective {
-            Objective::Feasibility => return Ok(()),
-            Objective::Effort => {
-                let mut effort = Quadratic::zero();
-                for a in self.acceleration.iter().take(self.horizon.steps()) {
-                    effort.add_product(self.horizon.time_step(), a, a);
-                }
-                effort
-            }
-            Objective::Impacts => {
-                let contacts = self.contact.iter().flatten();
-                contacts.sum::<Affine>().into()
-            }
-            Objective::LargestDamage => match &self.damage {
-                None => Quadratic::zero(),
-                Some(damage) => {
-                    let bounds = damage.values.iter().map(|d| self.model.variable_ref(d));
-                    let mut highest = 0.0_f64;
-                    for variable in bounds {
-                        highest = highest.max(variable?.bounds().upper);
-                    }
-                    let largest = self.model.continuous("D_largest", 0.0, highest)?;
-                    for (t, d) in damage.values.iter().enumerate() {
-                        self.model.add(("largest_damage", t), d.le(largest))?;
-                    }
-                    largest.into()
-                }
-            },
+        // (14)-(20).
+        let hit = match scenario.contact.law {
+            _ if contact.is_none() => None,
+            ContactLaw::Literal => Some("contact"),
+            _ => Some("impact"),
         };
-        match &self.damage {
-            Some(damage) => self.model.minimize(cost + &damage.cost),
-            None => self.model.minimize(cost),
-        }
-    }
-
-    fn fix_ends(&mut self, scenario: &Scenario) -> Result<(), Error> {
-        let (start, goal, last) = (&scenario.start, &scenario.goal, self.horizon.steps());
-        let (model, x, v) = (&mut self.model, &self.position, &self.velocity);
-        model.fix(x[0], start.position)?; // (1), (21c)
-        model.fix(v[0], start.velocity)?; // (21e)
-        if scenario.goal_region.is_some() {
-            self.hybrid.require(model, "goal", &scenario.goal_states(), When::At(last))?;
-        } else {
-            model.fix(x[last], goal.position)?; // (2), (21d)
-            model.fix(v[last], goal.velocity)?; // (21f)
-        }
-        if let Some(value) = start.acceleration {
-            model.fix(self.acceleration[0], value)?; // (21g)
-        }
-        if let Some(value) = goal.acceleration {
-            model.fix(self.acceleration[last], value)?; // (21h)
-        }
-        Ok(())
+        let mut program = SceneProgram::on_line(scenario.scene(&horizon), model, hybrid, hit)?;
+        set_objective(&mut program, objective)?;
+        let (damage, counted_speed) = (program.damage_by_step(), program.counted_speed());
+        let SceneProgram { model, hybrid, .. } = program;
+        Ok(PlanningProgram {
+            model,
+            horizon,
+            position,
+            velocity,
+            acceleration,
+            contact,
+            impact_speed,
+            hybrid,
+            damage,
+            counted_speed,
+        })
     }
 
     /// Adds the row `contact_needed`, `Σ ζ(t) >= 1`, for a horizon whose collision-free program is
@@ -230,6 +166,42 @@ impl PlanningProgram {
         self.model.add("contact_needed", total.ge(1.0))?;
         Ok(())
     }
+}
+
+fn set_objective(program: &mut SceneProgram, objective: Objective) -> Result<(), Error> {
+    let cost: Quadratic = match objective {
+        Objective::Feasibility => return Ok(()),
+        Objective::Effort => program.effort()?,
+        Objective::Impacts => program.hits().into(),
+        Objective::LargestDamage => program.largest_impact()?.into(),
+    };
+    let price = program.price();
+    program.model.minimize(cost + price)
+}
+
+/// (1), (2), (21c)-(21h), on the positions, velocities and accelerations.
+fn fix_ends(
+    scenario: &Scenario,
+    model: &mut Model,
+    hybrid: &SystemVariables,
+    [x, v, a]: [&Family; 3],
+) -> Result<(), Error> {
+    let (start, goal, last) = (&scenario.start, &scenario.goal, hybrid.horizon().steps());
+    model.fix(x[0], start.position)?; // (1), (21c)
+    model.fix(v[0], start.velocity)?; // (21e)
+    if scenario.goal_region.is_some() {
+        hybrid.require(model, "goal", &scenario.goal_states(), When::At(last))?;
+    } else {
+        model.fix(x[last], goal.position)?; // (2), (21d)
+        model.fix(v[last], goal.velocity)?; // (21f)
+    }
+    if let Some(value) = start.acceleration {
+        model.fix(a[0], value)?; // (21g)
+    }
+    if let Some(value) = goal.acceleration {
+        model.fix(a[last], value)?; // (21h)
+    }
+    Ok(())
 }
 
 /// ζ(0), ..., ζ(τ-1), the choice of the second transition, if there is a choice.

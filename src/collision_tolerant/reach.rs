@@ -3,14 +3,15 @@
 use super::program::{Objective, PlanningProgram};
 use super::scenario::{Collisions, Scenario};
 use crate::error::Error;
-use crate::hybrid::reach::{HorizonVariables, ReachExplanation, ReachSets, SetOptions};
-use crate::hybrid::system::{Halfspace, Transition};
+use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use crate::hybrid::scene::line::half_line;
+use crate::hybrid::scene::{Body, DamageRule, Scene, Surface};
+use crate::hybrid::system::Transition;
 use crate::hybrid::{
-    ContactLaw, Horizon, HorizonModel, HybridProgram, HybridSystem, LinearSystem, Waiting,
+    ContactLaw, Horizon, HorizonModel, HybridProgram, HybridSystem, ImpactEstimate, LinearSystem,
+    Waiting,
 };
 use crate::interval::Interval;
-use crate::model::Model;
-use crate::solver::StopToken;
 use crate::tolerance;
 
 /// How many times longer the steps of the coarser grid are, and the number of steps from which it
@@ -29,28 +30,27 @@ impl Scenario {
     pub fn hybrid_system(&self) -> Result<HybridSystem, Error> {
         self.check()?;
         let longest = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
-        let limits = [self.damage.per_impact, self.damage.cumulative];
-        self.system(&longest, limits.into_iter().flatten().reduce(f64::min))
+        let most = [self.damage.per_hit, self.damage.total].into_iter().flatten();
+        let per_hit = most.reduce(f64::min);
+        self.system(&longest, &DamageRule { per_hit, ..self.damage.clone() })
     }
 
-    /// The system over a horizon, of a scenario that has been checked.
-    ///
-    /// # Arguments
-    ///
-    /// * `max_impact_speed`: limit of each contact, in m/s.
+    /// The system over a horizon, of a scenario that has been checked, with the limit of a rule on
+    /// each contact.
     pub(super) fn system(
         &self,
         horizon: &Horizon,
-        max_impact_speed: Option<f64>,
+        rule: &DamageRule,
     ) -> Result<HybridSystem, Error> {
         let system = HybridSystem::new(self.time_step)
             .with_state("x", self.positions(horizon))
             .with_state("v", Interval::new(-self.max_speed, self.max_speed))
             .with_input("a", self.acceleration);
-        let [flight, contact] = self.contact.transitions(self.time_step, max_impact_speed)?;
-        let (flight, contact) = match self.is_sound() {
-            true => self.within_steps(flight, contact, max_impact_speed),
-            false => (flight, contact),
+        let [flight, contact] = match self.contact.law {
+            ContactLaw::Literal => {
+                self.contact.transitions(self.time_step, self.contact.most_speed(rule))?
+            }
+            _ => self.contact.reflecting(self.time_step, self.estimate, Some(rule.clone()))?,
         };
         Ok(match (self.collisions, self.contact.law) {
             (Collisions::Forbidden, _) => {
@@ -69,23 +69,30 @@ impl Scenario {
         })
     }
 
-    /// A flight that does not dip into the wall, and a contact whose limit holds at both ends of its
-    /// step.
-    fn within_steps(
-        &self,
-        flight: Transition,
-        contact: Transition,
-        max_impact_speed: Option<f64>,
-    ) -> (Transition, Transition) {
-        let (wall, dt) = (self.contact.wall, self.time_step);
-        let n = wall.normal();
-        // The middle control point of the step's parabola.
-        let dip = Halfspace::new("no dip", [-n, -0.5 * dt * n], -n * wall.position());
-        let limited = max_impact_speed.map(|most| {
-            let name = "the limit on the speed before the impact";
-            Halfspace::limit(name, [0.0, -n], most)
-        });
-        (flight.with_guard(dip), contact.with_guards(limited))
+    /// The scenario under the reflecting law as a [scene](crate::hybrid::scene) on a line: one body,
+    /// one wall.
+    pub(super) fn scene(&self, horizon: &Horizon) -> Scene {
+        let surface = match self.collisions {
+            Collisions::Tolerated => Surface::bounce(self.contact.restitution),
+            Collisions::Forbidden => Surface::avoid(),
+        };
+        let (domain, most) = ([self.positions(horizon)], self.max_acceleration());
+        let mut vehicle = Body::new("vehicle", domain, self.max_speed, most)
+            .with_acceleration([self.acceleration])
+            .with_start(self.start_state())
+            .with_goal(self.goal_states());
+        if let Some(first) = self.start.acceleration {
+            vehicle = vehicle.with_first_acceleration([first]);
+        }
+        Scene::new(self.time_step)
+            .with_body(vehicle)
+            .with_obstacle(half_line(&self.contact.wall, surface))
+            .with_estimate(match self.contact.law {
+                // The wall pushes from the start of the step on.
+                ContactLaw::Literal => ImpactEstimate::Sound,
+                ContactLaw::Reflecting => self.estimate,
+            })
+            .with_rule(self.damage.clone())
     }
 
     /// Reach sets of the scenario: forward from its start, backward from its goal.
@@ -163,31 +170,8 @@ impl HorizonModel for Programs {
 
     fn coarser(&self) -> Option<Box<dyn HorizonModel<Program = PlanningProgram> + '_>> {
         let (factor, worth) = COARSER;
-        let scenario = self.scenario.with_time_step(factor * self.scenario.time_step);
+        let scenario = self.scenario.clone().with_time_step(factor * self.scenario.time_step);
         let can = scenario.collisions == Collisions::Tolerated && self.lower_hint() >= worth;
         can.then(|| Box::new(Programs { scenario, upper_hint: None }) as Box<_>)
     }
-}
-
-/// Why no plan of a scenario has exactly `steps` steps, in words. `None` if reach sets do not
-/// exclude one.
-///
-/// # Errors
-///
-/// Those of [`Scenario::check`] and of [`Horizon::new`].
-pub fn explain(scenario: &Scenario, steps: usize) -> Result<Option<ReachExplanation>, Error> {
-    scenario.reach_sets()?.explain(steps)
-}
-
-/// Tightens a program with the tube of its horizon. `false` if the tube proves that there is no
-/// plan. If the token is over first, the program stays unchanged.
-pub(super) fn tighten(
-    sets: &mut ReachSets,
-    program: &mut PlanningProgram,
-    token: &StopToken,
-) -> Result<bool, Error> {
-    let Some(tube) = sets.tube_until(program.horizon.steps(), token)? else { return Ok(true) };
-    let variables = program.hybrid.horizon_variables();
-    let model: &mut Model = &mut program.model;
-    Ok(!tube.tighten(model, &variables)?.infeasible)
 }

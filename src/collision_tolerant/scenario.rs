@@ -1,15 +1,15 @@
 //! Scenarios: start, goal, limits, wall, contact and damage.
 
-use super::error::ScenarioError;
 #[cfg(doc)]
 use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
+use crate::hybrid::scene::DamageRule;
 use crate::hybrid::{
-    Contact, ContactLaw, DamageLimits, FreeSide, Horizon, ImpactEstimate, Region, Restitution,
-    Waiting, Wall,
+    Contact, ContactLaw, FreeSide, Horizon, ImpactEstimate, Region, Restitution, Waiting, Wall,
 };
 use crate::interval::Interval;
-use crate::setters::{changed_copies, setters};
+use crate::setters::setters;
+use crate::tolerance;
 
 /// Whether a plan may hit the wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -54,8 +54,6 @@ impl Endpoint {
 /// A vehicle on a line with a wall: the data of the paper's sections 3 and 4. All positions are in
 /// one frame, in m.
 ///
-/// The methods `with_...` return a changed copy.
-///
 /// ```
 /// use carom::collision_tolerant::{Endpoint, Scenario};
 ///
@@ -86,8 +84,8 @@ pub struct Scenario {
     pub contact: Contact,
     /// Whether the plan may hit the wall.
     pub collisions: Collisions,
-    /// Limits and weight of damage; equations (14)-(20). Ignored if collisions are forbidden.
-    pub damage: DamageLimits,
+    /// Limits and prices of damage; equations (14)-(20). Ignored if collisions are forbidden.
+    pub damage: DamageRule,
     /// Which speed counts as the impact speed under the reflecting law; default
     /// [`ImpactEstimate::EndOfStep`], as in the paper.
     pub estimate: ImpactEstimate,
@@ -124,7 +122,7 @@ impl Scenario {
             time_step,
             contact: Contact::new(wall, Restitution::PLASTIC),
             collisions: Collisions::Tolerated,
-            damage: DamageLimits::default(),
+            damage: DamageRule::default(),
             estimate: ImpactEstimate::EndOfStep,
             domain: None,
         }
@@ -139,7 +137,7 @@ impl Scenario {
         Scenario::new(start, goal, wall, Interval::new(-6.0, 6.0), 15.0, 0.005)
     }
 
-    changed_copies! {
+    setters! {
         /// Sets the start.
         with_start(start: Endpoint) => start = start;
         /// Sets the wall.
@@ -148,14 +146,15 @@ impl Scenario {
 
     /// Sets the goal, in place of any other goal and region.
     #[must_use]
-    pub fn with_goal(&self, goal: Endpoint) -> Self {
-        Scenario { goal, goal_region: None, ..self.clone() }
+    pub fn with_goal(self, goal: Endpoint) -> Self {
+        Scenario { goal, goal_region: None, ..self }
     }
 
     /// Moves the goal to another position (m) without changing its velocity and acceleration.
     #[must_use]
-    pub fn with_goal_position(&self, position: f64) -> Self {
-        self.with_goal(Endpoint { position, ..self.goal })
+    pub fn with_goal_position(self, position: f64) -> Self {
+        let goal = Endpoint { position, ..self.goal };
+        self.with_goal(goal)
     }
 
     /// Lets the plan end anywhere in a region of position (m) and velocity (m/s): a point, a box, a
@@ -180,8 +179,9 @@ impl Scenario {
     /// # Ok::<(), carom::Error>(())
     /// ```
     #[must_use]
-    pub fn with_goal_region(&self, region: impl Into<Region>) -> Self {
-        Scenario { goal_region: Some(region.into()), ..self.clone() }
+    pub fn with_goal_region(mut self, region: impl Into<Region>) -> Self {
+        self.goal_region = Some(region.into());
+        self
     }
 
     /// Sets the coefficient of restitution e (no unit).
@@ -189,13 +189,12 @@ impl Scenario {
     /// # Errors
     ///
     /// [`ErrorKind::OutOfRange`] outside `[0, 1]`.
-    pub fn with_restitution(&self, restitution: f64) -> Result<Self, Error> {
-        let mut copy = self.clone();
-        copy.contact.restitution = Restitution::new(restitution)?;
-        Ok(copy)
+    pub fn with_restitution(mut self, restitution: f64) -> Result<Self, Error> {
+        self.contact.restitution = Restitution::new(restitution)?;
+        Ok(self)
     }
 
-    changed_copies! {
+    setters! {
         /// Sets the contact law.
         with_law(law: ContactLaw) => contact.law = law;
         /// The same scenario with collisions forbidden.
@@ -206,8 +205,8 @@ impl Scenario {
         with_max_speed(speed: f64) => max_speed = speed;
         /// Sets the time step, in s.
         with_time_step(time_step: f64) => time_step = time_step;
-        /// Sets limits and weight of damage.
-        with_damage(limits: DamageLimits) => damage = limits;
+        /// Sets limits and prices of damage.
+        with_damage(rule: DamageRule) => damage = rule;
         /// Sets which speed counts as the impact speed.
         with_estimate(wanted: ImpactEstimate) => estimate = wanted;
         /// Sets the allowed positions, in m.
@@ -219,10 +218,9 @@ impl Scenario {
     /// # Errors
     ///
     /// [`ErrorKind::NotFinite`], [`ErrorKind::CrossedBounds`], [`ErrorKind::OutOfRange`] and
-    /// [`ScenarioError`], each with what to change.
+    /// [`SceneError`](crate::hybrid::scene::SceneError), each with what to change.
     pub fn check(&self) -> Result<(), Error> {
-        Horizon::new(1, self.time_step)?;
-        self.damage.check()?;
+        let horizon = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
         for (name, end) in [("start", &self.start), ("goal", &self.goal)] {
             let numbers = [
                 ("the position", Some(end.position)),
@@ -235,50 +233,27 @@ impl Scenario {
         }
         check_finite("wall", "the position", [self.contact.wall.position()])?;
         self.acceleration.check("acceleration")?;
-        if !(self.max_speed.is_finite() && self.max_speed > 0.0) {
-            let (what, range) = ("the largest speed (m/s)", "finite and positive");
-            return Err(Error::out_of_range(what, self.max_speed, range));
-        }
         if let Some(domain) = self.domain {
             domain.check("domain")?;
         }
         if let Some(region) = &self.goal_region {
-            region.check(&self.system(&Horizon::new(1, self.time_step)?, None)?, "the goal")?;
+            region.check(&self.system(&horizon, &DamageRule::default())?, "the goal")?;
         }
-        let start = [self.start.position, self.start.velocity].map(Interval::point);
-        self.check_end("start", start, self.start.acceleration)?;
-        let goal = [self.goal_positions(), self.goal_velocities()];
-        Ok(self.check_end("goal", goal, self.goal.acceleration)?)
-    }
-
-    fn check_end(
-        &self,
-        end: &'static str,
-        [positions, velocities]: [Interval; 2],
-        acceleration: Option<f64>,
-    ) -> Result<(), ScenarioError> {
-        let (wall, limit) = (self.contact.wall, self.max_speed);
-        let position = positions.nearest(wall.at_gap(f64::INFINITY));
-        if wall.gap(position) < 0.0 {
-            return Err(ScenarioError::InsideWall { end, position, wall });
-        }
-        let speed = velocities.nearest(0.0).abs();
-        if speed > limit {
-            return Err(ScenarioError::TooFast { end, speed, limit });
-        }
-        if let Some(acceleration) = acceleration
+        if let Some(acceleration) = self.goal.acceleration
             && !self.acceleration.contains(acceleration)
         {
-            let limits = self.acceleration;
-            return Err(ScenarioError::Acceleration { end, acceleration, limits });
+            let Interval { lower, upper } = self.acceleration;
+            let range = format!("within {lower} and {upper}");
+            return Err(Error::out_of_range("the goal's acceleration", acceleration, range));
         }
-        if let Some(domain) = self.domain
-            && positions.intersection(domain).is_empty()
-        {
-            let position = positions.nearest(domain.lower);
-            return Err(ScenarioError::OutsideDomain { end, position, domain });
+        let mut scene = self.scene(&horizon);
+        if self.domain.is_none() {
+            // So that a start behind the wall is found to be there.
+            let ends = Interval::point(self.start.position).hull(self.goal_positions());
+            let inside = ends.intersection(Interval::new(-1e9, 1e9));
+            scene.bodies.iter_mut().for_each(|body| body.domain[0] = body.domain[0].hull(inside));
         }
-        Ok(())
+        scene.checked().map(drop)
     }
 
     /// The positions at which a plan may end, in m: on the wall's free side, if there are any there.
@@ -329,11 +304,6 @@ impl Scenario {
             return Waiting::Free("the vehicle can rest at its goal".into());
         }
         Waiting::NotFree("the vehicle can rest neither at its start nor at its goal".into())
-    }
-
-    /// Whether impacts inside a step count; under the literal law they happen at its start.
-    pub(super) fn is_sound(&self) -> bool {
-        self.estimate == ImpactEstimate::Sound && self.contact.law == ContactLaw::Reflecting
     }
 
     /// Largest magnitude of an acceleration in free flight, in m/s².

@@ -61,8 +61,8 @@ pub struct ShortestPlan {
     pub refuted_steps: Option<usize>,
     /// A plan over `steps`, with the fewest impacts if they were minimised.
     pub plan: Option<Plan>,
-    /// Whether it is proved that no plan over `steps` has fewer impacts (with a damage weight: a
-    /// smaller sum of impacts and weighted damage).
+    /// Whether it is proved that no plan over `steps` has fewer impacts (with prices of
+    /// damage: a smaller sum of impacts and prices).
     pub fewest_impacts: bool,
     /// The tube of `steps`, if reach sets were used: what any plan of that horizon can do at each
     /// step.
@@ -104,7 +104,7 @@ impl ShortestPlan {
 ///
 /// let scenario = Scenario::paper().with_time_step(0.05);
 /// let mut solver = BranchAndBound::default();
-/// let careful = shortest_plan(&scenario.collision_free(), &PlanningOptions::default(), &mut solver)?;
+/// let careful = shortest_plan(&scenario.clone().collision_free(), &PlanningOptions::default(), &mut solver)?;
 /// let tolerant = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?;
 /// assert!(tolerant.is_found() && tolerant.steps < careful.steps);
 /// # Ok::<(), carom::Error>(())
@@ -171,7 +171,7 @@ impl Refinement<'_> {
         let (Some(steps), Some(plan)) = (shortest.steps, &shortest.plan) else { return Ok(()) };
         let impacts = plan.trajectory.impacts.len();
         let proved = shortest.tube.as_ref().and_then(Tube::fewest_events).unwrap_or(0);
-        if impacts == 0 || (impacts <= proved && self.scenario.damage.weight == 0.0) {
+        if impacts == 0 || (impacts <= proved && !self.scenario.damage.has_price()) {
             shortest.fewest_impacts = true;
             return Ok(());
         }
@@ -179,7 +179,7 @@ impl Refinement<'_> {
         let mut needed = proved > 0;
         // Rows of one's own may speak of contacts, which the careful scenario does not have.
         if !needed && !self.options.has_statements() {
-            let careful = self.scenario.collision_free();
+            let careful = self.scenario.clone().collision_free();
             let program = PlanningProgram::build(&careful, steps, Objective::Feasibility)?;
             let Some(solution) = self.solve(&program)? else { return Ok(()) };
             shortest.refinements.push(*solution.statistics());
@@ -192,7 +192,7 @@ impl Refinement<'_> {
                 answer => answer.is_infeasible(),
             };
         }
-        if needed && impacts == 1 && self.scenario.damage.weight == 0.0 {
+        if needed && impacts == 1 && !self.scenario.damage.has_price() {
             shortest.fewest_impacts = true;
             return Ok(());
         }
@@ -263,7 +263,7 @@ pub fn compare(
     options: &PlanningOptions,
     solver: &mut dyn Solver,
 ) -> Result<PlanComparison, Error> {
-    let free = shortest_plan(&scenario.collision_free(), options, solver)?;
+    let free = shortest_plan(&scenario.clone().collision_free(), options, solver)?;
     let mut options = options.clone();
     options.upper_hint = free.steps.or(options.upper_hint);
     let tolerant = shortest_plan(

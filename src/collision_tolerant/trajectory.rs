@@ -3,12 +3,9 @@
 use std::fmt::Write as _;
 
 use super::program::PlanningProgram;
-use super::scenario::Scenario;
 use crate::error::Error;
-#[cfg(doc)]
-use crate::error::ErrorKind;
-use crate::hybrid::simulate::continuous::advance;
-use crate::hybrid::{ContactLaw, Samples};
+use crate::hybrid::scene::samples::Samples;
+use crate::model::Family;
 use crate::number::{DIGITS, rounded};
 use crate::solution::Solution;
 
@@ -56,67 +53,40 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Reads a trajectory from a solution of a program. Use
-    /// [`Plan::certify`](super::Plan::certify) for a plan that is carried out.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::NoPoint`] if the solution has no point, [`ErrorKind::ForeignHandle`] if it is of
-    /// another model.
-    pub fn read(
-        scenario: &Scenario,
-        program: &PlanningProgram,
-        solution: &Solution,
-    ) -> Result<Self, Error> {
-        let values = |family: &crate::model::Family| {
+    /// Reads the samples of a solution of a program, without its impacts.
+    pub(super) fn read(program: &PlanningProgram, solution: &Solution) -> Result<Self, Error> {
+        let values = |family: &Family| {
             family.iter().map(|variable| solution.value(variable)).collect::<Result<Vec<_>, _>>()
         };
         let (steps, time_step) = (program.horizon.steps(), program.horizon.time_step());
-        let mut trajectory = Trajectory {
+        let mut contact = vec![false; steps + 1];
+        for (hits, zeta) in contact.iter_mut().zip(program.contact.iter().flatten()) {
+            *hits = solution.value(zeta)? > 0.5;
+        }
+        Ok(Trajectory {
             time_step,
             time: (0..=steps).map(|t| t as f64 * time_step).collect(),
             position: values(&program.position)?,
             velocity: values(&program.velocity)?,
             acceleration: values(&program.acceleration)?,
-            contact: vec![false; steps + 1],
+            contact,
             damage: vec![0.0; steps + 1],
             impacts: Vec::new(),
-        };
-        let contacts = program.contact.iter().flatten().zip(&program.impact_speed).enumerate();
-        for (t, (zeta, speed)) in contacts {
-            if solution.value(zeta)? > 0.5 {
-                let speed = solution.value(speed)?;
-                trajectory.contact[t] = true;
-                let start = -scenario.contact.wall.rate(trajectory.velocity[t]);
-                trajectory.damage[t] = if scenario.is_sound() { speed.max(start) } else { speed };
-                let impact = trajectory.impact(scenario, t, speed);
-                trajectory.impacts.push(impact);
-            }
-        }
-        Ok(trajectory)
+        })
     }
 
-    fn impact(&self, scenario: &Scenario, step: usize, speed_before: f64) -> Impact {
-        let (wall, e) = (scenario.contact.wall, scenario.contact.restitution.value());
-        let (gap, rate) = (wall.gap(self.position[step]), wall.rate(self.velocity[step]));
-        let delay = match scenario.contact.law {
-            // The vehicle is at or inside the wall when the step begins.
-            ContactLaw::Literal => 0.0,
-            _ => {
-                let acceleration = wall.rate(self.acceleration[step]);
-                let flight = advance(gap, rate, acceleration, self.time_step, e);
-                flight.impacts.first().map_or(self.time_step, |&(time, _)| time)
-            }
-        };
-        let speed_after = e * speed_before;
-        Impact {
+    /// Adds an impact of a step: its time (s), its speed, and the speed that counts as damage (m/s).
+    pub(super) fn add_impact(&mut self, step: usize, time: f64, [speed, damage]: [f64; 2], e: f64) {
+        self.damage[step] = damage;
+        let speed_after = e * speed;
+        self.impacts.push(Impact {
             step,
-            time: self.time[step] + delay,
-            speed_before,
+            time,
+            speed_before: speed,
             speed_after,
-            impulse: speed_before + speed_after,
-            energy_lost: 0.5 * (speed_before * speed_before - speed_after * speed_after),
-        }
+            impulse: speed + speed_after,
+            energy_lost: 0.5 * (speed * speed - speed_after * speed_after),
+        });
     }
 
     /// Number of steps, τ.
@@ -146,10 +116,9 @@ impl Trajectory {
     }
 
     /// The samples, for a replay.
-    pub fn samples(&self) -> Samples<'_> {
+    pub(super) fn samples(&self) -> Samples<'_> {
         let steps = self.steps();
         Samples {
-            time_step: self.time_step,
             position: &self.position,
             velocity: &self.velocity,
             acceleration: &self.acceleration[..steps],

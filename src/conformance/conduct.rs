@@ -47,8 +47,8 @@ pub(super) fn identity(solver: &mut dyn Solver, complaints: &mut Complaints) {
 pub(super) fn refused_options(solver: &mut dyn Solver, complaints: &mut Complaints) {
     let Some(case) = or_complain(linear::knapsack(), complaints) else { return };
     let original = solver.options().clone();
-    type Change = fn(&mut Options);
-    let refused: [(&str, Change); 12] = [
+    type OptionChange = fn(&mut Options);
+    let refused: [(&str, OptionChange); 12] = [
         ("relative_gap -1", |o| o.relative_gap = -1.0),
         ("relative_gap inf", |o| o.relative_gap = f64::INFINITY),
         ("relative_gap NaN", |o| o.relative_gap = f64::NAN),

@@ -8,7 +8,7 @@ use super::answer::{Case, Truth};
 use super::report::CaseOutcome;
 
 /// Slack of a bound, relative and absolute: "never beyond the optimum" up to rounding.
-const ROUNDING: f64 = 1e-9;
+const BOUND_ROUNDING: f64 = 1e-9;
 
 /// The faults of a backend, in words.
 #[derive(Debug, Default)]
@@ -108,7 +108,7 @@ pub(super) fn judge(
         return;
     };
     let gap = options.absolute_gap.max(options.relative_gap * objective.abs());
-    complaints.unless(solution.gap() <= gap + ROUNDING * objective.abs(), || {
+    complaints.unless(solution.gap() <= gap + BOUND_ROUNDING * objective.abs(), || {
         format!("it claims to be optimal with gap {}, but {gap} was requested", solution.gap())
     });
     let allowed = 1.01 * gap.max(1e-6 * optimum.abs().max(1.0));
@@ -141,7 +141,7 @@ pub(super) fn sound(
     complaints: &mut Complaints,
 ) {
     let (sign, bound) = (model.sense().sign(), solution.bound());
-    let allowed = ROUNDING * if optimum.is_finite() { optimum.abs().max(1.0) } else { 0.0 };
+    let allowed = BOUND_ROUNDING * if optimum.is_finite() { optimum.abs().max(1.0) } else { 0.0 };
     complaints.unless(sign * bound <= sign * optimum + allowed, || {
         format!("the bound {bound} is beyond the optimum {optimum}")
     });

@@ -365,7 +365,7 @@ pub enum ErrorKind {
         message: String,
     },
     /// An error that has a type of its own, such as a
-    /// [`ScenarioError`](crate::collision_tolerant::ScenarioError) or the error of a solver outside
+    /// [`SceneError`](crate::hybrid::scene::SceneError) or the error of a solver outside
     /// the crate.
     ///
     /// The source is that error, and the [`Error`](super::Error) has the same text.

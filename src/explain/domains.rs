@@ -16,13 +16,13 @@ use crate::relaxation::{Ladder, Purpose, Question, Verdict};
 use crate::solver::Options;
 
 /// Limit on propagations; variables that are not reached count as used.
-const TRIALS: usize = 500;
+const MAX_PROPAGATIONS: usize = 500;
 
 /// Limit on relaxations, each of which costs as much as many propagations.
-const RELAXATIONS: usize = 60;
+const MAX_RELAXATIONS: usize = 60;
 
 /// A part of a model that propagation refutes, while bounds are removed.
-struct Search<'a> {
+struct DomainReduction<'a> {
     program: &'a Program,
     propagator: Propagator,
     /// For each variable of the model, whether its bounds stay.
@@ -53,11 +53,11 @@ pub(super) fn used_domains(
         let whole = v.kind() == VariableKind::Binary;
         !(whole && v.bounds().lower == 0.0 && v.bounds().upper == 1.0)
     });
-    let mut search = Search {
+    let mut search = DomainReduction {
         program: &program,
         propagator: Propagator::new(&program),
         used: bounded.collect(),
-        trials: TRIALS,
+        trials: MAX_PROPAGATIONS,
         ladder: Ladder::new(Options::default().relaxation),
         options: Options::default(),
         relaxations: 0,
@@ -65,7 +65,7 @@ pub(super) fn used_domains(
     if !search.refutes(oracle, model) {
         return Ok(Vec::new());
     }
-    search.relaxations = RELAXATIONS;
+    search.relaxations = MAX_RELAXATIONS;
     search.open((0, model.variable_count()), oracle, model);
     let used = model.variables().filter(|v| search.used[v.id().index()]);
     let mut names: Vec<Name> = used.map(|v| v.name().clone()).collect();
@@ -78,7 +78,7 @@ pub(super) fn used_domains(
     Ok(names)
 }
 
-impl Search<'_> {
+impl DomainReduction<'_> {
     /// Removes the bounds of as many variables in a range as possible, by bisection.
     fn open(&mut self, (first, end): (usize, usize), oracle: &Oracle<'_>, model: &Model) {
         let before = self.used[first..end].to_vec();

@@ -8,25 +8,26 @@ use crate::model::{
 };
 
 /// A model whose statements may give, and the variables that say by how much.
-pub(super) struct Elastic<'a> {
+pub(super) struct ElasticModel<'a> {
     original: &'a Model,
     pub(super) model: Model,
-    pub(super) slacks: Vec<Slack>,
+    pub(super) slacks: Vec<ElasticSlack>,
 }
 
-/// How much a statement gives: below its lower limit, above its upper one, or, for logic, at all.
-pub(super) struct Slack {
+/// The variables that say how much a statement gives: below its lower limit, above its upper one, or, for
+/// logic, at all.
+pub(super) struct ElasticSlack {
     /// Position of the statement in the original model.
     pub(super) statement: usize,
     pub(super) below: Option<Variable>,
     pub(super) above: Option<Variable>,
 }
 
-impl<'a> Elastic<'a> {
+impl<'a> ElasticModel<'a> {
     /// Makes all statements with a finite weight elastic. The objective is the weighted sum of their
     /// slacks.
     pub(super) fn of(model: &'a Model, weights: &[f64]) -> Result<Self, Error> {
-        let mut elastic = Elastic {
+        let mut elastic = ElasticModel {
             original: model,
             model: subset(model, |position| weights[position].is_infinite()),
             slacks: Vec::new(),
@@ -38,7 +39,7 @@ impl<'a> Elastic<'a> {
             for slack in [below, above].into_iter().flatten() {
                 cost += weight * slack;
             }
-            elastic.slacks.push(Slack { statement: position, below, above });
+            elastic.slacks.push(ElasticSlack { statement: position, below, above });
         }
         elastic.model.minimize(cost)?;
         Ok(elastic)

@@ -10,11 +10,11 @@ use crate::model::{Model, Name, statements};
 pub(super) struct Groups {
     pub(super) names: Vec<Name>,
     /// The families, in the order of their first statements.
-    pub(super) families: Vec<Family>,
+    pub(super) families: Vec<StatementFamily>,
 }
 
 /// One family of statements in question.
-pub(super) struct Family {
+pub(super) struct StatementFamily {
     pub(super) name: String,
     /// The positions of the members, ordered by step.
     pub(super) members: Vec<usize>,
@@ -30,12 +30,12 @@ impl Groups {
                 asked[position] = false;
             }
         }
-        let mut families: Vec<Family> = Vec::new();
+        let mut families: Vec<StatementFamily> = Vec::new();
         let mut places = BTreeMap::new();
         for (position, name) in names.iter().enumerate().filter(|&(k, _)| asked[k]) {
             let place = *places.entry(name.family()).or_insert(families.len());
             if place == families.len() {
-                families.push(Family { name: name.family().into(), members: Vec::new() });
+                families.push(StatementFamily { name: name.family().into(), members: Vec::new() });
             }
             families[place].members.push(position);
         }

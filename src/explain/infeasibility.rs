@@ -5,13 +5,13 @@ use super::explanation::{Explanation, ExplanationStatus, Group};
 use super::groups::Groups;
 use super::narrow::narrow;
 use super::options::ExplainOptions;
-use super::oracle::{Answer, Oracle};
+use super::oracle::{Feasibility, Oracle};
 use crate::error::Error;
 use crate::model::{Model, Name};
 use crate::solver::{Solver, StopToken};
 
 /// With more families than this, a small contradictory set is first built up from nothing.
-const MANY: usize = 12;
+const MANY_FAMILIES: usize = 12;
 
 /// Explains why a model has no solution, in terms of its own statements.
 ///
@@ -63,9 +63,9 @@ pub fn infeasibility(
     let mut oracle = Oracle::new(model, solver, token, options.solve_limit);
     let everything = vec![true; groups.names.len()];
     let status = match oracle.ask(&everything)? {
-        Answer::Feasible(_) => Some(ExplanationStatus::Feasible),
-        Answer::Open => Some(ExplanationStatus::Unknown),
-        Answer::Infeasible => None,
+        Feasibility::Feasible(_) => Some(ExplanationStatus::Feasible),
+        Feasibility::Open => Some(ExplanationStatus::Unknown),
+        Feasibility::Infeasible => None,
     };
     if let Some(status) = status {
         return Ok(report(model, &groups, status, Vec::new(), &oracle));
@@ -112,7 +112,7 @@ fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, 
             kept[place] = false;
             kept[place] = oracle.is_stopped() || !oracle.refutes_at_once(&mask(&kept))?;
         }
-    } else if families.len() > MANY {
+    } else if families.len() > MANY_FAMILIES {
         kept = collect(groups, &mask, oracle)?;
     }
 
@@ -122,9 +122,9 @@ fn irreducible(groups: &Groups, oracle: &mut Oracle<'_>) -> Result<(Vec<usize>, 
             continue;
         }
         match oracle.ask(&mask(&kept))? {
-            Answer::Infeasible => {}
-            Answer::Feasible(_) => kept[place] = true,
-            Answer::Open => (kept[place], proved) = (true, false),
+            Feasibility::Infeasible => {}
+            Feasibility::Feasible(_) => kept[place] = true,
+            Feasibility::Open => (kept[place], proved) = (true, false),
         }
     }
     Ok(((0..families.len()).filter(|&place| kept[place]).collect(), proved))
@@ -144,9 +144,9 @@ fn collect(
     let mut kept = vec![false; groups.families.len()];
     loop {
         let found = match oracle.ask(&mask(&kept))? {
-            Answer::Infeasible => return Ok(kept),
-            Answer::Open => break,
-            Answer::Feasible(found) => found,
+            Feasibility::Infeasible => return Ok(kept),
+            Feasibility::Open => break,
+            Feasibility::Feasible(found) => found,
         };
         let violated = oracle.known[found].violated.iter();
         let worst = violated.max_by(|a, b| a.1.total_cmp(&b.1));

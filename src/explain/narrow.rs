@@ -6,11 +6,11 @@
 //! neighbours. Otherwise the ends are found by bisection.
 
 use super::groups::Groups;
-use super::oracle::{Answer, Oracle};
+use super::oracle::{Feasibility, Oracle};
 use crate::error::Error;
 
 /// The range of one family's members that is kept, and what is known about its ends.
-struct Span<'a> {
+struct StepSpan<'a> {
     members: &'a [usize],
     /// First and last member that is kept; they suffice to contradict the rest.
     first: usize,
@@ -23,10 +23,10 @@ struct Span<'a> {
     stuck: bool,
 }
 
-impl<'a> Span<'a> {
+impl<'a> StepSpan<'a> {
     fn new(members: &'a [usize]) -> Self {
         let last = members.len() - 1;
-        Span { members, first: 0, last, from: last, to: 0, wider: 0, stuck: false }
+        StepSpan { members, first: 0, last, from: last, to: 0, wider: 0, stuck: false }
     }
 
     fn kept(&self) -> &'a [usize] {
@@ -80,8 +80,8 @@ pub(super) fn narrow(
     oracle: &mut Oracle<'_>,
 ) -> Result<Vec<Vec<usize>>, Error> {
     let families = kept.iter().map(|&place| &groups.families[place].members[..]);
-    let mut spans: Vec<Span<'_>> = families.map(Span::new).collect();
-    let mask = |spans: &[Span<'_>], but: usize, range: (usize, usize)| {
+    let mut spans: Vec<StepSpan<'_>> = families.map(StepSpan::new).collect();
+    let mask = |spans: &[StepSpan<'_>], but: usize, range: (usize, usize)| {
         groups.mask(spans.iter().enumerate().filter_map(|(k, span)| match (k == but, range) {
             (false, _) => Some(span.kept()),
             (true, (first, last)) => span.members.get(first..=last),
@@ -94,20 +94,20 @@ pub(super) fn narrow(
             spans[k].read(oracle, &others);
         }
         let open = (0..spans.len()).filter(|&k| !spans[k].is_done());
-        let gap = |span: &Span<'_>| (span.from - span.first).max(span.last - span.to);
+        let gap = |span: &StepSpan<'_>| (span.from - span.first).max(span.last - span.to);
         // First spans that points narrow down well, then those with the most to gain.
         let Some(k) = open.max_by_key(|&k| (spans[k].is_pointed(), gap(&spans[k]))) else { break };
         let range = spans[k].next();
         match oracle.ask(&mask(&spans, k, range))? {
-            Answer::Infeasible => (spans[k].first, spans[k].last) = range,
-            Answer::Feasible(_) => {
+            Feasibility::Infeasible => (spans[k].first, spans[k].last) = range,
+            Feasibility::Feasible(_) => {
                 spans[k].wider = (2 * spans[k].wider).max(1);
                 // A point within the tolerances of what was refuted teaches nothing.
                 let others = mask(&spans, k, (1, 0));
                 spans[k].read(oracle, &others);
                 spans[k].stuck = spans[k].next() == range;
             }
-            Answer::Open => spans[k].stuck = true,
+            Feasibility::Open => spans[k].stuck = true,
         }
     }
     Ok(spans.iter().map(|span| span.kept().to_vec()).collect())

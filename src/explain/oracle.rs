@@ -15,14 +15,15 @@ use crate::solution::{Point, Verification};
 use crate::solver::{Solver, StopToken};
 
 /// Trials of probing before a solve; see `search/root.rs`.
-const TRIALS: usize = 4000;
+const MAX_PROBING_TRIALS: usize = 4000;
 
-/// How far to search where neither bounds nor rows limit a variable of a part, in its unit.
-const FAR: f64 = 1e5;
+/// The distance from 0 up to which a variable of a part is searched if neither bounds nor rows limit it,
+/// in its unit.
+const SEARCH_RADIUS: f64 = 1e5;
 
 /// The answer to whether a part of a model has a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Answer {
+pub(super) enum Feasibility {
     /// A point satisfies it: its place among the known points.
     Feasible(usize),
     /// It is proved that no point does.
@@ -32,12 +33,12 @@ pub(super) enum Answer {
 }
 
 /// A point that was found, and the statements that it violates with their relative amounts.
-pub(super) struct Known {
+pub(super) struct KnownPoint {
     pub(super) point: Point,
     pub(super) violated: Vec<(usize, f64)>,
 }
 
-impl Known {
+impl KnownPoint {
     /// Whether the point satisfies all statements that are kept.
     pub(super) fn satisfies(&self, keep: &[bool]) -> bool {
         self.violated.iter().all(|&(statement, _)| !keep[statement])
@@ -54,7 +55,7 @@ pub(super) struct Oracle<'a> {
     places: HashMap<String, Vec<usize>>,
     /// Bounds for parts that lack the rows that bound a variable, once such a part was met.
     wide: Option<Vec<Interval>>,
-    pub(super) known: Vec<Known>,
+    pub(super) known: Vec<KnownPoint>,
     pub(super) solves: usize,
     /// Parts refuted by propagation and probing alone.
     pub(super) propagations: usize,
@@ -92,25 +93,27 @@ impl<'a> Oracle<'a> {
     }
 
     /// Whether the statements that are kept can hold together.
-    pub(super) fn ask(&mut self, keep: &[bool]) -> Result<Answer, Error> {
+    pub(super) fn ask(&mut self, keep: &[bool]) -> Result<Feasibility, Error> {
         if let Some(place) = self.known.iter().position(|known| known.satisfies(keep)) {
-            return Ok(Answer::Feasible(place));
+            return Ok(Feasibility::Feasible(place));
         }
         let part = self.part(keep)?;
         if self.refutes(&part)? {
             self.propagations += 1;
-            return Ok(Answer::Infeasible);
+            return Ok(Feasibility::Infeasible);
         }
         if self.is_exhausted() {
-            return Ok(Answer::Open);
+            return Ok(Feasibility::Open);
         }
         self.solves += 1;
         let (solution, is_whole) = match self.token.solve(self.solver, &part, &mut |_| {}) {
             // Rows that bound a variable are left out. A point may be found all the same.
             Err(error) if reformulate::is_missing_bound(&error) && !keep.iter().all(|k| *k) => {
-                let Some(part) = self.bounded(part)? else { return Ok(Answer::Open) };
+                let Some(part) = self.bounded(part)? else { return Ok(Feasibility::Open) };
                 match self.token.solve(self.solver, &part, &mut |_| {}) {
-                    Err(error) if reformulate::is_missing_bound(&error) => return Ok(Answer::Open),
+                    Err(error) if reformulate::is_missing_bound(&error) => {
+                        return Ok(Feasibility::Open);
+                    }
                     other => (other?, false),
                 }
             }
@@ -119,10 +122,10 @@ impl<'a> Oracle<'a> {
         match solution.point() {
             Some(point) => {
                 self.learn(point.clone());
-                Ok(Answer::Feasible(self.known.len() - 1))
+                Ok(Feasibility::Feasible(self.known.len() - 1))
             }
-            None if is_whole && solution.is_infeasible() => Ok(Answer::Infeasible),
-            None => Ok(Answer::Open),
+            None if is_whole && solution.is_infeasible() => Ok(Feasibility::Infeasible),
+            None => Ok(Feasibility::Open),
         }
     }
 
@@ -137,7 +140,8 @@ impl<'a> Oracle<'a> {
                 continue;
             }
             let own = part.variable_ref(variable.id())?.bounds();
-            let or_far = |end: f64| if end.is_finite() { end } else { end.signum() * FAR };
+            let or_far =
+                |end: f64| if end.is_finite() { end } else { end.signum() * SEARCH_RADIUS };
             let wide = Interval::new(or_far(bounds.lower), or_far(bounds.upper));
             let bounds = own.intersection(wide);
             if !bounds.is_empty() {
@@ -189,7 +193,14 @@ impl<'a> Oracle<'a> {
         let refuted = propagator
             .propagate_all(&program, &mut domain)
             .and_then(|()| {
-                probe(&program, &mut domain, &mut propagator, &late_first, TRIALS, &self.token)
+                probe(
+                    &program,
+                    &mut domain,
+                    &mut propagator,
+                    &late_first,
+                    MAX_PROBING_TRIALS,
+                    &self.token,
+                )
             })
             .is_err();
         Ok(refuted)
@@ -203,6 +214,6 @@ impl<'a> Oracle<'a> {
             let places = self.places.get(&violation.name).into_iter().flatten();
             violated.extend(places.map(|&place| (place, violation.relative)));
         }
-        self.known.push(Known { point, violated });
+        self.known.push(KnownPoint { point, violated });
     }
 }

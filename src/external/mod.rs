@@ -129,7 +129,7 @@ impl Solver for ExternalSolver {
             if translated.offset == 0.0 { model.objective_constant() } else { translated.offset };
         let options = with_half_the_gap(&self.options, constant);
         let ask = |text: &str| {
-            let run = process::Run {
+            let run = process::ProgramRun {
                 dialect: &*self.dialect,
                 program: &self.program,
                 options: &options,

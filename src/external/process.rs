@@ -15,23 +15,24 @@ use crate::solution::Termination;
 use crate::solver::{Options, StopToken};
 
 /// Interval between checks of a running program.
-const PAUSE: Duration = Duration::from_millis(5);
+const POLLING_INTERVAL: Duration = Duration::from_millis(5);
 
 /// Time that a program gets after its own time limit to write its answer.
-const GRACE: Duration = Duration::from_secs(2);
+const GRACE_PERIOD: Duration = Duration::from_secs(2);
 
 /// The advice if the folder or its files cannot be made.
-const FOLDER: &str = "check that the folder for temporary files exists, is writable and has room";
+const FOLDER_HELP: &str =
+    "check that the folder for temporary files exists, is writable and has room";
 
 /// One call of a program.
-pub(super) struct Run<'a> {
+pub(super) struct ProgramRun<'a> {
     pub(super) dialect: &'a dyn Dialect,
     pub(super) program: &'a str,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
 }
 
-impl Run<'_> {
+impl ProgramRun<'_> {
     /// Runs the program on a model and reads the answer. Also returns why the program was stopped, if
     /// it was.
     pub(super) fn answer(
@@ -43,7 +44,7 @@ impl Run<'_> {
             return Ok((ExternalAnswer::new(Claim::Unknown), Some(reason)));
         }
         let folder = private_folder()
-            .map_err(|e| self.refused("no temporary folder can be made for", FOLDER, e))?;
+            .map_err(|e| self.refused("no temporary folder can be made for", FOLDER_HELP, e))?;
         let files = Files {
             model: folder.path().join("model.mps"),
             solution: folder.path().join("solution.txt"),
@@ -51,7 +52,7 @@ impl Run<'_> {
         };
         let written = |path: &Path, text: &str| {
             fs::write(path, text)
-                .map_err(|e| self.refused("files cannot be written for", FOLDER, e))
+                .map_err(|e| self.refused("files cannot be written for", FOLDER_HELP, e))
         };
         written(&files.model, model)?;
         if let Some(settings) = self.dialect.settings(self.options, time_left) {
@@ -60,7 +61,7 @@ impl Run<'_> {
         let log = folder.path().join("printed");
         let output = File::create(&log).and_then(|file| Ok((file.try_clone()?, file)));
         let (output, errors) =
-            output.map_err(|e| self.refused("files cannot be written for", FOLDER, e))?;
+            output.map_err(|e| self.refused("files cannot be written for", FOLDER_HELP, e))?;
         let child = Command::new(self.program)
             .args(self.dialect.arguments(&files, self.options, time_left))
             .current_dir(folder.path())
@@ -96,7 +97,7 @@ impl Run<'_> {
         mut child: Child,
         time_left: Option<Duration>,
     ) -> Result<Option<Termination>, Error> {
-        let deadline = time_left.and_then(|left| Instant::now().checked_add(left + GRACE));
+        let deadline = time_left.and_then(|left| Instant::now().checked_add(left + GRACE_PERIOD));
         loop {
             match child.try_wait() {
                 Ok(Some(_)) => return Ok(None),
@@ -115,7 +116,7 @@ impl Run<'_> {
                 let _ = child.wait();
                 return Ok(reason);
             }
-            thread::sleep(PAUSE);
+            thread::sleep(POLLING_INTERVAL);
         }
     }
 

@@ -12,10 +12,10 @@ use faer::Mat;
 const DEGREE: u32 = 18;
 
 /// 1-norm up to which the polynomial is used unscaled.
-const RADIUS: f64 = 0.5;
+pub(super) const RADIUS: f64 = 0.5;
 
 /// `exp(matrix)` of a square, finite matrix; entries may overflow to infinity.
-pub fn exponential(matrix: &Mat<f64>) -> Mat<f64> {
+pub(crate) fn exponential(matrix: &Mat<f64>) -> Mat<f64> {
     let size = matrix.nrows();
     let mut squarings = 0u32;
     let mut factor = 1.0;

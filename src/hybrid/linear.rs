@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use super::exponential::exponential;
-use super::matrix::IntoMatrix;
+use super::exponential::{RADIUS, exponential};
+use super::matrix::Matrix;
 use crate::error::{Error, ErrorKind, check_finite, check_length};
 use crate::model::{Affine, Constraint, Model};
 
@@ -24,8 +24,8 @@ use crate::model::{Affine, Constraint, Model};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Stored", into = "Stored"))]
 pub struct LinearSystem {
-    a: Mat<f64>,
-    b: Mat<f64>,
+    a: Matrix,
+    b: Matrix,
     c: Vec<f64>,
 }
 
@@ -41,11 +41,11 @@ impl LinearSystem {
     /// [`ErrorKind::Shape`] and [`ErrorKind::Length`] if the shapes do not fit,
     /// [`ErrorKind::NotFinite`] for a NaN or infinite entry.
     pub fn new(
-        a: impl IntoMatrix,
-        b: impl IntoMatrix,
+        a: impl Into<Matrix>,
+        b: impl Into<Matrix>,
         c: impl Into<Vec<f64>>,
     ) -> Result<Self, Error> {
-        let system = LinearSystem { a: a.into_matrix(), b: b.into_matrix(), c: c.into() };
+        let system = LinearSystem { a: a.into(), b: b.into(), c: c.into() };
         system.check()?;
         Ok(system)
     }
@@ -93,28 +93,37 @@ impl LinearSystem {
     /// As for [`LinearSystem::new`]; [`ErrorKind::OutOfRange`] for a time step that is not finite
     /// and positive, or so long that the discrete system overflows.
     pub fn zero_order_hold(
-        a: impl IntoMatrix,
-        b: impl IntoMatrix,
+        a: impl Into<Matrix>,
+        b: impl Into<Matrix>,
         c: impl Into<Vec<f64>>,
         time_step: f64,
     ) -> Result<Self, Error> {
         check_time_step(time_step)?;
         let continuous = LinearSystem::new(a, b, c)?;
         let (n, m) = (continuous.states(), continuous.inputs());
-        let augmented = Mat::from_fn(n + m + 1, n + m + 1, |i, j| {
-            time_step
-                * match (i < n, j) {
-                    (false, _) => 0.0,
-                    (true, j) if j < n => continuous.a[(i, j)],
-                    (true, j) if j < n + m => continuous.b[(i, j - n)],
-                    (true, _) => continuous.c[i],
-                }
+        // Columns of inputs and constants do not grow the norm, so that flows with the same A have the
+        // same discrete one, to the last digit. Powers of two scale exactly.
+        let entry = |i: usize, j: usize| match j {
+            j if j < n => continuous.a[(i, j)],
+            j if j < n + m => continuous.b[(i, j - n)],
+            _ => continuous.c[i],
+        };
+        let size = |j: usize| (0..n).map(|i| (time_step * entry(i, j)).abs()).sum::<f64>();
+        let most = (0..n).map(size).fold(RADIUS, f64::max);
+        let scale = |j: usize| match j < n || size(j) <= most {
+            true => 1.0,
+            false => 2.0_f64.powi((most / size(j)).log2().floor().max(-1000.0) as i32),
+        };
+        let scales: Vec<f64> = (0..=n + m).map(scale).collect();
+        let augmented = Mat::from_fn(n + m + 1, n + m + 1, |i, j| match i < n {
+            true => time_step * entry(i, j) * scales[j],
+            false => 0.0,
         });
         let discrete = exponential(&augmented);
         let system = LinearSystem {
-            a: Mat::from_fn(n, n, |i, j| discrete[(i, j)]),
-            b: Mat::from_fn(n, m, |i, j| discrete[(i, n + j)]),
-            c: (0..n).map(|i| discrete[(i, n + m)]).collect(),
+            a: Matrix::from_fn(n, n, |i, j| discrete[(i, j)]),
+            b: Matrix::from_fn(n, m, |i, j| discrete[(i, n + j)] / scales[n + j]),
+            c: (0..n).map(|i| discrete[(i, n + m)] / scales[n + m]).collect(),
         };
         system.check().map_err(|_| {
             Error::out_of_range(
@@ -127,12 +136,12 @@ impl LinearSystem {
     }
 
     /// The state matrix, n x n.
-    pub fn a(&self) -> &Mat<f64> {
+    pub fn a(&self) -> &Matrix {
         &self.a
     }
 
     /// The input matrix, n x m.
-    pub fn b(&self) -> &Mat<f64> {
+    pub fn b(&self) -> &Matrix {
         &self.b
     }
 
@@ -258,7 +267,7 @@ impl LinearSystem {
 
     fn check(&self) -> Result<(), Error> {
         let n = self.a.nrows();
-        let shape = |what, matrix: &Mat<f64>, expected: String| {
+        let shape = |what, matrix: &Matrix, expected: String| {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             Err(ErrorKind::Shape { what, rows, columns, expected }.into())
         };
@@ -269,7 +278,7 @@ impl LinearSystem {
             return shape("the input matrix B", &self.b, format!("{n} rows"));
         }
         check_length("the constant part c", self.c.len(), n)?;
-        let entries = |matrix: &Mat<f64>| {
+        let entries = |matrix: &Matrix| {
             let (rows, columns) = (matrix.nrows(), matrix.ncols());
             let index = (0..rows).flat_map(move |i| (0..columns).map(move |j| (i, j)));
             check_finite("the linear system", "an entry", index.map(|index| matrix[index]))
@@ -304,10 +313,7 @@ struct Stored {
 #[cfg(feature = "serde")]
 impl From<LinearSystem> for Stored {
     fn from(system: LinearSystem) -> Self {
-        let rows = |m: &Mat<f64>| {
-            (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect()
-        };
-        Stored { a: rows(&system.a), b: rows(&system.b), c: system.c }
+        Stored { a: system.a.to_rows(), b: system.b.to_rows(), c: system.c }
     }
 }
 
@@ -316,23 +322,7 @@ impl TryFrom<Stored> for LinearSystem {
     type Error = Error;
 
     fn try_from(stored: Stored) -> Result<Self, Error> {
-        let matrix = |what, rows: &[Vec<f64>]| {
-            let columns = rows.first().map_or(0, Vec::len);
-            match rows.iter().find(|row| row.len() != columns) {
-                Some(row) => {
-                    let expected = format!("{columns} columns in every row");
-                    Err(Error::from(ErrorKind::Shape {
-                        what,
-                        rows: 1,
-                        columns: row.len(),
-                        expected,
-                    }))
-                }
-                None => Ok(Mat::from_fn(rows.len(), columns, |i, j| rows[i][j])),
-            }
-        };
-        let a = matrix("the state matrix A", &stored.a)?;
-        let b = matrix("the input matrix B", &stored.b)?;
+        let (a, b) = (Matrix::from_rows(&stored.a)?, Matrix::from_rows(&stored.b)?);
         LinearSystem::new(a, b, stored.c)
     }
 }

@@ -18,15 +18,13 @@ pub(crate) mod system;
 mod terminal;
 pub mod wall;
 
-pub use contact::{Contact, ContactLaw, ImpactSpeed, Restitution, RollOut};
-pub use damage::{Damage, DamageFunction, DamageLimits, ImpactEstimate};
-/// Dense matrices, re-exported from `faer`.
-pub use faer::Mat;
+pub use contact::{Contact, ContactLaw, Restitution};
+pub use damage::ImpactEstimate;
 pub use flaws::{Flaw, Witness};
 pub use horizon::Horizon;
 pub use linear::LinearSystem;
-pub use matrix::IntoMatrix;
-pub use program::{AtSample, HybridPlan, HybridProgram, IntoRegion, SoftLimit, When};
+pub use matrix::Matrix;
+pub use program::{AtSample, HybridPlan, HybridProgram, SoftLimit, When};
 pub use receding::{ClosedLoop, Disturbance, Move, MoveSource, RecedingHorizon};
 pub use rows::HybridRun;
 pub use shortest_horizon::{
@@ -35,10 +33,12 @@ pub use shortest_horizon::{
     shortest_horizon_with,
 };
 pub use simulate::{
-    Candidate, Condition, ContinuousReplay, DeadEnd, DiscreteReplay, Follow, ReplayError,
-    RunCertificate, RunError, Samples, SimulatedStep, Simulation, SimulationOptions,
-    replay_continuous, replay_discrete,
+    Candidate, Condition, DeadEnd, Follow, RunCertificate, RunError, SimulatedStep, Simulation,
+    SimulationOptions,
 };
-pub use system::{HybridSystem, MixedLogicalDynamical, Region, Schedule, State, TransitionMut};
+pub use system::{
+    HybridSystem, IntoRegion, LinearComplementarity, MixedLogicalDynamical, Region, Schedule,
+    State, TransitionMut,
+};
 pub use terminal::{Lqr, TerminalError, TerminalOptions, TerminalSet};
 pub use wall::{FreeSide, Wall};

@@ -8,11 +8,11 @@ use crate::semidefinite::{Direction, Product, negative_direction};
 use crate::tolerance;
 
 /// Entries of a direction that an error names.
-const NAMED: usize = 6;
+const NAMED_STEPS: usize = 6;
 
 /// The amount that the square of a variable without bounds may lack until bounds are looked for, as
 /// a part of its coefficient (no unit).
-const UNDECIDED: f64 = 1e-9;
+const UNDECIDED_CURVATURE: f64 = 1e-9;
 
 /// The convexity of an objective that may be set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +43,7 @@ impl Model {
                 None => (data.lower, data.upper),
             };
             let width = ends.1 - ends.0;
-            if width.is_finite() { slack(width, count) } else { UNDECIDED * squares(j) }
+            if width.is_finite() { slack(width, count) } else { UNDECIDED_CURVATURE * squares(j) }
         };
         match negative_direction(&products, &allowed) {
             None => Ok(Convexity::WithinBounds),
@@ -74,11 +74,11 @@ impl Model {
         let mut steps = direction.steps;
         steps.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
         let largest = steps.first().map_or(String::new(), |&(j, _)| name(j));
-        let named = steps.iter().take(NAMED);
+        let named = steps.iter().take(NAMED_STEPS);
         let mut text: Vec<String> =
             named.map(|&(j, step)| format!("`{}` {step}", name(j))).collect();
-        if steps.len() > NAMED {
-            text.push(format!("{} more", steps.len() - NAMED));
+        if steps.len() > NAMED_STEPS {
+            text.push(format!("{} more", steps.len() - NAMED_STEPS));
         }
         ErrorKind::NotConvex {
             sense: sense.word(),

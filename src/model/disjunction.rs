@@ -18,7 +18,7 @@ use super::variable::VariableKind;
 use crate::error::{Error, ErrorKind};
 
 /// The largest depth of disjunctions inside terms.
-pub(super) const DEEPEST: u32 = 16;
+pub(super) const MAX_NESTING: u32 = 16;
 
 /// One alternative of an [`Either`]: rows and nested disjunctions that must hold together if it is
 /// selected.
@@ -133,11 +133,11 @@ impl Either {
     /// Adds a term.
     pub fn or(mut self, term: impl Into<Term>) -> Self {
         let mut term = term.into();
-        if term.depth() > DEEPEST {
+        if term.depth() > MAX_NESTING {
             // Terms that are nested too deep are dropped, so that no later code walks them. The
             // recorded depth stays, and adding the disjunction is refused.
             term.nested.clear();
-            self.depth = DEEPEST + 2;
+            self.depth = MAX_NESTING + 2;
         }
         self.depth = self.depth.max(term.depth() + 1);
         self.terms.push(term);
@@ -178,11 +178,11 @@ impl Statement for Either {
     type Handle = Selected;
 
     fn add_to(self, model: &mut Model, name: Name) -> Result<Selected, Error> {
-        if self.depth > DEEPEST {
+        if self.depth > MAX_NESTING {
             return Err(Error::out_of_range(
                 format!("the number of levels of `{name}`"),
                 f64::from(self.depth),
-                format!("at most {DEEPEST}; give inner disjunctions statements of their own"),
+                format!("at most {MAX_NESTING}; give inner disjunctions statements of their own"),
             ));
         }
         let method = self.method;

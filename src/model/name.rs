@@ -16,7 +16,11 @@ use crate::error::{Error, ErrorKind};
 /// assert_eq!(Name::from(("x", 17)).to_string(), "x[17]");
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Parts"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "SpelledName")
+)]
 pub struct Name {
     family: String,
     step: Option<usize>,
@@ -26,14 +30,14 @@ pub struct Name {
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
 #[serde(rename = "Name")]
-struct Parts {
+struct SpelledName {
     family: String,
     step: Option<usize>,
 }
 
 #[cfg(feature = "serde")]
-impl From<Parts> for Name {
-    fn from(parts: Parts) -> Self {
+impl From<SpelledName> for Name {
+    fn from(parts: SpelledName) -> Self {
         match parts.step {
             Some(step) => Name::from((parts.family, step)),
             None => Name::from(parts.family),

@@ -2,7 +2,7 @@
 
 use super::affine::merge;
 use super::checks::{finite, limits};
-use super::disjunction::{DEEPEST, check_selector};
+use super::disjunction::{MAX_NESTING, check_selector};
 use super::name::Name;
 use super::store::{
     ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model, SosData,
@@ -93,8 +93,8 @@ fn checked(
     if terms.is_empty() {
         return wrong("terms", 0, "at least 1".into());
     }
-    if level > DEEPEST {
-        return wrong("levels", level, format!("at most {DEEPEST}"));
+    if level > MAX_NESTING {
+        return wrong("levels", level, format!("at most {MAX_NESTING}"));
     }
     let term = |StoredTerm { selector, rows, nested }| {
         check_selector(selector, model, name)?;

@@ -343,14 +343,6 @@ impl Model {
         }
     }
 
-    /// The model with every variable continuous. If it has only rows, this is its relaxation.
-    pub(crate) fn with_integrality_relaxed(&self) -> Model {
-        let mut model = self.clone();
-        model.stored.variables.iter_mut().for_each(|data| data.kind = VariableKind::Continuous);
-        model.touch();
-        model
-    }
-
     /// Makes several additions, or none if one of them fails.
     pub(crate) fn all_or_nothing<T>(
         &mut self,

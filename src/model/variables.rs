@@ -200,7 +200,7 @@ impl Model {
         Ok(())
     }
 
-    /// The model with all variables continuous, for one that has only rows.
+    /// The model with every variable continuous. If it has only rows, this is its relaxation.
     pub(crate) fn with_continuous_variables(mut self) -> Model {
         self.stored.variables.iter_mut().for_each(|data| data.kind = VariableKind::Continuous);
         self.touch();

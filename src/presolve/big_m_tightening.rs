@@ -13,44 +13,46 @@ use std::ops::Range;
 
 use super::domain::Domain;
 use super::propagation::Propagator;
+use super::tightening::finite_size;
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Most binaries that are tried, at both values.
-const TRIALS: usize = 4000;
+/// The largest number of binaries that are propagated at both values.
+const MAX_PROBED_BINARIES: usize = 4000;
 
-/// Longest rows that are looked at (columns).
-const LONGEST: usize = 24;
+/// The largest number of terms of a row that is tightened or linked.
+const MAX_BIG_M_TERMS: usize = 24;
 
-/// Columns in more rows than this link no rows.
-const MOST_ROWS: usize = 40;
+/// A column links its rows only if it is in at most this many.
+const MAX_LINKING_ROWS: usize = 40;
 
-/// Fewest continuous columns that linked rows share.
-const SHARED: usize = 2;
+/// The smallest number of continuous columns that linked rows share.
+const MIN_SHARED_COLUMNS: usize = 2;
 
-/// Most multiples of a linked row that are tried.
-const MULTIPLES: usize = 4;
+/// The largest number of multiples of a linked row that are tried.
+const MAX_MULTIPLIERS: usize = 4;
 
-/// Limits stay this much looser than they could be, relative to what was added up (no unit), so that
-/// rounding cuts no whole point off.
-const MARGIN: f64 = 1e-12;
+/// The amount by which a limit stays looser than the bound that was computed, relative to the terms of
+/// that bound (no unit), so that rounding cuts off no whole point.
+const REACH_MARGIN: f64 = 1e-12;
 
-/// Gains below this fraction of a coefficient are not worth a change (no unit).
-const GAIN: f64 = 1e-3;
+/// The smallest gain that is used, as a fraction of the coefficient.
+const MIN_BIG_M_GAIN: f64 = 1e-3;
 
-/// Gains up to this, in the row's unit, are ignored.
-const IMPERCEPTIBLE: f64 = 0.1 * tolerance::FEASIBILITY;
+/// The smallest gain that is used, in the row's unit.
+const MIN_BIG_M_REDUCTION: f64 = 0.1 * tolerance::FEASIBILITY;
 
-/// Gains beyond this many times the coefficient and the limit come from impossible values.
-const LARGEST: f64 = 1e6;
+/// The largest gain that is used, as a multiple of coefficient and limit. Larger ones come from
+/// impossible values.
+const MAX_BIG_M_GAIN: f64 = 1e6;
 
-/// Least part of a coefficient that is kept (no unit).
-const KEPT: f64 = 1e-4;
+/// The smallest part of a coefficient that remains (no unit).
+const MIN_BIG_M_REMAINDER: f64 = 1e-4;
 
-/// A coefficient below this part of coefficient and limit is left out, which loosens the row by as much
-/// (no unit). Bounds from propagation are loose by a tenth of that.
-const NOTHING: f64 = 1e-8;
+/// A new coefficient below this fraction of the old one and the limit is dropped, which loosens the row
+/// by as much. Bounds from propagation are loose by a tenth of it.
+const DROPPED_BIG_M: f64 = 1e-8;
 
 /// Shrinks big-Ms to what linked rows allow; returns `None` if none shrinks.
 ///
@@ -62,9 +64,10 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
     // If the bounds contradict each other, the search reports it.
     propagator.propagate_all(program, &mut domain).ok()?;
     let is_open = |j: &usize| domain.bounds(*j) == [0.0, 1.0];
-    let open: Vec<usize> = program.integers.iter().copied().filter(is_open).take(TRIALS).collect();
-    let mut rows = Rows::new(program);
-    let (mut lines, mut linked): (Vec<BigM>, Vec<usize>) = (Vec::new(), Vec::new());
+    let open: Vec<usize> =
+        program.integers.iter().copied().filter(is_open).take(MAX_PROBED_BINARIES).collect();
+    let mut rows = TightenedRows::new(program);
+    let (mut lines, mut linked): (Vec<SwitchedRow>, Vec<usize>) = (Vec::new(), Vec::new());
     for z in open {
         if token.is_over() {
             return None;
@@ -75,7 +78,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
             if rows.is_big_m(row) {
                 let begin = linked.len();
                 rows.append_linked(row, &mut linked);
-                lines.push(BigM { row, linked: begin..linked.len(), reach: [0.0; 2] });
+                lines.push(SwitchedRow { row, linked: begin..linked.len(), reach: [0.0; 2] });
             }
         }
         if lines.is_empty() {
@@ -97,7 +100,7 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
         }
     }
     let mut tight = rows.into_program()?;
-    // The new rows are about binaries, whatever the old ones made them.
+    // The rows are tight for the propagated bounds of binaries, which the program keeps.
     for &j in &program.integers {
         [tight.lower[j], tight.upper[j]] = domain.bounds(j);
     }
@@ -105,16 +108,16 @@ pub fn tighten_big_ms(program: &Program, token: &StopToken) -> Option<Program> {
 }
 
 /// A row of the binary in hand.
-struct BigM {
+struct SwitchedRow {
     row: usize,
     /// Where the rows linked to it are.
     linked: Range<usize>,
-    /// How far the rest of it goes at either value.
+    /// The largest value of its other terms, by value of the binary.
     reach: [f64; 2],
 }
 
 /// The rows while they change.
-struct Rows<'a> {
+struct TightenedRows<'a> {
     program: &'a Program,
     /// Coefficients, in the order of the program's.
     values: Vec<f64>,
@@ -152,16 +155,16 @@ impl Reach {
 
     /// The bound with its margin; infinite if there is none.
     fn value(self) -> f64 {
-        let value = self.sum + MARGIN * self.size;
+        let value = self.sum + REACH_MARGIN * self.size;
         if value.is_nan() { f64::INFINITY } else { value }
     }
 }
 
-impl<'a> Rows<'a> {
+impl<'a> TightenedRows<'a> {
     fn new(program: &'a Program) -> Self {
         let (n, m) = (program.column_count(), program.row_count());
         let limits = program.row_lower.iter().zip(&program.row_upper);
-        Rows {
+        TightenedRows {
             program,
             values: program.rows.val().to_vec(),
             limits: limits.map(|(&lower, &upper)| [lower, upper]).collect(),
@@ -188,7 +191,7 @@ impl<'a> Rows<'a> {
     /// Whether a row is short and has one limit.
     fn is_big_m(&self, row: usize) -> bool {
         let [lower, upper] = self.limits[row];
-        self.len(row) <= LONGEST && lower.is_finite() != upper.is_finite()
+        self.len(row) <= MAX_BIG_M_TERMS && lower.is_finite() != upper.is_finite()
     }
 
     /// The form `sign * row <= limit` of a row with one limit.
@@ -207,7 +210,7 @@ impl<'a> Rows<'a> {
         let begin = linked.len();
         for j in continuous(row) {
             let others = program.column(j).0;
-            for &other in others.iter().filter(|_| others.len() <= MOST_ROWS) {
+            for &other in others.iter().filter(|_| others.len() <= MAX_LINKING_ROWS) {
                 if !std::mem::replace(&mut self.seen[other], true) {
                     linked.push(other);
                 }
@@ -218,7 +221,7 @@ impl<'a> Rows<'a> {
         for k in begin..linked.len() {
             let other = linked[k];
             let shared = continuous(other).filter(|&j| self.line[j] != 0.0).count();
-            if shared >= SHARED && self.len(other) <= LONGEST {
+            if shared >= MIN_SHARED_COLUMNS && self.len(other) <= MAX_BIG_M_TERMS {
                 linked[kept] = other;
                 kept += 1;
             }
@@ -254,7 +257,7 @@ impl<'a> Rows<'a> {
         beside.extend(self.terms(other));
         beside.iter().for_each(|&(j, c)| self.linked[j] = c);
         let [lower, upper] = self.limits[other];
-        let (mut best, mut tried, mut count) = (f64::INFINITY, [0.0; MULTIPLES], 0);
+        let (mut best, mut tried, mut count) = (f64::INFINITY, [0.0; MAX_MULTIPLIERS], 0);
         for &(j, c) in beside.iter().filter(|(j, _)| !self.program.integral[*j]) {
             // `factor * linked <= factor * limit`.
             let factor = self.line[j] / c;
@@ -271,8 +274,11 @@ impl<'a> Rows<'a> {
                 reach.add_term(a, domain.bounds(k));
             }
             for &(k, c) in &beside {
-                // What cancels leaves rounding, of the size of what cancelled.
-                reach.size += (factor * c * magnitude(domain.bounds(k))).abs();
+                // Terms that cancel leave rounding of their size.
+                // Infinite bounds make every sum infinite unless they cancel.
+                let [lower, upper] = domain.bounds(k);
+                let most = finite_size(lower.abs().max(upper.abs()));
+                reach.size += (factor * c * most).abs();
                 reach.add_term(self.line[k] - factor * c, domain.bounds(k));
             }
             best = best.min(reach.value());
@@ -282,7 +288,8 @@ impl<'a> Rows<'a> {
         best
     }
 
-    /// Moves a row's coefficient of a binary, and its limit, to how far the rest goes at both values.
+    /// Sets a row's coefficient of a binary, and its limit, from the largest value of the other terms at
+    /// both values.
     fn tighten(&mut self, row: usize, z: usize, reach: [f64; 2]) {
         let (sign, limit) = self.one_side(row);
         let columns = self.program.row(row).0;
@@ -292,12 +299,11 @@ impl<'a> Rows<'a> {
         let room = [limit, limit - old];
         let [mut off, mut on] = [room[0].min(reach[0]), room[1].min(reach[1])];
         let size = old.abs() + limit.abs();
-        let drops = (off - on).abs() <= (NOTHING * size).min(IMPERCEPTIBLE);
+        let drops = (off - on).abs() <= (DROPPED_BIG_M * size).min(MIN_BIG_M_REDUCTION);
         if !drops {
-            // The coefficient keeps a part of its size, so that rounding does not decide about the
-            // binary, and never grows, as it would where a value is impossible: the side that is in
-            // the way stays looser than it could be.
-            let (least, most) = (KEPT * old.abs(), old.abs());
+            // The coefficient keeps a part of its size, so that rounding does not decide the binary. It
+            // never grows, as it would if a value were impossible; one side then stays looser.
+            let (least, most) = (MIN_BIG_M_REMAINDER * old.abs(), old.abs());
             (off, on) = (off.max(on - most), on.max(off - most));
             if (off - on).abs() < least {
                 (off, on) =
@@ -305,7 +311,9 @@ impl<'a> Rows<'a> {
             }
         }
         let gain = (room[0] - off) + (room[1] - on);
-        if !(gain > IMPERCEPTIBLE.max(GAIN * old.abs()) && gain <= LARGEST * size) {
+        if !(gain > MIN_BIG_M_REDUCTION.max(MIN_BIG_M_GAIN * old.abs())
+            && gain <= MAX_BIG_M_GAIN * size)
+        {
             return;
         }
         let (coefficient, limit) = if drops { (0.0, off.max(on)) } else { (off - on, off) };
@@ -323,11 +331,4 @@ impl<'a> Rows<'a> {
         tight.replace_rows((0..self.limits.len()).flat_map(terms), &self.limits)?;
         Some(tight)
     }
-}
-
-/// The largest magnitude between two bounds; 0 for infinite ones, because these make every sum infinite
-/// unless they cancel.
-fn magnitude([lower, upper]: [f64; 2]) -> f64 {
-    let most = lower.abs().max(upper.abs());
-    if most.is_finite() { most } else { 0.0 }
 }

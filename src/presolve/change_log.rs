@@ -4,7 +4,7 @@
 //! visited are unchanged. Neighbouring rows form a block, so that a set of blocks fits in one word.
 
 /// Blocks of rows; as many as a word has bits.
-const BLOCKS: usize = 128;
+const ROW_BLOCKS: usize = 128;
 
 pub(super) type Blocks = u128;
 
@@ -24,13 +24,13 @@ pub(super) struct ChangeLog {
 impl ChangeLog {
     /// A log for this many rows.
     pub(super) fn new(rows: usize) -> Self {
-        let shift = rows.div_ceil(BLOCKS).next_power_of_two().trailing_zeros();
-        ChangeLog { shift, visited: 0, changed: vec![0; BLOCKS], now: 1, on_trial: false }
+        let shift = rows.div_ceil(ROW_BLOCKS).next_power_of_two().trailing_zeros();
+        ChangeLog { shift, visited: 0, changed: vec![0; ROW_BLOCKS], now: 1, on_trial: false }
     }
 
     #[inline]
     fn block(&self, row: usize) -> usize {
-        (row >> self.shift).min(BLOCKS - 1)
+        (row >> self.shift).min(ROW_BLOCKS - 1)
     }
 
     /// Notes that propagation visits a row.

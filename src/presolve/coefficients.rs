@@ -7,22 +7,22 @@
 use super::reduced::Reduced;
 use crate::tolerance;
 
-/// Rows are left this much looser than they could be, relative to their activity (no unit), so that
-/// rounding cuts no whole point off.
-const MARGIN: f64 = 1e-9;
+/// The amount by which a row stays looser than necessary, relative to its activity (no unit), so that
+/// rounding cuts off no whole point.
+const ACTIVITY_MARGIN: f64 = 1e-9;
 
-/// Rows that can be missed by no more than this stay as they are, in their unit, because coefficients
-/// that small would be rounding.
-const IMPERCEPTIBLE: f64 = tolerance::FEASIBILITY;
+/// The smallest possible violation of a row that is tightened, in its unit. Smaller coefficients would be
+/// rounding.
+const MIN_EXCESS: f64 = tolerance::FEASIBILITY;
 
-/// Gains below this fraction of a coefficient are not worth a change (no unit).
-const GAIN: f64 = 1e-3;
+/// The smallest gain that is used, as a fraction of the coefficient.
+const MIN_COEFFICIENT_GAIN: f64 = 1e-3;
 
-/// Last binary digits that are 0 in a coefficient that has not been rounded.
-const SPARE: u32 = 16;
+/// The number of last binary digits that are 0 in a coefficient that has not been rounded.
+const MIN_TRAILING_ZEROS: u32 = 16;
 
-/// Largest coefficient of a row of integers whose limits are rounded.
-const LARGEST: f64 = 1e9;
+/// The largest coefficient of a row of integers whose limits are rounded.
+const MAX_DIVISIBLE: f64 = 1e9;
 
 /// A row in the form `sign * terms <= limit`.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +46,7 @@ impl OneSided {
 
     /// Whether the bounds allow points that the row excludes.
     fn can_be_violated(&self) -> bool {
-        self.most.is_finite() && self.most - self.limit > IMPERCEPTIBLE
+        self.most.is_finite() && self.most - self.limit > MIN_EXCESS
     }
 
     /// Shrinks the coefficient of a binary, and moves the limit with it; returns whether they moved.
@@ -55,9 +55,9 @@ impl OneSided {
     /// relative to the coefficient and the limit: nothing else is rounded.
     fn shrink(&mut self, coefficient: &mut f64, margin: f64, rounding: f64) -> bool {
         let size = coefficient.abs();
-        // How far the row is from binding at the binary's idle value.
+        // The distance of the row from its limit at the value of the binary that relaxes it.
         let room = self.limit - (self.most - size) - margin;
-        if room <= GAIN * size {
+        if room <= MIN_COEFFICIENT_GAIN * size {
             return false;
         }
         let rounding = rounding * (size + self.limit.abs());
@@ -125,7 +125,7 @@ pub(super) fn tighten_terms(
         (0.0, 0.0)
     } else {
         let scale = scale * terms.len() as f64;
-        (MARGIN * scale + noise, 2.0 * f64::EPSILON)
+        (ACTIVITY_MARGIN * scale + noise, 2.0 * f64::EPSILON)
     };
     let mut moved = false;
     for (_, value) in terms.iter_mut().filter(|(j, _)| columns.is_binary(*j)) {
@@ -137,7 +137,7 @@ pub(super) fn tighten_terms(
 }
 
 /// The limits of a row of integers, rounded to multiples of the greatest common divisor of its
-/// coefficients, and whether that is news; `None` if it has none.
+/// coefficients, and whether they have moved; `None` if there is no divisor.
 pub(super) fn round_limits(
     terms: &[(usize, f64)],
     [lower, upper]: [f64; 2],
@@ -146,7 +146,7 @@ pub(super) fn round_limits(
 ) -> Option<([f64; 2], bool)> {
     let mut divisor = 0u64;
     for &(j, a) in terms {
-        if !columns.integral[j] || a.abs() > LARGEST || a != a.round() {
+        if !columns.integral[j] || a.abs() > MAX_DIVISIBLE || a != a.round() {
             return None;
         }
         let (mut p, mut q) = (divisor, a.abs() as u64);
@@ -171,10 +171,11 @@ pub(super) fn is_whole(value: f64) -> bool {
     (value - value.round()).abs() <= 1e-12 * value.abs().max(1.0)
 }
 
-/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. What cancelled in
-/// presolve has all of them.
+/// Whether a coefficient has not been rounded: it is whole, or has few binary digits. Differences from
+/// presolve have all of them.
 pub(super) fn is_exact(coefficient: f64) -> bool {
-    coefficient == coefficient.round() || coefficient.to_bits().trailing_zeros() >= SPARE
+    coefficient == coefficient.round()
+        || coefficient.to_bits().trailing_zeros() >= MIN_TRAILING_ZEROS
 }
 
 /// Tightens the one-sided rows of a reduced program; `integral` is by program column.
@@ -201,7 +202,7 @@ pub fn tighten_coefficients(reduced: &mut Reduced, integral: &[bool]) {
             continue;
         }
         for (_, value) in columns.iter().zip(values).filter(|(k, _)| is_binary(**k)) {
-            side.shrink(value, MARGIN * scale, 4.0 * f64::EPSILON);
+            side.shrink(value, ACTIVITY_MARGIN * scale, 4.0 * f64::EPSILON);
         }
         side.write_limit(least, largest);
     }

@@ -5,24 +5,22 @@
 //! of the class, or there is no point at all: no `x`, `y` satisfy `6 x + 10 y = 5`, and of
 //! `12345678 x - 87654321 y = 9` a relaxation knows nothing that would not take millions of nodes.
 
-use super::tightening::{Entry, Line, Tightening};
+use super::parameters::LARGEST_WHOLE;
+use super::tightening::{Entry, PropagatedRow, Tightening};
 
-/// Most columns that are not fixed; the coefficients of more hardly ever have a common divisor.
-const MOST: usize = 8;
-
-/// Largest number that is used: whole numbers up to it are floats.
-const LARGEST: f64 = 9_007_199_254_740_992.0;
+/// The largest number of columns that are not fixed. The coefficients of more rarely have a divisor.
+const MAX_OPEN_COLUMNS: usize = 8;
 
 /// Whether a row is an equality over whole numbers, and some of its coefficients may have a divisor.
-pub(super) fn is_whole_equality(line: &Line, entries: &[Entry]) -> bool {
+pub(super) fn is_whole_equality(line: &PropagatedRow, entries: &[Entry]) -> bool {
     let [lower, upper] = line.limits;
     let is_whole = |entry: &Entry| {
         let a = entry.coefficient;
-        entry.exact && a == a.round() && a.abs() <= LARGEST
+        entry.exact && a == a.round() && a.abs() <= LARGEST_WHOLE
     };
     lower == upper
         && lower == lower.round()
-        && lower.abs() <= LARGEST
+        && lower.abs() <= LARGEST_WHOLE
         && entries.len() > 1
         && entries.iter().all(is_whole)
         && entries.iter().any(|entry| entry.coefficient.abs() > 1.0)
@@ -40,18 +38,18 @@ pub(super) fn tighten_residues(
     found: &mut Vec<Tightening>,
 ) -> bool {
     // Divisors of what is to the left and to the right of a column, then of both.
-    let (mut open, mut count) = ([(0, 0_i128); MOST], 0);
+    let (mut open, mut count) = ([(0, 0_i128); MAX_OPEN_COLUMNS], 0);
     let mut rest = right as i128;
     for entry in entries {
         let [lower, upper] = bounds[entry.column()];
         if lower == upper {
-            if lower.abs() > LARGEST {
+            if lower.abs() > LARGEST_WHOLE {
                 return true;
             }
             let term = entry.coefficient as i128 * lower as i128;
             let Some(left) = rest.checked_sub(term) else { return true };
             rest = left;
-        } else if count == MOST {
+        } else if count == MAX_OPEN_COLUMNS {
             return true;
         } else {
             open[count] = (entry.column(), entry.coefficient as i128);
@@ -74,7 +72,7 @@ pub(super) fn tighten_residues(
         if modulus == 0 {
             let value = (rest / a) as f64;
             let [lower, upper] = bounds[column];
-            if value.abs() > LARGEST {
+            if value.abs() > LARGEST_WHOLE {
                 return true;
             }
             if value < lower || value > upper {
@@ -88,11 +86,11 @@ pub(super) fn tighten_residues(
         let residue = (rest / shared).rem_euclid(modulus) * inverse.rem_euclid(modulus);
         let residue = residue.rem_euclid(modulus);
         let [lower, upper] = bounds[column];
-        if lower.abs() <= LARGEST {
+        if lower.abs() <= LARGEST_WHOLE {
             let step = (residue - lower as i128).rem_euclid(modulus);
             push(found, column, false, lower as i128, step);
         }
-        if upper.abs() <= LARGEST {
+        if upper.abs() <= LARGEST_WHOLE {
             let step = (upper as i128 - residue).rem_euclid(modulus);
             push(found, column, true, upper as i128, -step);
         }
@@ -102,7 +100,7 @@ pub(super) fn tighten_residues(
 
 fn push(found: &mut Vec<Tightening>, column: usize, is_upper: bool, bound: i128, step: i128) {
     let value = (bound + step) as f64;
-    if step != 0 && value.abs() <= LARGEST {
+    if step != 0 && value.abs() <= LARGEST_WHOLE {
         found.push(Tightening { column, is_upper, value });
     }
 }

@@ -10,30 +10,32 @@ use std::ops::RangeInclusive;
 
 use super::coefficients::{Columns, round_limits, tighten_terms};
 use super::domain::Domain;
-use super::implication_probing::{Bounds, write_changes};
+use super::implication_probing::{ColumnBounds, write_changes};
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
 
-/// Most trials. A trial propagates the rows that it reaches.
-const TRIALS: usize = 4000;
+/// The largest number of trials. A trial propagates the rows that it reaches.
+const MAX_CASE_TRIALS: usize = 4000;
 
-/// Most rounds over all disjunctions, and how many cases a disjunction may have.
-const ROUNDS: usize = 4;
-const CASES: RangeInclusive<usize> = 2..=12;
+/// The largest number of rounds over all disjunctions.
+const MAX_CASE_ROUNDS: usize = 4;
 
-/// Most times that a row is tightened.
-const PASSES: usize = 30;
+/// The numbers of cases of the disjunctions that are tried.
+const CASE_COUNTS: RangeInclusive<usize> = 2..=12;
 
-/// A bound must move by this fraction of the width between the bounds (no unit).
-const GAIN: f64 = 0.01;
+/// The largest number of passes that tighten a row.
+const MAX_ROW_PASSES: usize = 30;
+
+/// The smallest move of a bound that is used, as a fraction of the width between the bounds.
+const MIN_HULL_GAIN: f64 = 0.01;
 
 /// Tightens bounds by covering rows, and big-Ms to match; returns `None` if no bound moves, or if there
 /// is no point.
 ///
 /// Columns and rows keep their numbers, and no point with whole integral columns is lost.
 pub fn tighten_by_disjunctions(program: &Program, token: &StopToken) -> Option<Program> {
-    let disjunctions = covering_rows(program, &CASES);
+    let disjunctions = covering_rows(program, &CASE_COUNTS);
     if disjunctions.is_empty() {
         return None;
     }
@@ -70,7 +72,7 @@ fn tighten_rows(program: &mut Program) -> Option<()> {
         terms.extend(index.iter().copied().zip(values.iter().copied()));
         let finite = own.iter().filter(|limit| limit.is_finite());
         let noise = f64::EPSILON * finite.fold(0.0_f64, |most, limit| most.max(limit.abs()));
-        for _ in 0..PASSES {
+        for _ in 0..MAX_ROW_PASSES {
             if terms.len() < 2 {
                 break;
             }
@@ -120,8 +122,9 @@ fn gain(
     token: &StopToken,
 ) -> Result<usize, Conflict> {
     let (mut gained, mut trials) = (0, 0);
-    let (mut shared, mut changed): (Vec<Bounds>, Vec<Bounds>) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
+    let (mut shared, mut changed): (Vec<ColumnBounds>, Vec<ColumnBounds>) =
+        (Vec::new(), Vec::new());
+    for _ in 0..MAX_CASE_ROUNDS {
         let before = gained;
         for &row in disjunctions {
             let columns = program.row(row).0;
@@ -132,7 +135,7 @@ fn gain(
             shared.clear();
             for &j in columns.iter() {
                 if domain.lower(j) == 1.0 {
-                    // An excluded case has decided for this one; the others say nothing any more.
+                    // Excluding the others has selected this case, so the hull of the others is void.
                     shared.clear();
                     break;
                 }
@@ -140,7 +143,7 @@ fn gain(
                     continue;
                 }
                 trials += 1;
-                if trials > TRIALS || token.is_over() {
+                if trials > MAX_CASE_TRIALS || token.is_over() {
                     return Ok(gained);
                 }
                 let mark = domain.mark();
@@ -161,7 +164,7 @@ fn gain(
                 }
             }
             let mark = domain.mark();
-            for Bounds { column, bounds } in shared.drain(..) {
+            for ColumnBounds { column, bounds } in shared.drain(..) {
                 gained += apply(domain, column, bounds);
             }
             propagator.propagate_since(program, domain, mark)?;
@@ -174,7 +177,7 @@ fn gain(
 }
 
 /// Becomes the hull of the bounds in two cases, for the columns that changed in both.
-fn narrow_to_hull(shared: &mut Vec<Bounds>, other: &[Bounds]) {
+fn narrow_to_hull(shared: &mut Vec<ColumnBounds>, other: &[ColumnBounds]) {
     let mut other = other.iter().peekable();
     shared.retain_mut(|a| {
         while other.next_if(|b| b.column < a.column).is_some() {}
@@ -188,7 +191,7 @@ fn narrow_to_hull(shared: &mut Vec<Bounds>, other: &[Bounds]) {
 fn apply(domain: &mut Domain, column: usize, [lower, upper]: [f64; 2]) -> usize {
     let [old_lower, old_upper] = domain.bounds(column);
     let width = old_upper - old_lower;
-    let worth = |moved: f64| moved > 0.0 && (!width.is_finite() || moved > GAIN * width);
+    let worth = |moved: f64| moved > 0.0 && (!width.is_finite() || moved > MIN_HULL_GAIN * width);
     let mut moved = 0;
     if worth(lower - old_lower) {
         domain.apply(column, false, lower);

@@ -8,20 +8,20 @@ use crate::program::Program;
 pub struct Domain {
     /// Lower and upper bound side by side: propagation nearly always reads both.
     bounds: Vec<[f64; 2]>,
-    trail: Vec<Change>,
+    trail: Vec<TrailEntry>,
     /// The smallest length of the trail since the last call of `undone_to`; `None` before the first call.
     shortest: Option<usize>,
 }
 
 /// One entry of the trail.
 #[derive(Debug, Clone, Copy)]
-struct Change {
+struct TrailEntry {
     old: f64,
     /// Twice the column, plus one for an upper bound.
     bound: u32,
 }
 
-impl Change {
+impl TrailEntry {
     fn column(&self) -> usize {
         self.bound as usize / 2
     }
@@ -79,7 +79,7 @@ impl Domain {
     pub fn apply(&mut self, column: usize, is_upper: bool, value: f64) {
         let old = std::mem::replace(&mut self.bounds[column][usize::from(is_upper)], value);
         let bound = 2 * column as u32 + u32::from(is_upper);
-        self.trail.push(Change { old, bound });
+        self.trail.push(TrailEntry { old, bound });
     }
 
     pub(super) fn all(&self) -> &[[f64; 2]] {

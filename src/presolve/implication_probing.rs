@@ -5,13 +5,13 @@
 //! which propagation often does not find; a table keeps these implications.
 
 use super::domain::Domain;
-use super::implications::{Implications, Noted};
+use super::implications::{Implications, NotedImplications};
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
 
-/// Most implied literals that are noted while the table is made.
-const NOTED: usize = 2_000_000;
+/// The largest number of implied literals that are noted while the table is made.
+const MAX_NOTED_LITERALS: usize = 2_000_000;
 
 /// Probes columns in the given order at both values; `domain` keeps what follows from both
 /// for integral columns.
@@ -19,7 +19,7 @@ const NOTED: usize = 2_000_000;
 /// # Arguments
 ///
 /// * `trials`: most values that are tried.
-/// * `token`: asked before every trial; what is known when it is over is kept.
+/// * `token`: checked before every trial; conclusions until then are kept.
 ///
 /// # Errors
 ///
@@ -32,10 +32,10 @@ pub fn probe_implications(
     mut trials: usize,
     token: &StopToken,
 ) -> Result<Implications, Conflict> {
-    let mut noted = Noted::new(2 * program.column_count());
+    let mut noted = NotedImplications::new(2 * program.column_count());
     let mut sides = [const { Vec::new() }; 2];
     for &j in columns {
-        if trials < 2 || noted.count() > NOTED || token.is_over() {
+        if trials < 2 || noted.count() > MAX_NOTED_LITERALS || token.is_over() {
             break;
         }
         if !is_open(program, domain, j) {
@@ -77,7 +77,7 @@ pub fn probe_implications(
 }
 
 /// Bounds of a column in one branch.
-pub(super) struct Bounds {
+pub(super) struct ColumnBounds {
     pub(super) column: usize,
     pub(super) bounds: [f64; 2],
 }
@@ -87,16 +87,16 @@ fn is_open(program: &Program, domain: &Domain, j: usize) -> bool {
 }
 
 /// Writes the columns that changed since a mark, sorted, with their bounds.
-pub(super) fn write_changes(domain: &Domain, mark: usize, changes: &mut Vec<Bounds>) {
+pub(super) fn write_changes(domain: &Domain, mark: usize, changes: &mut Vec<ColumnBounds>) {
     let columns = domain.changed_since(mark).map(|(j, _)| j);
     changes.clear();
-    changes.extend(columns.map(|column| Bounds { column, bounds: domain.bounds(column) }));
+    changes.extend(columns.map(|column| ColumnBounds { column, bounds: domain.bounds(column) }));
     changes.sort_unstable_by_key(|change| change.column);
     changes.dedup_by_key(|change| change.column);
 }
 
 /// Keeps what holds of integral columns in both branches.
-fn join(program: &Program, domain: &mut Domain, off: &[Bounds], on: &[Bounds]) {
+fn join(program: &Program, domain: &mut Domain, off: &[ColumnBounds], on: &[ColumnBounds]) {
     let (mut p, mut q) = (0, 0);
     while let (Some(a), Some(b)) = (off.get(p), on.get(q)) {
         if a.column == b.column && program.integral[a.column] {

@@ -26,16 +26,16 @@ impl Implications {
 }
 
 /// The implications that probing has found, by literal.
-pub(super) struct Noted {
+pub(super) struct NotedImplications {
     /// By literal, the range of the literals that it implies; `None` if it was not probed.
     ranges: Vec<Option<[usize; 2]>>,
     implied: Vec<usize>,
 }
 
-impl Noted {
+impl NotedImplications {
     /// No implications yet, for so many literals.
     pub(super) fn new(literals: usize) -> Self {
-        Noted { ranges: vec![None; literals], implied: Vec::new() }
+        NotedImplications { ranges: vec![None; literals], implied: Vec::new() }
     }
 
     /// How many implications are noted.

@@ -1,10 +1,10 @@
 //! Parallel rows (or columns): those with entries at the same positions of which one is a multiple
 //! of the other.
 
-/// Relative difference up to which two quotients of coefficients count as equal.
-const PARALLEL: f64 = 1e-13;
+/// The relative difference up to which two quotients of coefficients count as equal.
+const RATIO_TOLERANCE: f64 = 1e-13;
 
-const NONE: usize = usize::MAX;
+const NO_VECTOR: usize = usize::MAX;
 
 /// Vectors by the positions of their entries: a hash table that keeps no copy of the positions.
 #[derive(Debug, Clone, Default)]
@@ -26,7 +26,7 @@ impl Patterns {
     /// Empties the table and makes room for this many vectors.
     pub(super) fn clear(&mut self, count: usize) {
         self.last.clear();
-        self.last.resize((2 * count).next_power_of_two(), NONE);
+        self.last.resize((2 * count).next_power_of_two(), NO_VECTOR);
         self.before.clear();
     }
 
@@ -42,13 +42,13 @@ impl Patterns {
 
     /// The vectors of a bucket, the latest first; their positions may differ.
     pub(super) fn candidates(&self, bucket: usize) -> impl Iterator<Item = usize> + '_ {
-        let vector = |k: usize| (k != NONE).then_some(k);
+        let vector = |k: usize| (k != NO_VECTOR).then_some(k);
         std::iter::successors(vector(self.last[bucket]), move |&k| vector(self.before[k]))
     }
 
     pub(super) fn insert(&mut self, vector: usize, bucket: usize) {
         if self.before.len() <= vector {
-            self.before.resize(vector + 1, NONE);
+            self.before.resize(vector + 1, NO_VECTOR);
         }
         self.before[vector] = std::mem::replace(&mut self.last[bucket], vector);
     }
@@ -58,10 +58,5 @@ impl Patterns {
 pub(super) fn ratio(mut pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
     let (a, b) = pairs.clone().next()?;
     let ratio = a / b;
-    pairs.all(|(a, b)| is_multiple(a, b, ratio)).then_some(ratio)
-}
-
-/// Whether `a = ratio b`, up to rounding.
-pub(super) fn is_multiple(a: f64, b: f64, ratio: f64) -> bool {
-    (a - ratio * b).abs() <= PARALLEL * a.abs()
+    pairs.all(|(a, b)| (a - ratio * b).abs() <= RATIO_TOLERANCE * a.abs()).then_some(ratio)
 }

@@ -18,19 +18,21 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Trials after which a side is judged, the share of successes that is then expected of it (one in so
-/// many), and how often it is tried all the same (every so many visits). On programs of walls no
-/// impact is ever found to be needed, and half of all trials look for one. A share of one in a hundred
-/// left `wall_fuel_60` with twice the time for trials, and other programs the same.
-const JUDGED_AFTER: u32 = 100;
-const EXPECTED: u32 = 30;
-const RARELY: u32 = 8;
+/// The number of trials of a side (the upper or the lower values) after which its success rate counts.
+const MIN_SIDE_TRIALS: u32 = 100;
+
+/// The trials per success that are accepted of a side. With 100, `wall_fuel_60` spends twice the time on
+/// trials, and other programs the same.
+const TRIALS_PER_SUCCESS: u32 = 30;
+
+/// The number of visits after which a side with too few successes is tried again.
+const RETRIAL_INTERVAL: u32 = 8;
 
 /// The rows that earlier trials visited, and the results of these trials.
 #[derive(Debug, Clone)]
 pub(crate) struct ProbingRecord {
     /// By column, the last one of its upper value and of its lower one.
-    trials: Vec<[Trial; 2]>,
+    trials: Vec<[SideTrial; 2]>,
     /// The same for all columns together: trials, and those that found something.
     counts: [(u32, u32); 2],
     visits: u32,
@@ -41,7 +43,7 @@ pub(crate) struct ProbingRecord {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Trial {
+struct SideTrial {
     /// 0 where there was none.
     time: u32,
     visited: Blocks,
@@ -51,7 +53,7 @@ impl ProbingRecord {
     /// A record without trials; `columns` is the number of columns of the program.
     pub(crate) fn new(columns: usize) -> Self {
         ProbingRecord {
-            trials: vec![[Trial::default(); 2]; columns],
+            trials: vec![[SideTrial::default(); 2]; columns],
             counts: [(0, 0); 2],
             visits: 0,
             found: Vec::new(),
@@ -70,15 +72,15 @@ impl ProbingRecord {
         self.tried
     }
 
-    /// Whether a side finds something often enough, or has its turn.
+    /// Whether the success rate of a side is high enough, or its retrial is due.
     fn is_worth(&self, is_upper: bool) -> bool {
         let (trials, found) = self.counts[usize::from(is_upper)];
-        trials < JUDGED_AFTER
-            || u64::from(found) * u64::from(EXPECTED) >= u64::from(trials)
-            || self.visits.is_multiple_of(RARELY)
+        trials < MIN_SIDE_TRIALS
+            || u64::from(found) * u64::from(TRIALS_PER_SUCCESS) >= u64::from(trials)
+            || self.visits.is_multiple_of(RETRIAL_INTERVAL)
     }
 
-    fn note(&mut self, column: usize, is_upper: bool, trial: Trial, found: bool) {
+    fn note(&mut self, column: usize, is_upper: bool, trial: SideTrial, found: bool) {
         let side = usize::from(is_upper);
         self.trials[column][side] = trial;
         self.counts[side].0 += 1;
@@ -86,7 +88,7 @@ impl ProbingRecord {
     }
 }
 
-/// How much is tried.
+/// Limits on the number of trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trials {
     /// The most trials.
@@ -164,7 +166,7 @@ pub(crate) fn probe_again(
                 let value = if is_upper { lower } else { upper };
                 let (trial, visited, time) =
                     propagator.try_bound(program, domain, j, is_upper, value);
-                record.note(j, is_upper, Trial { time, visited }, trial.is_err());
+                record.note(j, is_upper, SideTrial { time, visited }, trial.is_err());
                 if trial.is_err() {
                     idle = 0;
                     let value = if is_upper { upper } else { lower };
@@ -182,7 +184,7 @@ pub(crate) fn probe_again(
 }
 
 impl Propagator {
-    /// Propagates a bound on trial and takes everything back: the outcome, what it looked at, and when.
+    /// Propagates a bound on trial and undoes it. Returns the outcome, the visited blocks and the time.
     fn try_bound(
         &mut self,
         program: &Program,

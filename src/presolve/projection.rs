@@ -13,25 +13,25 @@
 
 use super::reduced::{Reduced, refill};
 
-/// Excess of a side over what the bounds imply up to which it counts as implied; a side dropped
-/// too much only loosens the relaxation (no unit, relative).
-const NEGLIGIBLE: f64 = 1e-8;
+/// The excess of the largest activity over a limit up to which the limit counts as implied, relative. A
+/// limit dropped in error only loosens the relaxation.
+const IMPLIED_EXCESS: f64 = 1e-8;
 
-/// Distance to a whole value, or of a row to its limit, that counts as none (no unit).
-const WHOLE: f64 = 1e-6;
+/// The distance to a whole value, or of a row to its limit, that counts as zero (no unit).
+const BINARY_TOLERANCE: f64 = 1e-6;
 
 /// A reduced program without the binaries that only link two rows.
 #[derive(Debug, Clone)]
 pub struct Projection {
     /// The program without these binaries.
     pub reduced: Reduced,
-    taken: Taken,
+    taken: Removed,
 }
 
 /// The binaries and rows that were taken out.
 #[derive(Debug, Clone, Default)]
-struct Taken {
-    members: Vec<Member>,
+struct Removed {
+    members: Vec<RemovedBinary>,
     /// The covering rows before the projection, over the columns that stay.
     covers: Vec<Inequality>,
     /// The program's rows of these, and their signs.
@@ -59,7 +59,7 @@ impl Terms {
 
 /// A binary that was taken out.
 #[derive(Debug, Clone)]
-struct Member {
+struct RemovedBinary {
     /// Its column in the program.
     column: usize,
     /// Its column before the projection.
@@ -70,18 +70,18 @@ struct Member {
     /// Its coefficient in the covering row, of the other sign.
     help: f64,
     cover: usize,
-    /// The program's row that it makes bind, and by what the multiplier of the sum is multiplied there.
+    /// The program's row that it makes bind, and the factor from the multiplier of the sum to its own.
     hurt_row: (usize, f64),
 }
 
-impl Member {
+impl RemovedBinary {
     /// The value that helps the covering row, and the other one.
     fn values(&self) -> (f64, f64) {
         if self.help < 0.0 { (1.0, 0.0) } else { (0.0, 1.0) }
     }
 }
 
-impl Taken {
+impl Removed {
     fn clear(&mut self) {
         self.members.clear();
         self.covers.clear();
@@ -91,12 +91,12 @@ impl Taken {
 }
 
 impl Projection {
-    /// The program's point that belongs to a point of what is left.
+    /// The program's point that belongs to a point of the projected program.
     pub fn lift(&self, x: &[f64]) -> Vec<f64> {
         let mut point = self.reduced.lift(x);
-        let Taken { members, covers, terms, .. } = &self.taken;
+        let Removed { members, covers, terms, .. } = &self.taken;
         let sum = |row: &Inequality| -> f64 {
-            let terms = terms.of(row).iter().filter(|t| t.0 != NONE);
+            let terms = terms.of(row).iter().filter(|t| t.0 != REMOVED);
             terms.map(|&(k, a)| a * x[k]).sum()
         };
         let mut covered: Vec<f64> = covers.iter().map(sum).collect();
@@ -104,13 +104,14 @@ impl Projection {
             let best = (member.hurt.limit - sum(&member.hurt)) / member.coefficient;
             let (on, idle) = member.values();
             let best = if best.is_finite() { best.clamp(0.0, 1.0) } else { idle };
-            let value = if (best - on).abs() <= WHOLE { on } else { best };
+            let value = if (best - on).abs() <= BINARY_TOLERANCE { on } else { best };
             covered[member.cover] += member.help * if value == on { on } else { idle };
             point[member.column] = value;
         }
         for member in members {
             let limit = covers[member.cover].limit;
-            let satisfied = covered[member.cover] <= limit + WHOLE * limit.abs().max(1.0);
+            let satisfied =
+                covered[member.cover] <= limit + BINARY_TOLERANCE * limit.abs().max(1.0);
             let (on, idle) = member.values();
             if satisfied && point[member.column] != on {
                 point[member.column] = idle;
@@ -119,7 +120,7 @@ impl Projection {
         point
     }
 
-    /// Multipliers in the rows of the program, from those of what is left.
+    /// Multipliers of the program's rows, from those of the projected program.
     ///
     /// # Arguments
     ///
@@ -161,7 +162,7 @@ pub(super) struct Projector {
     open: Vec<bool>,
     /// The first two rows of each open column, and how many there are.
     uses: Vec<([(usize, f64); 2], u32)>,
-    taken: Taken,
+    taken: Removed,
     /// By row: the cover it is, after members were taken out of it.
     cover_of: Vec<usize>,
     replaced: Vec<Option<Inequality>>,
@@ -169,10 +170,10 @@ pub(super) struct Projector {
     /// By column: its position in what is left.
     position: Vec<usize>,
     /// Memory of projections that are no longer needed.
-    spare: Vec<Taken>,
+    spare: Vec<Removed>,
 }
 
-const NONE: usize = usize::MAX;
+const REMOVED: usize = usize::MAX;
 
 impl Projector {
     /// As [`project`].
@@ -188,7 +189,7 @@ impl Projector {
     ) -> Projection {
         self.taken.clear();
         if self.start(&reduced, integral) {
-            // What is taken out closes others.
+            // Taking out a column may make others ineligible.
             for k in 0..reduced.columns.len() {
                 if self.open[k] {
                     self.take_out(&reduced, k);
@@ -196,7 +197,7 @@ impl Projector {
             }
         }
         if self.taken.members.is_empty() {
-            return Projection { reduced, taken: Taken::default() };
+            return Projection { reduced, taken: Removed::default() };
         }
         let mut rest = spare.pop().unwrap_or_default();
         self.write(&reduced, &mut rest);
@@ -232,7 +233,7 @@ impl Projector {
         if !open.contains(&true) {
             return false;
         }
-        refill(uses, n, ([(NONE, 0.0); 2], 0));
+        refill(uses, n, ([(REMOVED, 0.0); 2], 0));
         for row in 0..m {
             let (columns, values) = reduced.rows.vector(row);
             for (&k, &a) in columns.iter().zip(values).filter(|(k, _)| open[**k]) {
@@ -247,7 +248,7 @@ impl Projector {
         if !open.contains(&true) {
             return false;
         }
-        refill(cover_of, m, NONE);
+        refill(cover_of, m, REMOVED);
         refill(replaced, m, None);
         refill(dropped, m, false);
         true
@@ -294,12 +295,12 @@ impl Projector {
         };
         let [hurt, cover] =
             if length(rows[0]) <= length(rows[1]) { rows } else { [rows[1], rows[0]] };
-        if self.cover_of[hurt] != NONE {
+        if self.cover_of[hurt] != REMOVED {
             return None;
         }
         let (mut h, mut sum) = (self.inequality(reduced, hurt)?, self.inequality(reduced, cover)?);
         let c = sum;
-        if self.cover_of[cover] == NONE {
+        if self.cover_of[cover] == REMOVED {
             // The covering row as it was is kept, and taken apart behind itself.
             let terms = &mut self.taken.terms.0;
             sum.range = [c.range[1], terms.len() + c.range[1] - c.range[0]];
@@ -310,12 +311,12 @@ impl Projector {
         if m * help >= 0.0 {
             return None;
         }
-        // Alone, neither row may say anything at the binary's better value for it.
+        // At the value of the binary that relaxes a row, the bounds must imply the row.
         let implied = |row: &Inequality, coefficient: f64| {
             let terms = self.taken.terms.of(row);
             let most: f64 = terms.iter().map(|&(k, a)| most(reduced, k, a)).sum();
             let limit = row.limit - coefficient.min(0.0);
-            most <= limit + NEGLIGIBLE * limit.abs().max(1.0)
+            most <= limit + IMPLIED_EXCESS * limit.abs().max(1.0)
         };
         if !implied(&h, m) || !implied(&sum, help) {
             return None;
@@ -337,17 +338,17 @@ impl Projector {
         if !limit.is_finite() {
             return None;
         }
-        // What the members' rows are about must stay, and a row is used up once.
+        // The columns of a removed binary's row must stay, and a row is combined once.
         terms.of(&h).iter().for_each(|t| self.open[t.0] = false);
         self.open[k] = false;
         self.dropped[hurt] = true;
-        if self.cover_of[cover] == NONE {
+        if self.cover_of[cover] == REMOVED {
             self.cover_of[cover] = self.taken.covers.len();
             self.taken.covers.push(c);
             self.taken.cover_rows.push((origin(reduced, cover), sign(reduced, cover)));
         }
         self.replaced[cover] = Some(Inequality { limit, ..sum });
-        self.taken.members.push(Member {
+        self.taken.members.push(RemovedBinary {
             column: reduced.columns[k],
             position: k,
             hurt: h,
@@ -369,20 +370,20 @@ impl Projector {
         Some(coefficient)
     }
 
-    /// Writes the program over what is left.
+    /// Writes the program over the remaining columns and rows.
     fn write(&mut self, reduced: &Reduced, rest: &mut Reduced) {
-        let Projector { taken: Taken { members, terms, .. }, position, .. } = self;
+        let Projector { taken: Removed { members, terms, .. }, position, .. } = self;
         refill(position, reduced.columns.len(), 0);
-        members.iter().for_each(|member| position[member.position] = NONE);
+        members.iter().for_each(|member| position[member.position] = REMOVED);
         rest.columns.clear();
         for (position, &column) in position.iter_mut().zip(&reduced.columns) {
-            if *position != NONE {
+            if *position != REMOVED {
                 *position = rest.columns.len();
                 rest.columns.push(column);
             }
         }
         let write = |to: &mut Vec<f64>, from: &[f64]| {
-            let kept = from.iter().zip(&*position).filter(|(_, position)| **position != NONE);
+            let kept = from.iter().zip(&*position).filter(|(_, position)| **position != REMOVED);
             to.clear();
             to.extend(kept.map(|(value, _)| value));
         };
@@ -421,7 +422,7 @@ impl Projector {
             rest.origin.push(origin(reduced, row));
         }
         quadratic.clear(rest.columns.len(), reduced.quadratic.index.len());
-        for k in (0..reduced.columns.len()).filter(|&k| position[k] != NONE) {
+        for k in (0..reduced.columns.len()).filter(|&k| position[k] != REMOVED) {
             let (columns, values) = reduced.quadratic.vector(k);
             quadratic.index.extend(columns.iter().map(|&i| position[i]));
             quadratic.value.extend(values);
@@ -434,7 +435,7 @@ impl Projector {
 
 /// The program's row behind a row.
 fn origin(reduced: &Reduced, row: usize) -> usize {
-    reduced.origin.get(row).copied().unwrap_or(NONE)
+    reduced.origin.get(row).copied().unwrap_or(REMOVED)
 }
 
 /// The sign of a one-sided row in the form `terms <= limit`.

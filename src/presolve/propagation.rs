@@ -8,7 +8,7 @@ use super::change_log::{Blocks, ChangeLog};
 use super::congruence::{is_whole_equality, tighten_residues};
 use super::domain::Domain;
 use super::implications::Implications;
-use super::tightening::{Entry, Line, RowState, Tightening, tighten};
+use super::tightening::{Entry, PropagatedRow, RowState, Tightening, tighten};
 use super::worklist::Worklist;
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -34,7 +34,7 @@ pub struct Propagator {
     /// Rows that cannot bind, and the trail position from which on that is so.
     asleep: Vec<(usize, usize)>,
     /// The program's rows, then the linear objective, limited by the cutoff.
-    pub(super) rows: Vec<Line>,
+    pub(super) rows: Vec<PropagatedRow>,
     pub(super) entries: Vec<Entry>,
     uses: Uses,
     found: Vec<Tightening>,
@@ -68,7 +68,12 @@ struct Uses {
 
 impl Uses {
     /// The uses of columns in lines, the last of which is the objective, whose upper limit comes later.
-    fn new(columns: usize, lines: &[Line], entries: &[Entry], change_log: &ChangeLog) -> Self {
+    fn new(
+        columns: usize,
+        lines: &[PropagatedRow],
+        entries: &[Entry],
+        change_log: &ChangeLog,
+    ) -> Self {
         let mut blocks = vec![0; columns];
         for (row, line) in lines.iter().enumerate() {
             for entry in &entries[line.range[0]..line.range[1]] {
@@ -97,7 +102,7 @@ impl Uses {
 }
 
 /// Each bound (twice the column, and 1 for the upper one) with each row to which it can matter.
-fn each_use(lines: &[Line], entries: &[Entry], mut note: impl FnMut(usize, usize)) {
+fn each_use(lines: &[PropagatedRow], entries: &[Entry], mut note: impl FnMut(usize, usize)) {
     for (row, line) in lines.iter().enumerate() {
         let is_objective = row + 1 == lines.len();
         // The least activity meets the upper limit, the largest one the lower limit.
@@ -155,7 +160,7 @@ impl Propagator {
         let entries = terms.filter(|(_, a)| *a != 0.0);
         self.entries.extend(entries.map(|(column, a)| Entry::new(column, a, integral[column])));
         let range = [start, self.entries.len()];
-        let mut line = Line { range, limits, whole_equality: false };
+        let mut line = PropagatedRow { range, limits, whole_equality: false };
         line.whole_equality = is_whole_equality(&line, &self.entries[start..]);
         self.rows.push(line);
     }
@@ -342,7 +347,7 @@ impl Propagator {
         let mut budget = 50 * (program.row_count() + 100);
         while let Some(row) = self.queue.pop() {
             self.status[row] = Status::Idle;
-            let Line { range: [start, end], limits, whole_equality } = self.rows[row];
+            let PropagatedRow { range: [start, end], limits, whole_equality } = self.rows[row];
             if budget == 0 || self.token.spend(1 + end - start) {
                 self.clear();
                 break;

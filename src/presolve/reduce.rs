@@ -9,22 +9,21 @@
 use super::coefficients::is_exact;
 use super::domain::Domain;
 use super::parallel::{Patterns, ratio};
+use super::parameters::{CONTRADICTION, IMPLIED};
 use super::projection::{Projection, Projector};
 use super::reduced::{Compressed, Reduced};
 use crate::program::Program;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// The margin up to which columns count as closed and rows as implied at inner nodes, absolute.
-const NEGLIGIBLE: f64 = 1e-9;
+/// A row over fixed columns is refuted if it is violated by more than this, relative to its largest
+/// term that is not exact, and by more than [`CONTRADICTION`], absolute. Presolve leaves at least this
+/// many digits; exact terms have all of them.
+const ROW_DIGITS: f64 = 1e-10;
 
-/// Bounds or limits crossed by more than this, relative, prove infeasibility.
-const CROSSED: f64 = 1e-8;
-
-/// A row over fixed columns is refuted when it is missed by more than this, relative to its largest
-/// term that is not exact, and by more than [`CROSSED`], absolute: presolve leaves at least this
-/// many digits. Exact terms have all of them: a row over wide integers is missed or not.
-const LOST: f64 = 1e-10;
+/// The largest number of passes over the rows: rows over one column fix columns, which makes more such
+/// rows.
+const MAX_SWEEPS: usize = 3;
 
 /// Reduces a program to a node's domain, leaving integrality aside: a continuous program over the free
 /// columns, possibly none. Returns `None` if bounds and rows contradict each other.
@@ -38,8 +37,8 @@ pub(crate) struct Reducer {
     lower: Vec<f64>,
     upper: Vec<f64>,
     fixed: Vec<bool>,
-    /// How far a fixed column's value may be from the values it could have had: rows it is put into
-    /// are loosened by that much.
+    /// By column, the largest distance of a fixed value from the other values within its narrow bounds.
+    /// Rows that the value is substituted in are loosened accordingly.
     slack: Vec<f64>,
     alive: Vec<usize>,
     /// Columns and rows whose sides are closer together than this, absolute, count as fixed; row sides
@@ -55,7 +54,7 @@ pub(crate) struct Reducer {
     spare: Vec<Reduced>,
 }
 
-struct Contradiction;
+struct Contradictory;
 
 /// Replaces the entries of a vector.
 fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
@@ -66,7 +65,7 @@ fn fill<T>(vector: &mut Vec<T>, values: impl Iterator<Item = T>) {
 impl Reducer {
     /// As [`reduce`](reduce()).
     pub(crate) fn reduce(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
-        self.negligible = NEGLIGIBLE;
+        self.negligible = IMPLIED;
         self.reduce_to(program, domain)
     }
 
@@ -86,7 +85,7 @@ impl Reducer {
         let mut reduced = self.spare.pop().unwrap_or_default();
         match self.build(program, &mut reduced) {
             Ok(()) => Some(reduced),
-            Err(Contradiction) => {
+            Err(Contradictory) => {
                 self.reuse(reduced);
                 None
             }
@@ -109,8 +108,8 @@ impl Reducer {
         self.reuse(reduced);
     }
 
-    /// Finds out what is left of bounds and rows.
-    fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradiction> {
+    /// Tightens bounds by rows over one column, and drops implied rows.
+    fn start(&mut self, program: &Program, domain: &Domain) -> Result<(), Contradictory> {
         let n = program.column_count();
         fill(&mut self.lower, (0..n).map(|j| domain.lower(j)));
         fill(&mut self.upper, (0..n).map(|j| domain.upper(j)));
@@ -120,11 +119,10 @@ impl Reducer {
         fill(&mut self.row_lower, program.row_lower.iter().copied());
         fill(&mut self.row_upper, program.row_upper.iter().copied());
         for j in 0..n {
-            // Fixes what is narrow and refuses what is crossed.
+            // Fixes columns with narrow bounds and refuses crossed ones.
             self.intersect(program, j, f64::NEG_INFINITY, f64::INFINITY)?;
         }
-        // Singleton rows fix columns, which makes more singleton rows; three rounds catch nearly all.
-        for _ in 0..3 {
+        for _ in 0..MAX_SWEEPS {
             if !self.sweep(program)? {
                 break;
             }
@@ -152,7 +150,7 @@ impl Reducer {
     }
 
     /// Drops implied rows and turns singletons into bounds; `true` when a column became fixed.
-    fn sweep(&mut self, program: &Program) -> Result<bool, Contradiction> {
+    fn sweep(&mut self, program: &Program) -> Result<bool, Contradictory> {
         let mut changed = false;
         let mut left = 0;
         for k in 0..self.alive.len() {
@@ -173,8 +171,8 @@ impl Reducer {
                     (free, single) = (free + 1, k);
                 }
             }
-            // A dropped side may be missed by the margin, so it must not grow with a big-M that the
-            // implied row does not have; rounding of the activity is all that grows.
+            // A dropped side may be violated by the margin, so the margin does not grow with a big-M:
+            // it only covers rounding of the activity.
             let margin = self.negligible.max(4.0 * f64::EPSILON * scale);
             if most <= self.row_upper[row] + margin {
                 self.row_upper[row] = f64::INFINITY;
@@ -189,10 +187,10 @@ impl Reducer {
             match free {
                 0 => {
                     let miss = (l - constant).max(constant - u);
-                    if miss > CROSSED + slack
+                    if miss > CONTRADICTION + slack
                         && is_missed(program, row, [l, u], &self.lower, &self.slack)
                     {
-                        return Err(Contradiction);
+                        return Err(Contradictory);
                     }
                 }
                 1 => {
@@ -218,11 +216,11 @@ impl Reducer {
         j: usize,
         lower: f64,
         upper: f64,
-    ) -> Result<(), Contradiction> {
+    ) -> Result<(), Contradictory> {
         let (l, u) = (self.lower[j].max(lower), self.upper[j].min(upper));
         let scale = l.abs().max(u.abs()).max(1.0);
-        if l > u && l - u > CROSSED * scale {
-            return Err(Contradiction);
+        if l > u && l - u > CONTRADICTION * scale {
+            return Err(Contradictory);
         }
         if l > u {
             self.fix_at_middle(j, l, u);
@@ -233,7 +231,7 @@ impl Reducer {
         Ok(())
     }
 
-    fn build(&mut self, program: &Program, reduced: &mut Reduced) -> Result<(), Contradiction> {
+    fn build(&mut self, program: &Program, reduced: &mut Reduced) -> Result<(), Contradictory> {
         let n = program.column_count();
         fill(&mut self.position, (0..n).map(|_| usize::MAX));
         fill(&mut reduced.columns, (0..n).filter(|&j| !self.fixed[j]));
@@ -286,8 +284,8 @@ impl Reducer {
         reduced.offset = constant.value();
     }
 
-    /// How much a column that was fixed inside narrow bounds may lower the objective at the other
-    /// values there; products with columns without bounds left out.
+    /// The amount by which the other values within the narrow bounds of a fixed column may lower the
+    /// objective, without products with columns that have no bounds.
     fn worth_of_slack(&self, program: &Program, j: usize) -> f64 {
         let (rows, entries) = program.quadratic_column(j);
         let reach = |i: usize| self.lower[i].abs().max(self.upper[i].abs());
@@ -297,7 +295,7 @@ impl Reducer {
     }
 
     /// Copies the live rows over the free columns, merging parallel ones.
-    fn collect_rows(&mut self, program: &Program, out: &mut Reduced) -> Result<(), Contradiction> {
+    fn collect_rows(&mut self, program: &Program, out: &mut Reduced) -> Result<(), Contradictory> {
         let (position, seen) = (&self.position, &mut self.patterns);
         seen.clear(self.alive.len());
         let entries = self.alive.iter().map(|&row| program.row(row).0.len()).sum();
@@ -323,15 +321,15 @@ impl Reducer {
                 }
             }
             let (lower, upper) = (self.row_lower[row], self.row_upper[row]);
-            // Of large terms that cancel, rounding is left.
+            // Large terms that cancel leave their rounding.
             let rounding = 4.0 * f64::EPSILON * scale;
             slack += if rounding > self.negligible { rounding } else { 0.0 };
             let mut limits = [lower - constant - slack, upper - constant + slack];
             if out.rows.index.len() == begin {
                 // All its columns became fixed in the last sweep, after the row was looked at.
-                let is_suspect = limits[0].max(-limits[1]) > CROSSED;
+                let is_suspect = limits[0].max(-limits[1]) > CONTRADICTION;
                 if is_suspect && is_missed(program, row, [lower, upper], &self.lower, &self.slack) {
-                    return Err(Contradiction);
+                    return Err(Contradictory);
                 }
                 continue;
             }
@@ -359,8 +357,8 @@ impl Reducer {
             if scale.is_infinite() {
                 continue;
             }
-            if *lower - *upper > CROSSED * scale {
-                return Err(Contradiction);
+            if *lower - *upper > CONTRADICTION * scale {
+                return Err(Contradictory);
             }
             if *upper - *lower <= self.negligible.max(4.0 * f64::EPSILON * scale) {
                 let middle = 0.5 * (*lower + *upper);
@@ -371,11 +369,11 @@ impl Reducer {
     }
 }
 
-/// Whether a row whose columns are all fixed is missed by more than it is not known to.
+/// Whether a row whose columns are all fixed is violated by more than rounding explains.
 ///
 /// # Arguments
 ///
-/// * `values`, `slack`: by column, what it is fixed at and how far that may be off.
+/// * `values`, `slack`: by column, the fixed value and its possible error.
 fn is_missed(
     program: &Program,
     row: usize,
@@ -401,9 +399,9 @@ fn is_missed(
         beyond.value()
     };
     let miss = (-beyond(lower)).max(beyond(upper));
-    // What exact terms miss is no rounding, and not accepted beyond the tolerance.
-    let lost = (LOST * scale).min(tolerance::FEASIBILITY.max(LOST * soft));
-    miss > CROSSED.max(lost) + 4.0 * f64::EPSILON * scale + loosened
+    // Exact terms have no rounding, so their violation counts beyond the tolerance.
+    let lost = (ROW_DIGITS * scale).min(tolerance::FEASIBILITY.max(ROW_DIGITS * soft));
+    miss > CONTRADICTION.max(lost) + 4.0 * f64::EPSILON * scale + loosened
 }
 
 /// A finished row that is parallel to the unfinished one from `begin` on, and the factor between them.

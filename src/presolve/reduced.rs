@@ -19,7 +19,7 @@ pub struct Reduced {
     /// Rows: starts, column indices, values.
     pub rows: Compressed,
     /// The program's row behind each row, `usize::MAX` for rows of other origins: a name by which the
-    /// same row is known at other nodes. Empty if nobody will ask.
+    /// same row is known at other nodes. Empty if it is not needed.
     pub origin: Vec<usize>,
     /// Lower limits of the rows.
     pub row_lower: Vec<f64>,
@@ -29,8 +29,8 @@ pub struct Reduced {
     pub lower: Vec<f64>,
     /// Upper bounds of the columns.
     pub upper: Vec<f64>,
-    /// How steep the objective is along each column, whatever the others do (see
-    /// `Program::steepness`); empty if nothing is known, or if all columns with curvature have bounds.
+    /// By column, a lower bound on the curvature of the objective along it, for any values of the others
+    /// (see `Program::steepness`); empty if none is known, or if all columns with curvature have bounds.
     pub steepness: Vec<f64>,
     /// As in the program; less than 1 counts as 1.
     pub spread: f64,
@@ -74,6 +74,44 @@ impl Compressed {
         self.start.clone_from(&other.start);
         self.index.clone_from(&other.index);
         self.value.clone_from(&other.value);
+    }
+
+    /// No vectors yet, with memory for so many, and for their entries.
+    pub(crate) fn with_capacity(vectors: usize, entries: usize) -> Self {
+        let mut none = Compressed::default();
+        none.clear(vectors, entries);
+        none
+    }
+
+    /// Appends a vector.
+    pub(crate) fn push(&mut self, entries: impl Iterator<Item = (usize, f64)>) {
+        for (k, a) in entries {
+            self.index.push(k);
+            self.value.push(a);
+        }
+        self.start.push(self.index.len());
+    }
+
+    /// Pairs of position and entry of a vector.
+    pub(crate) fn entries(&self, k: usize) -> impl ExactSizeIterator<Item = (usize, f64)> {
+        let range = self.start[k]..self.start[k + 1];
+        self.index[range.clone()].iter().copied().zip(self.value[range].iter().copied())
+    }
+
+    /// The transposed matrix: one vector for each position.
+    pub(crate) fn transposed(&self, positions: usize) -> Compressed {
+        let mut start = vec![0; positions + 1];
+        self.index.iter().for_each(|&k| start[k + 1] += 1);
+        (0..positions).for_each(|k| start[k + 1] += start[k]);
+        let mut next = start.clone();
+        let (mut index, mut value) = (vec![0; self.index.len()], vec![0.0; self.index.len()]);
+        for vector in 0..self.len() {
+            for (k, a) in self.entries(vector) {
+                (index[next[k]], value[next[k]]) = (vector, a);
+                next[k] += 1;
+            }
+        }
+        Compressed { start, index, value }
     }
 
     /// Positions and entries of a vector.

@@ -12,9 +12,9 @@ use super::coefficients::is_exact;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// Rounding of plain sums beyond this, in the row's unit, is avoided by compensated ones: it could hide
-/// that a point is beyond the tolerance.
-const COARSE: f64 = 0.1 * tolerance::FEASIBILITY;
+/// The largest rounding of a plain sum, in the row's unit. Beyond it, sums are compensated: rounding could
+/// hide a violation beyond the tolerance.
+const MAX_PLAIN_ROUNDING: f64 = 0.1 * tolerance::FEASIBILITY;
 
 /// One term of a row; the coefficient is not zero.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +55,7 @@ impl Entry {
 
 /// A row: where its entries are, and its limits.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line {
+pub(super) struct PropagatedRow {
     pub(super) range: [usize; 2],
     pub(super) limits: [f64; 2],
     /// Whether it is an equality over whole numbers.
@@ -166,11 +166,12 @@ fn tighten_binding(
     least_gain: f64,
     found: &mut Vec<Tightening>,
 ) -> RowState {
-    let doubt = Doubt::of(bounds, entries, [row_lower, row_upper]);
-    let exact = (doubt.plain_rounding > COARSE).then(|| Exact::of(bounds, entries));
-    let rounding = if exact.is_some() { doubt.rounding } else { doubt.plain_rounding };
-    let ends = Ends { least, most, exact };
-    let excess = doubt.excess + rounding;
+    let uncertainty = Uncertainty::of(bounds, entries, [row_lower, row_upper]);
+    let exact = (uncertainty.plain_rounding > MAX_PLAIN_ROUNDING)
+        .then(|| CompensatedSums::of(bounds, entries));
+    let rounding = if exact.is_some() { uncertainty.rounding } else { uncertainty.plain_rounding };
+    let ends = RowActivities { least, most, exact };
+    let excess = uncertainty.excess + rounding;
     if (least.infinite == 0 && ends.left(0, row_upper) < -excess)
         || (most.infinite == 0 && ends.left(1, row_lower) > excess)
     {
@@ -199,7 +200,7 @@ fn tighten_binding(
         }
         found.extend(if integral[column] {
             let own = if entry.exact { 0.0 } else { largest_term(entry, bounds) };
-            let slack = whole_slack(entry, value, doubt.soft - own);
+            let slack = whole_slack(entry, value, uncertainty.soft - own);
             whole(bounds[column], column, is_upper, value, slack)
         } else {
             worthwhile(bounds[column], column, is_upper, value, least_gain)
@@ -244,18 +245,18 @@ fn tighten_binding(
 }
 
 /// The uncertainty of a row because of rounding, in its unit.
-struct Doubt {
+struct Uncertainty {
     /// The sum of the largest magnitudes of terms that are not exact, and of a limit that presolve may have
     /// rounded.
     soft: f64,
     /// Accumulated rounding of an activity: of a plain sum, and of a compensated one.
     plain_rounding: f64,
     rounding: f64,
-    /// By how much the row may be missed because of the uncertainty of its soft terms.
+    /// The violation of the row that the uncertainty of its soft terms may cause.
     excess: f64,
 }
 
-impl Doubt {
+impl Uncertainty {
     fn of(bounds: &[[f64; 2]], entries: &[Entry], [lower, upper]: [f64; 2]) -> Self {
         let (mut scale, mut soft, mut all_exact) = (0.0, 0.0, true);
         for entry in entries {
@@ -265,7 +266,7 @@ impl Doubt {
                 (soft, all_exact) = (soft + size, false);
             }
         }
-        let limit = size(lower).max(size(upper));
+        let limit = finite_size(lower).max(finite_size(upper));
         // Presolve leaves equalities the rounding of their limits, and widens other rows by it.
         if lower == upper && !all_exact {
             soft += limit;
@@ -273,10 +274,10 @@ impl Doubt {
         let scale = larger(scale, limit).max(1.0);
         let count = entries.len() as f64;
         let rounding = 1e-15 * soft * count + 64.0 * f64::EPSILON * limit;
-        // What exact terms miss is no rounding, and not accepted beyond the tolerance.
+        // Exact terms have no rounding, so their violation counts beyond the tolerance.
         let missed = tolerance::PROPAGATION_INFEASIBLE * soft;
         let excess = missed.max(tolerance::FEASIBILITY);
-        Doubt {
+        Uncertainty {
             soft,
             plain_rounding: larger(1e-15 * scale * count, rounding),
             rounding,
@@ -289,20 +290,20 @@ impl Doubt {
 #[inline]
 fn largest_term(entry: &Entry, bounds: &[[f64; 2]]) -> f64 {
     let (low, high) = entry.ends(bounds);
-    larger(size(low), size(high))
+    larger(finite_size(low), finite_size(high))
 }
 
 /// Smallest and largest activity, and both in compensated sums where plain ones are too coarse.
-struct Ends {
+struct RowActivities {
     least: Activity,
     most: Activity,
-    exact: Option<Exact>,
+    exact: Option<CompensatedSums>,
 }
 
 /// The finite parts of the smallest and the largest activity, negated.
-struct Exact([Sum; 2]);
+struct CompensatedSums([Sum; 2]);
 
-impl Exact {
+impl CompensatedSums {
     fn of(bounds: &[[f64; 2]], entries: &[Entry]) -> Self {
         let mut sums = [Sum::default(); 2];
         for entry in entries {
@@ -313,15 +314,15 @@ impl Exact {
                 }
             }
         }
-        Exact(sums)
+        CompensatedSums(sums)
     }
 }
 
-impl Ends {
+impl RowActivities {
     /// A limit less the finite part of the smallest activity (0) or the largest one (1).
     fn left(&self, which: usize, limit: f64) -> f64 {
         match &self.exact {
-            Some(Exact(sums)) => {
+            Some(CompensatedSums(sums)) => {
                 let mut left = sums[which];
                 left.add(limit);
                 left.value()
@@ -335,7 +336,7 @@ impl Ends {
     fn room(&self, which: usize, entry: &Entry, bounds: &[[f64; 2]], limit: f64) -> Option<f64> {
         let activity = if which == 0 { &self.least } else { &self.most };
         let bound = entry.bound(bounds, which);
-        let Some(Exact(sums)) = &self.exact else {
+        let Some(CompensatedSums(sums)) = &self.exact else {
             return activity.room(entry.coefficient * bound, limit);
         };
         let mut room = sums[which];
@@ -349,8 +350,8 @@ impl Ends {
     }
 }
 
-/// How far a whole value may be beyond a bound of an integral column and still satisfy the row that gives
-/// the bound: the tolerance of the row, and what its other terms are not known to.
+/// The distance of a whole value beyond a bound of an integral column at which it still satisfies the row
+/// that gives the bound: the tolerance of the row and the uncertainty of its other terms.
 ///
 /// # Arguments
 ///
@@ -364,7 +365,9 @@ fn whole_slack(entry: &Entry, value: f64, rest: f64) -> f64 {
     tolerated + known + own + 4.0 * f64::EPSILON * value.abs()
 }
 
-fn size(value: f64) -> f64 {
+/// The magnitude of a bound or limit; 0 where there is none.
+#[inline]
+pub(super) fn finite_size(value: f64) -> f64 {
     if value.is_finite() { value.abs() } else { 0.0 }
 }
 
@@ -375,8 +378,8 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The bound that a row over one continuous column is, if it is news: to the last digit, because other
-/// rows may multiply whatever is lost.
+/// The bound that a row over one continuous column gives, if it is tighter: to the last digit, because
+/// other rows may multiply the loss.
 fn bound_of_singleton(
     [lower, upper]: [f64; 2],
     entry: &Entry,
@@ -395,7 +398,7 @@ fn bound_of_singleton(
     (news && !is_far).then_some(Tightening { column: entry.column(), is_upper, value })
 }
 
-/// A candidate bound of an integral column: the next whole value, when that is news.
+/// A candidate bound of an integral column: the next whole value, if it is tighter.
 fn whole(
     [lower, upper]: [f64; 2],
     column: usize,

@@ -12,14 +12,14 @@ pub struct Worklist {
     falling: bool,
 }
 
-const BITS: usize = u64::BITS as usize;
+const WORD_BITS: usize = u64::BITS as usize;
 
 impl Worklist {
     /// For so many rows.
     pub fn new(rows: usize) -> Self {
-        let mut levels = vec![vec![0; rows.div_ceil(BITS).max(1)]];
+        let mut levels = vec![vec![0; rows.div_ceil(WORD_BITS).max(1)]];
         while let Some(last) = levels.last().filter(|level| level.len() > 1) {
-            levels.push(vec![0; last.len().div_ceil(BITS)]);
+            levels.push(vec![0; last.len().div_ceil(WORD_BITS)]);
         }
         Worklist { levels, at: 0, falling: false }
     }
@@ -29,30 +29,30 @@ impl Worklist {
     pub fn insert(&mut self, row: usize) {
         let mut k = row;
         for level in &mut self.levels {
-            let word = &mut level[k / BITS];
+            let word = &mut level[k / WORD_BITS];
             let was = *word;
-            *word |= 1 << (k % BITS);
+            *word |= 1 << (k % WORD_BITS);
             if was != 0 {
                 break;
             }
-            k /= BITS;
+            k /= WORD_BITS;
         }
     }
 
     fn remove(&mut self, row: usize) {
         let mut k = row;
         for level in &mut self.levels {
-            let word = &mut level[k / BITS];
-            *word &= !(1 << (k % BITS));
+            let word = &mut level[k / WORD_BITS];
+            *word &= !(1 << (k % WORD_BITS));
             if *word != 0 {
                 break;
             }
-            k /= BITS;
+            k /= WORD_BITS;
         }
     }
 
-    /// Takes the next row of the sweep, which turns where there is none. What is put in once the list
-    /// has been empty begins with a sweep up.
+    /// Takes the next row of the sweep, which turns at its end. After the list was empty, sweeps begin
+    /// upward.
     #[inline]
     pub fn pop(&mut self) -> Option<usize> {
         let found = self.next().or_else(|| {
@@ -80,15 +80,15 @@ impl Worklist {
     fn at_least(&self, row: usize) -> Option<usize> {
         let mut k = row;
         for (depth, level) in self.levels.iter().enumerate() {
-            let rest = level.get(k / BITS)? & (u64::MAX << (k % BITS));
+            let rest = level.get(k / WORD_BITS)? & (u64::MAX << (k % WORD_BITS));
             if rest != 0 {
-                let mut found = k / BITS * BITS + rest.trailing_zeros() as usize;
+                let mut found = k / WORD_BITS * WORD_BITS + rest.trailing_zeros() as usize;
                 for level in self.levels[..depth].iter().rev() {
-                    found = found * BITS + level[found].trailing_zeros() as usize;
+                    found = found * WORD_BITS + level[found].trailing_zeros() as usize;
                 }
                 return Some(found);
             }
-            k = k / BITS + 1;
+            k = k / WORD_BITS + 1;
         }
         None
     }
@@ -96,15 +96,15 @@ impl Worklist {
     fn at_most(&self, row: usize) -> Option<usize> {
         let mut k = row;
         for (depth, level) in self.levels.iter().enumerate() {
-            let rest = level[k / BITS] & (u64::MAX >> (BITS - 1 - k % BITS));
+            let rest = level[k / WORD_BITS] & (u64::MAX >> (WORD_BITS - 1 - k % WORD_BITS));
             if rest != 0 {
-                let mut found = k / BITS * BITS + rest.ilog2() as usize;
+                let mut found = k / WORD_BITS * WORD_BITS + rest.ilog2() as usize;
                 for level in self.levels[..depth].iter().rev() {
-                    found = found * BITS + level[found].ilog2() as usize;
+                    found = found * WORD_BITS + level[found].ilog2() as usize;
                 }
                 return Some(found);
             }
-            k = (k / BITS).checked_sub(1)?;
+            k = (k / WORD_BITS).checked_sub(1)?;
         }
         None
     }

@@ -10,15 +10,15 @@ use faer::{Mat, Side};
 
 use super::Program;
 
-/// Most columns with products whose matrix is factorised.
-const MOST: usize = 200;
+/// The largest number of columns with products whose matrix is factorised.
+const MAX_FACTORISED_COLUMNS: usize = 200;
 
-/// Steepness below this part of the diagonal is not used (no unit).
-const FLAT: f64 = 1e-9;
+/// The smallest steepness that is used, as a part of the diagonal (no unit).
+const MIN_STEEPNESS: f64 = 1e-9;
 
 /// The parts of the diagonal that are tried, as parts of the smallest squared pivot, which no eigenvalue
 /// falls short of by much.
-const PARTS: [f64; 3] = [0.1, 1e-3, 1e-5];
+const DIAGONAL_PARTS: [f64; 3] = [0.1, 1e-3, 1e-5];
 
 impl Program {
     /// `s >= 0` such that `P - diag(s)` is positive semidefinite, one entry a column; 0 where nothing
@@ -59,7 +59,7 @@ fn find(program: &Program) -> Vec<f64> {
 /// A part of the diagonal that may be taken off the matrix of some columns; `None` if there is none.
 fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<f64> {
     let k = columns.len();
-    if k > MOST || columns.iter().any(|&j| diagonal[j] <= 0.0) {
+    if k > MAX_FACTORISED_COLUMNS || columns.iter().any(|&j| diagonal[j] <= 0.0) {
         return None;
     }
     let mut position = vec![usize::MAX; program.column_count()];
@@ -73,7 +73,7 @@ fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<
             matrix[(position[i], c)] += p * scale(i) * scale(j);
         }
     }
-    // What left the range of floats proves nothing.
+    // A result outside the range of floats proves nothing.
     if matrix.col_iter().any(|column| column.iter().any(|entry| !entry.is_finite())) {
         return None;
     }
@@ -87,9 +87,13 @@ fn least_part(program: &Program, columns: &[usize], diagonal: &[f64]) -> Option<
     // (Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.3); twice, for the subtraction.
     let size = k as f64;
     let rounding = 2.0 * size * (size + 2.0) * f64::EPSILON;
-    PARTS.iter().map(|part| part * least).take_while(|part| *part > FLAT).find_map(|part| {
-        let mut rest = matrix.clone();
-        (0..k).for_each(|r| rest[(r, r)] *= 1.0 - part);
-        factor(&rest).map(|_| 0.5 * part - rounding)
-    })
+    DIAGONAL_PARTS
+        .iter()
+        .map(|part| part * least)
+        .take_while(|part| *part > MIN_STEEPNESS)
+        .find_map(|part| {
+            let mut rest = matrix.clone();
+            (0..k).for_each(|r| rest[(r, r)] *= 1.0 - part);
+            factor(&rest).map(|_| 0.5 * part - rounding)
+        })
 }

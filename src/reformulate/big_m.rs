@@ -10,7 +10,7 @@
 //! `reformulate/logic.rs`. For each clause `g1 or g2 or ...` there is one row per side,
 //! `a'x <= u + M (g1 + g2 + ...)`; a plain condition is one clause with one literal.
 
-use super::implied_bounds::LARGE;
+use super::implied_bounds::LARGE_BIG_M;
 use super::linear_program::tidy;
 use super::lowering::Lowering;
 use super::report::{BigMEntry, BigMSource, Side};
@@ -106,7 +106,7 @@ pub(super) fn apply_unless(
     Ok(())
 }
 
-/// How much the bounds allow a side to be violated.
+/// The violation of a side that the bounds allow.
 struct Need {
     /// The largest possible violation, rounded up; infinite if a bound is missing.
     value: f64,
@@ -169,7 +169,7 @@ impl Need {
         let sign = if side == Side::Upper { 1.0 } else { -1.0 };
         let up: Vec<(Variable, f64)> = terms.iter().map(|&(v, a)| (v, sign * a)).collect();
         // Rows together may bound what no bound does, or better than large bounds.
-        if self.unbounded.is_some() || self.by_rows && self.value > LARGE {
+        if self.unbounded.is_some() || self.by_rows && self.value > LARGE_BIG_M {
             let most = tidy(add_up(lowering.most_by_rows(&up), -sign * limit)).max(0.0);
             if most < self.value && most < tolerance::INFINITE {
                 (self.value, self.by_program, self.unbounded) = (most, true, None);

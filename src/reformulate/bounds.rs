@@ -1,7 +1,7 @@
 //! The bounds that Ms are computed from: a variable's own, or implied by rows where it has none.
 
 use super::lowering::Lowering;
-use super::missing_bound::{Reason, reason};
+use super::missing_bound::{BoundReason, reason};
 use crate::error::{Error, ErrorKind};
 use crate::interval::{Interval, add_down, add_up};
 use crate::model::{Affine, Variable};
@@ -111,7 +111,7 @@ impl Lowering<'_> {
             Some(implied) if variable.index() < self.original => {
                 reason(implied, variable, bound == "upper")
             }
-            _ => Reason { chain: String::new(), root: None },
+            _ => BoundReason { chain: String::new(), root: None },
         };
         let remedy = match reason.root {
             Some(root) => format!("{own} or `{}`", self.model.name_of(root)),

@@ -15,35 +15,35 @@ use crate::model::{
 use crate::presolve::{CaseRow, Domain};
 use crate::program::Program;
 
-/// A condition of an indicator fails if up to this many clauses hold.
-const CLAUSES: usize = 8;
+/// The largest number of clauses that are written out for the failure of a condition.
+const MAX_FAILING_CLAUSES: usize = 8;
 
 /// The largest number of values of an integer factor that are cases of their own.
-const VALUES: f64 = 16.0;
+const MAX_FACTOR_VALUES: f64 = 16.0;
 
 /// New bounds of columns.
-pub(super) type Bounds = BTreeMap<usize, [f64; 2]>;
+pub(super) type BoundsByColumn = BTreeMap<usize, [f64; 2]>;
 
 /// Cases of which at least one holds.
 #[derive(Debug, Default)]
-pub(super) struct Cases {
-    cases: Vec<Case>,
+pub(super) struct Alternatives {
+    cases: Vec<Alternative>,
     /// The only column for which all cases are told; all columns if there is none.
     only: Option<usize>,
 }
 
 /// The literal, the rows and the nested cases that hold in one case.
 #[derive(Debug, Default)]
-struct Case {
+struct Alternative {
     when: Option<Literal>,
     rows: Vec<CaseRow>,
-    nested: Vec<Cases>,
+    nested: Vec<Alternatives>,
 }
 
-impl Cases {
+impl Alternatives {
     /// The cases of a model's statements, in its order.
-    pub(super) fn of(model: &Model, domain: &Domain) -> Vec<Cases> {
-        let mut all: Vec<Cases> = model
+    pub(super) fn of(model: &Model, domain: &Domain) -> Vec<Alternatives> {
+        let mut all: Vec<Alternatives> = model
             .functions()
             .filter_map(|function| of_function(model, &function, domain))
             .collect();
@@ -52,12 +52,12 @@ impl Cases {
         binaries.dedup();
         let values = binaries.iter().map(|z| vec![z.off(), z.on()]);
         all.extend(values.chain(covering(model, &rows)).map(|clause| {
-            let case = |literal: &Literal| Case {
+            let case = |literal: &Literal| Alternative {
                 when: Some(*literal),
                 rows: rows.get(literal).cloned().unwrap_or_default(),
                 nested: Vec::new(),
             };
-            Cases { cases: clause.iter().map(case).collect(), only: None }
+            Alternatives { cases: clause.iter().map(case).collect(), only: None }
         }));
         all.extend(model.disjunctions().map(|d| of_terms(model, d.stored_terms())));
         all
@@ -65,8 +65,8 @@ impl Cases {
 
     /// The work of looking at all cases, in terms of their rows.
     pub(super) fn work(&self) -> usize {
-        let of = |case: &Case| {
-            let nested: usize = case.nested.iter().map(Cases::work).sum();
+        let of = |case: &Alternative| {
+            let nested: usize = case.nested.iter().map(Alternatives::work).sum();
             1 + case.rows.iter().map(|row| 1 + row.len()).sum::<usize>() + nested
         };
         self.cases.iter().map(of).sum()
@@ -74,17 +74,17 @@ impl Cases {
 
     /// The bounds that hold in every case and are tighter than the domain's; `None` if no case is
     /// left.
-    pub(super) fn bounds(&self, program: &Program, domain: &mut Domain) -> Option<Bounds> {
-        let mut hull: Option<Bounds> = None;
+    pub(super) fn bounds(&self, program: &Program, domain: &mut Domain) -> Option<BoundsByColumn> {
+        let mut hull: Option<BoundsByColumn> = None;
         for case in &self.cases {
-            // Nothing can be tighter any more, but some case is possible.
-            if hull.as_ref().is_some_and(Bounds::is_empty) {
+            // The hull is empty: no bound gets tighter, and some case is possible.
+            if hull.as_ref().is_some_and(BoundsByColumn::is_empty) {
                 break;
             }
             let mark = domain.mark();
             let found = case.apply(program, domain).map(|()| {
                 let changed = domain.changed_since(mark).map(|(column, _)| column);
-                changed.map(|column| (column, domain.bounds(column))).collect::<Bounds>()
+                changed.map(|column| (column, domain.bounds(column))).collect::<BoundsByColumn>()
             });
             domain.undo_to(mark);
             let Some(found) = found else { continue };
@@ -106,7 +106,7 @@ impl Cases {
     }
 }
 
-impl Case {
+impl Alternative {
     /// Tightens a domain by everything that holds in the case; `None` if that contradicts it.
     fn apply(&self, program: &Program, domain: &mut Domain) -> Option<()> {
         if let Some(literal) = self.when {
@@ -165,7 +165,7 @@ fn conditional_rows(model: &Model) -> BTreeMap<Literal, Vec<CaseRow>> {
             Some(literal) => vec![literal],
             None => {
                 let fails = Formula::of(indicator.condition(), false);
-                let clauses = clauses(&fails, CLAUSES).unwrap_or_default();
+                let clauses = clauses(&fails, MAX_FAILING_CLAUSES).unwrap_or_default();
                 let single = |clause: &Clause| (clause.len() == 1).then(|| !clause[0]);
                 clauses.iter().filter_map(single).collect()
             }
@@ -206,12 +206,12 @@ fn required(formula: &Formula, found: &mut Vec<Clause>) {
         Formula::Count { at_least, of, .. } if *at_least > 0 => {
             found.extend(of.iter().map(Formula::as_literal).collect::<Option<Clause>>());
         }
-        other => found.extend(clauses(other, CLAUSES).unwrap_or_default()),
+        other => found.extend(clauses(other, MAX_FAILING_CLAUSES).unwrap_or_default()),
     }
 }
 
-fn of_terms(model: &Model, terms: &[StoredTerm]) -> Cases {
-    let case = |term: &StoredTerm| Case {
+fn of_terms(model: &Model, terms: &[StoredTerm]) -> Alternatives {
+    let case = |term: &StoredTerm| Alternative {
         when: Some(term.selector),
         rows: term
             .rows
@@ -220,13 +220,16 @@ fn of_terms(model: &Model, terms: &[StoredTerm]) -> Cases {
             .collect(),
         nested: term.nested.iter().map(|inner| of_terms(model, inner)).collect(),
     };
-    Cases { cases: terms.iter().map(case).collect(), only: None }
+    Alternatives { cases: terms.iter().map(case).collect(), only: None }
 }
 
 /// The cases of a function; `None` if rows and bounds tell all that there is.
-fn of_function(model: &Model, function: &FunctionRef<'_>, domain: &Domain) -> Option<Cases> {
+fn of_function(model: &Model, function: &FunctionRef<'_>, domain: &Domain) -> Option<Alternatives> {
     let result = function.result();
-    let equal = |e: &Affine| Case { rows: vec![equation(model, result - e)], ..Case::default() };
+    let equal = |e: &Affine| Alternative {
+        rows: vec![equation(model, result - e)],
+        ..Alternative::default()
+    };
     let (cases, only) = match function.function() {
         Function::Absolute(of) => (vec![equal(of), equal(&-of)], None),
         Function::Maximum(of) | Function::Minimum(of) => (of.iter().map(equal).collect(), None),
@@ -237,8 +240,8 @@ fn of_function(model: &Model, function: &FunctionRef<'_>, domain: &Domain) -> Op
                 case.rows.push(row(model, &[(*factor, 1.0)], Interval::point(value)));
                 case
             };
-            if high - low <= VALUES {
-                let steps = (0..=VALUES as usize).map(|k| low + k as f64);
+            if high - low <= MAX_FACTOR_VALUES {
+                let steps = (0..=MAX_FACTOR_VALUES as usize).map(|k| low + k as f64);
                 (steps.take_while(|value| *value <= high).map(at).collect(), None)
             } else if low.is_finite() && high.is_finite() {
                 // Between both ends, the product lies between theirs; the expression need not.
@@ -250,5 +253,5 @@ fn of_function(model: &Model, function: &FunctionRef<'_>, domain: &Domain) -> Op
         }
         Function::Piecewise { .. } => return None,
     };
-    Some(Cases { cases, only })
+    Some(Alternatives { cases, only })
 }

@@ -8,15 +8,16 @@
 //! that none of the values of integers is lost.
 
 use super::direction::Harm;
-use super::implied_bounds::{LARGEST, loosened};
+use super::implied_bounds::{MAX_IMPLIED_BOUND, loosened};
 use super::linear_program::Maximizer;
 use crate::interval::{Interval, add_up};
 use crate::model::{ConstraintRef, Model, Variable, VariableKind};
+use crate::presolve::UnionFind;
 use crate::tolerance;
 
 /// A node of a network: a row that needs its flows, as `sum of flows in - sum of flows out`.
 struct Node {
-    /// How much may enter and leave here, in the flows' unit; infinite if nothing limits it.
+    /// The largest amounts that enter and leave here, in the flows' unit; infinite without a limit.
     enters: f64,
     leaves: f64,
 }
@@ -46,7 +47,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     let balances: Vec<ConstraintRef<'_>> = model.constraints().filter(is_balance).collect();
     let (arcs, is_arc) = arcs(&balances, &candidates);
     let nodes: Vec<Node> = balances.iter().map(|row| node(model, row, &is_arc, known)).collect();
-    let mut networks = Networks::new(nodes.len());
+    let mut networks = UnionFind::new(nodes.len());
     let variables: Vec<Variable> =
         model.variables().map(|v| v.id()).filter(|v| is_arc[v.index()]).collect();
     for &v in &variables {
@@ -60,12 +61,12 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
         if let Arc { from: Some(node), to: None } | Arc { from: None, to: Some(node) } =
             arcs[v.index()]
         {
-            is_open[networks.of(node)] = true;
+            is_open[networks.root(node)] = true;
         }
     }
     let (mut enters, mut leaves) = (vec![0.0; nodes.len()], vec![0.0; nodes.len()]);
     for (k, node) in nodes.iter().enumerate() {
-        let network = networks.of(k);
+        let network = networks.root(k);
         enters[network] = add_up(enters[network], node.enters);
         leaves[network] = add_up(leaves[network], node.leaves);
     }
@@ -73,9 +74,9 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     for v in variables {
         let lower = known.bounds(v).lower;
         let Arc { from, to } = arcs[v.index()];
-        // What no balance holds is no flow.
+        // A variable without a balance is no flow.
         let Some(node) = from.or(to) else { continue };
-        let network = networks.of(node);
+        let network = networks.root(node);
         // Paths may begin or end outside, but not both.
         let total = match is_open[network] {
             true => add_up(enters[network], leaves[network]),
@@ -83,7 +84,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
         };
         let most = add_up(lower, total * (1.0 + tolerance::PROPAGATION_SLACK));
         let most = most + tolerance::FEASIBILITY;
-        if most <= LARGEST {
+        if most <= MAX_IMPLIED_BOUND {
             found.push((v, most));
         }
     }
@@ -105,7 +106,7 @@ fn candidates(model: &Model, known: &Maximizer<'_>) -> Vec<bool> {
         variable.kind() == VariableKind::Continuous
             && variable.semicontinuous().is_none()
             && !harm.lowering[variable.id().index()]
-            && variable.bounds().lower.abs() < LARGEST
+            && variable.bounds().lower.abs() < MAX_IMPLIED_BOUND
             && bounds.upper.is_infinite()
     });
     candidate.collect()
@@ -140,28 +141,4 @@ fn node(model: &Model, row: &ConstraintRef<'_>, is_arc: &[bool], known: &Maximiz
     }
     let positive = |end: f64| if end.is_nan() { f64::INFINITY } else { end.max(0.0) };
     Node { enters: positive(-net.lower), leaves: positive(net.upper) }
-}
-
-/// Which nodes are connected: each points towards one of its network.
-struct Networks {
-    towards: Vec<usize>,
-}
-
-impl Networks {
-    fn new(nodes: usize) -> Self {
-        Networks { towards: (0..nodes).collect() }
-    }
-
-    fn of(&mut self, mut node: usize) -> usize {
-        while self.towards[node] != node {
-            self.towards[node] = self.towards[self.towards[node]];
-            node = self.towards[node];
-        }
-        node
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.towards[a] = b;
-    }
 }

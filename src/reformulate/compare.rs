@@ -83,7 +83,7 @@ pub fn compare_methods<S: Solver + ?Sized>(
     for method in Method::ALL {
         let lowered: Lowered = lower_by(model, Some(method))?;
         let plain = lowered.model();
-        let relaxed = solver.solve(&plain.with_integrality_relaxed())?;
+        let relaxed = solver.solve(&plain.clone().with_continuous_variables())?;
         entries.push(MethodSize {
             method,
             rows: plain.constraint_count(),

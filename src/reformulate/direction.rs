@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::interval::Interval;
 use crate::model::{Affine, Function, FunctionRef, Model, Variable};
 
-/// How the variable of a function is tied to it in the lowered model.
+/// The relation between a function and its variable in the lowered model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tie {
     /// `w = f`.

@@ -89,7 +89,7 @@ fn undominated<'a>(
     Ok(kept)
 }
 
-/// How much the extremum can exceed one of its expressions, as an entry of the report.
+/// The largest excess of the extremum over one of its expressions, as an entry of the report.
 fn miss(
     expression: &Affine,
     kept: &[&Affine],

@@ -10,7 +10,7 @@
 //! after `x1 = 10 x0`, a miss of 1e-6 is one of 1e-5. So every row and every bound is loosened by
 //! the tolerance *before* propagation, and the bounds hold for all points that are accepted.
 
-use super::cases::{Bounds, Cases};
+use super::cases::{Alternatives, BoundsByColumn};
 use super::circulations::flows;
 use super::linear_program::Maximizer;
 use crate::error::Error;
@@ -23,25 +23,26 @@ use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Implied bounds of a larger magnitude, in the variable's unit, are as good as none: a big-M of this
-/// size switches nothing, and bounds of other variables are not proved beyond it either.
-pub(super) const LARGEST: f64 = tolerance::FREE_RADIUS;
+/// The largest magnitude of an implied bound that is used, in the variable's unit. A larger big-M switches
+/// nothing, and bounds of other variables are not proved beyond it either.
+pub(super) const MAX_IMPLIED_BOUND: f64 = tolerance::FREE_RADIUS;
 
-/// A big-M from implied bounds that is larger than this, in the row's unit, is worth a linear
-/// program: times the tolerance of a binary, it is visible.
-pub(super) const LARGE: f64 = 1e7;
+/// The big-M from implied bounds, in the row's unit, from which a linear program is solved for a smaller
+/// one: times the tolerance of a binary, it is visible.
+pub(super) const LARGE_BIG_M: f64 = 1e7;
 
-/// How far beyond implied bounds to search where they may not hold, as a multiple of their magnitude.
-const BEYOND: f64 = 10.0;
+/// The distance beyond implied bounds up to which points are searched if the bounds may not hold, as a
+/// multiple of their magnitude.
+const SEARCH_FACTOR: f64 = 10.0;
 
-/// The least part of its width that a bound must gain to be taken over from cases.
-const GAIN: f64 = 0.05;
+/// The smallest gain of a bound that is used, as a fraction of the width between the bounds.
+const MIN_CASE_GAIN: f64 = 0.05;
 
-/// How often each term of all cases is looked at, at most.
-const ROUNDS: usize = 100;
+/// The largest number of visits of each term of all cases.
+const MAX_CASE_VISITS: usize = 100;
 
-/// The same, in total.
-const WORK: usize = 100_000_000;
+/// The largest number of visits of all terms together.
+const MAX_CASE_WORK: usize = 100_000_000;
 
 /// The bounds that rows imply for a model's variables.
 pub(super) struct ImpliedBounds<'a> {
@@ -71,7 +72,7 @@ impl<'a> ImpliedBounds<'a> {
         program.spread = tolerance::INFINITE / tolerance::FREE_RADIUS;
         loosen(&mut program, &rows);
         let mut maximizer = Maximizer::over(program, token);
-        let cases = Cases::of(model, maximizer.domain());
+        let cases = Alternatives::of(model, maximizer.domain());
         if !token.is_over() && !maximizer.is_empty() {
             maximizer.narrow(|program, domain, propagator| {
                 go_through(&cases, program, domain, propagator, token)
@@ -103,7 +104,7 @@ impl<'a> ImpliedBounds<'a> {
         }
         let implied = self.implied(variable);
         let end = |own: f64, implied: f64| {
-            if known(own) || implied.abs() > LARGEST { own } else { implied }
+            if known(own) || implied.abs() > MAX_IMPLIED_BOUND { own } else { implied }
         };
         Interval::new(end(own.lower, implied.lower), end(own.upper, implied.upper))
     }
@@ -121,7 +122,7 @@ impl<'a> ImpliedBounds<'a> {
             // Contradictory rows may cross them.
             let [low, high] = [implied.lower.min(implied.upper), implied.upper.max(implied.lower)];
             let finite = |end: f64| if end.is_finite() { end.abs() } else { 0.0 };
-            let room = BEYOND * finite(low).max(finite(high)).max(1.0);
+            let room = SEARCH_FACTOR * finite(low).max(finite(high)).max(1.0);
             let end = |own: f64, implied: f64| if own.is_finite() { own } else { implied };
             Interval::new(end(own.lower, low - room), end(own.upper, high + room))
         };
@@ -129,10 +130,10 @@ impl<'a> ImpliedBounds<'a> {
     }
 
     /// The largest value of an expression over all rows, by a linear program; infinite if there is
-    /// no proof of one below [`LARGEST`].
+    /// no proof of one below [`MAX_IMPLIED_BOUND`].
     pub(super) fn most(&mut self, terms: &[(Variable, f64)]) -> f64 {
         let most = self.maximizer.most(terms, &[]);
-        if most.abs() > LARGEST && most > 0.0 { f64::INFINITY } else { most }
+        if most.abs() > MAX_IMPLIED_BOUND && most > 0.0 { f64::INFINITY } else { most }
     }
 
     /// Looks for missing bounds of a variable by linear programs, and keeps them.
@@ -220,14 +221,14 @@ fn add_row(
 
 /// Goes through all cases, in alternating directions, until nothing moves.
 fn go_through(
-    cases: &[Cases],
+    cases: &[Alternatives],
     program: &Program,
     domain: &mut Domain,
     propagator: &mut Propagator,
     token: &StopToken,
 ) -> bool {
-    let total: usize = cases.iter().map(Cases::work).sum();
-    let mut work = WORK.min(ROUNDS.saturating_mul(total));
+    let total: usize = cases.iter().map(Alternatives::work).sum();
+    let mut work = MAX_CASE_WORK.min(MAX_CASE_VISITS.saturating_mul(total));
     let mut forward = true;
     loop {
         let start = domain.mark();
@@ -254,10 +255,10 @@ fn go_through(
 }
 
 /// Takes over new bounds that gain enough.
-fn take_over(bounds: &Bounds, domain: &mut Domain) {
+fn take_over(bounds: &BoundsByColumn, domain: &mut Domain) {
     for (&column, &[lower, upper]) in bounds {
         let [low, high] = domain.bounds(column);
-        let least = GAIN * (high - low);
+        let least = MIN_CASE_GAIN * (high - low);
         let gains = |gain: f64| gain > 0.0 && (gain.is_infinite() || gain > least);
         if gains(lower - low) {
             domain.set_lower(column, lower);

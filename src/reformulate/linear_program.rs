@@ -16,18 +16,18 @@ use crate::relaxation::{Claim, Ladder, Purpose};
 use crate::solver::{RelaxationMethod, StopToken};
 use crate::tolerance;
 
-/// How much a bound on an expression is raised, relative to its size (at least 1), to cover
+/// The amount by which a bound on an expression is raised, relative to its size (at least 1), to cover
 /// rounding in propagation and reduction.
-const MARGIN: f64 = 1e-9;
+const EXPRESSION_MARGIN: f64 = 1e-9;
 
 /// Ms of at most this magnitude, in the row's unit, become 0, because coefficients like 1e-9 next
 /// to 1 ruin the accuracy of an interior-point method. The error is a hundredth of the default
 /// feasibility tolerance.
-const NEGLIGIBLE: f64 = 1e-8;
+const NEGLIGIBLE_BIG_M: f64 = 1e-8;
 
 /// An M from a linear program, without its numerical noise.
 pub(super) fn tidy(m: f64) -> f64 {
-    if m.abs() <= NEGLIGIBLE { 0.0 } else { m }
+    if m.abs() <= NEGLIGIBLE_BIG_M { 0.0 } else { m }
 }
 
 /// Maximises expressions over one set of rows, bounds and integrality conditions.
@@ -145,7 +145,7 @@ impl<'a> Maximizer<'a> {
         let most = self.most_in_domain(terms, mark);
         self.domain.undo_to(mark);
         // Infinities are unchanged.
-        if most.is_finite() { most + MARGIN * most.abs().max(1.0) } else { most }
+        if most.is_finite() { most + EXPRESSION_MARGIN * most.abs().max(1.0) } else { most }
     }
 
     fn most_in_domain(&mut self, terms: &[(Variable, f64)], mark: usize) -> f64 {

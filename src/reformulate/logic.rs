@@ -22,15 +22,16 @@ use super::lowering::Lowering;
 use crate::error::Error;
 use crate::model::{Formula, Literal, Logic, LogicalConstraintRef, Variable, VariableKind, merge};
 
-/// Up to this many clauses are written out instead of adding an auxiliary variable.
-const CLAUSES: usize = 8;
+/// The largest number of clauses that are written out instead of adding an auxiliary variable.
+const MAX_CLAUSES: usize = 8;
 
-/// Up to this many clauses are written out for the condition of a row, each with its own big-M.
-const CONDITION_CLAUSES: usize = 4;
+/// The largest number of clauses that are written out for the condition of a row, each with its own
+/// big-M.
+const MAX_CONDITION_CLAUSES: usize = 4;
 
 /// The auxiliary binary of a formula, and which directions have rows.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct AuxiliaryBinary {
     variable: Variable,
     /// The binary implies the formula.
     implies: bool,
@@ -73,7 +74,7 @@ impl Lowering<'_> {
             return Ok(vec![vec![!literal]]);
         }
         let fails = Formula::of(condition, false);
-        match clauses(&fails, CONDITION_CLAUSES) {
+        match clauses(&fails, MAX_CONDITION_CLAUSES) {
             Some(clauses) => Ok(clauses),
             None => Ok(vec![vec![!self.part(&fails.negated(), Needed::Implied)?]]),
         }
@@ -113,7 +114,7 @@ impl Lowering<'_> {
         let mut rest: Vec<&Formula> = of.iter().filter(|f| f.as_literal().is_none()).collect();
         // The rows of the body are relaxed by the other members, so the body is the member with
         // most rows.
-        let rows = |f: &Formula| clauses(f, CLAUSES).map_or(usize::MAX, |c| c.len().max(1));
+        let rows = |f: &Formula| clauses(f, MAX_CLAUSES).map_or(usize::MAX, |c| c.len().max(1));
         let Some(body) = (0..rest.len()).max_by_key(|&k| rows(rest[k])) else {
             return self.clause(guard);
         };
@@ -124,7 +125,7 @@ impl Lowering<'_> {
         };
         let mut guards = vec![guard];
         for formula in rest {
-            let limit = CLAUSES / body_rows;
+            let limit = MAX_CLAUSES / body_rows;
             let distributed =
                 clauses(formula, limit).and_then(|clauses| product(&guards, &clauses, limit));
             match distributed {
@@ -147,7 +148,7 @@ impl Lowering<'_> {
             };
         }
         let whole = Formula::Parity { odd, of: of.to_vec() };
-        if let Some(clauses) = clauses(&whole, CLAUSES) {
+        if let Some(clauses) = clauses(&whole, MAX_CLAUSES) {
             return clauses.into_iter().try_for_each(|c| self.clause([guard, &c].concat()));
         }
         if let [first, second] = of {
@@ -169,7 +170,7 @@ impl Lowering<'_> {
         let literals = self.literals(of, Needed::Both)?;
         let small =
             Formula::Parity { odd, of: literals.iter().map(|l| Formula::Literal(*l)).collect() };
-        if let Some(clauses) = clauses(&small, CLAUSES) {
+        if let Some(clauses) = clauses(&small, MAX_CLAUSES) {
             return clauses.into_iter().try_for_each(|c| self.clause([guard, &c].concat()));
         }
         // The sum is odd (or even): sum - 2 pairs = 1 (or 0).
@@ -232,7 +233,7 @@ impl Lowering<'_> {
             Some(part) => *part,
             None => {
                 let variable = self.column("part", VariableKind::Binary, 0.0, 1.0)?;
-                Part { variable, implies: false, implied: false }
+                AuxiliaryBinary { variable, implies: false, implied: false }
             }
         };
         let literal = part.variable.on();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::implied_bounds::ImpliedBounds;
 use super::linear_program::Maximizer;
-use super::logic::Part;
+use super::logic::AuxiliaryBinary;
 use super::report::BigMReport;
 use crate::error::{Error, ErrorKind};
 use crate::model::{Formula, Literal, Model, Name, StoredRow, Variable, VariableKind};
@@ -26,7 +26,7 @@ pub(super) struct Lowering<'a> {
     /// Number of variables of the original model.
     pub(super) original: usize,
     /// Auxiliary binaries of formulas; shared by all statements.
-    pub(super) parts: BTreeMap<Formula, Part>,
+    pub(super) parts: BTreeMap<Formula, AuxiliaryBinary>,
     /// For variables of ordered sets and semi-continuous ones: the condition of being other than 0.
     pub(super) nonzero: BTreeMap<Variable, Literal>,
     /// The statement that is being lowered, and how many names were derived from its name.

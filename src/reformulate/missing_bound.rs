@@ -1,19 +1,19 @@
 //! Why a bound is missing: which row would give it, and what that row lacks.
 
-use super::implied_bounds::{ImpliedBounds, LARGEST};
+use super::implied_bounds::{ImpliedBounds, MAX_IMPLIED_BOUND};
 use crate::model::{ConstraintRef, Variable};
 
 /// The largest number of rows that are named before and after those that are not.
-const NAMED: usize = 2;
+const NAMED_ROWS: usize = 2;
 
 /// The longest chain that is followed.
-const LONGEST: usize = 100;
+const MAX_CHAIN: usize = 100;
 
 /// One of the two bounds of a variable.
-type End = (Variable, bool);
+type MissingBound = (Variable, bool);
 
 /// A missing bound, in words.
-pub(super) struct Reason {
+pub(super) struct BoundReason {
     /// The chain of rows; empty if no row holds the variable.
     pub(super) chain: String,
     /// The variable at the end of the chain, if it is another one.
@@ -21,21 +21,25 @@ pub(super) struct Reason {
 }
 
 /// Why rows give a variable no bound.
-pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: bool) -> Reason {
+pub(super) fn reason(
+    implied: &ImpliedBounds<'_>,
+    variable: Variable,
+    is_upper: bool,
+) -> BoundReason {
     let bounds = implied.implied(variable);
     let end = if is_upper { bounds.upper } else { bounds.lower };
-    if end.is_finite() && end.abs() > LARGEST {
+    if end.is_finite() && end.abs() > MAX_IMPLIED_BOUND {
         let chain = format!(
             " and rows bound it only by {end:.1e}, which is too large for a big-M (at most \
-             {LARGEST:.0e})"
+             {MAX_IMPLIED_BOUND:.0e})"
         );
-        return Reason { chain, root: None };
+        return BoundReason { chain, root: None };
     }
     let name = |v: Variable| format!("`{}`", implied.rows().name_of(v));
     let mut seen = vec![(variable, is_upper)];
     let mut links: Vec<String> = Vec::new();
     let mut at = (variable, is_upper);
-    while links.len() < LONGEST {
+    while links.len() < MAX_CHAIN {
         let Some((row, lacks)) = nearest(implied, at, &seen) else { break };
         let fresh = lacks.iter().copied().find(|end| !seen.contains(end));
         let Some((other, upper)) = fresh else { break };
@@ -50,31 +54,31 @@ pub(super) fn reason(implied: &ImpliedBounds<'_>, variable: Variable, is_upper: 
         seen.push(at);
     }
     if links.is_empty() {
-        return Reason { chain: String::new(), root: None };
+        return BoundReason { chain: String::new(), root: None };
     }
-    if links.len() > 2 * NAMED {
-        let between = NAMED..links.len() - NAMED + 1;
+    if links.len() > 2 * NAMED_ROWS {
+        let between = NAMED_ROWS..links.len() - NAMED_ROWS + 1;
         let skipped = format!("and so on over {} rows", between.len());
         links.splice(between, [skipped]);
     }
     let side = if at.1 { "from above" } else { "from below" };
     let (ending, root) = match nearest(implied, at, &[]) {
-        _ if seen.len() > LONGEST => ("and so on".to_owned(), None),
+        _ if seen.len() > MAX_CHAIN => ("and so on".to_owned(), None),
         None => (format!("which no row bounds {side}"), Some(at.0)),
         // All others need what the chain has already asked for.
         Some(_) => (format!("which no other row bounds {side}"), Some(at.0)),
     };
     let chain = format!(" and rows imply none ({}, {ending})", links.join(", "));
-    Reason { chain, root: root.filter(|root| *root != variable) }
+    BoundReason { chain, root: root.filter(|root| *root != variable) }
 }
 
 /// The row that would give a bound with the fewest other bounds, and those that it lacks. Rows that
 /// lack only bounds already seen come last.
 fn nearest<'a>(
     implied: &'a ImpliedBounds<'_>,
-    end: End,
-    seen: &[End],
-) -> Option<(ConstraintRef<'a>, Vec<End>)> {
+    end: MissingBound,
+    seen: &[MissingBound],
+) -> Option<(ConstraintRef<'a>, Vec<MissingBound>)> {
     let found = implied.rows().constraints().filter_map(|row| {
         let lacks = lacking(implied, &row, end)?;
         Some((row, lacks))
@@ -88,8 +92,8 @@ fn nearest<'a>(
 fn lacking(
     implied: &ImpliedBounds<'_>,
     row: &ConstraintRef<'_>,
-    (variable, is_upper): End,
-) -> Option<Vec<End>> {
+    (variable, is_upper): MissingBound,
+) -> Option<Vec<MissingBound>> {
     let place = row.terms().binary_search_by_key(&variable, |&(v, _)| v).ok()?;
     // An upper bound comes from the upper limit if the coefficient is positive.
     let by_upper = (row.terms()[place].1 > 0.0) == is_upper;

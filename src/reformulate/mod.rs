@@ -19,7 +19,6 @@
 //! # Ok::<(), carom::Error>(())
 //! ```
 
-mod audit;
 mod big_m;
 mod bounds;
 mod cases;
@@ -44,15 +43,14 @@ mod report;
 mod semicontinuous;
 mod sos;
 
-pub use audit::{Audit, Leak};
 pub use compare::{MethodComparison, MethodSize, compare_methods};
 pub use report::{BigMEntry, BigMReport, BigMSource, Share, Side};
 
 use crate::error::{Error, ErrorKind};
 use crate::interval::Interval;
 use crate::model::{Function, Method, Model, Variable};
-use crate::solution::{Outcome, Solution};
-use crate::solver::{Solver, StopToken};
+use crate::solution::{LeafBox, Outcome, Solution};
+use crate::solver::{Solver, StopToken, uninterrupted};
 use direction::Tie;
 use implied_bounds::ImpliedBounds;
 use linear_program::Maximizer;
@@ -65,9 +63,8 @@ pub struct Lowered {
     model: Model,
     report: BigMReport,
     original: usize,
-    /// Number of rows of the original model; they come first.
-    written: usize,
-    relaxed: Vec<(Variable, Function, Tie)>,
+    /// The functions of which only one side became rows.
+    one_sided: Vec<(Variable, Function, Tie)>,
     /// The state of the model that this was made from.
     revision: u64,
 }
@@ -112,8 +109,12 @@ impl Lowered {
         let others = found.pool().iter().skip(1);
         let others = others.map(|best| self.restore(best.point().as_slice()));
         let complete = found.pool().is_complete();
-        let own = |v: Variable| (v.index() < self.original).then_some(v);
-        let leaves = found.leaves().iter().map(|leaf| leaf.mapped(own)).collect();
+        let own = |leaf: &LeafBox| {
+            let mut leaf = leaf.clone();
+            leaf.bounds.retain(|bound| bound.variable.index() < self.original);
+            leaf
+        };
+        let leaves = found.leaves().iter().map(own).collect();
         let solution = Solution::new(model, outcome, feasibility)?.with_leaves(leaves);
         let multipliers = found.multipliers().map(|multipliers| multipliers.of(model));
         let solution = solution.with_pool(model, others, complete, feasibility)?;
@@ -124,13 +125,13 @@ impl Lowered {
     /// auxiliary variables, and moves variables of one-sided functions back onto them, which
     /// neither violates anything nor worsens the objective.
     pub fn restore(&self, values: &[f64]) -> Vec<f64> {
-        restore(self.original, &self.relaxed, values)
+        restore(self.original, &self.one_sided, values)
     }
 
     /// Keeps only what `restore` needs. The rest is as large as the model, and a solve does not
     /// need it.
     pub(crate) fn into_way_back(self) -> WayBack {
-        WayBack { original: self.original, relaxed: self.relaxed }
+        WayBack { original: self.original, one_sided: self.one_sided }
     }
 }
 
@@ -138,39 +139,38 @@ impl Lowered {
 #[derive(Debug)]
 pub(crate) struct WayBack {
     original: usize,
-    relaxed: Vec<(Variable, Function, Tie)>,
+    one_sided: Vec<(Variable, Function, Tie)>,
 }
 
 impl WayBack {
     /// The way back to a model that has only rows.
     pub(crate) fn to_rows(model: &Model) -> Self {
-        WayBack { original: model.variable_count(), relaxed: Vec::new() }
+        WayBack { original: model.variable_count(), one_sided: Vec::new() }
     }
 
     /// Same as [`Lowered::restore`].
     pub(crate) fn restore(&self, values: &[f64]) -> Vec<f64> {
-        restore(self.original, &self.relaxed, values)
+        restore(self.original, &self.one_sided, values)
     }
 }
 
-fn restore(original: usize, relaxed: &[(Variable, Function, Tie)], values: &[f64]) -> Vec<f64> {
+fn restore(original: usize, one_sided: &[(Variable, Function, Tie)], values: &[f64]) -> Vec<f64> {
     let mut values: Vec<f64> = values.iter().take(original).copied().collect();
     if values.len() == original {
-        for (variable, function, tie) in relaxed {
+        for (variable, function, tie) in one_sided {
             direction::restore(*variable, function, *tie, &mut values);
         }
     }
     values
 }
 
-/// Replaces every indicator by big-M rows, with each M from the *current* bounds (of parameters:
-/// from their declared ranges) or, for variables without bounds, from those that rows imply, and every disjunction, logic statement, function, ordered set and
-/// semi-continuous variable by its rows, as the model's
+/// Replaces all statements that are not rows by rows, as the model's
 /// [`Reformulation`](crate::model::Reformulation) asks for.
 ///
-/// If the model pushes the variable of a function only towards its convex (or concave) side, the
-/// function is relaxed to that side and needs neither binaries nor bounds; [`Lowered::restore`]
-/// moves points back.
+/// The M of an indicator comes from the *current* bounds (of parameters: from their declared
+/// ranges) or, for variables without bounds, from those that rows imply. If the model pushes the
+/// variable of a function only towards its convex (or concave) side, only that side becomes rows,
+/// which need neither binaries nor bounds; [`Lowered::restore`] moves points back.
 ///
 /// # Errors
 ///
@@ -183,12 +183,7 @@ pub fn lower(model: &Model) -> Result<Lowered, Error> {
 
 /// As [`lower`], with one method for all disjunctions.
 fn lower_by(model: &Model, method: Option<Method>) -> Result<Lowered, Error> {
-    loop {
-        // The default token never stops.
-        if let Some(lowered) = lower_until(model, method, &StopToken::default())? {
-            return Ok(lowered);
-        }
-    }
+    uninterrupted(|token| lower_until(model, method, token))
 }
 
 /// Lowers a model, with one method for all disjunctions if one is given; `None` if the token is over
@@ -244,7 +239,7 @@ pub(crate) fn is_missing_bound(error: &Error) -> bool {
 }
 
 /// The cost of lowering a statement, in visited entries.
-const STATEMENT: usize = 500;
+const STATEMENT_WORK: usize = 500;
 
 /// A lowered model, and what its rows imply if that was needed.
 type Made<'a> = (Lowered, Option<ImpliedBounds<'a>>);
@@ -256,10 +251,10 @@ fn lower_with<'a>(
     token: &'a StopToken,
 ) -> Result<Option<Made<'a>>, Error> {
     let mut lowering = Lowering::new(model, maximizer, implied, token);
-    let mut relaxed = Vec::new();
+    let mut one_sided = Vec::new();
     for variable in model.variables() {
         let Some(values) = variable.semicontinuous() else { continue };
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         semicontinuous::apply(&variable, values, &mut lowering)?;
@@ -267,41 +262,41 @@ fn lower_with<'a>(
     // Functions come before the rest because they bound their variables, and in this order because later ones
     // depend on earlier ones.
     for (function, tie) in model.functions().zip(direction::ties(model)?) {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         functions::apply(&function, tie, &mut lowering)?;
         if tie != Tie::Exact {
-            relaxed.push((function.result(), function.function().clone(), tie));
+            one_sided.push((function.result(), function.function().clone(), tie));
         }
     }
     for indicator in model.indicators() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         big_m::apply(&indicator, &mut lowering)?;
     }
     for disjunction in model.disjunctions() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         let own = disjunction.method().unwrap_or(model.reformulation().method());
         disjunction::apply(&disjunction, method.unwrap_or(own), &mut lowering)?;
     }
     for statement in model.logical_constraints() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         logic::apply(&statement, &mut lowering)?;
     }
     for set in model.special_ordered_sets() {
-        if token.spend(STATEMENT) {
+        if token.spend(STATEMENT_WORK) {
             return Ok(None);
         }
         sos::apply(&set, &mut lowering)?;
     }
     let Lowering { model: lowered, report, original, implied, .. } = lowering;
-    let (written, revision) = (model.constraint_count(), model.revision());
-    let lowered = Lowered { model: lowered, report, original, written, relaxed, revision };
+    let lowered =
+        Lowered { model: lowered, report, original, one_sided, revision: model.revision() };
     Ok(Some((lowered, implied)))
 }

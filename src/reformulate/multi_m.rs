@@ -53,7 +53,7 @@ fn level(
             lowering.begin(&name);
             for (side, limit) in [(Side::Lower, row.lower), (Side::Upper, row.upper)] {
                 if limit.is_finite() {
-                    relaxed(&name, &row.terms, limit, side, &others, lowering)?;
+                    add_side(&name, &row.terms, limit, side, &others, lowering)?;
                 }
             }
         }
@@ -66,7 +66,7 @@ fn level(
 }
 
 /// Adds one side of a row, with an M for each of the others.
-fn relaxed(
+fn add_side(
     name: &Name,
     terms: &[(Variable, f64)],
     limit: f64,

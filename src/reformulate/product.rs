@@ -11,7 +11,7 @@ use crate::interval::Interval;
 use crate::model::{Affine, Variable, VariableKind};
 
 /// The largest range of an integer factor.
-const WIDEST: f64 = 1000.0;
+const MAX_FACTOR_RANGE: f64 = 1000.0;
 
 /// Adds the rows of `result = factor * of`.
 pub(super) fn apply(
@@ -37,7 +37,7 @@ pub(super) fn apply(
         return binary(result, factor, of, lowering);
     }
     let width = high - low;
-    if width > WIDEST {
+    if width > MAX_FACTOR_RANGE {
         return Err(Error::out_of_range(
             format!(
                 "the range of the integer `{}` in the product `{}`",
@@ -45,7 +45,7 @@ pub(super) fn apply(
                 lowering.statement()
             ),
             width,
-            format!("at most {WIDEST}; tighten its bounds"),
+            format!("at most {MAX_FACTOR_RANGE}; tighten its bounds"),
         ));
     }
     let range = lowering.bounded_range(of)?.hull(Interval::point(0.0));

@@ -25,7 +25,7 @@ impl Side {
     }
 }
 
-/// How one side of an indicator is lowered, and where its M comes from.
+/// The treatment of one side of an indicator, and the origin of its M.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -82,7 +82,7 @@ pub struct BigMEntry {
     pub indicator: String,
     /// The side of its row.
     pub side: Side,
-    /// How the side was treated.
+    /// The treatment of the side.
     pub source: BigMSource,
     /// The M in the lowered row, in the unit of the indicator's row; 0 if there is none.
     pub value: f64,
@@ -143,21 +143,10 @@ impl BigMEntry {
         }
         Ok(())
     }
-
-    /// The reduction of the M by linear programs, as a fraction of the M from bounds alone.
-    pub fn gain(&self) -> f64 {
-        match self.source {
-            BigMSource::LinearProgram if self.needed > 0.0 && self.needed.is_finite() => {
-                (1.0 - self.value / self.needed).max(0.0)
-            }
-            _ => 0.0,
-        }
-    }
 }
 
-/// Every semi-continuous variable and function that needs an M, and then every side of every indicator and of every row of a
-/// disjunction, in the order of the model. A compound condition may need several rows per side,
-/// each with an entry.
+/// Every big-M of a lowered model. A compound condition may need several rows per side, each with an
+/// entry.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BigMReport {
@@ -175,13 +164,6 @@ impl BigMReport {
     /// The entries whose M is used without proof.
     pub fn assumed(&self) -> impl Iterator<Item = &BigMEntry> {
         self.entries.iter().filter(|e| e.source == BigMSource::Assumed)
-    }
-
-    /// The mean [gain](BigMEntry::gain) of linear programs over all rows with an M, as a fraction.
-    pub fn mean_gain(&self) -> f64 {
-        let with_m = self.entries.iter().filter(|e| e.row.is_some() && e.needed > 0.0);
-        let (count, sum) = with_m.fold((0.0, 0.0), |(n, sum), e| (n + 1.0, sum + e.gain()));
-        if count > 0.0 { sum / count } else { 0.0 }
     }
 
     /// The entry with the largest M, if any row has one.

@@ -22,44 +22,71 @@ pub enum Purpose {
     Multipliers,
 }
 
-/// The method that is asked.
+/// The place of a method in the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Who {
-    /// The method that starts from the parent's state, where there is one for the program.
+pub(super) enum Rung {
+    /// The method that starts from the parent's state, where one suits the program.
     Warm,
-    /// The first method: quick, and gives up early.
-    First,
-    /// The last method: slower, and gives up late.
-    Last,
+    /// The method that starts from nothing, is quick, and gives up early.
+    Cold,
+    /// The method that is slower and gives up late.
+    Fallback,
 }
-pub(super) use Who::{First, Last, Warm};
 
-/// An attempt: the method that is asked, the number of iterations, the tolerance, and the number of
-/// refinements.
-pub(super) type Attempt = (Who, u32, f64, u32);
+/// One solve of a program by one method.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Attempt {
+    pub(super) rung: Rung,
+    /// The largest number of iterations: a program that is infeasible by rounding only keeps an
+    /// interior-point method busy without a verdict.
+    pub(super) iterations: u32,
+    /// The tolerance on gap and residuals, relative.
+    pub(super) tolerance: f64,
+    /// The steps of iterative refinement in each linear solve.
+    pub(super) refinements: u32,
+}
 
-/// The attempts of a purpose, in their order. Iterations are capped: a program infeasible by a hair
-/// keeps an interior-point method busy without a verdict.
-pub(super) fn attempts(purpose: Purpose) -> &'static [Attempt] {
+const fn attempt(rung: Rung, iterations: u32, tolerance: f64, refinements: u32) -> Attempt {
+    Attempt { rung, iterations, tolerance, refinements }
+}
+
+/// The attempt at a vertex of a linear program whose bound is doubtful.
+pub(super) const VERTEX: Attempt = attempt(Rung::Warm, 2000, 1e-14, 1);
+
+/// The attempts of a purpose, in their order.
+pub(super) const fn attempts(purpose: Purpose) -> &'static [Attempt] {
+    use Rung::{Cold, Fallback, Warm};
     match purpose {
-        Purpose::Trial => &[(Warm, 500, 1e-9, 1), (First, 30, 1e-5, 1)],
-        Purpose::Root | Purpose::Node => &[
-            (Warm, 2000, 1e-9, 1),
-            (First, 60, 1e-8, 1),
-            (Last, 60, 1e-8, 1),
-            (Last, 200, 1e-9, 10),
-        ],
-        // Other rows may multiply what a corner misses of its bounds.
-        Purpose::Leaf => &[
-            (Warm, 2000, 1e-14, 1),
-            (First, 60, 1e-11, 1),
-            (Last, 60, 1e-8, 1),
-            (Last, 200, 1e-9, 10),
-            (Last, 200, 1e-11, 10),
-        ],
-        Purpose::Separation => &[(First, 60, 1e-8, 1), (Last, 60, 1e-8, 1)],
-        Purpose::Bound => &[(Last, 100, 1e-9, 2)],
-        Purpose::Direction => &[(Last, 200, 1e-9, 10)],
-        Purpose::Multipliers => &[(First, 200, 1e-11, 1), (Last, 200, 1e-11, 10)],
+        Purpose::Trial => const { &[attempt(Warm, 500, 1e-9, 1), attempt(Cold, 30, 1e-5, 1)] },
+        Purpose::Root | Purpose::Node => {
+            const {
+                &[
+                    attempt(Warm, 2000, 1e-9, 1),
+                    attempt(Cold, 60, 1e-8, 1),
+                    attempt(Fallback, 60, 1e-8, 1),
+                    attempt(Fallback, 200, 1e-9, 10),
+                ]
+            }
+        }
+        // Other rows may multiply the amount by which a vertex misses its bounds.
+        Purpose::Leaf => {
+            const {
+                &[
+                    attempt(Warm, 2000, 1e-14, 1),
+                    attempt(Cold, 60, 1e-11, 1),
+                    attempt(Fallback, 60, 1e-8, 1),
+                    attempt(Fallback, 200, 1e-9, 10),
+                    attempt(Fallback, 200, 1e-11, 10),
+                ]
+            }
+        }
+        Purpose::Separation => {
+            const { &[attempt(Cold, 60, 1e-8, 1), attempt(Fallback, 60, 1e-8, 1)] }
+        }
+        Purpose::Bound => const { &[attempt(Fallback, 100, 1e-9, 2)] },
+        Purpose::Direction => const { &[attempt(Fallback, 200, 1e-9, 10)] },
+        Purpose::Multipliers => {
+            const { &[attempt(Cold, 200, 1e-11, 1), attempt(Fallback, 200, 1e-11, 10)] }
+        }
     }
 }

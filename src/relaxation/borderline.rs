@@ -1,30 +1,30 @@
 //! Programs that have a point up to rounding only.
 //!
-//! Limits in decimals, such as `0.1 x + 0.2 y >= 0.3` over `x, y <= 1`, are met by a corner of the box
-//! that misses them by the last digit. Without that point there is none, so that multipliers of 1e18
-//! prove any bound, and methods end anywhere. But the point is within every tolerance, and accepted. A
-//! bound from such multipliers is *blurred*: rounding of the rows' terms moves it visibly.
+//! A corner of the box `x, y <= 1` satisfies `0.1 x + 0.2 y >= 0.3` but for the last digit, and no other
+//! point does. The corner is within every tolerance and accepted, but in floats the program is empty:
+//! multipliers of 1e18 prove any bound, and methods end anywhere. A bound from such multipliers is
+//! *blurred*: rounding of the rows' terms moves it visibly.
 //!
-//! Then the program is solved again with sides and bounds that are a little wider. What that proves holds
-//! for the program as well. If its bound is lower by more than its own multipliers explain, the bound
-//! of the program was one of an empty set, and the wider one counts.
+//! The program is then solved again with slightly wider limits and bounds. A bound on the wider program
+//! holds for the program as well. If it is lower by more than its own multipliers explain, the bound of
+//! the program was that of an empty set, and the wider one counts.
 //!
-//! The same multipliers make much of what an interior-point method leaves of the rows: over ten steps of
-//! `x+ = 10 x`, 1e-9 becomes 10. Such a point is *rough*, and a corner is better.
+//! Large multipliers also magnify the residuals of an interior-point method: over ten steps of
+//! `x+ = 10 x`, 1e-9 becomes 10. Such a point is *rough*, and a vertex is better.
 
 use crate::presolve::Reduced;
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// How much wider bounds and limits become, relative to the magnitudes in them (no unit): what is off by
-/// rounding, and what is off by less than the tolerance.
-pub(super) const WIDER: [f64; 2] = [1e-13, 1e-9];
+/// The amounts by which bounds and limits are widened, relative to the magnitudes in them (no unit): for
+/// violations by rounding, and for violations below the tolerance.
+pub(super) const WIDENINGS: [f64; 2] = [1e-13, 1e-9];
 
-/// A bound that rounding may move by less than this, relative, is not blurred.
-const VISIBLE: f64 = 1e-7;
+/// The smallest move of a bound, or of a value, that is visible, relative.
+const VISIBLE_CHANGE: f64 = 1e-7;
 
-/// How many times what their own multipliers explain two bounds may be apart.
-const EXPLAINED: f64 = 100.0;
+/// The largest distance of two bounds, as a multiple of the distance that multipliers explain.
+const MAX_EXPLAINED_RATIO: f64 = 100.0;
 
 /// The doubts about a bound and a point.
 #[derive(Debug, Clone, Copy, Default)]
@@ -66,11 +66,12 @@ fn effect(program: &Reduced, x: &[f64], y: &[f64], part: f64) -> f64 {
 
 /// Whether rounding of the rows' terms would move a bound visibly.
 pub(super) fn is_blurred(program: &Reduced, x: &[f64], y: &[f64], bound: f64) -> bool {
-    bound.is_finite() && effect(program, x, y, tolerance::ROUNDING) > VISIBLE * bound.abs().max(1.0)
+    bound.is_finite()
+        && effect(program, x, y, tolerance::ROUNDING) > VISIBLE_CHANGE * bound.abs().max(1.0)
 }
 
-/// Whether what a point misses of rows and bounds makes a visible part of its value: multipliers of 1e9
-/// turn rounding into a gain.
+/// Whether the violations of rows and bounds at a point make a visible part of its value: multipliers of
+/// 1e9 turn rounding into a gain.
 pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> bool {
     let miss = |value: f64, lower: f64, upper: f64| (lower - value).max(value - upper).max(0.0);
     let mut slopes = program.linear.clone();
@@ -94,7 +95,7 @@ pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> b
     for (j, slope) in slopes.iter().enumerate() {
         gain += slope.abs() * miss(x[j], program.lower[j], program.upper[j]);
     }
-    gain > VISIBLE * value.abs().max(1.0)
+    gain > VISIBLE_CHANGE * value.abs().max(1.0)
 }
 
 /// Whether two bounds, of a program and of the same one with wider limits, are further apart than the
@@ -102,12 +103,13 @@ pub(super) fn is_rough(program: &Reduced, x: &[f64], y: &[f64], value: f64) -> b
 pub(super) fn is_torn(
     program: &Reduced,
     bounds: [f64; 2],
-    (x, y): (&[f64], &[f64]),
+    x: &[f64],
+    y: &[f64],
     part: f64,
 ) -> bool {
     let [own, wider] = bounds;
-    let rounding = VISIBLE * wider.abs().max(1.0);
-    own - wider > EXPLAINED * effect(program, x, y, part) + rounding
+    let rounding = VISIBLE_CHANGE * wider.abs().max(1.0);
+    own - wider > MAX_EXPLAINED_RATIO * effect(program, x, y, part) + rounding
 }
 
 /// The program with wider bounds, and wider limits but for equations.

@@ -22,22 +22,22 @@ use super::plain_bound::PlainSums;
 use crate::presolve::{Reduced, refill};
 use crate::tolerance;
 
-/// Error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
-const ROUNDING: f64 = 1e-27;
+/// The error of a sum with twice the digits of a float, relative to the sum of its terms' magnitudes.
+const EXTENDED_ROUNDING: f64 = 1e-27;
 
-/// Multipliers below this fraction of the largest one, in the unit of the gradient, probably belong
-/// to inactive rows; gradients below this fraction of their terms are slight.
-const NEGLIGIBLE: f64 = 1e-6;
+/// The fraction of the largest multiplier, in the unit of the gradient, below which a multiplier probably
+/// belongs to an inactive row; and the fraction of its terms below which a gradient is slight.
+const SLIGHT_MULTIPLIER: f64 = 1e-6;
 
-/// Bounds of at least this magnitude turn a slight error of the gradient into a large one of the
-/// bound (no unit).
-const FAR: f64 = 1e6;
+/// The magnitude from which a bound of a column turns a slight error of the gradient into a large error
+/// of the proved bound.
+const FAR_BOUND: f64 = 1e6;
 
 /// The ratio of the radius of a column without bounds to its claimed value, at least (no unit).
-const FURTHER: f64 = 4.0;
+const RADIUS_FACTOR: f64 = 4.0;
 
 /// The largest number of rounds of correction; each gains about ten digits.
-const CORRECTIONS: usize = 8;
+const MAX_CORRECTIONS: usize = 8;
 
 /// Proves bounds, one after the other in the same memory.
 #[derive(Debug, Default)]
@@ -64,7 +64,7 @@ impl Prover {
         if let Some(bound) = self.plain.bound(program, x, &self.y) {
             return bound;
         }
-        let bound = self.pair(program, x).map_or(f64::NEG_INFINITY, Pair::best_bound);
+        let bound = self.pair(program, x).map_or(f64::NEG_INFINITY, PrimalDualPair::best_bound);
         self.blurred = is_blurred(program, x, &self.y, bound);
         bound
     }
@@ -111,7 +111,7 @@ impl Prover {
         }
         let least = 1e-9 * disturbance;
         let bound = self.plain.certificate(program, &self.y);
-        let is_near = |(l, u): (&f64, &f64)| *l >= -FAR && *u <= FAR;
+        let is_near = |(l, u): (&f64, &f64)| *l >= -FAR_BOUND && *u <= FAR_BOUND;
         match bound {
             Some(bound) if bound > least => return true,
             // Without corrections, more digits would prove hardly more.
@@ -120,7 +120,7 @@ impl Prover {
         }
         let x = vec![Extended::default(); program.columns.len()];
         let y = self.y.iter().map(|&v| Extended::from(v)).collect();
-        Pair { program, x, y, objective: false }.best_bound() > least
+        PrimalDualPair { program, x, y, objective: false }.best_bound() > least
     }
 
     /// Takes multipliers, without those of missing limits.
@@ -133,17 +133,17 @@ impl Prover {
     }
 
     /// The pair of a claimed point and the multipliers; `None` if it contains a NaN.
-    fn pair<'a>(&self, program: &'a Reduced, x: &[f64]) -> Option<Pair<'a>> {
+    fn pair<'a>(&self, program: &'a Reduced, x: &[f64]) -> Option<PrimalDualPair<'a>> {
         if x.iter().chain(&self.y).any(|v| !v.is_finite()) {
             return None;
         }
         let extended = |v: &f64| Extended::from(*v);
         let (x, y) = (x.iter().map(extended).collect(), self.y.iter().map(extended).collect());
-        Some(Pair { program, x, y, objective: true })
+        Some(PrimalDualPair { program, x, y, objective: true })
     }
 }
 
-pub(super) struct Pair<'a> {
+pub(super) struct PrimalDualPair<'a> {
     pub(super) program: &'a Reduced,
     pub(super) x: Vec<Extended>,
     pub(super) y: Vec<Extended>,
@@ -160,25 +160,25 @@ pub(super) struct Gradient {
 impl Gradient {
     /// The possible rounding error of an entry.
     fn error(&self, j: usize) -> f64 {
-        ROUNDING * self.size[j]
+        EXTENDED_ROUNDING * self.size[j]
     }
 }
 
 /// A sum and the sum of its terms' magnitudes.
 #[derive(Default)]
-struct Sum {
+struct ExtendedSum {
     value: Extended,
     size: f64,
 }
 
-impl Sum {
+impl ExtendedSum {
     fn add(&mut self, a: Extended, b: Extended) {
         self.value = self.value.plus_product(a, b);
         self.size += (a.high * b.high).abs();
     }
 }
 
-impl Pair<'_> {
+impl PrimalDualPair<'_> {
     fn best_bound(self) -> f64 {
         let gradient = self.gradient();
         let uncorrected = self.bound(&gradient, self.radius());
@@ -189,9 +189,9 @@ impl Pair<'_> {
         // against large ones. The pair is sometimes better without them.
         let size = |i: usize, y: &Extended| y.high.abs() * largest(self.program, i);
         let most = self.y.iter().enumerate().map(|(i, y)| size(i, y)).fold(1.0_f64, f64::max);
-        let mut plain = Pair { x: self.x.clone(), y: self.y.clone(), ..self };
+        let mut plain = PrimalDualPair { x: self.x.clone(), y: self.y.clone(), ..self };
         for (i, y) in plain.y.iter_mut().enumerate() {
-            if size(i, y) <= NEGLIGIBLE * most && !is_equality(self.program, i) {
+            if size(i, y) <= SLIGHT_MULTIPLIER * most && !is_equality(self.program, i) {
                 *y = Extended::default();
             }
         }
@@ -209,20 +209,22 @@ impl Pair<'_> {
         let mut gradient = self.gradient();
         let mut corrected: Vec<usize> = Vec::new();
         let mut correction: Option<Correction> = None;
-        for _ in 0..CORRECTIONS {
+        for _ in 0..MAX_CORRECTIONS {
             let stuck = self.loose_columns(&gradient);
             if stuck.iter().all(|&j| gradient.value[j].high.abs() <= gradient.error(j)) {
                 break;
             }
             // All columns without bounds are corrected together, because correcting one would
             // disturb the others.
-            let free = |j: &usize| self.program.lower[*j] < -FAR && self.program.upper[*j] > FAR;
+            let free = |j: &usize| {
+                self.program.lower[*j] < -FAR_BOUND && self.program.upper[*j] > FAR_BOUND
+            };
             let known = corrected.len();
             corrected.extend(stuck);
             corrected.extend((0..self.x.len()).filter(free));
             corrected.sort_unstable();
             corrected.dedup();
-            // The same columns again: the next digits come from the same factors.
+            // For the same columns, the same factors give the next digits.
             if corrected.len() != known || correction.is_none() {
                 correction = Correction::new(&self, &corrected);
             }
@@ -268,8 +270,8 @@ impl Pair<'_> {
     fn loose_columns(&self, gradient: &Gradient) -> Vec<usize> {
         let pulls = |j: &usize| {
             let (g, error) = (gradient.value[*j].high, gradient.error(*j));
-            let slight = g.abs() <= NEGLIGIBLE * gradient.size[*j];
-            let loose = |bound: f64| bound.is_infinite() || (slight && bound.abs() > FAR);
+            let slight = g.abs() <= SLIGHT_MULTIPLIER * gradient.size[*j];
+            let loose = |bound: f64| bound.is_infinite() || (slight && bound.abs() > FAR_BOUND);
             (g + error > 0.0 && loose(self.program.lower[*j]))
                 || (g - error < 0.0 && loose(self.program.upper[*j]))
         };
@@ -285,8 +287,9 @@ impl Pair<'_> {
         }
         let sides = self.program.lower.iter().zip(&self.program.upper);
         let unbounded = sides.zip(&self.x).filter(|((l, u), _)| l.is_infinite() || u.is_infinite());
-        unbounded
-            .fold(spread * tolerance::FREE_RADIUS, |most, (_, x)| most.max(FURTHER * x.high.abs()))
+        unbounded.fold(spread * tolerance::FREE_RADIUS, |most, (_, x)| {
+            most.max(RADIUS_FACTOR * x.high.abs())
+        })
     }
 
     /// The steepness of a column without the bound that its gradient points to; `None` if it has one or
@@ -302,7 +305,7 @@ impl Pair<'_> {
     /// The bound that the pair proves for points within the radius.
     fn bound(&self, gradient: &Gradient, radius: f64) -> f64 {
         let program = self.program;
-        let mut sum = Sum::default();
+        let mut sum = ExtendedSum::default();
         if self.objective {
             sum.add(program.offset.into(), 1.0.into());
             for j in 0..self.x.len() {
@@ -321,7 +324,7 @@ impl Pair<'_> {
         for j in 0..self.x.len() {
             let (g, error) = (gradient.value[j], gradient.error(j));
             if let Some(steepness) = self.runs_uphill(j, g.high, error) {
-                // As in `plain_bound`, whatever the radius is.
+                // As in `plain_bound`, for any radius.
                 let missed = g.high.abs() * (1.0 + f64::EPSILON) + error;
                 sum.add(g, self.x[j]);
                 sum.add((-error).into(), self.x[j].high.abs().into());
@@ -342,7 +345,7 @@ impl Pair<'_> {
                 sum.add((-error).into(), corner.abs().into());
             }
         }
-        let bound = (sum.value.high - ROUNDING * sum.size).next_down();
+        let bound = (sum.value.high - EXTENDED_ROUNDING * sum.size).next_down();
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
     }
 }

@@ -25,7 +25,7 @@ impl ClarabelRelaxation {
 
 /// The side of a row or column that a conic row represents.
 #[derive(Clone, Copy)]
-enum Source {
+enum ConicSource {
     Equality(usize),
     Upper(usize),
     Lower(usize),
@@ -35,15 +35,8 @@ enum Source {
 
 impl Relaxation for ClarabelRelaxation {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let conic = Conic::of(program);
+        let conic = ConicProgram::of(program);
         let n = program.columns.len();
-        let unknown = || RelaxationResult {
-            claim: Claim::Unknown,
-            x: vec![0.0; n],
-            y: vec![0.0; program.rows.len()],
-            iterations: 0,
-            warm: None,
-        };
         // The library's own time limit ignores the time before its first iteration.
         let token = effort.token;
         let run = || {
@@ -68,10 +61,11 @@ impl Relaxation for ClarabelRelaxation {
             )
             .ok()?;
             // The caller checks the bound; a margin makes it likely to hold.
-            let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0) - program.offset;
+            let enough =
+                effort.cutoff + CONIC_CUTOFF_MARGIN * effort.cutoff.abs().max(1.0) - program.offset;
             let stop = token.clone();
             solver.set_termination_callback(move |info| {
-                let promised = info.cost_dual > enough && info.res_dual < PROMISE;
+                let promised = info.cost_dual > enough && info.res_dual < CONIC_CUTOFF_MARGIN;
                 promised || stop.is_over()
             });
             solver.solve();
@@ -91,14 +85,14 @@ impl Relaxation for ClarabelRelaxation {
                 iterations: u64::from(solution.iterations),
                 warm: None,
             },
-            _ => unknown(),
+            _ => RelaxationResult { x: vec![0.0; n], ..RelaxationResult::nothing(program) },
         }
     }
 }
 
 /// The relative margin by which a dual objective must exceed the cutoff, and the largest dual
 /// residual at which it is considered.
-const PROMISE: f64 = 1e-5;
+const CONIC_CUTOFF_MARGIN: f64 = 1e-5;
 
 /// Measured on relaxations of wall programs: a static regularisation of 1e-10 and a single
 /// refinement step left no anomaly in 2,398 nodes, where the defaults left up to 26; presolve is
@@ -126,16 +120,16 @@ fn row_factor(program: &Reduced, row: usize) -> f64 {
     if usual { 1.0 } else { (-largest.log2().round()).exp2() }
 }
 
-struct Conic {
+struct ConicProgram {
     matrix: CscMatrix<f64>,
     right: Vec<f64>,
     cones: Vec<SupportedConeT<f64>>,
-    sources: Vec<Source>,
+    sources: Vec<ConicSource>,
     /// The scale of each row of the program.
     factors: Vec<f64>,
 }
 
-impl Conic {
+impl ConicProgram {
     fn of(program: &Reduced) -> Self {
         let (mut sources, mut right) = (Vec::new(), Vec::new());
         let mut push = |source, limit: f64| {
@@ -148,16 +142,16 @@ impl Conic {
         let limits = || program.row_lower.iter().zip(&program.row_upper).enumerate();
         let mut equalities = 0;
         for (i, (_, &limit)) in limits().filter(|(_, (l, u))| l == u) {
-            push(Source::Equality(i), limit * factors[i]);
+            push(ConicSource::Equality(i), limit * factors[i]);
             equalities += 1;
         }
         for (i, (&lower, &upper)) in limits().filter(|(_, (l, u))| l != u) {
-            push(Source::Upper(i), upper * factors[i]);
-            push(Source::Lower(i), -lower * factors[i]);
+            push(ConicSource::Upper(i), upper * factors[i]);
+            push(ConicSource::Lower(i), -lower * factors[i]);
         }
         for (j, (&lower, &upper)) in program.lower.iter().zip(&program.upper).enumerate() {
-            push(Source::UpperBound(j), upper);
-            push(Source::LowerBound(j), -lower);
+            push(ConicSource::UpperBound(j), upper);
+            push(ConicSource::LowerBound(j), -lower);
         }
         let inequalities = sources.len() - equalities;
         let mut cones = Vec::new();
@@ -168,7 +162,7 @@ impl Conic {
             cones.push(SupportedConeT::NonnegativeConeT(inequalities));
         }
         let matrix = conic_matrix(program, &sources, &factors);
-        Conic { matrix, right, cones, sources, factors }
+        ConicProgram { matrix, right, cones, sources, factors }
     }
 
     /// Multipliers of the program's rows from conic ones, clipped to their cone.
@@ -176,10 +170,10 @@ impl Conic {
         let mut y = vec![0.0; rows];
         for (source, &z) in self.sources.iter().zip(z) {
             match *source {
-                Source::Equality(i) => y[i] = z * self.factors[i],
-                Source::Upper(i) => y[i] += z.max(0.0) * self.factors[i],
-                Source::Lower(i) => y[i] -= z.max(0.0) * self.factors[i],
-                Source::UpperBound(_) | Source::LowerBound(_) => {}
+                ConicSource::Equality(i) => y[i] = z * self.factors[i],
+                ConicSource::Upper(i) => y[i] += z.max(0.0) * self.factors[i],
+                ConicSource::Lower(i) => y[i] -= z.max(0.0) * self.factors[i],
+                ConicSource::UpperBound(_) | ConicSource::LowerBound(_) => {}
             }
         }
         y
@@ -187,21 +181,21 @@ impl Conic {
 }
 
 /// The conic matrix by columns; going through the conic rows in order keeps every column sorted.
-fn conic_matrix(program: &Reduced, sources: &[Source], factors: &[f64]) -> CscMatrix<f64> {
+fn conic_matrix(program: &Reduced, sources: &[ConicSource], factors: &[f64]) -> CscMatrix<f64> {
     let n = program.columns.len();
     let for_each_entry = |visit: &mut dyn FnMut(usize, usize, f64)| {
         for (k, source) in sources.iter().enumerate() {
             match *source {
-                Source::Equality(i) | Source::Upper(i) => {
+                ConicSource::Equality(i) | ConicSource::Upper(i) => {
                     let (columns, values) = program.rows.vector(i);
                     columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, a * factors[i]));
                 }
-                Source::Lower(i) => {
+                ConicSource::Lower(i) => {
                     let (columns, values) = program.rows.vector(i);
                     columns.iter().zip(values).for_each(|(&j, &a)| visit(j, k, -a * factors[i]));
                 }
-                Source::UpperBound(j) => visit(j, k, 1.0),
-                Source::LowerBound(j) => visit(j, k, -1.0),
+                ConicSource::UpperBound(j) => visit(j, k, 1.0),
+                ConicSource::LowerBound(j) => visit(j, k, -1.0),
             }
         }
     };

@@ -6,14 +6,14 @@
 use faer::Mat;
 use faer::linalg::solvers::{Llt, Solve};
 
-use super::bound::{Gradient, Pair, is_equality, largest};
+use super::bound::{Gradient, PrimalDualPair, is_equality, largest};
 
-/// The largest number of columns that are corrected together.
-const MOST_CORRECTED: usize = 400;
+/// The largest number of columns that are corrected at once.
+const MAX_CORRECTED_COLUMNS: usize = 400;
 
 /// The least entry on the diagonal of a factor of scaled curvature with which it is used alone: the
 /// square root of how flat it may be.
-const FLAT: f64 = 1e-4;
+const MIN_CURVATURE_PIVOT: f64 = 1e-4;
 
 /// A quantity that can be moved to change the gradient.
 #[derive(Debug, Clone, Copy)]
@@ -40,9 +40,9 @@ pub(super) struct Correction {
 impl Correction {
     /// The correction of the given columns; `None` if there are too many or if nothing moves their
     /// gradient.
-    pub(super) fn new(pair: &Pair<'_>, columns: &[usize]) -> Option<Self> {
+    pub(super) fn new(pair: &PrimalDualPair<'_>, columns: &[usize]) -> Option<Self> {
         let k = columns.len();
-        if k == 0 || k > MOST_CORRECTED {
+        if k == 0 || k > MAX_CORRECTED_COLUMNS {
             return None;
         }
         if let Some(correction) = Correction::by_curvature(pair, columns) {
@@ -67,7 +67,7 @@ impl Correction {
     }
 
     /// The correction by the columns' own curvature; `None` if that is flat somewhere.
-    fn by_curvature(pair: &Pair<'_>, columns: &[usize]) -> Option<Self> {
+    fn by_curvature(pair: &PrimalDualPair<'_>, columns: &[usize]) -> Option<Self> {
         let k = columns.len();
         let mut position = vec![usize::MAX; pair.x.len()];
         columns.iter().enumerate().for_each(|(r, &j)| position[j] = r);
@@ -89,13 +89,13 @@ impl Correction {
             (0..k).for_each(|r| curvature[(r, c)] *= units[r] * units[c]);
         }
         let factor = curvature.llt(faer::Side::Lower).ok()?;
-        let steep = (0..k).all(|r| factor.L()[(r, r)] >= FLAT);
+        let steep = (0..k).all(|r| factor.L()[(r, r)] >= MIN_CURVATURE_PIVOT);
         let columns = columns.to_vec();
         steep.then(|| Correction { columns, units, levers: Vec::new(), factor })
     }
 
     /// Moves the pair; `false` if the step is not finite.
-    pub(super) fn apply(&self, pair: &mut Pair<'_>, gradient: &Gradient) -> bool {
+    pub(super) fn apply(&self, pair: &mut PrimalDualPair<'_>, gradient: &Gradient) -> bool {
         let entry = |r: usize, _| -gradient.value[self.columns[r]].high * self.units[r];
         let multiplier = self.factor.solve(&Mat::from_fn(self.columns.len(), 1, entry));
         if self.levers.is_empty() {
@@ -129,7 +129,7 @@ impl Correction {
 }
 
 /// Each change of one entry of `x̂` or `y` moves the gradient along one of these.
-fn levers(pair: &Pair<'_>, columns: &[usize]) -> Vec<Weighted> {
+fn levers(pair: &PrimalDualPair<'_>, columns: &[usize]) -> Vec<Weighted> {
     let (program, k) = (pair.program, columns.len());
     let mut position = vec![usize::MAX; pair.x.len()];
     columns.iter().enumerate().for_each(|(r, &j)| position[j] = r);

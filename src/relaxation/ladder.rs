@@ -1,20 +1,20 @@
-//! Which method is asked, how hard, and who is asked next: the ladder of attempts.
+//! The ladder of attempts: which method solves a program, how accurately, and which one follows if the
+//! result is not good enough.
 //!
-//! An attempt is a method with a number of iterations, a tolerance and a number of refinements. The
-//! attempts of each [`Purpose`] stand in one table, `attempts.rs`; the methods in another,
-//! [`Entry::of`], where a new one needs one line. Nothing else in the crate names a method.
+//! `attempts.rs` lists the attempts of each [`Purpose`], and [`Method::of`] the methods. No other part of
+//! the crate names a method.
 
 use web_time::{Duration, Instant};
 
 use super::active_set::ActiveSet;
-use super::attempts::{Attempt, First, Last, Purpose, Warm, attempts};
-use super::borderline::{Doubt, WIDER, is_torn, widened};
+use super::attempts::{Attempt, Purpose, Rung, VERTEX, attempts};
+use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
 use super::record::Record;
 use super::simplex::DualSimplex;
-use super::verdict::{Known, Question, Step, Verdict};
+use super::verdict::{Findings, Outcome, Question, Verdict};
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use super::{Prover, polish};
 use crate::presolve::{Domain, Reduced, Reducer};
@@ -22,34 +22,53 @@ use crate::program::Program;
 use crate::solution::{RelaxationCounts, Statistics};
 use crate::solver::{RelaxationMethod, StopToken};
 
-/// Where the methods that start from a state stand.
-const ACTIVE_SET: usize = 0;
-const SIMPLEX: usize = 1;
+/// The methods that start from a state: for dense programs with curvature, and for linear ones.
+#[derive(Debug, Clone, Copy)]
+enum WarmMethod {
+    ActiveSet,
+    Simplex,
+}
 
-/// Where the first method's record stands, after theirs.
-const FIRST: usize = 2;
+/// The position of the cold method's record, behind those of the warm methods.
+const COLD_RECORD: usize = 2;
 
-/// The attempt at a corner of a program whose bound is blurred.
-const CORNER: Attempt = (Warm, 2000, 1e-14, 1);
+/// The part of a solve that is the same for all attempts.
+struct Request<'a> {
+    purpose: Purpose,
+    /// The method for attempts of the warm rung.
+    warm_method: Option<WarmMethod>,
+    /// The state that the parent's relaxation left.
+    warm: Option<&'a WarmState>,
+    /// A proved bound of at least this ends the solve; infinite for a complete solve.
+    cutoff: f64,
+    token: &'a StopToken,
+}
 
-/// A method, where it is counted, and for what it is given the parent's state.
-struct Entry {
+impl<'a> Request<'a> {
+    /// A complete solve that starts from nothing.
+    fn complete(purpose: Purpose, token: &'a StopToken) -> Self {
+        Request { purpose, warm_method: None, warm: None, cutoff: f64::INFINITY, token }
+    }
+}
+
+/// A method, its counter, and the purposes for which it gets the parent's state.
+struct Method {
     method: Box<dyn Relaxation>,
     starts_warm: fn(Purpose) -> bool,
     count: fn(&mut RelaxationCounts) -> &mut u64,
 }
 
-impl Entry {
+impl Method {
     fn of(method: RelaxationMethod) -> Self {
         match method {
-            RelaxationMethod::ActiveSet | RelaxationMethod::InteriorPoint => Entry {
+            RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => Method {
                 method: Box::new(InteriorPoint::new()),
-                // Its point is deeper inside the face of optima if it starts from nothing, which matters
-                // where the search goes on from it.
+                // From nothing it ends deeper inside the face of optima, which is better if the search
+                // continues from that point.
                 starts_warm: |purpose| matches!(purpose, Purpose::Trial | Purpose::Separation),
                 count: |counts| &mut counts.interior_point,
             },
-            RelaxationMethod::Clarabel => Entry {
+            RelaxationMethod::Clarabel => Method {
                 method: Box::new(ClarabelRelaxation::new()),
                 starts_warm: |_| true,
                 count: |counts| &mut counts.clarabel,
@@ -58,7 +77,7 @@ impl Entry {
     }
 }
 
-/// The attempts, iterations and time that a ladder has taken since it was last asked.
+/// The attempts, iterations and time of a ladder since they were last taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spent {
     /// Attempts by method.
@@ -78,31 +97,14 @@ impl Spent {
     }
 }
 
-/// The contents of [`Verdict::Relaxed`].
-struct Relaxed {
-    bound: f64,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    converged: bool,
-    warm: Option<WarmState>,
-}
-
-impl Relaxed {
-    fn into_verdict(self) -> Verdict {
-        let Relaxed { bound, x, y, converged, warm } = self;
-        Verdict::Relaxed { bound, x, y, converged, warm }
-    }
-}
-
 /// The methods of a search, the memory that they work in, and what they have taken.
 pub struct Ladder {
-    /// Those that start from the parent's state, none or all: for dense programs with curvature, and
-    /// for linear ones.
-    warm: Vec<Entry>,
-    first: Entry,
-    /// `None` if the first method is alone.
-    last: Option<Entry>,
-    /// The records of the methods that start from a state, and of the first one.
+    /// By [`WarmMethod`]; `None` if no method starts from a state.
+    warm: Option<[Method; 2]>,
+    cold: Method,
+    /// `None` if the cold method is alone.
+    fallback: Option<Method>,
+    /// The records of the warm methods, and of the cold one.
     records: [Record; 3],
     spent: Spent,
     prover: Prover,
@@ -112,34 +114,34 @@ pub struct Ladder {
 impl Ladder {
     /// The ladder of a choice.
     pub fn new(choice: RelaxationMethod) -> Self {
-        let last = RelaxationMethod::Clarabel;
-        let last = (choice != last).then(|| Entry::of(last));
-        let methods: Vec<Box<dyn Relaxation>> = match choice {
-            RelaxationMethod::ActiveSet => {
-                vec![Box::new(ActiveSet::new()), Box::new(DualSimplex::new())]
-            }
-            _ => Vec::new(),
-        };
-        let entry = |method| Entry {
-            method,
-            starts_warm: |_| true,
-            count: |counts| &mut counts.active_set,
-        };
-        let warm = methods.into_iter().map(entry).collect();
-        let first = Entry::of(choice);
-        Ladder::of(warm, first, last)
+        let fallback = RelaxationMethod::Clarabel;
+        let fallback = (choice != fallback).then(|| Method::of(fallback));
+        let warm = (choice == RelaxationMethod::Automatic).then(|| {
+            [
+                Method {
+                    method: Box::new(ActiveSet::new()),
+                    starts_warm: |_| true,
+                    count: |counts| &mut counts.active_set,
+                },
+                Method {
+                    method: Box::new(DualSimplex::new()),
+                    starts_warm: |_| true,
+                    count: |counts| &mut counts.dual_simplex,
+                },
+            ]
+        });
+        Ladder::of(warm, Method::of(choice), fallback)
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
-        let first = Entry { method, starts_warm: |_| true, count };
-        Ladder::of(Vec::new(), first, None)
+        Ladder::of(None, Method { method, starts_warm: |_| true, count }, None)
     }
 
-    fn of(warm: Vec<Entry>, first: Entry, last: Option<Entry>) -> Self {
+    fn of(warm: Option<[Method; 2]>, cold: Method, fallback: Option<Method>) -> Self {
         let (records, spent, prover, reducer) = Default::default();
-        Ladder { warm, first, last, records, spent, prover, reducer }
+        Ladder { warm, cold, fallback, records, spent, prover, reducer }
     }
 
     /// Proves bounds, in the memory that the ladder has for that.
@@ -147,18 +149,18 @@ impl Ladder {
         &mut self.prover
     }
 
-    /// Reduces the programs that it is asked about, in the memory that the ladder has for that.
+    /// Reduces programs, in the memory that the ladder has for that.
     pub(crate) fn reducer(&mut self) -> &mut Reducer {
         &mut self.reducer
     }
 
     /// Reduces the program of a leaf, whose point may become the answer. Where the dual simplex method
-    /// suits, only rounding is dropped, because other rows may multiply what a dropped row leaves open:
-    /// corners need no interior.
+    /// suits, only rounding is dropped, because other rows may multiply the freedom that a dropped row
+    /// leaves. A vertex needs no interior.
     pub(crate) fn reduce_leaf(&mut self, program: &Program, domain: &Domain) -> Option<Reduced> {
         let is_linear = program.quadratic.compute_nnz() == 0;
-        let has_corner = self.warm.len() > SIMPLEX && DualSimplex::suits_costs(&program.linear);
-        match is_linear && has_corner {
+        let has_vertex = self.warm.is_some() && DualSimplex::suits_costs(&program.linear);
+        match is_linear && has_vertex {
             true => self.reducer.reduce_strictly(program, domain),
             false => self.reducer.reduce(program, domain),
         }
@@ -169,38 +171,39 @@ impl Ladder {
         std::mem::take(&mut self.spent)
     }
 
-    /// The attempts of a purpose at a program. A method that is alone is not asked twice for the
-    /// same.
-    fn attempts(&self, purpose: Purpose, warm: Option<usize>) -> &'static [Attempt] {
+    /// The attempts of a purpose at a program. A method that is alone makes the more thorough attempts
+    /// only.
+    fn attempts(&self, purpose: Purpose, warm: Option<WarmMethod>) -> &'static [Attempt] {
         let all = attempts(purpose);
         let others = match all {
-            [(Warm, ..), ..] if warm.is_some() => return all,
-            [(Warm, ..), others @ ..] => others,
+            [Attempt { rung: Rung::Warm, .. }, ..] if warm.is_some() => return all,
+            [Attempt { rung: Rung::Warm, .. }, others @ ..] => others,
             all => all,
         };
         match others {
-            [_, rest @ ..] if self.last.is_none() && !rest.is_empty() => rest,
+            [_, rest @ ..] if self.fallback.is_none() && !rest.is_empty() => rest,
             all => all,
         }
     }
 
-    /// Which of the methods that start from a state is for a program. Without a state the dual
-    /// simplex method is for roots, and for leaves, which are reduced for it.
-    fn warm_method(&self, program: &Reduced, question: &Question<'_>) -> Option<usize> {
-        let cold = matches!(question.purpose, Purpose::Root | Purpose::Leaf);
-        let starts = question.warm.is_some() || cold;
-        let mut suits = [false; 2];
-        suits[ACTIVE_SET] = ActiveSet::suits(program);
-        suits[SIMPLEX] = starts && DualSimplex::suits(program);
-        (0..self.warm.len()).find(|&k| suits[k])
+    /// The method that starts from a state and suits a program. Without a state the dual simplex method
+    /// solves roots, and leaves, which are reduced for it.
+    fn warm_method(&self, program: &Reduced, question: &Question<'_>) -> Option<WarmMethod> {
+        self.warm.as_ref()?;
+        let is_cold_start = matches!(question.purpose, Purpose::Root | Purpose::Leaf);
+        if ActiveSet::suits(program) {
+            return Some(WarmMethod::ActiveSet);
+        }
+        let starts = question.warm.is_some() || is_cold_start;
+        (starts && DualSimplex::suits(program)).then_some(WarmMethod::Simplex)
     }
 
     /// Whether a method for a program starts from its parent's state.
     pub fn starts_warm(&self, program: &Reduced) -> bool {
-        !self.warm.is_empty() && (ActiveSet::suits(program) || DualSimplex::suits(program))
+        self.warm.is_some() && (ActiveSet::suits(program) || DualSimplex::suits(program))
     }
 
-    /// Takes back what a verdict said, for its memory.
+    /// Takes back the vectors of a verdict, for their memory.
     pub(crate) fn reuse(&mut self, verdict: Verdict) {
         let (x, y, warm) = match verdict {
             Verdict::Relaxed { x, y, warm, .. } => (x, y, warm),
@@ -208,23 +211,24 @@ impl Ladder {
             Verdict::Stopped | Verdict::Descent => return,
         };
         let claim = Claim::Unknown;
-        self.first.method.reuse(RelaxationResult { claim, x, y, iterations: 0, warm });
+        self.cold.method.reuse(RelaxationResult { claim, x, y, iterations: 0, warm });
     }
 
-    fn ask(
+    fn solve_by(
         &mut self,
-        (who, iterations, tolerance, refinements): Attempt,
+        attempt: Attempt,
         program: &Reduced,
-        (cutoff, token): (f64, &StopToken),
-        (warm_method, (purpose, warm)): (Option<usize>, (Purpose, Option<&WarmState>)),
+        request: &Request<'_>,
     ) -> RelaxationResult {
-        let entry = match who {
-            Warm => warm_method.map(|k| &mut self.warm[k]),
-            First => None,
-            Last => self.last.as_mut(),
+        let Attempt { rung, iterations, tolerance, refinements } = attempt;
+        let entry = match (rung, request.warm_method, &mut self.warm) {
+            (Rung::Warm, Some(method), Some(warm)) => Some(&mut warm[method as usize]),
+            (Rung::Fallback, ..) => self.fallback.as_mut(),
+            _ => None,
         };
-        let entry = entry.unwrap_or(&mut self.first);
-        let warm = warm.filter(|_| (entry.starts_warm)(purpose));
+        let entry = entry.unwrap_or(&mut self.cold);
+        let warm = request.warm.filter(|_| (entry.starts_warm)(request.purpose));
+        let (cutoff, token) = (request.cutoff, request.token);
         let effort = Effort { iterations, tolerance, refinements, cutoff, token, warm };
         let began = Instant::now();
         let result = entry.method.solve(program, &effort);
@@ -241,8 +245,8 @@ impl Ladder {
         purpose: Purpose,
         token: &StopToken,
     ) -> RelaxationResult {
-        let first = self.attempts(purpose, None)[0];
-        self.ask(first, program, (f64::INFINITY, token), (None, (purpose, None)))
+        let attempt = self.attempts(purpose, None)[0];
+        self.solve_by(attempt, program, &Request::complete(purpose, token))
     }
 
     /// Solves a program with one attempt of a purpose after the other until a result is accepted.
@@ -253,107 +257,110 @@ impl Ladder {
         token: &StopToken,
         mut accept: impl FnMut(RelaxationResult) -> Option<T>,
     ) -> Option<T> {
-        let mut attempts = self.attempts(purpose, None).iter().copied();
-        let none = (None, (purpose, None));
-        let mut ask = |attempt| self.ask(attempt, program, (f64::INFINITY, token), none);
-        attempts.find_map(|attempt| accept(ask(attempt)))
+        let request = Request::complete(purpose, token);
+        let mut attempts = self.attempts(purpose, None).iter();
+        attempts.find_map(|attempt| accept(self.solve_by(*attempt, program, &request)))
     }
 
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
     /// result is not good enough.
     pub fn solve(&mut self, program: &Reduced, question: &Question<'_>) -> Verdict {
         let (verdict, doubt) = self.solve_as_is(program, question);
-        match verdict {
-            Verdict::Relaxed { bound, x, y, converged, warm } if doubt.is_any() => {
-                let first = Relaxed { bound, x, y, converged, warm };
-                self.solve_doubtful(program, question, (first, doubt)).into_verdict()
+        let better = match &verdict {
+            Verdict::Relaxed { bound, x, .. } if question.purpose != Purpose::Trial => {
+                self.resolve_doubt(program, question, *bound, x, doubt)
             }
-            verdict => verdict,
-        }
+            _ => None,
+        };
+        better.unwrap_or(verdict)
     }
 
-    /// Solves a program whose bound is blurred, or whose point is rough, in other ways: at a corner, whose point and multipliers
-    /// are as exact as the basis, or with wider limits, which tell whether the program has a point up to
-    /// rounding only. Returns what is known already if neither shows anything.
-    fn solve_doubtful(
+    /// Solves a program whose bound is blurred, or whose point is rough, in other ways: at a vertex,
+    /// whose point and multipliers are as exact as the basis, or with wider limits, which tell whether
+    /// the program has points up to rounding only. Returns `None` if that shows nothing new.
+    fn resolve_doubt(
         &mut self,
         program: &Reduced,
         question: &Question<'_>,
-        (first, doubt): (Relaxed, Doubt),
-    ) -> Relaxed {
-        if question.purpose == Purpose::Trial {
-            return first;
+        bound: f64,
+        x: &[f64],
+        doubt: Doubt,
+    ) -> Option<Verdict> {
+        if !doubt.is_any() {
+            return None;
         }
         let cutoff = f64::INFINITY;
         let question = Question { cutoff, look_for_descent: false, warm: None, ..*question };
-        if let Some(corner) = self.solve_at_corner(program, &question) {
-            return corner;
+        if let Some(vertex) = self.solve_at_vertex(program, &question) {
+            return Some(vertex);
         }
         if doubt.rough && !doubt.blurred {
-            return first;
+            return None;
         }
-        for part in WIDER {
-            let wide = widened(program, &first.x, part);
-            let (verdict, doubt) = self.solve_as_is(&wide, &question);
-            let Verdict::Relaxed { bound, x, y, converged, warm } = verdict else { break };
+        for part in WIDENINGS {
+            let (verdict, doubt) = self.solve_as_is(&widened(program, x, part), &question);
+            let Verdict::Relaxed { bound: wider, x, y, converged, .. } = &verdict else { break };
             if doubt.blurred {
                 continue;
             }
-            if converged && is_torn(program, [first.bound, bound], (&x, &y), part) {
-                return Relaxed { bound, x, y, converged, warm };
-            }
-            break;
+            let torn = *converged && is_torn(program, [bound, *wider], x, y, part);
+            return torn.then_some(verdict);
         }
-        first
+        None
     }
 
-    /// Solves a linear program by the dual simplex method, if that ends with a corner and a bound that
+    /// Solves a linear program by the dual simplex method, if that ends with a vertex and a bound that
     /// agree.
-    fn solve_at_corner(&mut self, program: &Reduced, question: &Question<'_>) -> Option<Relaxed> {
-        if self.warm.len() <= SIMPLEX || !DualSimplex::suits(program) {
+    fn solve_at_vertex(&mut self, program: &Reduced, question: &Question<'_>) -> Option<Verdict> {
+        if self.warm.is_none() || !DualSimplex::suits(program) {
             return None;
         }
-        let how = (Some(SIMPLEX), (question.purpose, None));
-        let result = self.ask(CORNER, program, (f64::INFINITY, question.token), how);
-        let mut known = Known::new(program, question);
-        let step = known.take(result, &mut self.prover);
-        let Known { bound, x, y, warm, .. } = known;
-        matches!(step, Step::GoodEnough).then_some(Relaxed { bound, x, y, converged: true, warm })
+        let mut request = Request::complete(question.purpose, question.token);
+        request.warm_method = Some(WarmMethod::Simplex);
+        let result = self.solve_by(VERTEX, program, &request);
+        let mut findings = Findings::new(program, question);
+        let outcome = findings.verify(result, &mut self.prover);
+        matches!(outcome, Outcome::Sufficient).then(|| {
+            let (bound, x) = (findings.bound, std::mem::take(&mut findings.x));
+            findings.relaxed(bound, x, true)
+        })
     }
 
-    /// Solves the program of a node and verifies what the methods claim; and what is doubtful
-    /// about it.
+    /// Solves the program of a node and verifies what the methods claim. Also returns what is doubtful
+    /// about the verdict.
     fn solve_as_is(&mut self, program: &Reduced, question: &Question<'_>) -> (Verdict, Doubt) {
         let token = question.token;
-        let mut known = Known::new(program, question);
+        let mut findings = Findings::new(program, question);
         if program.columns.is_empty() {
-            known.warm = question.warm.cloned();
-            return (known.relaxed(program.offset, Vec::new(), true), Doubt::default());
+            findings.warm = question.warm.cloned();
+            return (findings.relaxed(program.offset, Vec::new(), true), Doubt::default());
         }
-        let warm = self.warm_method(program, question);
-        let all = self.attempts(question.purpose, warm);
+        let warm_method = self.warm_method(program, question);
+        let all = self.attempts(question.purpose, warm_method);
         // Threads of a deterministic search must not differ in what they have seen.
         let learns = matches!(question.purpose, Purpose::Node | Purpose::Trial)
             && all.len() > 1
             && !question.options.deterministic;
-        let who = warm.unwrap_or(FIRST);
-        let start = usize::from(learns && !self.records[who].asks());
+        let record = warm_method.map_or(COLD_RECORD, |method| method as usize);
+        let start = usize::from(learns && !self.records[record].asks());
+        let (purpose, warm) = (question.purpose, question.warm);
+        let mut request = Request { purpose, warm_method, warm, cutoff: findings.cutoff, token };
         let mut at = start;
         while let Some(&attempt) = all.get(at) {
-            let state = (question.purpose, question.warm);
-            let result = self.ask(attempt, program, (known.cutoff, token), (warm, state));
+            request.cutoff = findings.cutoff;
+            let result = self.solve_by(attempt, program, &request);
             if result.claim == Claim::Unknown && token.is_over() {
                 return (Verdict::Stopped, Doubt::default());
             }
-            let step = known.take(result, &mut self.prover);
-            if learns && at == 0 && !matches!(step, Step::Again) {
-                self.records[who].note(matches!(step, Step::Next));
+            let outcome = findings.verify(result, &mut self.prover);
+            if learns && at == 0 && !matches!(outcome, Outcome::Repeat) {
+                self.records[record].note(matches!(outcome, Outcome::TryHarder));
             }
-            match step {
-                Step::Ended(verdict) => return (verdict, known.doubt),
-                Step::GoodEnough => break,
-                Step::Again => {}
-                Step::Next => {
+            match outcome {
+                Outcome::Decided(verdict) => return (verdict, findings.doubt),
+                Outcome::Sufficient => break,
+                Outcome::Repeat => {}
+                Outcome::TryHarder => {
                     at += 1;
                     if at == 1 && start == 0 && all.len() > 1 {
                         self.spent.counts.given_up += 1;
@@ -361,15 +368,14 @@ impl Ladder {
                 }
             }
         }
-        if question.look_for_descent && !known.converged && self.falls_forever(program, token) {
+        if question.look_for_descent && !findings.converged && self.falls_forever(program, token) {
             return (Verdict::Descent, Doubt::default());
         }
-        let doubt = known.doubt;
-        let (bound, mut x, converged) =
-            (known.bound, std::mem::take(&mut known.x), known.converged);
+        let Findings { doubt, bound, converged, .. } = findings;
         // Zeros if no attempt had a point.
-        x.resize(program.columns.len(), 0.0);
-        (known.relaxed(bound, x, converged), doubt)
+        findings.x.resize(program.columns.len(), 0.0);
+        let x = std::mem::take(&mut findings.x);
+        (findings.relaxed(bound, x, converged), doubt)
     }
 
     /// Looks for a direction of descent without end when no method named one.

@@ -44,7 +44,7 @@ impl LadderPool {
         idle.unwrap_or_else(|| (self.make)())
     }
 
-    /// Takes a ladder back that is no longer used. What nobody has counted of its work is forgotten.
+    /// Takes a ladder back that is no longer used. Its uncounted work is forgotten.
     pub(crate) fn give_back(&self, mut ladder: Ladder) {
         if self.keeps {
             ladder.take_spent();

@@ -1,11 +1,11 @@
 //! Continuous relaxations: methods that solve them, and proofs of what the methods claim.
 //!
 //! A method implements the trait [`Relaxation`]. [`DualSimplex`] solves linear programs from their
-//! parent's basis, [`ActiveSet`] small dense ones with curvature from its multipliers; [`InteriorPoint`] is quick on the small
-//! sparse programs of a tree and gives up early; [`ClarabelRelaxation`] solves the rest. The [`Ladder`]
-//! decides which method is asked and how hard, and is all that the rest of the crate sees. It checks
-//! what a method claims: [`Prover`] recomputes a rigorous bound from the multipliers, and
-//! infeasibility is accepted only if the same computation proves it.
+//! parent's basis, and [`ActiveSet`] small dense ones with curvature from its multipliers.
+//! [`InteriorPoint`] is quick on the small sparse programs of a tree and gives up early, and
+//! [`ClarabelRelaxation`] solves the rest. The [`Ladder`] chooses the method and its effort; the rest of
+//! the crate uses nothing else. It checks what a method claims: [`Prover`] recomputes a rigorous bound
+//! from the multipliers, and infeasibility is accepted only if the same computation proves it.
 
 mod active_set;
 mod attempts;
@@ -23,7 +23,6 @@ mod recession;
 mod record;
 mod scaling;
 mod simplex;
-mod sparse_vectors;
 mod verdict;
 mod warm_state;
 
@@ -63,6 +62,17 @@ pub struct Effort<'a> {
     pub warm: Option<&'a WarmState>,
 }
 
+/// The relative margin by which a bound must exceed the cutoff before a method stops: the proof of the
+/// bound loses a little.
+const CUTOFF_MARGIN: f64 = 1e-7;
+
+impl Effort<'_> {
+    /// The bound at which a method may stop.
+    fn sufficient_bound(&self) -> f64 {
+        self.cutoff + CUTOFF_MARGIN * self.cutoff.abs().max(1.0)
+    }
+}
+
 /// The claim of a method about a reduced program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claim {
@@ -91,6 +101,19 @@ pub struct RelaxationResult {
     pub iterations: u64,
     /// A warm start for the relaxations of the children; `None` if the method keeps no state.
     pub warm: Option<WarmState>,
+}
+
+impl RelaxationResult {
+    /// A result without a claim and without a point.
+    fn nothing(program: &Reduced) -> Self {
+        RelaxationResult {
+            claim: Claim::Unknown,
+            x: vec![f64::NAN; program.columns.len()],
+            y: vec![0.0; program.rows.len()],
+            iterations: 0,
+            warm: None,
+        }
+    }
 }
 
 /// A solver of reduced programs (convex quadratic, continuous).

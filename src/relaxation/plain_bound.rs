@@ -6,8 +6,8 @@
 
 use crate::presolve::{Reduced, refill};
 
-/// A rounding error that a bound may be charged with, relative (no unit).
-const SLIGHT: f64 = 1e-10;
+/// The largest rounding error that may be subtracted from a bound, relative (no unit).
+const MAX_CHARGED_ROUNDING: f64 = 1e-10;
 
 /// A sum in plain floats, and what bounds its rounding error.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,10 +38,10 @@ pub(super) struct PlainSums {
     gradient: Vec<RoundedSum>,
     /// The bound without what the gradient adds.
     constant: RoundedSum,
-    /// How far the terms of the bound may be off themselves.
+    /// The possible error of the bound's terms.
     error: f64,
-    /// By column, the least growth of the objective per unit by which the column leaves the bound that
-    /// its sign tells; 0 where nothing is proved.
+    /// By column, the least growth of the objective per unit by which the column leaves a bound: the lower
+    /// one if the entry is positive, the upper one if it is negative. 0 if no growth is proved.
     pub(super) slopes: Vec<f64>,
 }
 
@@ -137,7 +137,7 @@ impl PlainSums {
         // The errors of the terms are as many, and their sum is rounded too.
         let error = error * (1.0 + f64::EPSILON * (constant.terms + 2.0)) + constant.rounding();
         let bound = constant.value - error;
-        let is_slight = bound.is_finite() && error <= SLIGHT * bound.abs().max(1.0);
+        let is_slight = bound.is_finite() && error <= MAX_CHARGED_ROUNDING * bound.abs().max(1.0);
         is_slight.then(|| bound.next_down())
     }
 }

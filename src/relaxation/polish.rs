@@ -10,19 +10,18 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Col, Side};
 
-use super::sparse_vectors::SparseVectors;
 use crate::presolve::{Compressed, Reduced};
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::sum::Sum;
 
 /// The largest number of moves.
-const ROUNDS: usize = 8;
+const MAX_MOVES: usize = 8;
 
 /// Squared weight of a column at its bound, which may still move by rounding, and of one that is
 /// held there.
-const AT_BOUND: f64 = 1e-12;
-const HELD: f64 = 1e-20;
+const WEIGHT_AT_BOUND: f64 = 1e-12;
+const WEIGHT_OF_HELD: f64 = 1e-20;
 
 /// Polishes `x` in place: clips it to the box and removes the residuals of equalities and of
 /// violated inequalities. Leaves `x` unchanged if these are too many or too degenerate to
@@ -34,7 +33,7 @@ pub fn polish(program: &Reduced, x: &mut [f64], token: &StopToken) {
     let mut active: Vec<(usize, f64)> = Vec::with_capacity(program.rows.len());
     let mut is_active = vec![false; program.rows.len()];
     let mut moved = Vec::with_capacity(x.len());
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_MOVES {
         let known = active.len();
         for (row, is_active) in is_active.iter_mut().enumerate() {
             let (lower, upper) = (program.row_lower[row], program.row_upper[row]);
@@ -99,7 +98,7 @@ pub(crate) fn polish_leaf(program: &Program, point: &mut [f64], token: &StopToke
 fn move_onto(program: &Reduced, active: &[(usize, f64)], held: &[bool], x: &mut [f64]) -> bool {
     let weight = |(j, &v): (usize, &f64)| {
         let room = (v - program.lower[j]).min(program.upper[j] - v).clamp(0.0, 1.0);
-        if held[j] { HELD } else { (room * room).max(AT_BOUND) }
+        if held[j] { WEIGHT_OF_HELD } else { (room * room).max(WEIGHT_AT_BOUND) }
     };
     let scale: Vec<f64> = x.iter().enumerate().map(weight).collect();
     let Some(normal) = normal_matrix(program, active, &scale) else { return false };
@@ -154,23 +153,23 @@ fn normal_matrix(
     active: &[(usize, f64)],
     scale: &[f64],
 ) -> Option<SparseColMat<usize, f64>> {
-    const MOST_ENTRIES: usize = 4_000_000;
+    const MAX_NORMAL_ENTRIES: usize = 4_000_000;
     let entries = active.iter().map(|&(i, _)| program.rows.vector(i).0.len()).sum();
-    let mut rows = SparseVectors::with_capacity(active.len(), entries);
+    let mut rows = Compressed::with_capacity(active.len(), entries);
     for &(i, _) in active {
         let (columns, values) = program.rows.vector(i);
         rows.push(columns.iter().copied().zip(values.iter().copied()));
     }
     let by_column = rows.transposed(scale.len());
-    let products = (0..scale.len()).map(|j| by_column.of(j).len().pow(2)).sum::<usize>();
-    if products > MOST_ENTRIES {
+    let products = (0..scale.len()).map(|j| by_column.entries(j).len().pow(2)).sum::<usize>();
+    if products > MAX_NORMAL_ENTRIES {
         return None;
     }
     let mut entries = Vec::with_capacity(products + active.len());
     let mut diagonal = vec![0.0_f64; active.len()];
     for (j, &d) in scale.iter().enumerate() {
-        for (e, a) in by_column.of(j) {
-            for (f, b) in by_column.of(j).filter(|(f, _)| *f <= e) {
+        for (e, a) in by_column.entries(j) {
+            for (f, b) in by_column.entries(j).filter(|(f, _)| *f <= e) {
                 let entry = d * a * b;
                 entries.push(Triplet::new(e, f, entry));
                 if e == f {

@@ -3,15 +3,15 @@
 use crate::presolve::{Compressed, Reduced};
 use crate::tolerance;
 
-/// By how much a ray may leave a row, relative to the row's largest term along it (no unit).
-const ROW: f64 = 1e-8;
+/// The largest violation of a row by a ray, relative to the row's largest term along it (no unit).
+const ROW_TOLERANCE: f64 = 1e-8;
 
-/// Entries of a ray that are this small beside its largest one may be rounding (no unit).
-const NOISE: f64 = 1e-9;
+/// The size of an entry of a ray, relative to its largest one, up to which it may be rounding (no unit).
+const RAY_ROUNDING: f64 = 1e-9;
 
-/// Curvature along a ray that may be rounding, relative to the terms it is the sum of (no unit). An
-/// error of the ray enters squared.
-const FLAT: f64 = 64.0 * f64::EPSILON;
+/// The curvature along a ray that may be rounding, relative to its terms (no unit). An error of the ray
+/// enters squared.
+const CURVATURE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The program whose solutions are the steepest recession directions: the rows and bounds without
 /// their constants, no curvature along the way, every entry within `[-1, 1]`. Nothing when the
@@ -61,7 +61,7 @@ pub(super) fn recession_program(program: &Reduced) -> Option<Reduced> {
 /// Whether `ray` is a direction along which the reduced program stays feasible and its objective
 /// falls without limit.
 pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
-    const MARGIN: f64 = 1e-7;
+    const RAY_TOLERANCE: f64 = 1e-7;
     let size = ray.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     if !(size > 0.0 && size.is_finite()) {
         return false;
@@ -70,15 +70,15 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     for (j, d) in d.iter_mut().enumerate() {
         let side = if *d > 0.0 { program.upper[j] } else { program.lower[j] };
         if side.is_finite() {
-            if d.abs() > MARGIN {
+            if d.abs() > RAY_TOLERANCE {
                 return false;
             }
             *d = 0.0;
         }
     }
-    // Costs of columns that stay where they are, or next to there, say nothing of the fall: curvature
-    // would end it before it is noticed.
-    let moves = |d: f64| if d.abs() > 10.0 * NOISE { d } else { 0.0 };
+    // Costs of columns that hardly move are left out: curvature would end their decrease before it is
+    // noticed.
+    let moves = |d: f64| if d.abs() > 10.0 * RAY_ROUNDING { d } else { 0.0 };
     let costs = || program.linear.iter().zip(&d).map(|(q, &d)| q * moves(d));
     let cost: f64 = costs().sum();
     let cost_scale = costs().fold(0.0_f64, |m, cost| m.max(cost.abs()));
@@ -90,8 +90,8 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
     if program.steepness.iter().zip(&d).any(is_steep) {
         return false;
     }
-    // Along the ray the objective falls at least as far as the radius that bounds are proved for, and
-    // what curvature there is, is rounding.
+    // The objective falls up to the radius for which bounds are proved, and the curvature along the ray is
+    // rounding.
     let (mut curved, mut bent, mut bends) = (vec![0.0; d.len()], 0.0, 0.0);
     for j in 0..d.len() {
         let (rows, entries) = program.quadratic.vector(j);
@@ -106,16 +106,16 @@ pub(super) fn is_descent_ray(program: &Reduced, ray: &[f64]) -> bool {
         }
     }
     let bend: f64 = curved.iter().zip(&d).map(|(c, d)| c * d).sum();
-    let flat = bent <= FLAT * bends
+    let flat = bent <= CURVATURE_ROUNDING * bends
         && bend * tolerance::FREE_RADIUS <= -cost
-        && curved.iter().all(|c| c.abs() <= MARGIN * cost_scale.max(1.0));
+        && curved.iter().all(|c| c.abs() <= RAY_TOLERANCE * cost_scale.max(1.0));
     let rows = (0..program.rows.len()).all(|i| {
         let (columns, values) = program.rows.vector(i);
         let terms = || columns.iter().zip(values).map(|(&j, &a)| a * d[j]);
         let change: f64 = terms().sum();
         let largest = |m: f64, v: f64| m.max(v.abs());
-        let slack =
-            ROW * terms().fold(0.0, largest) + NOISE * values.iter().copied().fold(0.0, largest);
+        let slack = ROW_TOLERANCE * terms().fold(0.0, largest)
+            + RAY_ROUNDING * values.iter().copied().fold(0.0, largest);
         (change <= slack || program.row_upper[i].is_infinite())
             && (change >= -slack || program.row_lower[i].is_infinite())
     });

@@ -1,22 +1,24 @@
-//! The records of methods: one that always gives up is asked less often.
+//! The records of methods: a method that keeps giving up is used less often.
 
-/// A method that has given up so many times in a row is asked every so many times only.
-const PATIENCE: u32 = 16;
-const EVERY: u32 = 8;
+/// The number of consecutive failures after which a method is left out.
+const MAX_CONSECUTIVE_FAILURES: u32 = 16;
+
+/// The number of programs after which a method that is left out is tried again.
+const RETRY_INTERVAL: u32 = 8;
 
 /// The record of a method at the programs of a search.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Record {
-    /// How often in a row it has given up.
+    /// The number of consecutive programs on which it has given up.
     given_up: u32,
-    /// How often it was left out since.
+    /// The number of programs for which it was left out since.
     left_out: u32,
 }
 
 impl Record {
-    /// Whether the method is worth asking again; counts.
+    /// Whether the method is to be used for the next program, which is counted.
     pub fn asks(&mut self) -> bool {
-        if self.given_up < PATIENCE || self.left_out + 1 >= EVERY {
+        if self.given_up < MAX_CONSECUTIVE_FAILURES || self.left_out + 1 >= RETRY_INTERVAL {
             self.left_out = 0;
             return true;
         }

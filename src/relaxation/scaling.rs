@@ -2,11 +2,11 @@
 
 use crate::presolve::{Reduced, refill};
 
-/// Rounds of scaling; each takes the square root of the largest entry of every row and column.
-const ROUNDS: usize = 3;
+/// The number of rounds. Each divides every row and column by the root of its largest entry.
+const SCALING_ROUNDS: usize = 3;
 
-/// Largest factor by which a column, a row or the objective is scaled.
-pub(super) const MOST: f64 = 1e6;
+/// The largest factor by which a column, a row or the objective is scaled.
+pub(super) const MAX_SCALE: f64 = 1e6;
 
 /// Factors of columns and rows that bring the largest entry of each near 1.
 pub(super) fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
@@ -15,7 +15,7 @@ pub(super) fn factors(program: &Reduced) -> (Vec<f64>, Vec<f64>) {
     (column, row)
 }
 
-/// The same, written into vectors that are there; `room` has no meaning.
+/// As [`factors`], in the memory of given vectors; `room` is work space.
 pub(super) fn write_factors(
     program: &Reduced,
     column: &mut Vec<f64>,
@@ -25,7 +25,7 @@ pub(super) fn write_factors(
     let (n, m) = (program.columns.len(), program.rows.len());
     refill(column, n, 1.0);
     refill(row, m, 1.0);
-    for _ in 0..ROUNDS {
+    for _ in 0..SCALING_ROUNDS {
         refill(room, n + m, 0.0);
         let (of_column, of_row) = room.split_at_mut(n);
         for i in 0..m {
@@ -38,7 +38,7 @@ pub(super) fn write_factors(
         }
         let adjust = |factor: &mut f64, largest: f64| {
             if largest > 0.0 {
-                *factor = (*factor / largest.sqrt()).clamp(1.0 / MOST, MOST);
+                *factor = (*factor / largest.sqrt()).clamp(1.0 / MAX_SCALE, MAX_SCALE);
             }
         };
         column.iter_mut().zip(&*of_column).for_each(|(f, l)| adjust(f, *l));

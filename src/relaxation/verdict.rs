@@ -52,7 +52,7 @@ pub enum Verdict {
 }
 
 /// The findings of the attempts at a node so far.
-pub(super) struct Known<'a> {
+pub(super) struct Findings<'a> {
     program: &'a Reduced,
     question: &'a Question<'a>,
     /// The cutoff for the next attempt.
@@ -68,18 +68,21 @@ pub(super) struct Known<'a> {
     pub(super) warm: Option<WarmState>,
 }
 
-/// The outcome of an attempt.
-pub(super) enum Step {
-    Ended(Verdict),
-    GoodEnough,
-    /// The same attempt, without a cutoff.
-    Again,
-    Next,
+/// The consequence of an attempt.
+pub(super) enum Outcome {
+    /// The verdict is final.
+    Decided(Verdict),
+    /// Bound and point are close enough.
+    Sufficient,
+    /// The same attempt is repeated without a cutoff.
+    Repeat,
+    /// The next attempt follows.
+    TryHarder,
 }
 
-impl<'a> Known<'a> {
+impl<'a> Findings<'a> {
     pub(super) fn new(program: &'a Reduced, question: &'a Question<'a>) -> Self {
-        Known {
+        Findings {
             program,
             question,
             cutoff: question.cutoff,
@@ -94,26 +97,32 @@ impl<'a> Known<'a> {
     }
 
     /// Verifies the claim of an attempt.
-    pub(super) fn take(&mut self, result: RelaxationResult, prover: &mut Prover) -> Step {
+    pub(super) fn verify(&mut self, result: RelaxationResult, prover: &mut Prover) -> Outcome {
         let RelaxationResult { claim, x, y, warm, .. } = result;
         self.warm = warm.or(self.warm.take());
         let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
         let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
         if may_be_empty && prover.proves_infeasible(self.program, &y) {
-            return Step::Ended(Verdict::Refuted(y));
+            return Outcome::Decided(Verdict::Refuted(y));
         }
         let falls = claim == Claim::Unbounded && self.question.look_for_descent;
         if falls && is_descent_ray(self.program, &x) {
-            return Step::Ended(Verdict::Descent);
+            return Outcome::Decided(Verdict::Descent);
         }
         if has_point && x.iter().all(|v| v.is_finite()) {
-            return self.take_point(claim, x, y, prover);
+            return self.verify_point(claim, x, y, prover);
         }
-        Step::Next
+        Outcome::TryHarder
     }
 
     /// Proves the bound of an attempt's multipliers, and compares it with the point.
-    fn take_point(&mut self, claim: Claim, x: Vec<f64>, y: Vec<f64>, prover: &mut Prover) -> Step {
+    fn verify_point(
+        &mut self,
+        claim: Claim,
+        x: Vec<f64>,
+        y: Vec<f64>,
+        prover: &mut Prover,
+    ) -> Outcome {
         let program = self.program;
         let bound = match program.is_feasibility_problem() {
             true => program.offset,
@@ -127,33 +136,33 @@ impl<'a> Known<'a> {
                 self.question.purpose == Purpose::Leaf && is_rough(program, &x, &self.y, value);
         }
         if bound >= self.cutoff {
-            return Step::Ended(self.relaxed(bound, x, false));
+            return Outcome::Decided(self.relaxed(bound, x, false));
         }
         if claim == Claim::Beyond && self.cutoff.is_finite() {
-            // What the method promised does not hold: the same again, to the end.
+            // The multipliers do not prove what the method claims, so it solves to the end.
             self.cutoff = f64::INFINITY;
-            return Step::Again;
+            return Outcome::Repeat;
         }
         // A later attempt wins a tie.
         let distance = (value - self.bound).abs();
         if distance <= self.nearest {
             let size = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            // What is only tried or cut off may be rough.
-            let rough = matches!(self.question.purpose, Purpose::Trial | Purpose::Separation);
-            let slack = if rough { 1e-3 } else { 1e-6 };
+            // Points of trials and of separation may be coarse.
+            let coarse = matches!(self.question.purpose, Purpose::Trial | Purpose::Separation);
+            let slack = if coarse { 1e-3 } else { 1e-6 };
             let near = size <= tolerance::FREE_RADIUS;
             self.converged = near && value - self.bound <= slack * value.abs().max(1.0);
             (self.nearest, self.x) = (distance, x);
         }
-        if claim == Claim::Solved && value - bound <= self.close(value) {
-            return Step::GoodEnough;
+        if claim == Claim::Solved && value - bound <= self.allowed_distance(value) {
+            return Outcome::Sufficient;
         }
-        Step::Next
+        Outcome::TryHarder
     }
 
-    /// How far a point of this value and its bound may be apart. Methods take the gap relative to an
-    /// objective without the constant, which may be large. For a leaf the gap asked for counts.
-    fn close(&self, value: f64) -> f64 {
+    /// The distance that a point of this value may have from its bound. Methods take the gap relative
+    /// to an objective without the constant, which may be large. A leaf also meets the requested gap.
+    fn allowed_distance(&self, value: f64) -> f64 {
         let Question { options, constant, .. } = *self.question;
         let wanted = 0.1 * options.allowed_gap(value, constant);
         let enough = 1e-6 * tolerance::gap_scale(value, constant).max(1.0);

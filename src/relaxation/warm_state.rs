@@ -16,7 +16,7 @@ impl WarmState {
         WarmState(Arc::new(state))
     }
 
-    /// The state to be written anew, or `None` if it belongs to another method or somebody else has it.
+    /// The state for rewriting, or `None` if it belongs to another method or is shared.
     pub(super) fn get_mut<T: Any>(&mut self) -> Option<&mut T> {
         Arc::get_mut(&mut self.0)?.downcast_mut()
     }

@@ -1,11 +1,10 @@
-//! The children of a node: those of a split, and the parts that a seed divides the root into.
+//! The children of a node.
 
 use super::branching::{Branching, Child, RelaxedPoint, Split, choose_split};
 use super::close_node::{closed_bound, keep_closed, opposite};
 use super::context::Context;
 use super::node::{Decision, Node};
 use super::proofs::Fork;
-use super::seed::{Seeded, divide};
 
 /// Splits a node. Returns the child to visit first, and leaves the others to the tree.
 pub(super) fn branch(
@@ -15,12 +14,6 @@ pub(super) fn branch(
     relaxed: RelaxedPoint<'_>,
 ) -> Option<Node> {
     let RelaxedPoint { x, bound, .. } = relaxed;
-    if node.path.is_empty() && bound > f64::NEG_INFINITY {
-        let parts = parts_of_seed(ctx);
-        if !parts.is_empty() {
-            return divide_root(ctx, node, bound, parts);
-        }
-    }
     let Split { children, closed } = choose_split(ctx, branching, relaxed);
     if closed && closed_bound(ctx) < f64::INFINITY {
         ctx.tree.close(closed_bound(ctx));
@@ -85,44 +78,4 @@ fn chain_of(children: &[Child]) -> Option<Vec<Decision>> {
         chain.push(*last);
     }
     Some(chain)
-}
-
-/// Divides the root into parts. Returns the first one, and leaves the others to the tree.
-fn divide_root(
-    ctx: &Context<'_>,
-    root: &Node,
-    bound: f64,
-    parts: Vec<Vec<Decision>>,
-) -> Option<Node> {
-    let node_of = |decisions: Vec<Decision>| {
-        let path = ctx.tree.path_with(&root.path, &decisions);
-        Node { path, bound, warm: ctx.node.warm.clone(), ..Node::root() }
-    };
-    let mut nodes = parts.into_iter().map(node_of);
-    let first = nodes.next();
-    ctx.tree.count(|s| s.split += 1);
-    nodes.for_each(|node| ctx.tree.push(node));
-    first
-}
-
-/// The parts that a seed divides the root into, the most promising one first; empty if that is
-/// the root itself.
-fn parts_of_seed(ctx: &Context<'_>) -> Vec<Vec<Decision>> {
-    let Some(seed) = ctx.tree.seed().filter(|seed| !seed.leaves.is_empty()) else {
-        return Vec::new();
-    };
-    let mut parts = divide(ctx.program(), &ctx.node.domain, &seed.leaves);
-    let mut seeded = Seeded { used: vec![false; seed.leaves.len()], ..Seeded::default() };
-    for part in &parts {
-        match part.inside {
-            Some(leaf) => (seeded.inside, seeded.used[leaf]) = (seeded.inside + 1, true),
-            None => seeded.outside += 1,
-        }
-    }
-    ctx.tree.report_seeded(seeded);
-    if parts.len() < 2 {
-        return Vec::new();
-    }
-    parts.sort_by(|a, b| a.order.total_cmp(&b.order));
-    parts.into_iter().map(|part| part.path).collect()
 }

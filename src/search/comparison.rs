@@ -33,14 +33,9 @@ pub enum Contradiction {
 
 /// Compares the program of a task, and the bounds of its root, with the exact program at an accepted
 /// point. `None` if they agree, or if the task has no exact program.
-pub(super) fn contradiction(
-    task: &Task<'_>,
-    root: &Domain,
-    point: &[f64],
-) -> Option<Contradiction> {
+pub(super) fn contradiction(task: &Task<'_>, root: &Domain, x: &[f64]) -> Option<Contradiction> {
     let exact = task.exact?;
     let program = task.program;
-    let x = point.get(..exact.column_count())?;
     let excluded = |j: &usize| {
         let [lower, upper] = root.bounds(*j);
         let miss = (lower - x[*j]).max(x[*j] - upper);
@@ -58,12 +53,12 @@ pub(super) fn contradiction(
     is_dearer(program, exact, x, task.options.feasibility).then_some(Contradiction::Objective)
 }
 
-/// Whether a point misses a row. Rows over columns that it does not have say nothing about it.
+/// Whether a point misses a row.
 fn is_missed(program: &Program, row: usize, x: &[f64]) -> bool {
     let (columns, values) = program.row(row);
     let (mut sum, mut size, mut largest) = (0.0, 0.0, 0.0_f64);
     for (&j, &a) in columns.iter().zip(values) {
-        let Some(&value) = x.get(j) else { return false };
+        let value = x[j];
         sum += a * value;
         size += (a * value).abs();
         largest = largest.max(a.abs());
@@ -91,12 +86,12 @@ fn is_dearer(program: &Program, exact: &Program, x: &[f64], feasibility: f64) ->
     excess > size + OFF * (program.offset.abs() + exact.offset.abs() + 1.0)
 }
 
-/// The gradient of a program's objective at a point of its first columns.
+/// The gradient of a program's objective at a point.
 fn gradient(program: &Program, x: &[f64]) -> Vec<f64> {
-    let mut gradient = program.linear[..x.len()].to_vec();
+    let mut gradient = program.linear.clone();
     for (j, &value) in x.iter().enumerate() {
         let (rows, entries) = program.quadratic_column(j);
-        for (&i, &p) in rows.iter().zip(entries).filter(|(i, _)| **i < x.len()) {
+        for (&i, &p) in rows.iter().zip(entries) {
             gradient[i] += p * value;
         }
     }

@@ -3,37 +3,21 @@
 use std::collections::BTreeSet;
 
 use super::clock::{Activity, Clock};
-use super::event_windows::EventWindows;
 use super::focus_node::FocusNode;
-use super::found::Found;
 use super::root::Root;
 use super::task::Task;
 use super::tree_view::TreeView;
 use crate::presolve::Propagator;
 use crate::program::Program;
 use crate::relaxation::Ladder;
-use crate::solver::{NodeView, Options, PoolMode, StopToken};
+use crate::solver::{Options, PoolMode, StopToken};
 
 /// The cost of starting a relaxation from its parent's state, in the budgets of heuristics, in
 /// iterations.
 const START: u64 = 8;
 
-/// The search itself, for heuristics that solve smaller programs with it.
-pub(super) type NestedSearch = fn(Task<'_>) -> Found;
-
-/// The data that all workers of a search share and none of them changes.
-#[derive(Clone, Copy)]
-pub(super) struct Shared<'a> {
-    /// The task, whose program has the columns of the event windows.
-    pub(super) task: Task<'a>,
-    pub(super) windows: Option<&'a EventWindows<'a>>,
-    pub(super) root: &'a Root,
-    pub(super) nested: NestedSearch,
-}
-
 /// The node in hand, and what a worker propagates and relaxes it with.
 pub(super) struct Context<'a> {
-    pub(super) shared: Shared<'a>,
     pub(super) tree: TreeView<'a>,
     pub(super) node: FocusNode,
     pub(super) propagator: Propagator,
@@ -48,51 +32,40 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    pub(super) fn new(shared: Shared<'a>, tree: TreeView<'a>) -> Self {
-        let root = shared.root;
+    pub(super) fn new(tree: TreeView<'a>) -> Self {
+        let (root, task) = (tree.tree.root, &tree.tree.task);
         Context {
-            shared,
-            tree,
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
-            ladder: shared.task.ladders.take(),
+            ladder: task.ladders.take(),
             clock: Clock::new(),
-            token: shared.task.token.clone(),
+            token: task.token.clone(),
             iterations: 0,
             assignments: BTreeSet::new(),
+            tree,
         }
     }
 
     /// Leaves the methods to others.
     pub(super) fn retire(self) {
-        self.shared.task.ladders.give_back(self.ladder);
+        self.task().ladders.give_back(self.ladder);
     }
 
-    /// The program, with the columns of event windows.
+    /// The task of the search.
+    pub(super) fn task(&self) -> &'a Task<'a> {
+        &self.tree.tree.task
+    }
+
+    pub(super) fn root(&self) -> &'a Root {
+        self.tree.tree.root
+    }
+
     pub(super) fn program(&self) -> &'a Program {
-        self.shared.task.program
-    }
-
-    /// The program without the columns of event windows: what is relaxed.
-    pub(super) fn base(&self) -> &'a Program {
-        self.shared.windows.map_or(self.shared.task.program, EventWindows::base)
-    }
-
-    /// The integers of the program without event windows: the counts of windows follow from them.
-    pub(super) fn own_integers(&self) -> &'a [usize] {
-        &self.base().integers
+        self.task().program
     }
 
     pub(super) fn options(&self) -> &'a Options {
-        self.shared.task.options
-    }
-
-    /// Adds what relaxations do not see to a relaxed point.
-    pub(super) fn complete_point(&self, mut point: Vec<f64>) -> Vec<f64> {
-        if let Some(windows) = self.shared.windows {
-            windows.complete(&mut point);
-        }
-        point
+        self.task().options
     }
 
     /// Whether the best points of the model are searched for, which integers of the model tell apart.
@@ -107,12 +80,12 @@ impl<'a> Context<'a> {
     ///
     /// * `x`: a point of the node.
     pub(super) fn is_in_pool(&self, x: &[f64], bound: f64) -> bool {
-        let guidance = self.shared.task.guidance;
-        let is_open = |j: &usize| !self.node.domain.is_fixed(*j) && guidance.tells_apart(*j);
-        if !self.wants_all() || self.own_integers().iter().any(is_open) {
+        let judge = self.task().judge;
+        let is_open = |j: &usize| !self.node.domain.is_fixed(*j) && judge.tells_apart(*j);
+        if !self.wants_all() || self.program().integers.iter().any(is_open) {
             return false;
         }
-        let value = self.tree.value_of(&(self.shared.task.key)(x));
+        let value = self.tree.value_of(&judge.key(x));
         value.is_some_and(|value| bound >= self.tree.tree.cutoff_at(value))
     }
 
@@ -132,26 +105,13 @@ impl<'a> Context<'a> {
         self.token.spend(100)
     }
 
-    /// Shows the current node to the user: in values of the model's variables, with the bounds of
-    /// the columns behind them.
-    pub(super) fn show<T>(
-        &self,
-        x: &[f64],
-        bound: f64,
-        to: impl FnOnce(&NodeView<'_>, &[[f64; 2]]) -> T,
-    ) -> T {
-        let program = self.program();
-        let bounds = (0..program.column_count()).map(|j| self.node.domain.bounds(j)).collect();
-        let (depth, bound) = (self.node.path.len(), program.sign * bound);
-        self.shared.task.guidance.show(bounds, x, depth, bound, to)
-    }
-
     /// Books what the ladder has taken since this was last called.
     pub(super) fn book_relaxations(&mut self) {
         let spent = self.ladder.take_spent();
         self.clock.transfer(Activity::Relaxation, spent.time);
         // Steps from a parent's state are few, and the start is most of the work.
-        self.iterations += spent.iterations + START * spent.counts.active_set;
+        let warm_starts = spent.counts.dual_simplex + spent.counts.active_set;
+        self.iterations += spent.iterations + START * warm_starts;
         self.tree.count(|s| spent.count(s));
     }
 }

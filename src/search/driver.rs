@@ -1,28 +1,24 @@
-//! One search from start to end.
+//! One search from its start to its end.
 
-use std::borrow::Cow;
-
-use super::context::{Context, Shared};
-use super::event_windows::EventWindows;
+use super::context::Context;
 use super::found::Found;
-use super::heuristics::{complete_guess, look_for_first_point};
+use super::heuristics::{complete_start, look_for_first_point};
 use super::local_queue::LocalQueue;
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
 use super::proofs::{End, Multipliers, Tried};
 use super::reporter::Reporter;
 use super::root::Root;
-use super::seed::{Seed, Start};
+use super::start::{Start, StartPoint};
 use super::task::Task;
-use super::time_order;
 use super::trace::span;
 use super::tree::Tree;
 use super::tree_view::TreeView;
-use crate::solution::{Heuristic, Termination};
-use crate::solver::{BranchingRule, Control, Options};
+use crate::solution::Heuristic;
+use crate::solver::{Control, Options};
 
-/// Searches the tree of a program, from a seed if there is one.
-pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) -> Found {
+/// Searches the tree of a program, from a start if there is one.
+pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) -> Found {
     span!(
         INFO,
         "search",
@@ -33,35 +29,34 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, seed: Option<&Seed>) ->
     // The user's callback may end this search and no other.
     let token = &task.token.child(None);
     let task = Task { token, ..task };
-    let mut root = match task.root {
-        Some(root) => Cow::Borrowed(root),
-        None => Cow::Owned(Root::new(task.program, token, task.options.probing)),
+    let own;
+    let root = match task.root {
+        Some(root) => root,
+        None => {
+            own = Root::new(task.program, token, task.options.probing);
+            &own
+        }
     };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
         return Found::stopped(reason);
     }
-    let windows = event_windows(task, &root);
-    let program = windows.as_ref().map_or(task.program, EventWindows::program);
-    let task = Task { program, root: None, ..task };
-    if windows.is_some() {
-        root.to_mut().extend(program, token);
-    }
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
-    let whole = seed.is_none_or(|seed| seed.leaves.is_empty());
-    let known = root.point.as_ref().filter(|_| windows.is_none() && whole);
-    let tree = Tree::new(task, &root.domain, seed, known, workers);
-    let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
-    let shared = Shared { task, windows: windows.as_ref(), root: &root, nested };
+    let tree = Tree::new(task, root, start, search_nested, workers);
     let mut reporter = Reporter::new(control);
     if rounds {
-        deterministic::run(shared, &tree, &mut reporter);
+        deterministic::run(&tree, &mut reporter);
     } else {
-        opportunistic::run(shared, &tree, &mut reporter);
+        opportunistic::run(&tree, &mut reporter);
     }
     // What other threads found while the caller's had nothing to do.
     reporter.report(&tree);
     tree.into_found()
+}
+
+/// Searches a smaller program inside a search.
+fn search_nested(task: Task<'_>) -> Found {
+    search(Task { root: None, ..task }, &mut Control::default(), None)
 }
 
 /// Searches the program of a task as it was before it was strengthened, once an accepted point has
@@ -70,45 +65,39 @@ pub fn search_unstrengthened(task: Task<'_>, before: Found, control: &mut Contro
     let program = task.exact.unwrap_or(task.program);
     let options = Options { probing: false, ..task.options.clone() };
     let task = Task { program, exact: Some(program), root: None, options: &options, ..task };
-    let point = before.points.into_iter().next().map(|mut values| {
-        values.truncate(program.column_count());
-        Start { values, found_by: before.found_by.unwrap_or(Heuristic::Leaf) }
-    });
-    let mut found = search(task, control, Some(&Seed::from_point(point)));
+    let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
+    let point = before.points.into_iter().next();
+    let point = point.map(|values| StartPoint { values, found_by });
+    let mut found = search(task, control, Some(&Start::from_point(point)));
     found.statistics.add(&before.statistics);
     found
 }
 
-/// Completes the guess of a seed and searches no further: the point that a search would begin with,
+/// Completes the integers of a start and searches no further: the point that a search can begin with,
 /// and the bound that the multipliers of an earlier root prove.
-pub(crate) fn complete(task: Task<'_>, seed: &Seed) -> Found {
-    let root = Root::new(task.program, task.token, false);
-    if root.conflict.is_some() {
-        return Found::infeasible();
-    }
-    let tree = Tree::new(task, &root.domain, Some(seed), None, 1);
-    let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
-    let shared = Shared { task, windows: None, root: &root, nested };
-    let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));
-    let bound = earlier_bound(&mut ctx);
-    complete_guess(&mut ctx);
-    tree.take_in(&mut tree.lock(), ctx.tree.take_share());
-    ctx.retire();
-    let found = tree.into_found();
+pub(crate) fn complete(task: Task<'_>, start: &Start) -> Found {
+    let mut bound = f64::NEG_INFINITY;
+    let found = at_root(task, Some(start), |ctx| {
+        bound = earlier_bound(ctx);
+        complete_start(ctx);
+    });
     Found { bound: found.bound.max(bound), ..found }
 }
 
 /// A point of a program that is found without a relaxation of it, if one is.
 pub(crate) fn first_point(task: Task<'_>) -> Found {
+    at_root(task, None, look_for_first_point)
+}
+
+/// What is found by a heuristic at the root, propagated and not probed.
+fn at_root(task: Task<'_>, start: Option<&Start>, look: impl FnOnce(&mut Context<'_>)) -> Found {
     let root = Root::new(task.program, task.token, false);
-    if root.conflict.is_some() || task.token.is_over() {
-        return Found::stopped(Termination::TimeLimit);
+    if root.conflict.is_some() {
+        return Found::infeasible();
     }
-    let tree = Tree::new(task, &root.domain, None, None, 1);
-    let nested = |task: Task<'_>| search(task, &mut Control::default(), None);
-    let shared = Shared { task, windows: None, root: &root, nested };
-    let mut ctx = Context::new(shared, TreeView::immediate(&tree, 0, LocalQueue::default()));
-    look_for_first_point(&mut ctx);
+    let tree = Tree::new(task, &root, start, search_nested, 1);
+    let mut ctx = Context::new(TreeView::immediate(&tree, 0, LocalQueue::default()));
+    look(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_share());
     ctx.retire();
     tree.into_found()
@@ -125,18 +114,4 @@ fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
         Tried::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,
     }
-}
-
-/// The event windows that the options ask for, if the program has any. Kept leaves are about the
-/// program's own columns, so there are none then.
-fn event_windows<'a>(task: Task<'a>, root: &Root) -> Option<EventWindows<'a>> {
-    let wanted = match task.options.branching {
-        BranchingRule::EventWindows => true,
-        BranchingRule::Automatic => task.program.is_feasibility_problem(),
-        _ => false,
-    };
-    if !wanted || task.options.keep_leaves || root.conflict.is_some() {
-        return None;
-    }
-    EventWindows::new(task.program, &root.domain, &time_order::in_time(task.program)?)
 }

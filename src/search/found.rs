@@ -1,9 +1,9 @@
 //! The result of a search.
 
 use super::comparison::Contradiction;
-use super::node::Path;
+use super::node::{Decision, Path};
 use super::proofs::{Fork, Proof};
-use super::seed::{GuessEnd, Seeded};
+use super::start::Completion;
 use crate::solution::{Heuristic, Statistics, Termination};
 
 /// The result of a search. Objective values are those of the minimised program.
@@ -35,25 +35,22 @@ pub struct Found {
     /// The part of the gap between the relaxed root and the best point that cuts and tighter costs have
     /// closed, if they were tried.
     pub(crate) strengthened: Option<f64>,
-    /// The outcome of a guess, if there was one.
-    pub guess: Option<GuessEnd>,
-    /// The outcome of the boxes of a seed, if there were any.
-    pub seeded: Option<Seeded>,
+    /// The outcome of completing the integers of a start, if that was tried.
+    pub completion: Option<Completion>,
 }
 
 /// An end of the tree: refuted, cut off, solved, or still open.
 #[derive(Debug, Clone)]
 pub struct ClosedNode {
-    /// Changes of bounds on the way from the root: column, whether it is the upper bound, value.
-    pub decisions: Vec<(usize, bool, f64)>,
+    /// The decisions on the way from the root, in any order.
+    pub decisions: Vec<Decision>,
     /// The bound proved for it.
     pub bound: f64,
 }
 
 impl ClosedNode {
     pub(super) fn new(path: &Path, bound: f64) -> Self {
-        let decisions = path.backwards().map(|d| (d.column, d.is_upper, d.value)).collect();
-        ClosedNode { decisions, bound }
+        ClosedNode { decisions: path.backwards().collect(), bound }
     }
 }
 
@@ -83,8 +80,7 @@ impl Found {
             proofs: Vec::new(),
             forks: Vec::new(),
             strengthened: None,
-            guess: None,
-            seeded: None,
+            completion: None,
         }
     }
 }

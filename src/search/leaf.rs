@@ -14,7 +14,7 @@ use crate::tolerance;
 /// Returns whether it was accepted. The domain is left as it was.
 pub(super) fn try_assignment(ctx: &mut Context<'_>, point: &[f64]) -> bool {
     let mark = ctx.node.domain.mark();
-    for &j in ctx.own_integers() {
+    for &j in &ctx.program().integers {
         let value = point[j].round();
         ctx.node.domain.apply(j, false, value.max(ctx.node.domain.lower(j)));
         ctx.node.domain.apply(j, true, value.min(ctx.node.domain.upper(j)));
@@ -34,7 +34,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
     if !ctx.is_leaf() || !is_new_assignment(ctx) {
         return false;
     }
-    let program = ctx.shared.task.exact.unwrap_or(ctx.program());
+    let program = ctx.task().exact.unwrap_or(ctx.program());
     let Some(reduced) = ctx.ladder.reduce_leaf(program, &ctx.node.domain) else {
         return false;
     };
@@ -74,7 +74,7 @@ pub(super) fn offer_leaf(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y:
 
 /// Whether a visible part of a leaf's value is due to what presolve has widened.
 fn gains_by_widening(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64], y: &[f64]) -> bool {
-    let program = ctx.shared.task.exact.unwrap_or(ctx.program());
+    let program = ctx.task().exact.unwrap_or(ctx.program());
     let [rows, columns] = &program.widened;
     if rows.is_empty() && columns.is_empty() {
         return false;
@@ -111,7 +111,7 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
             ctx.tree.count(|s| s.beyond_radius += 1);
             continue;
         }
-        let mut point = ctx.complete_point(reduced.lift(candidate));
+        let mut point = reduced.lift(candidate);
         for &j in &ctx.program().integers {
             point[j] = point[j].round();
         }
@@ -119,7 +119,7 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
             return true;
         }
         // Columns that the reduction has fixed inside narrow bounds may have to move.
-        let program = ctx.shared.task.exact.unwrap_or(ctx.program());
+        let program = ctx.task().exact.unwrap_or(ctx.program());
         polish_leaf(program, &mut point, &ctx.token);
         if offer_accepted(ctx, &point) {
             return true;
@@ -129,11 +129,11 @@ fn offer_verified(ctx: &mut Context<'_>, reduced: &Reduced, x: &[f64]) -> bool {
 }
 
 fn offer_accepted(ctx: &Context<'_>, point: &[f64]) -> bool {
-    let task = &ctx.shared.task;
-    if !(task.accept)(point) {
+    let task = ctx.task();
+    if !task.judge.accepts(point) {
         return false;
     }
-    if task.guidance.excludes(|| (task.describe)(point)) {
+    if task.judge.excludes(point) {
         ctx.tree.count(|s| s.excluded_by_rows += 1);
         return false;
     }

@@ -5,9 +5,8 @@
 //! Input and output:
 //!
 //! * `task`, `found` - the task and its result
-//! * `seed` - a warm start: boxes, and a point
+//! * `start` - integers to complete, and a point to beat
 //! * `proofs` - the tree of an earlier solve and the multipliers that closed its ends
-//! * `column_guidance` - the user's priorities, splits and points
 //!
 //! The tree:
 //!
@@ -22,7 +21,6 @@
 //!
 //! The program:
 //!
-//! * `event_windows` - branching on windows of time, `time_order` - the order of binaries in time
 //! * `indifferent_binaries` - integral values where the relaxed point leaves a choice
 //! * `root_point` - the relaxed point of the root, for the rest of these and the first node
 //! * `root` - propagation and probing before the first split
@@ -59,12 +57,10 @@ mod branching;
 mod children;
 mod clock;
 mod close_node;
-mod column_guidance;
 mod comparison;
 mod context;
 pub(crate) mod cuts;
 mod driver;
-mod event_windows;
 mod focus_node;
 mod found;
 mod heuristics;
@@ -85,17 +81,15 @@ mod reporter;
 mod root;
 mod root_point;
 mod round_buffer;
-mod seed;
+mod start;
 mod switch_node;
 mod task;
-mod time_order;
 mod trace;
 mod tree;
 mod tree_view;
 mod unbounded;
 mod worker;
 
-pub use column_guidance::ColumnGuidance;
 pub use comparison::Contradiction;
 pub(crate) use driver::{complete, first_point};
 pub use driver::{search, search_unstrengthened};
@@ -105,10 +99,10 @@ pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};
 pub(crate) use root::Root;
-pub(crate) use root_point::{Looked, Strengthened};
-pub(crate) use seed::GuessEnd;
-pub use seed::{Seed, SeedBox, Start};
-pub use task::{Accept, Task};
+pub(crate) use root_point::PilotResult;
+pub(crate) use start::Completion;
+pub use start::{Start, StartPoint};
+pub use task::{PointJudge, Task};
 
 // For `internals` only.
 pub use best_points::{Accepted, BestPoints};
@@ -118,5 +112,3 @@ pub use indifferent_binaries::{groups, lone_binaries, settle_groups, settle_lone
 pub use node::{Decision, Node, NodeQueue, Path, StepCount};
 pub use node_probing::NodeProbing;
 pub use pseudocosts::{LEAST_GAIN, Pseudocosts};
-pub use seed::{Part, divide};
-pub use time_order::in_time;

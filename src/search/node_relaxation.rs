@@ -26,16 +26,13 @@ pub(super) fn project_reduced(ctx: &mut Context<'_>, reduced: Reduced) -> Projec
 /// The program of the node of the domain; `None` if it is refuted.
 pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
     let activity = ctx.clock.switch(Activity::Reduction);
-    let program = ctx.base();
-    let program = ctx.shared.task.exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
+    let program = ctx.program();
+    let program = ctx.task().exact.filter(|_| ctx.is_leaf()).unwrap_or(program);
     let mut reduced = match ctx.is_leaf() {
         true => ctx.ladder.reduce_leaf(program, &ctx.node.domain),
         false => ctx.ladder.reducer().reduce(program, &ctx.node.domain),
     };
     if let Some(reduced) = &mut reduced {
-        if let Some(windows) = ctx.shared.windows {
-            windows.add_rows(&ctx.node.domain, reduced);
-        }
         tighten_coefficients(reduced, &ctx.program().integral);
     }
     ctx.clock.switch(activity);
@@ -79,7 +76,7 @@ pub(super) fn relax_and_keep(
     };
     let multipliers = ctx.tree.keeps_proofs().then(|| {
         let x = x.map_or(Vec::new(), |x| projection.reduced.lift(x));
-        let y = projection.multipliers(y, ctx.base().row_count());
+        let y = projection.multipliers(y, ctx.program().row_count());
         Arc::new(Multipliers { x, y })
     });
     (verdict, multipliers)
@@ -99,8 +96,8 @@ pub(super) struct Exact {
 /// only, the cost may be a little too low: by what a steep slope makes of `1e-7`. Splitting such a node
 /// further and further would not lift its bound.
 pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<Exact> {
-    let exact = ctx.shared.task.exact?;
-    if std::ptr::eq(exact, ctx.base()) || exact.quadratic.compute_nnz() == 0 {
+    let exact = ctx.task().exact?;
+    if std::ptr::eq(exact, ctx.program()) || exact.quadratic.compute_nnz() == 0 {
         return None;
     }
     let activity = ctx.clock.switch(Activity::Reduction);
@@ -116,7 +113,7 @@ pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<Exact> {
     let found = match &verdict {
         Verdict::Refuted(_) => Some(refuted),
         Verdict::Relaxed { bound, x, converged, .. } => {
-            let point = converged.then(|| ctx.complete_point(projection.lift(x)));
+            let point = converged.then(|| projection.lift(x));
             Some(Exact { bound: ctx.tree.strengthen(bound.min(ctx.node.cutoff)), point })
         }
         _ => None,

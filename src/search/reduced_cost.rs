@@ -23,10 +23,11 @@ pub(super) fn fix_by_reduced_costs(
     if cutoff == f64::INFINITY || y.len() != reduced.rows.len() {
         return true;
     }
+    let integral = &ctx.program().integral;
     let activity = ctx.clock.switch(Activity::Proof);
     let (bound, slopes) = ctx.ladder.prover().reduced_costs(reduced, x, y);
     let room = (cutoff - bound) + 1e-9 * cutoff.abs().max(1.0);
-    let facts = facts(reduced, &ctx.shared.task.program.integral, slopes, room);
+    let facts = facts(reduced, integral, slopes, room);
     ctx.clock.switch(activity);
     if facts.is_empty() {
         return true;

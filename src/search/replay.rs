@@ -20,17 +20,10 @@ use super::local_bounds::propagate_since;
 use super::node::{Decision, Node};
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
 use super::proofs::{End, EndKey, Fork, Multipliers, Proof, Proofs, Tried};
-use crate::presolve::Reduced;
-use crate::program::Program;
 use crate::relaxation::{Purpose, Verdict};
 
 /// Most decisions on a way down.
 const DEPTH: usize = 400;
-
-/// Proofs tried on the whole program after which that is judged, and the share (one in so many) that
-/// makes it worthwhile.
-const JUDGED_AFTER: u32 = 8;
-const WORTHWHILE: u32 = 4;
 
 /// Divides the root along the earlier tree, if there is one and a point to beat. Returns the open
 /// parts, the most promising one first; `None` if the root is as it was.
@@ -52,13 +45,12 @@ pub(super) fn replay(
     ctx.node.cutoff = ctx.propagator.set_cutoff(ctx.program(), cutoff);
     let whole = |v: &f64| (v - v.round()).abs() <= ctx.options().integrality;
     let fractional = x.iter().map(|v| !whole(v)).collect();
-    let whole = Whole::new(ctx.base());
     let relaxes = !proofs.is_large();
-    let mut replay = Replay { fractional, whole, relaxes, ..Replay::default() };
+    let mut replay = Replay { fractional, relaxes, ..Replay::default() };
     replay.run(ctx, &proofs, bound);
     if replay.has_more_to_relax() {
-        let Replay { fractional, whole, known, crowded, .. } = replay;
-        replay = Replay { fractional, whole, known, crowded, relaxes: true, ..Replay::default() };
+        let Replay { fractional, known, crowded, .. } = replay;
+        replay = Replay { fractional, known, crowded, relaxes: true, ..Replay::default() };
         replay.run(ctx, &proofs, bound);
     }
     let Replay { mut parts, forks, proofs, closed, proved, .. } = replay;
@@ -98,7 +90,6 @@ struct Replay {
     closed: bool,
     /// By column: whether it is fractional at the root.
     fractional: Vec<bool>,
-    whole: Whole,
     /// Memory for the multipliers of a node.
     picked: Multipliers,
     /// Whether sides are relaxed where no node above is crowded.
@@ -314,13 +305,6 @@ impl Replay {
             self.keep((before, now), multipliers);
             return Tried::Closed;
         }
-        let activity = ctx.clock.switch(Activity::Proof);
-        let closed = self.whole.is_closed(ctx, multipliers, &mut self.picked);
-        ctx.clock.switch(activity);
-        if closed {
-            self.keep((before, now), multipliers);
-            return Tried::Closed;
-        }
         let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
         let cutoff = ctx.tree.cutoff();
@@ -366,43 +350,6 @@ impl Replay {
             self.path.push(decision);
         }
         propagate_since(ctx, mark).is_ok()
-    }
-}
-
-/// The program with all its rows. Most proofs that hold at all hold for it, which takes much less than
-/// reducing the program first; where rows with big-Ms are tighter in the reduced program, few do.
-#[derive(Default)]
-struct Whole {
-    program: Reduced,
-    tried: u32,
-    closed: u32,
-}
-
-impl Whole {
-    fn new(program: &Program) -> Self {
-        let mut whole = Reduced::whole(program);
-        whole.find_steepness(program);
-        Whole { program: whole, tried: 0, closed: 0 }
-    }
-
-    /// Whether a proof closes a domain. Where too few do, none is tried.
-    fn is_closed(
-        &mut self,
-        ctx: &mut Context<'_>,
-        multipliers: &Multipliers,
-        picked: &mut Multipliers,
-    ) -> bool {
-        if self.tried >= JUDGED_AFTER && self.closed < self.tried / WORTHWHILE {
-            return false;
-        }
-        for j in 0..self.program.columns.len() {
-            [self.program.lower[j], self.program.upper[j]] = ctx.node.domain.bounds(j);
-        }
-        let (cutoff, prover) = (ctx.tree.cutoff(), ctx.ladder.prover());
-        let tried = multipliers.prove(&self.program, cutoff, prover, picked);
-        let closed = matches!(tried, Tried::Closed);
-        (self.tried, self.closed) = (self.tried + 1, self.closed + u32::from(closed));
-        closed
     }
 }
 

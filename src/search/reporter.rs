@@ -30,7 +30,7 @@ impl<'w, 'c> Reporter<'w, 'c> {
             if !control.watches_incumbents() {
                 continue;
             }
-            let Some(point) = (tree.task.describe)(&accepted.point) else { continue };
+            let Some(point) = tree.task.judge.point(&accepted.point) else { continue };
             let objective = tree.task.program.sign * accepted.value;
             let incumbent = Incumbent::new(&point, objective, accepted.found_by, progress);
             if control.report_incumbent(&incumbent).is_break() {

@@ -27,7 +27,7 @@ pub struct Root {
     pub(super) groups: Vec<Group>,
     /// Binaries without a cost that are in no group.
     pub(super) lone: Vec<usize>,
-    /// The integers in the order of probing, the last one first; not those of event windows.
+    /// The integers in the order of probing, the last one first.
     pub(super) late_first: Vec<usize>,
     pub(super) domain: Domain,
     /// With what is known about implications.
@@ -113,21 +113,5 @@ impl Root {
         propagator.set_implications(self.propagator.implications().clone());
         self.conflict = propagator.propagate_all(program, &mut self.domain).err();
         self.propagator = propagator;
-    }
-
-    /// Carries the root over to a program with further columns.
-    pub(super) fn extend(&mut self, program: &Program, token: &StopToken) {
-        let old = self.domain.column_count();
-        if old == program.column_count() || self.conflict.is_some() {
-            return;
-        }
-        let mut domain = Domain::new(program);
-        for j in 0..old {
-            let [lower, upper] = self.domain.bounds(j);
-            domain.apply(j, false, lower);
-            domain.apply(j, true, upper);
-        }
-        self.domain = domain;
-        self.renew(program, token);
     }
 }

@@ -30,9 +30,9 @@ pub(crate) struct Strengthened {
     pub(crate) values: [f64; 2],
 }
 
-/// The result of a short search from a root.
+/// The result of a pilot search: a search of one node, which tells whether cuts are wanted.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Looked {
+pub(crate) struct PilotResult {
     /// The value of its best point, if it found one.
     pub(crate) value: Option<f64>,
     /// The proved bound.

@@ -51,7 +51,7 @@ pub(super) fn switch_to(
 fn probe_node(ctx: &mut Context<'_>, probing: &mut NodeProbing) -> Result<(), Conflict> {
     let program = ctx.program();
     let before = ctx.node.domain.mark();
-    let order = (&ctx.shared.root.late_first[..], probing.trials());
+    let order = (&ctx.root().late_first[..], probing.trials());
     let (domain, propagator) = (&mut ctx.node.domain, &mut ctx.propagator);
     let result = probe_again(program, domain, propagator, order, &mut probing.record, &ctx.token);
     let decided = |&(j, _): &(usize, bool)| program.integral[j];

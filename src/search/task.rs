@@ -1,48 +1,90 @@
-//! The task of a search.
+//! The task of a search, and the judgement of its points.
 
-use super::column_guidance::ColumnGuidance;
 use super::root::Root;
 use crate::program::Program;
 use crate::relaxation::LadderPool;
 use crate::solution::Point;
 use crate::solver::{Options, StopToken};
 
-/// A check of a full point against the model it came from; decides whether an incumbent is
-/// accepted.
-pub type Accept<'a> = dyn Fn(&[f64]) -> bool + Sync + 'a;
+/// Judges points of a program by the model that it came from.
+pub trait PointJudge: Sync {
+    /// Whether a point becomes an incumbent: the model's own verification accepts it.
+    fn accepts(&self, x: &[f64]) -> bool;
 
-/// The input of a search.
+    /// Whether an accepted point is excluded by rows that are found while the search runs.
+    fn excludes(&self, _x: &[f64]) -> bool {
+        false
+    }
+
+    /// Whether rows may be found while the search runs.
+    fn finds_rows(&self) -> bool {
+        false
+    }
+
+    /// The model's point behind a point of the program; `None` if there is none.
+    fn point(&self, _x: &[f64]) -> Option<Point> {
+        None
+    }
+
+    /// The integers of the model, which tell the points of a pool apart.
+    fn key(&self, _x: &[f64]) -> Vec<i64> {
+        Vec::new()
+    }
+
+    /// Whether a column is an integer of the model, and not an auxiliary one.
+    fn tells_apart(&self, _column: usize) -> bool {
+        true
+    }
+}
+
+/// Accepts points by a check alone.
+impl<F: Fn(&[f64]) -> bool + Sync> PointJudge for F {
+    fn accepts(&self, x: &[f64]) -> bool {
+        self(x)
+    }
+
+    fn key(&self, x: &[f64]) -> Vec<i64> {
+        x.iter().map(|value| value.round() as i64).collect()
+    }
+}
+
+/// A program to solve, and what is needed for that: the value that passes through the phases of a solve.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The program.
     pub program: &'a Program,
-    /// The same columns and rows before big-Ms were tightened, for what becomes an answer.
+    /// The same columns and rows before the program was strengthened, for what becomes an answer.
     pub exact: Option<&'a Program>,
-    /// The root of the program, if it was probed before.
+    /// The propagated and probed root of the program, if it is known.
     pub root: Option<&'a Root>,
-    /// The check of incumbents.
-    pub accept: &'a Accept<'a>,
-    /// The integers that tell two points apart.
-    pub key: &'a (dyn Fn(&[f64]) -> Vec<i64> + Sync),
-    /// The user's point that a point stands for.
-    pub describe: &'a (dyn Fn(&[f64]) -> Option<Point> + Sync),
-    /// The user's guidance of the search.
-    pub guidance: &'a ColumnGuidance<'a>,
+    /// The judge of points.
+    pub judge: &'a dyn PointJudge,
     /// The methods of the workers.
     pub ladders: &'a LadderPool,
     /// Gaps, tolerances, limits, threads.
     pub options: &'a Options,
-    /// Points must be better than this (minimised objective); infinite if any will do.
+    /// The value below which points are searched for (minimised objective); infinite for any point.
     pub cutoff: f64,
-    /// When the search must stop, and when the solve began.
+    /// The time at which the search must stop, and at which the solve began.
     pub token: &'a StopToken,
 }
 
-impl Task<'_> {
-    /// The (minimised) objective of a point, which may have further columns.
+impl<'a> Task<'a> {
+    /// A task about a program as it is.
+    pub fn new(
+        program: &'a Program,
+        judge: &'a dyn PointJudge,
+        ladders: &'a LadderPool,
+        options: &'a Options,
+        token: &'a StopToken,
+    ) -> Self {
+        let cutoff = f64::INFINITY;
+        Task { program, exact: None, root: None, judge, ladders, options, cutoff, token }
+    }
+
+    /// The (minimised) objective of a point, before the program was strengthened.
     pub fn value(&self, point: &[f64]) -> f64 {
-        let program = self.exact.unwrap_or(self.program);
-        program.objective(point.get(..program.column_count()).unwrap_or(point))
+        self.exact.unwrap_or(self.program).objective(point)
     }
 }
 

@@ -9,11 +9,10 @@ use super::found::{ClosedNode, Found};
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::proofs::{End, Fork, Proof, Proofs};
 use super::pseudocosts::Pseudocosts;
-use super::root_point::RootPoint;
-use super::seed::{GuessEnd, Seed, Seeded, Start};
+use super::root::Root;
+use super::start::{Completion, Start, StartPoint};
 use super::task::Task;
 use super::trace::event;
-use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -22,12 +21,15 @@ use crate::solver::Progress;
 /// Nodes that a search goes on for, at least, once it has found rows that its program lacks.
 const MORE_NODES: u64 = 8;
 
-/// The shared state of one search.
+/// The search itself, for heuristics that solve smaller programs with it.
+pub(super) type NestedSearch = fn(Task<'_>) -> Found;
+
+/// The state that the workers of one search share.
 pub(super) struct Tree<'a> {
     pub(super) task: Task<'a>,
-    /// The bounds of the root.
-    root: &'a Domain,
-    pub(super) seed: Option<&'a Seed>,
+    pub(super) root: &'a Root,
+    pub(super) start: Option<&'a Start>,
+    pub(super) nested: NestedSearch,
     /// Smallest possible difference of two objective values; 0 when unknown.
     granularity: f64,
     pub(super) state: Mutex<State>,
@@ -78,8 +80,7 @@ pub(super) struct State {
     leaves: Vec<(Path, f64)>,
     proofs: Vec<Proof>,
     forks: Vec<Fork>,
-    pub(super) guess: Option<GuessEnd>,
-    pub(super) seeded: Option<Seeded>,
+    pub(super) completion: Option<Completion>,
 }
 
 /// The finds of a worker since it last handed them over.
@@ -94,17 +95,16 @@ pub(super) struct Share {
 }
 
 impl<'a> Tree<'a> {
-    /// A tree with its root, whose relaxed point may be known.
+    /// A tree of its root alone, for so many workers.
     pub(super) fn new(
         task: Task<'a>,
-        root: &'a Domain,
-        seed: Option<&'a Seed>,
-        known: Option<&RootPoint>,
+        root: &'a Root,
+        start: Option<&'a Start>,
+        nested: NestedSearch,
         workers: usize,
     ) -> Self {
-        let queue = NodeQueue::default();
         let state = State {
-            queue,
+            queue: NodeQueue::default(),
             floors: vec![None; workers],
             points: BestPoints::new(task.options),
             news: Vec::new(),
@@ -120,13 +120,13 @@ impl<'a> Tree<'a> {
             leaves: Vec::new(),
             proofs: Vec::new(),
             forks: Vec::new(),
-            guess: None,
-            seeded: None,
+            completion: None,
         };
         let tree = Tree {
             task,
             root,
-            seed,
+            start,
+            nested,
             granularity: granularity(task.program),
             state: Mutex::new(state),
             wake: Condvar::new(),
@@ -140,10 +140,10 @@ impl<'a> Tree<'a> {
             root_state: OnceLock::new(),
             pseudocosts: Mutex::new(Pseudocosts::new(task.program.column_count())),
         };
-        let mut root = Node::relaxed_root(known);
-        root.bound = tree.strengthen(root.bound);
-        tree.lock().queue.push(root);
-        if let Some(Start { values, found_by }) = seed.and_then(|seed| seed.point.clone()) {
+        let mut node = Node::relaxed_root(root.point.as_ref());
+        node.bound = tree.strengthen(node.bound);
+        tree.lock().queue.push(node);
+        if let Some(StartPoint { values, found_by }) = start.and_then(|start| start.point.clone()) {
             let value = task.value(&values);
             let accepted = tree.accepted(value, values, found_by);
             tree.accept(&mut tree.lock(), accepted);
@@ -248,7 +248,7 @@ impl<'a> Tree<'a> {
     /// Takes in a verified point; `true` when it is the new incumbent. Ends the search if the point
     /// contradicts the strengthened program, because then no bound holds.
     pub(super) fn accept(&self, state: &mut State, accepted: Accepted) -> bool {
-        if let Some(what) = contradiction(&self.task, self.root, &accepted.point) {
+        if let Some(what) = contradiction(&self.task, &self.root.domain, &accepted.point) {
             event!(WARN, what = ?what, "contradiction");
             state.contradiction = Some(what);
             state.statistics.contradictions += 1;
@@ -374,8 +374,7 @@ impl<'a> Tree<'a> {
             proofs: state.proofs,
             forks: state.forks,
             strengthened: None,
-            guess: state.guess,
-            seeded: state.seeded,
+            completion: state.completion,
         }
     }
 }
@@ -424,7 +423,7 @@ impl Tree<'_> {
     /// An accepted point with the key that tells points apart: the integers of the user's model. The key is
     /// empty if one point is enough.
     pub(super) fn accepted(&self, value: f64, point: Vec<f64>, found_by: Heuristic) -> Accepted {
-        let key = if self.task.options.pool > 1 { (self.task.key)(&point) } else { Vec::new() };
+        let key = if self.task.options.pool > 1 { self.task.judge.key(&point) } else { Vec::new() };
         Accepted { value, key, point, found_by }
     }
 }

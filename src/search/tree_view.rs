@@ -14,7 +14,7 @@ use super::local_queue::LocalQueue;
 use super::node::{Decision, Node, Path};
 use super::proofs::{Fork, Proof, Proofs};
 use super::round_buffer::RoundBuffer;
-use super::seed::{GuessEnd, Seed, Seeded};
+use super::start::{Completion, Start};
 use super::tree::{Share, Tree};
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
@@ -29,7 +29,7 @@ pub(super) struct TreeView<'a> {
     exchange: Exchange,
     share: RefCell<Share>,
     found_by: Cell<Heuristic>,
-    /// The last point that a guess led to.
+    /// The last point that the integers of the start led to.
     last_found: RefCell<Option<Vec<f64>>>,
 }
 
@@ -81,8 +81,8 @@ impl<'a> TreeView<'a> {
         decisions.iter().fold(path.clone(), step)
     }
 
-    pub(super) fn seed(&self) -> Option<&'a Seed> {
-        self.tree.seed
+    pub(super) fn start(&self) -> Option<&'a Start> {
+        self.tree.start
     }
 
     /// Nodes with at least this bound cannot improve the best points.
@@ -187,7 +187,7 @@ impl<'a> TreeView<'a> {
     pub(super) fn offer(&self, objective: f64, point: Vec<f64>) -> bool {
         let found_by = self.found_by.get();
         self.count(|s| s.heuristics.of_mut(found_by).points += 1);
-        if found_by == Heuristic::Guess {
+        if found_by == Heuristic::Start {
             self.last_found.replace(Some(point.clone()));
         }
         let accepted = self.tree.accepted(objective, point, found_by);
@@ -205,7 +205,7 @@ impl<'a> TreeView<'a> {
         better
     }
 
-    /// The last point that a guess led to.
+    /// The last point that the integers of the start led to.
     pub(super) fn take_last_found(&self) -> Option<Vec<f64>> {
         self.last_found.take()
     }
@@ -214,19 +214,14 @@ impl<'a> TreeView<'a> {
         self.last_found.borrow().is_some()
     }
 
-    /// Notes what became of the guess.
-    pub(super) fn report_guess(&self, end: GuessEnd) {
-        self.tree.lock().guess = Some(end);
+    /// Notes the outcome of completing the integers of the start.
+    pub(super) fn report_completion(&self, completion: Completion) {
+        self.tree.lock().completion = Some(completion);
     }
 
     /// Notes that a point owes a visible part of its value to what presolve has widened.
     pub(super) fn note_widened(&self) {
         self.tree.lock().is_widened = true;
-    }
-
-    /// Notes which boxes of the seed the root was divided into.
-    pub(super) fn report_seeded(&self, seeded: Seeded) {
-        self.tree.lock().seeded = Some(seeded);
     }
 
     /// Notes the bound of a subtree that is closed without being infeasible.
@@ -250,12 +245,12 @@ impl<'a> TreeView<'a> {
 
     /// Proofs of an earlier solve; `None` if nobody asks for those of this one either.
     pub(super) fn proofs(&self) -> Option<Arc<Proofs>> {
-        self.tree.seed.and_then(|seed| seed.proofs.clone())
+        self.tree.start.and_then(|start| start.proofs.clone())
     }
 
     /// Whether what closes nodes is kept.
     pub(super) fn keeps_proofs(&self) -> bool {
-        self.tree.seed.is_some_and(|seed| seed.proofs.is_some())
+        self.tree.start.is_some_and(|start| start.proofs.is_some())
     }
 
     /// Keeps what closed a node, if there is room.

@@ -15,8 +15,8 @@ pub(super) fn settle_descent(ctx: &mut Context<'_>, node: Node) {
     options.branching = BranchingRule::LatestFirst;
     let (program, cutoff) = (&flat, f64::INFINITY);
     let (exact, options) = (None, &options);
-    let task = Task { program, exact, root: None, options, cutoff, ..ctx.shared.task };
-    let Found { termination, points, statistics, .. } = (ctx.shared.nested)(task);
+    let task = Task { program, exact, root: None, options, cutoff, ..*ctx.task() };
+    let Found { termination, points, statistics, .. } = (ctx.tree.tree.nested)(task);
     let incumbent = points.into_iter().next();
     ctx.clock.restart();
     ctx.tree.count(|s| s.add(&statistics));

@@ -3,8 +3,8 @@
 use super::branching::{Branching, RelaxedPoint};
 use super::children::branch;
 use super::close_node::{close_refuted, cut_off, keep_proof};
-use super::context::{Context, Shared};
-use super::heuristics::{Heuristics, look_for_points, look_for_settled_point, try_guess};
+use super::context::Context;
+use super::heuristics::{Heuristics, look_for_points, look_for_settled_point};
 use super::indifferent_binaries::{settle_groups, settle_lone};
 use super::leaf::offer_leaf;
 use super::node::{Decision, Known, Node};
@@ -39,10 +39,10 @@ pub(super) struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
-    pub(super) fn new(shared: Shared<'a>, tree: TreeView<'a>) -> Self {
-        let columns = shared.task.program.column_count();
+    pub(super) fn new(tree: TreeView<'a>) -> Self {
+        let columns = tree.tree.task.program.column_count();
         Worker {
-            context: Context::new(shared, tree),
+            context: Context::new(tree),
             branching: Branching::new(columns),
             heuristics: Heuristics::new(),
             probing: NodeProbing::new(columns),
@@ -95,9 +95,6 @@ impl<'a> Worker<'a> {
             return None;
         }
         let ctx = &mut self.context;
-        if at_root {
-            try_guess(ctx);
-        }
         let known = node.known.take().filter(|k| !ctx.is_leaf() && may_reuse(ctx, k, node.bound));
         let (mut bound, mut x) = match known {
             Some(known) => (node.bound, known.point),
@@ -113,7 +110,7 @@ impl<'a> Worker<'a> {
         if is_cut_off(ctx, bound) {
             return None;
         }
-        let (program, root, options) = (ctx.program(), ctx.shared.root, ctx.options());
+        let (program, root, options) = (ctx.program(), ctx.root(), ctx.options());
         settle_groups(program, &ctx.node.domain, &root.groups, options.integrality, &mut x);
         let pseudocosts = &self.branching.pseudocosts;
         look_for_points(ctx, &mut self.heuristics, pseudocosts, &x, bound, at_root);
@@ -181,7 +178,7 @@ impl<'a> Worker<'a> {
     /// Brings the domain to a node. Returns `false` if that refutes it.
     fn enter(&mut self, node: &Node) -> bool {
         node.path.write_to(&mut self.route);
-        self.context.shared.root.conflict.is_none()
+        self.context.root().conflict.is_none()
             && switch_to(&mut self.context, &mut self.probing, &self.route).is_ok()
     }
 }
@@ -279,7 +276,7 @@ fn conclude_from(
         cut_off(ctx, &node.path, cutoff);
         return None;
     }
-    Some((bound, ctx.complete_point(projection.lift(x))))
+    Some((bound, projection.lift(x)))
 }
 
 /// Closes a leaf, whose relaxation is the leaf, and offers its point.

@@ -1,4 +1,4 @@
-//! The leaves of a search tree, and the report about a seed.
+//! The leaves of a search tree.
 
 use crate::model::Variable;
 
@@ -30,72 +30,4 @@ pub struct LeafBound {
     /// Its upper bound, in the variable's unit.
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub upper: f64,
-}
-
-impl LeafBound {
-    /// Bounds of a variable, in its unit; infinite where there is none.
-    pub fn new(variable: Variable, lower: f64, upper: f64) -> Self {
-        LeafBound { variable, lower, upper }
-    }
-}
-
-impl LeafBox {
-    /// A box and the objective bound that was proved in it.
-    pub fn new(bounds: Vec<LeafBound>, bound: f64) -> Self {
-        LeafBox { bounds, bound }
-    }
-
-    /// The same box over other variables. `to` maps each variable to its replacement, or to `None`
-    /// to drop its bounds.
-    pub fn mapped(&self, to: impl Fn(Variable) -> Option<Variable>) -> LeafBox {
-        let map = |old: &LeafBound| Some(LeafBound { variable: to(old.variable)?, ..*old });
-        LeafBox { bounds: self.bounds.iter().filter_map(map).collect(), bound: self.bound }
-    }
-}
-
-/// The report on a [`TreeSeed`](crate::solver::TreeSeed) after a solve.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SeedReport {
-    /// The outcome of the guess; `None` if there was none or the solver did not try it.
-    pub guess: Option<GuessStatus>,
-    /// The report on the boxes; `None` if there were none or the root was not split.
-    pub leaves: Option<LeafReport>,
-    /// Number of entries that were ignored because they name a variable of another model or a
-    /// continuous one, or because their value is NaN.
-    pub ignored: usize,
-}
-
-/// The outcome of a guess.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum GuessStatus {
-    /// The solver found a verified point with all guessed values.
-    Accepted,
-    /// The solver found a verified point, but these variables had to change.
-    Repaired {
-        /// The variables.
-        changed: Vec<Variable>,
-    },
-    /// The solver found no point from the guess.
-    Rejected {
-        /// Why, in words.
-        reason: String,
-    },
-}
-
-/// How the root was divided along the boxes of a seed. The parts always cover the root.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LeafReport {
-    /// For each box, in the order given, whether part of the root lies in it.
-    pub used: Vec<bool>,
-    /// Parts of the root that lie in a box.
-    pub inside: usize,
-    /// Parts of the root that lie in no box and were added to cover it; 0 if the boxes cover the
-    /// root and could be separated.
-    pub added: usize,
 }

@@ -11,15 +11,17 @@ mod multipliers;
 mod note;
 mod point;
 mod pool;
+mod start_report;
 mod statistics;
 mod status;
 mod verification;
 
-pub use leaves::{GuessStatus, LeafBound, LeafBox, LeafReport, SeedReport};
+pub use leaves::{LeafBound, LeafBox};
 pub use multipliers::Multipliers;
 pub use note::Note;
 pub use point::{Evaluate, Point};
 pub use pool::{Pool, PoolPoint};
+pub use start_report::{StartReport, StartStatus};
 pub use statistics::{
     Heuristic, HeuristicCount, HeuristicCounts, RelaxationCounts, Statistics, Times,
 };
@@ -51,7 +53,7 @@ pub struct Solution {
     #[cfg_attr(feature = "serde", serde(default))]
     leaves: Vec<LeafBox>,
     #[cfg_attr(feature = "serde", serde(default))]
-    seed: Option<SeedReport>,
+    start: Option<StartReport>,
     #[cfg_attr(feature = "serde", serde(default))]
     multipliers: Option<Multipliers>,
     #[cfg_attr(feature = "serde", serde(default))]
@@ -138,7 +140,7 @@ impl Solution {
             statistics,
             pool,
             leaves: Vec::new(),
-            seed: None,
+            start: None,
             multipliers: None,
             refused: None,
         })
@@ -175,9 +177,9 @@ impl Solution {
         self
     }
 
-    /// Sets the report about the seed.
-    pub fn with_seed_report(mut self, report: Option<SeedReport>) -> Self {
-        self.seed = report;
+    /// Sets the report on the MIP start.
+    pub fn with_start_report(mut self, report: Option<StartReport>) -> Self {
+        self.start = report;
         self
     }
 
@@ -269,9 +271,9 @@ impl Solution {
         &self.leaves
     }
 
-    /// The report on the seed of the solve; `None` if it had none.
-    pub fn seed_report(&self) -> Option<&SeedReport> {
-        self.seed.as_ref()
+    /// The report on the MIP start of the solve; `None` if it had none.
+    pub fn start_report(&self) -> Option<&StartReport> {
+        self.start.as_ref()
     }
 
     /// Why the solver stopped.
@@ -297,6 +299,15 @@ impl Solution {
     /// The best point found.
     pub fn point(&self) -> Option<&Point> {
         self.point.as_ref()
+    }
+
+    /// Whether a binary, or a condition, is on at the best point.
+    ///
+    /// # Errors
+    ///
+    /// As for [`value`](Solution::value).
+    pub fn is_on(&self, of: impl Evaluate) -> Result<bool, Error> {
+        Ok(self.value(of)? > 0.5)
     }
 
     /// Value of a variable or an expression at the best point.

@@ -42,7 +42,7 @@ impl Multipliers {
         Multipliers { tag: model.tag(), shadow_prices, reduced_costs }
     }
 
-    /// Those of a model whose variables and rows come first in the one that was solved.
+    /// The multipliers of a model whose variables and rows come first in the one that was solved.
     pub(crate) fn of(&self, model: &Model) -> Self {
         Self::new(model, self.shadow_prices.clone(), self.reduced_costs.clone())
     }

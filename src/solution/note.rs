@@ -7,10 +7,10 @@ use crate::number::percent;
 use crate::tolerance::FREE_RADIUS;
 
 /// Fewest nodes, splits or relaxations that a remark is made about.
-const FEW: u64 = 100;
+const MIN_REMARKED: u64 = 100;
 
 /// The relative gap above which a bound counts as far from the best point (no unit).
-const WIDE: f64 = 0.05;
+const WIDE_GAP: f64 = 0.05;
 
 /// A remark about a search, for people: why it has not ended or takes long, and what to change.
 ///
@@ -33,9 +33,9 @@ pub enum Note {
     },
     /// The first method of most relaxations was not good enough, and a second one was asked.
     MethodGivesUp {
-        /// How often.
+        /// The number of times.
         times: u64,
-        /// Of so many nodes and trials.
+        /// The number of nodes and trials.
         relaxations: u64,
     },
     /// Many nodes were split although all integers of their relaxed points were whole: what separates
@@ -77,21 +77,21 @@ impl Solution {
         if self.termination() == Termination::Stalled && counts.beyond_radius > 0 {
             notes.push(Note::FarFromZero);
         }
-        if self.termination().is_limit() && counts.nodes >= FEW {
+        if self.termination().is_limit() && counts.nodes >= MIN_REMARKED {
             let gap = self.relative_gap();
             if self.point().is_none() {
                 notes.push(Note::NoPoint { nodes: counts.nodes });
-            } else if gap > WIDE {
+            } else if gap > WIDE_GAP {
                 notes.push(Note::WideGap { gap });
             }
         }
         let methods = &counts.relaxation_counts;
         let (times, relaxations) = (methods.given_up, methods.total() - methods.given_up);
-        if times >= FEW && 2 * times > relaxations {
+        if times >= MIN_REMARKED && 2 * times > relaxations {
             notes.push(Note::MethodGivesUp { times, relaxations });
         }
         let (nodes, splits) = (counts.whole_splits, counts.split);
-        if nodes >= FEW && 4 * nodes > splits {
+        if nodes >= MIN_REMARKED && 4 * nodes > splits {
             notes.push(Note::WholeSplits { nodes, splits });
         }
         notes

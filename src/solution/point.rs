@@ -24,6 +24,15 @@ impl Point {
         Ok(Point { tag: model.tag(), values })
     }
 
+    /// Whether a binary, or a condition, is on: whether its value is above 1/2.
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::ForeignHandle`] for a handle of another model.
+    pub fn is_on(&self, of: impl Evaluate) -> Result<bool, Error> {
+        Ok(self.value(of)? > 0.5)
+    }
+
     /// Value of a variable or an expression.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ pub struct Statistics {
     pub nested_nodes: u64,
     /// Continuous relaxations solved, including those of heuristics and checks.
     pub relaxations: u64,
-    /// The same by method, and how often the first method gave up.
+    /// Relaxations by method, and how often the first method gave up.
     pub relaxation_counts: RelaxationCounts,
     /// Interior-point iterations over all relaxations.
     pub iterations: u64,
@@ -32,7 +32,7 @@ pub struct Statistics {
     pub leaves: u64,
     /// Nodes that were split.
     pub split: u64,
-    /// Those of them whose relaxed points had whole integers.
+    /// Nodes that were split although their relaxed points had whole integers.
     pub whole_splits: u64,
     /// Nodes returned unfinished at a limit, or that could be neither finished nor split for
     /// numerical reasons.
@@ -52,10 +52,6 @@ pub struct Statistics {
     pub lazy_constraints: u64,
     /// [User cuts](crate::solver::Control::with_user_cuts) that were added.
     pub user_cuts: u64,
-    /// Splits made by the user's [`Branching`](crate::solver::Branching) rule.
-    pub user_splits: u64,
-    /// Answers of that rule that were rejected because they did not divide the node.
-    pub refused_splits: u64,
     /// Searches that were repeated because an accepted point contradicted a rewriting of the program
     /// that makes its relaxation tighter. The rewriting was dropped, so the answer does not rest on it;
     /// anything but 0 is a fault of the crate.
@@ -89,7 +85,9 @@ pub struct Statistics {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RelaxationCounts {
-    /// By the dual simplex method or the active-set method.
+    /// By the dual simplex method.
+    pub dual_simplex: u64,
+    /// By the dual active-set method.
     pub active_set: u64,
     /// By the crate's own interior-point method.
     pub interior_point: u64,
@@ -102,11 +100,12 @@ pub struct RelaxationCounts {
 impl RelaxationCounts {
     /// Relaxations by all methods.
     pub fn total(&self) -> u64 {
-        self.active_set + self.interior_point + self.clarabel
+        self.dual_simplex + self.active_set + self.interior_point + self.clarabel
     }
 
     /// Adds other counts.
     pub fn add(&mut self, other: &RelaxationCounts) {
+        self.dual_simplex += other.dual_simplex;
         self.active_set += other.active_set;
         self.interior_point += other.interior_point;
         self.clarabel += other.clarabel;
@@ -149,10 +148,8 @@ pub enum Heuristic {
     Relaxation,
     /// Round and propagate.
     Rounding,
-    /// The user's guess, completed or repaired.
-    Guess,
-    /// Values proposed by a [`Proposal`](crate::solver::Proposal), completed.
-    Proposal,
+    /// A MIP start or the last plan, completed or repaired.
+    Start,
     /// Rolling out: the inputs of a relaxed point, and what follows from them.
     RollOut,
     /// Diving: fix, propagate and relax in turn.
@@ -187,21 +184,19 @@ pub struct HeuristicCounts {
     relaxation: HeuristicCount,
     rounding: HeuristicCount,
     roll_out: HeuristicCount,
-    guess: HeuristicCount,
-    proposal: HeuristicCount,
+    start: HeuristicCount,
     diving: HeuristicCount,
     neighbourhood: HeuristicCount,
 }
 
 impl Heuristic {
     /// All sources of points.
-    pub const ALL: [Heuristic; 8] = [
+    pub const ALL: [Heuristic; 7] = [
         Heuristic::Leaf,
         Heuristic::Relaxation,
         Heuristic::Rounding,
         Heuristic::RollOut,
-        Heuristic::Guess,
-        Heuristic::Proposal,
+        Heuristic::Start,
         Heuristic::Diving,
         Heuristic::Neighbourhood,
     ];
@@ -217,8 +212,7 @@ impl Heuristic {
             Heuristic::Relaxation => ('*', "relaxation"),
             Heuristic::Rounding => ('R', "rounding"),
             Heuristic::RollOut => ('O', "roll-out"),
-            Heuristic::Guess => ('G', "guess"),
-            Heuristic::Proposal => ('P', "proposal"),
+            Heuristic::Start => ('S', "start"),
             Heuristic::Diving => ('D', "diving"),
             Heuristic::Neighbourhood => ('N', "neighbourhood"),
         }
@@ -261,8 +255,7 @@ impl HeuristicCounts {
             Heuristic::Relaxation => &mut self.relaxation,
             Heuristic::Rounding => &mut self.rounding,
             Heuristic::RollOut => &mut self.roll_out,
-            Heuristic::Guess => &mut self.guess,
-            Heuristic::Proposal => &mut self.proposal,
+            Heuristic::Start => &mut self.start,
             Heuristic::Diving => &mut self.diving,
             Heuristic::Neighbourhood => &mut self.neighbourhood,
         }
@@ -282,11 +275,6 @@ impl Times {
             ("verification", self.verification),
             ("other", self.other),
         ]
-    }
-
-    /// The time for building, solving and proving relaxations.
-    pub fn of_relaxations(&self) -> Duration {
-        self.reduction + self.relaxation + self.proof
     }
 
     /// The sum of the parts, over all threads.
@@ -312,13 +300,6 @@ impl Statistics {
     pub fn nodes_per_second(&self) -> f64 {
         let seconds = self.time.as_secs_f64();
         if seconds > 0.0 { self.nodes as f64 / seconds } else { 0.0 }
-    }
-
-    /// The share of the threads' time that was not spent on building, solving and proving
-    /// relaxations ([`Times::of_relaxations`]), within `[0, 1]`; 0 if nothing was measured.
-    pub fn share_beyond_relaxations(&self) -> f64 {
-        let total = self.times.total().as_secs_f64();
-        if total > 0.0 { 1.0 - self.times.of_relaxations().as_secs_f64() / total } else { 0.0 }
     }
 
     /// The same counts without times and the number of threads, which vary from run to run.
@@ -358,7 +339,7 @@ impl Statistics {
         sum!(beyond_radius);
         sum!(refuted_by_propagation, refuted_by_relaxation, cut_off, closed_by_trials);
         sum!(closed_by_proofs, excluded_by_rows, lazy_constraints, user_cuts);
-        sum!(whole_splits, user_splits, refused_splits, contradictions);
+        sum!(whole_splits, contradictions);
         self.relaxation_counts.add(&part.relaxation_counts);
         self.depth = self.depth.max(part.depth);
         self.max_open = self.max_open.max(part.max_open);

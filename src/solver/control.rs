@@ -5,9 +5,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::guidance::Guidance;
+use super::mip_start::MipStart;
 use super::progress::{Event, Incumbent};
-use super::seed::TreeSeed;
 use crate::error::{Error, ErrorKind};
 use crate::model::Row;
 use crate::solution::Point;
@@ -65,8 +64,7 @@ impl Interrupt {
 pub struct Control<'a> {
     progress: Option<&'a mut dyn FnMut(&Event)>,
     incumbent: Option<&'a mut OnIncumbent<'a>>,
-    seed: Option<&'a TreeSeed>,
-    guidance: Guidance<'a>,
+    start: Option<&'a MipStart>,
     lazy_constraints: Option<&'a RowSource<'a>>,
     user_cuts: Option<&'a RowSource<'a>>,
     interrupt: Interrupt,
@@ -115,15 +113,9 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Warm-starts the search from an earlier solve: see [`TreeSeed`].
-    pub fn with_seed(mut self, seed: &'a TreeSeed) -> Self {
-        self.seed = Some(seed);
-        self
-    }
-
-    /// Steers the search: see [`Guidance`].
-    pub fn with_guidance(mut self, guidance: Guidance<'a>) -> Self {
-        self.guidance = guidance;
+    /// Begins the search with values of integers: see [`MipStart`].
+    pub fn with_start(mut self, start: &'a MipStart) -> Self {
+        self.start = Some(start);
         self
     }
 
@@ -225,14 +217,9 @@ impl<'a> Control<'a> {
         &self.interrupt
     }
 
-    /// The seed, for backends.
-    pub fn seed(&self) -> Option<&'a TreeSeed> {
-        self.seed
-    }
-
-    /// The guidance, for backends.
-    pub fn guidance(&self) -> &Guidance<'a> {
-        &self.guidance
+    /// The MIP start, for backends.
+    pub fn start(&self) -> Option<&'a MipStart> {
+        self.start
     }
 
     /// The source of lazy constraints, for backends.
@@ -294,8 +281,7 @@ impl fmt::Debug for Control<'_> {
         f.debug_struct("Control")
             .field("progress", &self.progress.is_some())
             .field("incumbent", &self.incumbent.is_some())
-            .field("seed", &self.seed)
-            .field("guidance", &self.guidance)
+            .field("start", &self.start)
             .field("lazy_constraints", &self.lazy_constraints.is_some())
             .field("user_cuts", &self.user_cuts.is_some())
             .field("interrupt", &self.interrupt)

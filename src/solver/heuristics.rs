@@ -3,8 +3,7 @@
 /// The primal heuristics that a search may use.
 ///
 /// Leaves of the tree and integral relaxed points are always used. So are points from the caller
-/// (the guess of a [`TreeSeed`](super::TreeSeed), a [`Proposal`](super::Proposal)). Heuristics
-/// never change the answer, only how soon it is found: every point is verified, and bounds come
+/// (a [`MipStart`](super::MipStart)). Heuristics never change the answer, only how soon it is found: every point is verified, and bounds come
 /// only from the tree.
 ///
 /// ```

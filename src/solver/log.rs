@@ -10,13 +10,13 @@ use crate::number::{percent, rounded};
 use crate::solution::{RelaxationCounts, Solution, Verification};
 
 /// Lines between two headings.
-const PAGE: u64 = 25;
+const LINES_PER_HEADING: u64 = 25;
 
 /// Violations that are named.
-const NAMED: usize = 3;
+const NAMED_VIOLATIONS: usize = 3;
 
 /// Shortest time between two lines that report nothing new.
-const PAUSE: Duration = Duration::from_secs(1);
+const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A progress callback that writes a line for the root, for every new best point, and about once a
 /// second.
@@ -61,11 +61,15 @@ impl<W: Write> Log<W> {
         let progress = event.progress();
         let mark = match event {
             Event::Incumbent(_) => progress.found_by.map_or('*', |heuristic| heuristic.mark()),
-            Event::Progress(_) if self.last.is_some_and(|last| last.elapsed() < PAUSE) => return,
+            Event::Progress(_)
+                if self.last.is_some_and(|last| last.elapsed() < REPORT_INTERVAL) =>
+            {
+                return;
+            }
             _ => ' ',
         };
         self.last = Some(Instant::now());
-        if self.lines.is_multiple_of(PAGE) {
+        if self.lines.is_multiple_of(LINES_PER_HEADING) {
             self.write(format_args!(
                 "  {:>9} {:>8} {:>6} {:>16} {:>16} {:>9} {:>9}\n",
                 "nodes", "open", "depth", "incumbent", "bound", "gap %", "seconds"
@@ -108,11 +112,11 @@ impl<W: Write> Log<W> {
             statistics.max_open,
             statistics.tree_bytes,
         ));
-        let RelaxationCounts { active_set, interior_point, clarabel, given_up } =
+        let RelaxationCounts { dual_simplex, active_set, interior_point, clarabel, given_up } =
             statistics.relaxation_counts;
         self.write(format_args!(
-            "relaxations: active set {active_set}, interior point {interior_point}, Clarabel \
-             {clarabel}; the first method gave up {given_up} times\n"
+            "relaxations: dual simplex {dual_simplex}, active set {active_set}, interior point \
+             {interior_point}, Clarabel {clarabel}; the first method gave up {given_up} times\n"
         ));
         if statistics.blocks > 0 {
             self.write(format_args!("{} blocks, one after the other\n", statistics.blocks));
@@ -168,8 +172,9 @@ impl<W: Write> fmt::Debug for Log<W> {
 /// The violations of the nearest refused point of a stalled search, in a line.
 fn refusal(check: &Verification) -> String {
     let violations = check.violations();
-    let named: Vec<String> = violations.iter().take(NAMED).map(ToString::to_string).collect();
-    let more = match violations.len().saturating_sub(NAMED) {
+    let named: Vec<String> =
+        violations.iter().take(NAMED_VIOLATIONS).map(ToString::to_string).collect();
+    let more = match violations.len().saturating_sub(NAMED_VIOLATIONS) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };

@@ -29,8 +29,8 @@ use crate::tolerance;
 /// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |
 /// | `pool_gap` | none, `>= 0`, or none | none | none | none | |
 /// | `keep_leaves` | on or off | off | off | off | costs memory |
-/// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *Event windows* |
-/// | `relaxation` | [`RelaxationMethod`] | `ActiveSet` | `ActiveSet` | `ActiveSet` | benchmarks, *Relaxations by either method* |
+/// | `branching` | [`BranchingRule`] | `Automatic` | `Automatic` | `Automatic` | decisions, *The latest step first* |
+/// | `relaxation` | [`RelaxationMethod`] | `Automatic` | `Automatic` | `Automatic` | benchmarks, *Relaxations by either method* |
 /// | `reductions` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `disjunctive_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
 /// | `big_m_tightening` | on or off | on | on | on | decisions, *Presolve is a list of rules* |
@@ -83,34 +83,34 @@ pub struct Options {
     /// the best objective (no unit, `>= 0`). Default none, which allows any point.
     pub pool_gap: Option<f64>,
     /// Whether to keep the leaves of the tree in
-    /// [`Solution::leaves`](crate::solution::Solution::leaves), for a
-    /// [`TreeSeed`](crate::solver::TreeSeed); default off.
+    /// [`Solution::leaves`](crate::solution::Solution::leaves): boxes that cover all assignments of
+    /// the integers, with a proved bound each; default off.
     pub keep_leaves: bool,
     /// How nodes are split; default [`BranchingRule::Automatic`].
     pub branching: BranchingRule,
     /// Which method solves the relaxations of the search; default
-    /// [`RelaxationMethod::ActiveSet`]. The linear programs behind Ms are solved by the default.
+    /// [`RelaxationMethod::Automatic`]. The linear programs behind Ms are solved by the default.
     pub relaxation: RelaxationMethod,
     /// Whether presolve reduces the program before the search: its rules remove rows and columns,
-    /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves
-    /// are kept, if a seed has leaves, or if guidance has a branching rule, because these refer to
-    /// the original columns. Guesses, proposed points and priorities are mapped through it.
+    /// tighten bounds and shrink coefficients; default on. Not used if a pool or leaves are kept,
+    /// because these refer to the original columns. MIP starts are mapped through it.
     pub reductions: bool,
     /// Whether presolve tightens bounds by propagating every case of a covering row
     /// `z_1 + ... + z_k >= 1` (constructive disjunction); default on. Left
-    /// out for leaves and splits.
+    /// out if leaves are kept.
     pub disjunctive_tightening: bool,
     /// Whether presolve shrinks big-Ms to what other rows over the same columns allow; default on. Left
-    /// out for leaves and splits.
+    /// out if leaves are kept.
     pub big_m_tightening: bool,
     /// Whether binaries are probed: tried at both values by propagation alone, at the root and at
     /// the nodes, to exclude values before a relaxation is solved; default on.
     pub probing: bool,
     /// Whether parts of the program without a common row are searched one after the other; default
-    /// on. Not used without presolve, for pools and leaves, or with a seed or guidance.
+    /// on. Not used without presolve, for pools and leaves, or with a MIP start.
     pub blocks: bool,
     /// Whether the root relaxation is made tighter if that improves its bound: by cuts, and by
-    /// perspectives of squares that binaries switch off; default on. Left out for leaves and splits.
+    /// perspectives of squares that binaries switch off; default on. Left out if
+    /// leaves are kept.
     pub cuts: bool,
     /// The primal heuristics; default [`Heuristics::default`].
     pub heuristics: Heuristics,
@@ -146,7 +146,7 @@ impl Default for Options {
             pool_gap: None,
             keep_leaves: false,
             branching: BranchingRule::Automatic,
-            relaxation: RelaxationMethod::ActiveSet,
+            relaxation: RelaxationMethod::Automatic,
             reductions: true,
             disjunctive_tightening: true,
             big_m_tightening: true,

@@ -10,7 +10,7 @@ use crate::solution::Solution;
 /// [`Solver::prepare`].
 ///
 /// The work that is the same for all values in the declared ranges is done once, when the model is
-/// prepared. The integers of the last point are tried first, unless a seed is given. A solve has
+/// prepared. The integers of the last point are tried first, unless a MIP start is given. A solve has
 /// the status and, within the gaps, the objective of a solve from nothing.
 ///
 /// ```

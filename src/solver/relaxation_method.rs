@@ -7,11 +7,12 @@ use std::fmt;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RelaxationMethod {
-    /// Methods that start from what the parent's relaxation left: dual simplex for linear
-    /// relaxations, dual active set for small dense ones that are strictly convex. For the others, and
-    /// for those that these give up on, as [`InteriorPoint`](Self::InteriorPoint).
+    /// The method that suits a relaxation: the dual simplex method for linear ones and the dual
+    /// active-set method for small dense ones that are strictly convex, both started from the parent's
+    /// relaxation. For the others, and where these two give up, as
+    /// [`InteriorPoint`](Self::InteriorPoint).
     #[default]
-    ActiveSet,
+    Automatic,
     /// The crate's own interior-point method, and Clarabel for the relaxations that it gives up on.
     InteriorPoint,
     /// Clarabel alone.
@@ -21,13 +22,13 @@ pub enum RelaxationMethod {
 impl RelaxationMethod {
     /// All methods.
     pub const ALL: [RelaxationMethod; 3] =
-        [RelaxationMethod::ActiveSet, RelaxationMethod::InteriorPoint, RelaxationMethod::Clarabel];
+        [RelaxationMethod::Automatic, RelaxationMethod::InteriorPoint, RelaxationMethod::Clarabel];
 }
 
 impl fmt::Display for RelaxationMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            RelaxationMethod::ActiveSet => "active-set",
+            RelaxationMethod::Automatic => "automatic",
             RelaxationMethod::InteriorPoint => "interior-point",
             RelaxationMethod::Clarabel => "clarabel",
         })

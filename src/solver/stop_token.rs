@@ -19,27 +19,27 @@ const BETWEEN: usize = 10_000;
 /// half done is taken for finished later. The default never stops.
 #[derive(Debug, Default)]
 pub struct StopToken {
-    shared: Arc<Shared>,
+    shared: Arc<TokenState>,
     /// Work of this clone since its last look at the clock.
     work: AtomicUsize,
 }
 
 #[derive(Debug)]
-struct Shared {
+struct TokenState {
     began: Instant,
     at: Option<Instant>,
     interrupt: Interrupt,
     /// Why it is over: one of the constants below.
     ended: AtomicU8,
     /// The token that this one ends with.
-    parent: Option<Arc<Shared>>,
+    parent: Option<Arc<TokenState>>,
 }
 
 const NOT_YET: u8 = 0;
 const INTERRUPTED: u8 = 1;
 const LATE: u8 = 2;
 
-impl Shared {
+impl TokenState {
     fn ended(&self) -> Option<Termination> {
         match self.ended.load(Ordering::Relaxed) {
             INTERRUPTED => Some(Termination::Interrupted),
@@ -54,9 +54,9 @@ impl Shared {
     }
 }
 
-impl Default for Shared {
+impl Default for TokenState {
     fn default() -> Self {
-        Shared {
+        TokenState {
             began: Instant::now(),
             at: None,
             interrupt: Interrupt::new(),
@@ -72,6 +72,14 @@ impl Clone for StopToken {
     }
 }
 
+/// Computes something under a token that nobody ends.
+pub(crate) fn uninterrupted<T>(
+    compute: impl FnOnce(&StopToken) -> Result<Option<T>, Error>,
+) -> Result<T, Error> {
+    let unfinished = || Error::other("a computation ended without a result");
+    compute(&StopToken::default())?.ok_or_else(unfinished)
+}
+
 impl StopToken {
     /// A token whose clock starts now. Without a time limit only the interrupt counts.
     pub fn new(time_limit: Option<Duration>, interrupt: &Interrupt) -> Self {
@@ -79,7 +87,7 @@ impl StopToken {
         // A limit beyond the end of time is none.
         let at = time_limit.and_then(|limit| began.checked_add(limit));
         let interrupt = interrupt.clone();
-        let shared = Shared { began, at, interrupt, ..Shared::default() };
+        let shared = TokenState { began, at, interrupt, ..TokenState::default() };
         StopToken { shared: Arc::new(shared), work: AtomicUsize::new(0) }
     }
 
@@ -87,7 +95,7 @@ impl StopToken {
     /// or when it is [stopped](Self::stop) itself.
     pub fn child(&self, time_limit: Option<Duration>) -> Self {
         let own = time_limit.and_then(|limit| Instant::now().checked_add(limit));
-        let shared = Shared {
+        let shared = TokenState {
             began: self.shared.began,
             at: own.into_iter().chain(self.shared.at).min(),
             interrupt: self.shared.interrupt.clone(),

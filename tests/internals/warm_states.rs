@@ -64,7 +64,7 @@ fn children_receive_what_their_parents_leave() {
         let inner = ClarabelRelaxation::new();
         Ladder::with_method(Box::new(Counting { inner, log: all.clone() }))
     });
-    let found = search_by(&program, &|_| true, &options, &ladders);
+    let found = search_by(&program, &|_: &[f64]| true, &options, &ladders);
     assert_eq!(found.termination, Termination::Optimal);
     let log = log.lock().unwrap();
     let counts = found.statistics.relaxation_counts;

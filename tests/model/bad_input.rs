@@ -4,8 +4,10 @@ use std::error::Error as _;
 use std::time::Duration;
 
 use carom::ErrorKind;
-use carom::collision_tolerant::{Endpoint, Scenario, ScenarioError};
-use carom::hybrid::{Contact, ReplayError, Restitution, Samples, Wall, replay_discrete};
+use carom::collision_tolerant::{Endpoint, Scenario};
+use carom::hybrid::scene::{Body, Scene, SceneError, Solid, Surface};
+use carom::hybrid::{Region, Restitution};
+use carom::interval::Interval;
 use carom::model::{BigM, mps};
 use carom::prelude::*;
 use carom::reformulate;
@@ -422,37 +424,32 @@ fn bounds_beyond_the_range_are_infeasible() {
 /// What a program that plans and solves returns from its `main`.
 fn plans(scenario: &Scenario) -> Result<(), Error> {
     scenario.check()?;
-    let floor = Contact::new(Wall::above(0.0)?, Restitution::new(0.5)?);
-    let plan = Samples {
-        time_step: 1.0,
-        position: &[1.0, -1.0],
-        velocity: &[-2.0, -2.0],
-        acceleration: &[0.0],
-        contact: &[false],
-    };
-    replay_discrete(&floor, &plan)?.check(&plan, 1e-6)?;
+    // It starts below the floor.
+    let ball = Body::new("ball", [Interval::new(-2.0, 2.0)], 9.0, 9.0)
+        .with_start(Region::point([-1.0, 0.0]));
+    let floor = Surface::bounce(Restitution::new(0.5)?);
+    let scene =
+        Scene::new(1.0).with_body(ball).with_obstacle(Solid::halfspace("floor", [1.0], 0.0, floor));
+    scene.program(1)?;
     Ok(())
 }
 
 #[test]
 fn errors_of_planners_are_the_sources_of_errors() {
     let scenario = Scenario::paper();
-    let inside = plans(&scenario.with_start(Endpoint::at_rest(-0.5))).unwrap_err();
+    let inside = plans(&scenario.clone().with_start(Endpoint::at_rest(-0.5))).unwrap_err();
     assert_eq!(inside.kind(), &ErrorKind::Other);
     let source = inside.source().unwrap();
     assert_eq!(source.to_string(), inside.to_string());
     assert!(source.source().is_none());
-    let source = source.downcast_ref::<ScenarioError>().unwrap();
-    assert!(
-        matches!(source, ScenarioError::InsideWall { end: "start", position: -0.5, .. }),
-        "{source:?}"
-    );
+    let source = source.downcast_ref::<SceneError>().unwrap();
+    assert!(matches!(source, SceneError::Inside { end: "starts", .. }), "{source:?}");
     // No text twice.
     assert_eq!(format!("{inside:#}"), inside.to_string());
 
-    let replay = plans(&scenario).unwrap_err();
-    let source = replay.source().and_then(|source| source.downcast_ref());
-    assert_eq!(source, Some(&ReplayError::Contact { step: 0 }));
+    let below = plans(&scenario).unwrap_err();
+    let source = below.source().and_then(|source| source.downcast_ref());
+    assert!(matches!(source, Some(SceneError::Inside { end: "starts", .. })), "{below}");
 }
 
 #[test]

@@ -417,21 +417,6 @@ fn contradictory_rows_are_an_answer() {
 }
 
 #[test]
-fn leaks_say_which_bound_to_give() {
-    let mut model = Model::new("m");
-    let x = free(&mut model, "x");
-    let z = model.binary("z").unwrap();
-    model.add("range", x.within(-1e5, 1e5)).unwrap();
-    model.add("on", z.on().implies(x.le(0.0))).unwrap();
-    let audit = reformulate::lower(&model).unwrap().audit(1e-6, 1e-6);
-    let text = audit.to_string();
-    assert!(
-        text.contains("give `x` an upper bound of at most 1 (rows imply 100000.0001"),
-        "{text}"
-    );
-}
-
-#[test]
 fn prepared_models_are_lowered_alike() {
     let mut model = chain(5, 1.0, 0.5);
     let goal = model.parameter("goal", 2.0, -1.0, 3.0).unwrap();

@@ -3,7 +3,9 @@
 
 use crate::common::config;
 use carom::ErrorKind;
-use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation, violations};
+use carom::explain::{
+    ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility, violations,
+};
 use carom::model::{Method, Reformulation, sos1, sos2};
 use carom::prelude::*;
 use carom::reformulate;
@@ -285,10 +287,10 @@ fn explanations_know_sets() {
         assert!(!text.contains("else"), "{text}");
         let options =
             ElasticOptions::default().with_weight("first", 10.0).with_weight("last", 10.0);
-        let relaxed = relaxation(&model, &mut solver, &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
         assert_eq!(relaxed.to_string(), "drop `set`");
         let options = ElasticOptions::default().with_weight("set", 10.0);
-        let relaxed = relaxation(&model, &mut solver, &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &mut solver, &options).unwrap();
         assert_eq!(relaxed.to_string(), "lower `first` by 1");
     }
 }

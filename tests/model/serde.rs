@@ -6,7 +6,7 @@ use carom::ErrorKind;
 use carom::collision_tolerant::{Objective, Plan, Scenario, plan};
 use carom::model::{PiecewiseAffine, VariableKind};
 use carom::prelude::*;
-use carom::solver::{PoolMode, RelaxationMethod, TreeSeed};
+use carom::solver::{MipStart, PoolMode, RelaxationMethod};
 use proptest::prelude::*;
 
 fn copy<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
@@ -121,7 +121,7 @@ fn options_survive() {
 
 /// What a solve leaves for the next one, infinite bounds included.
 #[test]
-fn pools_leaves_and_seeds_survive() {
+fn pools_leaves_and_starts_survive() {
     let mut model = Model::new("m");
     let n = model.integer("n", 0.0, 9.0).unwrap();
     let m = model.integer("m", 0.0, 9.0).unwrap();
@@ -133,12 +133,12 @@ fn pools_leaves_and_seeds_survive() {
     let again: Solution = copy(&solution);
     assert_eq!(again.pool(), solution.pool());
     assert_eq!(again.leaves(), solution.leaves());
-    let seed = TreeSeed::of(&solution, [n, m]);
-    assert_eq!(copy(&seed), seed);
-    let mut control = Control::default().with_seed(&seed);
+    let start = MipStart::of(&solution, [n, m]);
+    assert_eq!(copy(&start), start);
+    let mut control = Control::default().with_start(&start);
     let next = BranchAndBound::default().solve_with(&model, &mut control).unwrap();
-    assert!(next.seed_report().is_some());
-    assert_eq!(copy(&next).seed_report(), next.seed_report());
+    assert!(next.start_report().is_some());
+    assert_eq!(copy(&next).start_report(), next.start_report());
 }
 
 #[test]
@@ -294,7 +294,7 @@ fn turned_products_are_merged() {
 
 #[test]
 fn explanations_survive() {
-    use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation};
+    use carom::explain::{ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility};
 
     let mut model = Model::new("m");
     let x = model.continuous_family("x", 3, 0.0, f64::INFINITY).unwrap();
@@ -311,7 +311,7 @@ fn explanations_survive() {
     let why = infeasibility(&again, &mut solver, &ExplainOptions::default()).unwrap();
     assert_eq!(copy(&why).to_string(), why.to_string());
     assert_eq!(copy(&why).groups(), why.groups());
-    let relaxed = relaxation(&again, &mut solver, &ElasticOptions::default()).unwrap();
+    let relaxed = elastic_relaxation(&again, &mut solver, &ElasticOptions::default()).unwrap();
     assert_eq!(copy(&relaxed).stretches(), relaxed.stretches());
     assert_eq!(copy(&relaxed).bound(), relaxed.bound());
 }

@@ -8,7 +8,7 @@ use carom::hybrid::{Contact, LinearSystem};
 use carom::prelude::*;
 use carom::reformulate::{BigMReport, Lowered};
 use carom::solution::Pool;
-use carom::solver::TreeSeed;
+use carom::solver::MipStart;
 
 fn shared<T: Send + Sync>() {}
 
@@ -21,7 +21,7 @@ const _: fn() = || {
     shared::<BranchAndBound>();
     shared::<Error>();
     shared::<Interrupt>();
-    shared::<TreeSeed>();
+    shared::<MipStart>();
     shared::<Lowered>();
     shared::<BigMReport>();
     shared::<Explanation>();

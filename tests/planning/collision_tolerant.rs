@@ -1,10 +1,11 @@
 //! The paper's figures, the scenario's checks, and what a plan promises.
 
 use carom::collision_tolerant::{
-    Collisions, Endpoint, IntervalOptions, Objective, PlanOutcome, PlanningOptions,
-    PlanningProgram, Scenario, compare, damage_interval, plan, shortest_plan,
+    Collisions, Endpoint, Objective, Plan, PlanOutcome, PlanningOptions, PlanningProgram, Scenario,
+    compare, damage_interval, plan, shortest_plan,
 };
-use carom::hybrid::{ContactLaw, DamageLimits, ShortestOptions, ShortestStatus, Verdict, Wall};
+use carom::hybrid::scene::{DamageMeasure, DamageRule, IntervalOptions};
+use carom::hybrid::{ContactLaw, ImpactEstimate, ShortestOptions, ShortestStatus, Verdict, Wall};
 use carom::prelude::*;
 
 fn solver() -> BranchAndBound {
@@ -21,8 +22,7 @@ fn shortest(scenario: &Scenario) -> (usize, usize) {
     assert!(matches!(neighbour.unwrap().verdict, Verdict::Refuted(_)), "refuted, not assumed");
     let plan = found.plan.expect("a found horizon has a plan");
     assert!(plan.certificate.verification.holds());
-    assert!(plan.certificate.discrete.max_position_error <= 1e-6);
-    assert!(plan.certificate.discrete.max_velocity_error <= 1e-6);
+    assert!(plan.certificate.replay.drift <= 1e-6);
     assert!(found.fewest_impacts);
     (steps, plan.trajectory.impacts.len())
 }
@@ -32,7 +32,7 @@ fn shortest(scenario: &Scenario) -> (usize, usize) {
 #[test]
 fn table_3_is_reproduced() {
     let paper = Scenario::paper();
-    assert_eq!(shortest(&paper.collision_free()), (510, 0)); // 2.55 s
+    assert_eq!(shortest(&paper.clone().collision_free()), (510, 0)); // 2.55 s
     assert_eq!(shortest(&paper), (457, 1)); // plastic: 2.285 s
     let nearly_plastic = paper.with_restitution(0.025).unwrap();
     assert_eq!(shortest(&nearly_plastic), (449, 1)); // the printed 2.245 s
@@ -41,7 +41,7 @@ fn table_3_is_reproduced() {
 #[test]
 fn bouncier_walls_on_coarser_grids() {
     let bouncy = Scenario::paper().with_restitution(0.5).unwrap();
-    assert_eq!(shortest(&bouncy.with_time_step(0.02)).0, 123);
+    assert_eq!(shortest(&bouncy.clone().with_time_step(0.02)).0, 123);
     assert_eq!(shortest(&bouncy.with_time_step(0.0125)).0, 195);
 }
 
@@ -49,7 +49,7 @@ fn bouncier_walls_on_coarser_grids() {
 fn the_literal_law_never_pays_off() {
     for e in [0.0, 0.5] {
         let scenario = Scenario::paper().with_time_step(0.05).with_restitution(e).unwrap();
-        let literal = scenario.with_law(ContactLaw::Literal);
+        let literal = scenario.clone().with_law(ContactLaw::Literal);
         let both = compare(&literal, &PlanningOptions::default(), &mut solver()).unwrap();
         assert!(both.free.is_found() && both.tolerant.is_found());
         assert_eq!(both.tolerant.steps, both.free.steps);
@@ -71,7 +71,7 @@ fn the_damage_limit_of_table_4_is_an_interval() {
     assert!((interval.upper.attained - 6.2704).abs() < 2e-3, "{interval:?}");
 
     let limit = interval.middle().unwrap();
-    let limited = Scenario::paper().with_damage(DamageLimits::default().with_per_impact(limit));
+    let limited = Scenario::paper().with_damage(DamageRule::default().with_per_hit(limit));
     let found = shortest_plan(&limited, &PlanningOptions::default(), &mut solver()).unwrap();
     assert_eq!((found.steps, found.refuted_steps), (Some(478), Some(477))); // 2.39 s
     let plan = found.plan.unwrap();
@@ -119,7 +119,7 @@ fn walls_elsewhere_and_facing_the_other_way_change_nothing() {
                 Endpoint::at_rest(position + sign * end.position).with_acceleration(0.0)
             };
             let wall = if sign > 0.0 { Wall::above(position) } else { Wall::below(position) };
-            plain.with_start(place(start)).with_goal(place(goal)).with_wall(wall.unwrap())
+            plain.clone().with_start(place(start)).with_goal(place(goal)).with_wall(wall.unwrap())
         };
         for scenario in [moved(-4.0, 1.0), moved(7.0, 1.0), moved(0.0, -1.0), moved(3.0, -1.0)] {
             assert_eq!(shortest(&scenario), (wanted, impacts));
@@ -133,10 +133,10 @@ fn walls_elsewhere_and_facing_the_other_way_change_nothing() {
 #[test]
 fn a_domain_that_no_plan_leaves_changes_nothing() {
     let plain = Scenario::paper().with_time_step(0.05);
-    assert_eq!(shortest(&plain.with_domain(0.0, 10.0)), shortest(&plain));
-    assert_eq!(shortest(&plain.with_domain(-5.0, 500.0)), shortest(&plain));
+    assert_eq!(shortest(&plain.clone().with_domain(0.0, 10.0)), shortest(&plain));
+    assert_eq!(shortest(&plain.clone().with_domain(-5.0, 500.0)), shortest(&plain));
     // One that keeps the vehicle off the wall forbids the hit.
-    let clear = shortest(&plain.with_domain(0.1, 10.0));
+    let clear = shortest(&plain.clone().with_domain(0.1, 10.0));
     assert_eq!(clear, shortest(&plain.collision_free()));
 }
 
@@ -149,13 +149,13 @@ fn waiting_is_free_only_where_the_vehicle_can_rest() {
     let rest = Endpoint::at_rest(5.0);
     let moving = rest.with_velocity(-1.0);
     let pushed = rest.with_acceleration(1.0);
-    assert!(paper.with_start(rest).with_goal(moving).waiting().is_free());
-    assert!(paper.with_start(moving).with_goal(rest).waiting().is_free());
+    assert!(paper.clone().with_start(rest).with_goal(moving).waiting().is_free());
+    assert!(paper.clone().with_start(moving).with_goal(rest).waiting().is_free());
     // a(0) applies: a start with a push is no equilibrium. a(τ) does not.
-    let no = paper.with_start(pushed).with_goal(moving).waiting();
+    let no = paper.clone().with_start(pushed).with_goal(moving).waiting();
     assert!(!no.is_free());
     assert_eq!(no.reason(), "the vehicle can rest neither at its start nor at its goal");
-    assert!(paper.with_start(moving).with_goal(pushed).waiting().is_free());
+    assert!(paper.clone().with_start(moving).with_goal(pushed).waiting().is_free());
     let thrust = paper.with_acceleration(1.0, 6.0).waiting();
     assert_eq!(thrust.reason(), "zero acceleration is not admissible");
 }
@@ -178,7 +178,8 @@ fn without_waiting_every_smaller_horizon_is_refuted() {
     assert_eq!(tried, (1..=steps).collect::<Vec<_>>());
 
     let error = damage_interval(&scenario, steps, &IntervalOptions::default(), &mut solver());
-    assert!(error.unwrap_err().to_string().contains("can wait neither at its start"));
+    let text = error.unwrap_err().to_string();
+    assert!(text.starts_with("the scene has no damage interval: its shortest horizon"), "{text}");
 }
 
 // -- fixed horizons -----------------------------------------------------------------------------
@@ -198,11 +199,11 @@ fn a_cumulative_budget_and_a_weight_soften_the_plan() {
     let hard = free.trajectory.total_damage();
     assert!(hard > 2.0);
 
-    let budget = effort(&scenario.with_damage(DamageLimits::default().with_cumulative(2.0)));
+    let budget = effort(&scenario.clone().with_damage(DamageRule::default().with_total(2.0)));
     assert!(budget.trajectory.total_damage() <= 2.0 + 1e-6);
     assert!(budget.objective > free.objective);
 
-    let charged = effort(&scenario.with_damage(DamageLimits::default().with_weight(5.0)));
+    let charged = effort(&scenario.with_damage(DamageRule::default().with_price(5.0)));
     let damage = charged.trajectory.total_damage();
     assert!(damage < hard);
     assert!((charged.trajectory.effort() + 5.0 * damage - charged.objective).abs() < 1e-3);
@@ -256,7 +257,7 @@ fn limits_that_exclude_zero_acceleration_hold() {
     let rest = Endpoint::at_rest(0.5);
     let scenario = Scenario::paper().with_start(rest).with_goal(rest).with_time_step(0.1);
     let pushed = scenario.with_acceleration(1.0, 2.0);
-    for scenario in [pushed.collision_free(), pushed] {
+    for scenario in [pushed.clone().collision_free(), pushed] {
         let program = PlanningProgram::build(&scenario, 3, Objective::Feasibility).unwrap();
         for a in &program.acceleration {
             let bounds = program.model.variable_ref(a).unwrap().bounds();
@@ -311,6 +312,49 @@ fn interrupts_and_limits_are_answers() {
     assert_eq!(found.refuted_steps, Some(400));
 }
 
+#[test]
+fn damage_states_are_what_the_paper_says() {
+    // (14)-(18): D(t) is F_d at a contact and 0 otherwise, and costs what its price says.
+    for law in [ContactLaw::Reflecting, ContactLaw::Literal] {
+        for estimate in [ImpactEstimate::EndOfStep, ImpactEstimate::Sound] {
+            let scenario = Scenario::paper().with_time_step(0.1).with_law(law);
+            let priced = DamageRule::default().with_price(0.5).with_total(4.0);
+            let scenario = scenario.with_estimate(estimate).with_damage(priced);
+            let program = PlanningProgram::build(&scenario, 27, Objective::Effort).unwrap();
+            assert_eq!(program.damage.len(), 27);
+            let solution = solver().solve(&program.model).unwrap();
+            let plan = Plan::certify(&scenario, &program, &solution).unwrap();
+            for (t, damage) in program.damage.iter().enumerate() {
+                let value = solution.value(damage).unwrap();
+                assert!((value - plan.trajectory.damage[t]).abs() < 1e-5, "{law:?}, {t}");
+            }
+            let total = plan.trajectory.total_damage();
+            assert!(total <= 4.0 + 1e-6);
+            let cost = plan.trajectory.effort() + 0.5 * total;
+            assert!((cost - plan.objective).abs() < 1e-3);
+        }
+    }
+    // Rules that need no variables have none.
+    let limited = Scenario::paper().with_damage(DamageRule::default().with_per_hit(2.0));
+    let program = PlanningProgram::build(&limited, 10, Objective::Feasibility).unwrap();
+    assert!(program.damage.is_empty());
+}
+
+#[test]
+fn numbers_of_impacts_and_other_measures_are_limited_as_in_scenes() {
+    let scenario = Scenario::paper().with_time_step(0.05).with_restitution(0.5).unwrap();
+    let steps = |rule: DamageRule| shortest(&scenario.clone().with_damage(rule)).0;
+    let (free, careful) =
+        (steps(DamageRule::default()), shortest(&scenario.clone().collision_free()).0);
+    assert!(free < careful);
+    assert_eq!(steps(DamageRule::default().with_count(0)), careful);
+    // An impulse of (1 + e) f per unit of mass.
+    let speed = steps(DamageRule::default().with_per_hit(2.0));
+    let impulse = DamageRule::new("impulse", DamageMeasure::NormalImpulse);
+    assert_eq!(steps(impulse.clone().with_per_hit(3.0)), speed);
+    assert_eq!(steps(impulse.with_total(3.0)), steps(DamageRule::default().with_total(2.0)));
+}
+
 // -- bad input ----------------------------------------------------------------------------------
 
 #[test]
@@ -318,49 +362,63 @@ fn scenarios_that_contradict_themselves_are_refused() {
     let paper = Scenario::paper();
     let rest = Endpoint::at_rest;
     let cases = [
-        (paper.with_start(rest(f64::NAN)), "the position of `start` is NaN; give a finite number"),
         (
-            paper.with_goal(rest(1.0).with_acceleration(f64::INFINITY)),
+            paper.clone().with_start(rest(f64::NAN)),
+            "the position of `start` is NaN; give a finite number",
+        ),
+        (
+            paper.clone().with_goal(rest(1.0).with_acceleration(f64::INFINITY)),
             "the acceleration of `goal` is inf; give a finite number",
         ),
         (
-            paper.with_acceleration(6.0, -6.0),
+            paper.clone().with_acceleration(6.0, -6.0),
             "bounds of `acceleration` are crossed: 6 > -6; swap or relax them",
         ),
         (
-            paper.with_acceleration(f64::NEG_INFINITY, 6.0),
+            paper.clone().with_acceleration(f64::NEG_INFINITY, 6.0),
             "the lower limit of `acceleration` is -inf; give a finite number",
         ),
-        (paper.with_max_speed(0.0), "the largest speed (m/s) is 0; it must be finite and positive"),
-        (paper.with_time_step(-0.1), "the time step (s) is -0.1; it must be finite and positive"),
         (
-            paper.with_start(rest(-0.5)),
-            "the scenario cannot be planned: the start at -0.5 m is inside the wall, whose free \
-             side is above 0 m; move it to the free side, or turn the wall around",
+            paper.clone().with_max_speed(0.0),
+            "the largest speed (m/s) of `vehicle` is 0; it must be finite and positive",
         ),
         (
-            paper.with_goal(rest(0.5)).with_wall(Wall::below(0.2).unwrap()),
-            "the scenario cannot be planned: the start at 10 m is inside the wall, whose free \
-             side is below 0.2 m; move it to the free side, or turn the wall around",
+            paper.clone().with_time_step(-0.1),
+            "the time step (s) is -0.1; it must be finite and positive",
+        ),
+        (paper.clone().with_start(rest(-0.5)), "`vehicle` starts inside `wall`; move one of them"),
+        (
+            paper.clone().with_goal(rest(0.5)).with_wall(Wall::below(0.2).unwrap()),
+            "`vehicle` starts inside `wall`; move one of them",
         ),
         (
-            paper.with_start(rest(10.0).with_velocity(-16.0)),
-            "the scenario cannot be planned: the start speed of 16 m/s is above the largest speed \
-             of 15 m/s; lower it, or raise the largest speed",
+            paper.clone().with_start(rest(10.0).with_velocity(-16.0)),
+            "`vehicle` starts with vx -16, outside its largest speed, -15 to 15 m/s; move it, or \
+             widen the limit",
         ),
         (
-            paper.with_start(rest(10.0).with_acceleration(7.0)),
-            "the scenario cannot be planned: the start acceleration of 7 m/s² is outside [-6, 6] \
-             m/s²; bring it within the limits, or leave it free",
+            paper.clone().with_start(rest(10.0).with_acceleration(7.0)),
+            "the first acceleration of `vehicle` is 7; it must be within -6 and 6",
         ),
         (
-            paper.with_domain(0.0, 5.0),
-            "the scenario cannot be planned: the start at 10 m is outside the domain [0, 5] m; \
-             move it, or widen the domain",
+            paper.clone().with_goal(rest(0.3).with_acceleration(7.0)),
+            "the goal's acceleration is 7; it must be within -6 and 6",
         ),
         (
-            paper.with_damage(DamageLimits::default().with_per_impact(-1.0)),
-            "the damage limit per impact is -1; it must be finite and not negative",
+            paper.clone().with_domain(0.0, 5.0),
+            "`vehicle` starts with x 10, outside its domain, 0 to 5 m; move it, or widen the limit",
+        ),
+        (
+            paper.clone().with_damage(DamageRule::default().with_per_hit(-1.0)),
+            "the limit of a hit of the rule `damage` is -1; it must be finite and not negative",
+        ),
+        (
+            paper.clone().with_damage(DamageRule::default().with_total(f64::NAN)),
+            "the total of the rule `damage` is NaN; it must be finite and not negative",
+        ),
+        (
+            paper.clone().with_damage(DamageRule::default().with_price(f64::INFINITY)),
+            "the price of the rule `damage` is inf; it must be finite and not negative",
         ),
     ];
     for (scenario, text) in cases {
@@ -379,7 +437,7 @@ fn scenarios_that_contradict_themselves_are_refused() {
             format!("the number of steps is {steps}; it must be from 1 to 100000")
         );
     }
-    let free = paper.collision_free();
+    let free = paper.clone().collision_free();
     assert_eq!(free.collisions, Collisions::Forbidden);
     let options = IntervalOptions::default();
     assert!(damage_interval(&free, 478, &options, &mut solver()).is_err());

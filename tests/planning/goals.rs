@@ -6,10 +6,11 @@ use std::error::Error as StdError;
 use crate::common::config;
 use carom::ErrorKind;
 use carom::collision_tolerant::{
-    Endpoint, Objective, Plan, PlanningOptions, PlanningProgram, Scenario, ScenarioError,
-    ShortestPlan, Trajectory, explain, plan, shortest_plan,
+    Endpoint, Objective, Plan, PlanningOptions, PlanningProgram, Scenario, ShortestPlan,
+    Trajectory, plan, shortest_plan,
 };
 use carom::explain::{ExplainOptions, infeasibility};
+use carom::hybrid::scene::SceneError;
 use carom::hybrid::{ContactLaw, Region, RunError, ShortestOptions, Wall};
 use carom::internals::hybrid::Halfspace;
 use carom::interval::Interval;
@@ -44,7 +45,7 @@ fn last(trajectory: &Trajectory) -> [f64; 2] {
 #[test]
 fn a_point_as_a_region_is_the_point() {
     for scenario in [coarse(), coarse().collision_free(), coarse().with_law(ContactLaw::Literal)] {
-        let region = scenario.with_goal_region(Region::point([0.3, 0.0]));
+        let region = scenario.clone().with_goal_region(Region::point([0.3, 0.0]));
         assert_eq!(region.waiting(), scenario.waiting());
         assert_eq!(steps(&region), steps(&scenario));
     }
@@ -85,7 +86,7 @@ proptest! {
             .with_start(Endpoint::at_rest(wall.at_gap(4.0)))
             .with_restitution(e)
             .unwrap();
-        let task = scenario.with_goal_region(region.clone());
+        let task = scenario.clone().with_goal_region(region.clone());
         let (found, blind) = (search(&task, true), search(&task, false));
         prop_assert_eq!((found.steps, found.refuted_steps), (blind.steps, blind.refuted_steps));
         prop_assert!(found.is_found());
@@ -98,7 +99,7 @@ proptest! {
             let state = [at(a)[0], at(b)[1]];
             if region.contains(&state, 0.0).unwrap() {
                 let goal = Endpoint::at_rest(state[0]).with_velocity(state[1]);
-                let own = plan(&scenario.with_goal(goal), steps - 1, Objective::Feasibility, &mut solver());
+                let own = plan(&scenario.clone().with_goal(goal), steps - 1, Objective::Feasibility, &mut solver());
                 prop_assert!(steps == 1 || own.unwrap().is_infeasible(), "{state:?}");
             }
         }
@@ -109,7 +110,7 @@ proptest! {
 fn waiting_at_a_region_needs_rest_in_all_of_it() {
     let moving = coarse().with_start(Endpoint::at_rest(10.0).with_velocity(-1.0));
     let anywhere = [Interval::new(0.2, 0.4), Interval::point(0.0)];
-    assert!(moving.with_goal_region(anywhere).waiting().is_free());
+    assert!(moving.clone().with_goal_region(anywhere).waiting().is_free());
     let slow = [Interval::point(0.3), Interval::new(-0.1, 0.1)];
     assert!(!moving.with_goal_region(slow).waiting().is_free());
     assert!(coarse().with_goal_region(slow).waiting().is_free());
@@ -131,7 +132,7 @@ fn regions_are_named_in_explanations() {
     let box_of = [Interval::new(0.1, 0.5), Interval::new(-1.0, 0.0)];
     let scenario = coarse().with_goal_region(Region::from(box_of).with_halfspace(slow));
     let shortest = steps(&scenario);
-    let text = explain(&scenario, shortest - 1).unwrap().unwrap().to_string();
+    let text = scenario.reach_sets().unwrap().explain(shortest - 1).unwrap().unwrap().to_string();
     assert!(text.starts_with(&format!("no plan has {} steps", shortest - 1)), "{text}");
     let program = PlanningProgram::explainable(&scenario, shortest - 4).unwrap();
     let text = program.model.to_string();
@@ -151,19 +152,18 @@ fn regions_that_cannot_be_ends_are_refused() {
     );
     assert_eq!(
         text([Interval::new(-2.0, -1.0), all].into()),
-        "the scenario cannot be planned: the goal at -1 m is inside the wall, whose free side is \
-         above 0 m; move it to the free side, or turn the wall around"
+        "`vehicle` ends inside `wall`; move one of them"
     );
     assert_eq!(
         text([all, Interval::new(-30.0, -16.0)].into()),
-        "the scenario cannot be planned: the goal speed of 16 m/s is above the largest speed of 15 \
-         m/s; lower it, or raise the largest speed"
+        "`vehicle` ends with vx from -30 to -16, outside its largest speed, -15 to 15 m/s; move it, \
+         or widen the limit"
     );
     let far = coarse().with_domain(0.0, 11.0).with_goal_region([Interval::new(12.0, 13.0), all]);
     assert_eq!(
         far.check().unwrap_err().to_string(),
-        "the scenario cannot be planned: the goal at 12 m is outside the domain [0, 11] m; move it, \
-         or widen the domain"
+        "`vehicle` ends with x from 12 to 13, outside its domain, 0 to 11 m; move it, or widen the \
+         limit"
     );
     let named = Region::point([0.3, 0.0]).with_mode("mode", "flying");
     assert_eq!(text(named), "the model has no mode of the choice named `flying`");
@@ -192,7 +192,6 @@ fn extended_programs_are_certified() {
     assert!(plan.trajectory.velocity.iter().all(|v| v.abs() <= 5.0 + 1e-6));
     assert!(plan.trajectory.acceleration[7].abs() <= 1e-6);
     assert!(plan.certificate.run.largest_violation <= 2e-6);
-    assert_eq!(Trajectory::read(&scenario, &program, &solution).unwrap(), plan.trajectory);
 }
 
 #[test]
@@ -201,11 +200,12 @@ fn plans_of_other_scenarios_are_no_plans() {
     let program = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();
     let solution = solver().solve(&program.model).unwrap();
     let refused = |scenario: &Scenario| Plan::certify(scenario, &program, &solution).unwrap_err();
-    let error = refused(&scenario.with_goal_position(0.4));
-    assert!(matches!(source(&error), ScenarioError::Missed { end: "goal", .. }), "{error}");
-    let error = refused(&scenario.with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
-    assert!(matches!(source(&error), ScenarioError::Missed { end: "start", .. }), "{error}");
-    let error = refused(&scenario.with_acceleration(-1.0, 1.0));
+    let error = refused(&scenario.clone().with_goal_position(0.4));
+    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
+    let error =
+        refused(&scenario.clone().with_start(Endpoint::at_rest(10.0).with_acceleration(1.0)));
+    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
+    let error = refused(&scenario.clone().with_acceleration(-1.0, 1.0));
     assert!(matches!(source(&error), RunError::Transition { .. }), "{error}");
     // A solution of another program.
     let other = PlanningProgram::build(&scenario, 30, Objective::Effort).unwrap();
@@ -229,5 +229,5 @@ fn extensions_that_bend_the_scenario_are_found() {
     program.model.set_bounds(x[last], 0.0, 9.0).unwrap();
     let solution = solver().solve(&program.model).unwrap();
     let error = Plan::certify(&scenario, &program, &solution).unwrap_err();
-    assert!(matches!(source(&error), ScenarioError::Missed { end: "goal", .. }), "{error}");
+    assert!(matches!(source(&error), SceneError::Replay { .. }), "{error}");
 }

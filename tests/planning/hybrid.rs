@@ -1,13 +1,13 @@
-//! Linear steps, contact laws as text and as implications, damage rows, the shortest horizon.
+//! Linear steps, contact laws as text and as implications, the shortest horizon.
 
 use std::cell::RefCell;
 use std::time::Duration;
 
 use crate::common::config;
 use carom::hybrid::{
-    Contact, ContactLaw, Damage, DamageLimits, FreeSide, HorizonEvent, HorizonModel, HybridRun,
-    HybridSystem, LinearSystem, Mat, Refutation, Restitution, ShortestOptions, ShortestStatus,
-    Verdict, Waiting, Wall, shortest_horizon, shortest_horizon_with,
+    Contact, ContactLaw, FreeSide, HorizonEvent, HorizonModel, HybridRun, HybridSystem,
+    LinearSystem, Matrix, Refutation, Restitution, ShortestOptions, ShortestStatus, Verdict,
+    Waiting, Wall, shortest_horizon, shortest_horizon_with,
 };
 use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
@@ -17,11 +17,11 @@ use proptest::prelude::*;
 
 // -- linear systems -----------------------------------------------------------------------------
 
-fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Mat<f64> {
-    Mat::from_fn(R, C, |i, j| rows[i][j])
+fn matrix<const R: usize, const C: usize>(rows: [[f64; C]; R]) -> Matrix {
+    Matrix::from_fn(R, C, |i, j| rows[i][j])
 }
 
-fn assert_close(found: &Mat<f64>, wanted: &Mat<f64>, allowed: f64) {
+fn assert_close(found: &Matrix, wanted: &Matrix, allowed: f64) {
     for i in 0..wanted.nrows() {
         for j in 0..wanted.ncols() {
             let (a, b) = (found[(i, j)], wanted[(i, j)]);
@@ -80,8 +80,8 @@ proptest! {
         state in prop::collection::vec(-1.0..1.0_f64, 3),
         dt in 0.01..0.6_f64,
     ) {
-        let a = Mat::from_fn(3, 3, |i, j| entries[3 * i + j]);
-        let b = Mat::from_fn(3, 1, |i, _| inputs[i]);
+        let a = Matrix::from_fn(3, 3, |i, j| entries[3 * i + j]);
+        let b = Matrix::from_fn(3, 1, |i, _| inputs[i]);
         let once = LinearSystem::zero_order_hold(&a, &b, offset.clone(), dt).unwrap();
         let twice = LinearSystem::zero_order_hold(&a, &b, offset.clone(), 2.0 * dt).unwrap();
         let half_way = once.step(&state, &[0.7]).unwrap();
@@ -111,31 +111,31 @@ fn predictions_as_expressions_are_steps_in_numbers() {
 
 #[test]
 fn linear_systems_refuse_bad_shapes_and_numbers() {
-    let square = Mat::<f64>::identity(2, 2);
+    let square = Matrix::identity(2);
     let text = |result: Result<LinearSystem, Error>| result.unwrap_err().to_string();
     assert_eq!(
-        text(LinearSystem::new(Mat::zeros(2, 3), Mat::zeros(2, 1), vec![0.0; 2])),
+        text(LinearSystem::new(Matrix::zeros(2, 3), Matrix::zeros(2, 1), vec![0.0; 2])),
         "the state matrix A has shape 2x3; expected square, at least 1x1"
     );
     assert_eq!(
-        text(LinearSystem::new(square.clone(), Mat::zeros(3, 1), vec![0.0; 2])),
+        text(LinearSystem::new(square.clone(), Matrix::zeros(3, 1), vec![0.0; 2])),
         "the input matrix B has shape 3x1; expected 2 rows"
     );
     assert_eq!(
-        text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0])),
+        text(LinearSystem::new(square.clone(), Matrix::zeros(2, 1), vec![0.0])),
         "the length of the constant part c is 1; it must be 2"
     );
     assert_eq!(
-        text(LinearSystem::new(square.clone(), Mat::zeros(2, 1), vec![0.0, f64::NAN])),
+        text(LinearSystem::new(square.clone(), Matrix::zeros(2, 1), vec![0.0, f64::NAN])),
         "an entry of `the linear system` is NaN; give a finite number"
     );
     assert_eq!(
         text(LinearSystem::double_integrator(f64::NAN)),
         "the time step (s) is NaN; it must be finite and positive"
     );
-    let fast = Mat::from_fn(1, 1, |_, _| 1e3);
+    let fast = Matrix::from_fn(1, 1, |_, _| 1e3);
     assert_eq!(
-        text(LinearSystem::zero_order_hold(&fast, Mat::zeros(1, 0), [0.0], 10.0)),
+        text(LinearSystem::zero_order_hold(&fast, Matrix::zeros(1, 0), [0.0], 10.0)),
         "the time step of the zero-order hold is 10; it must be short enough for the discrete \
          system to stay finite"
     );
@@ -340,68 +340,6 @@ fn restitution_outside_its_range_is_refused() {
     assert_eq!(
         Wall::above(f64::INFINITY).unwrap_err().to_string(),
         "the position of `wall` is inf; give a finite number"
-    );
-}
-
-// -- damage -------------------------------------------------------------------------------------
-
-#[test]
-fn damage_states_follow_the_papers_rows() {
-    let mut model = Model::new("damage");
-    let v = model.continuous_family("v", 2, -3.0, 5.0).unwrap();
-    let zeta = model.binary_family("zeta", 2).unwrap();
-    let speed = |t: usize| carom::hybrid::ImpactSpeed::new(-v[t], false);
-    let contacts = [(zeta[0], speed(0)), (zeta[1], speed(1))];
-    let limits = DamageLimits::default().with_per_impact(2.0).with_cumulative(2.5).with_weight(0.5);
-    let damage = Damage::add(&mut model, &contacts, &limits).unwrap();
-    model.minimize(&damage.cost).unwrap();
-    assert!(model.to_string().starts_with("minimize 0.5 D_total\n"));
-    assert_eq!(
-        statements(&model),
-        "  damage_total: -D[0] - D[1] + D_total = 0
-  damage_off[0]: zeta[0] = 0 implies D[0] = 0
-  damage_on[0]: zeta[0] = 1 implies v[0] + D[0] = 0
-  damage_off[1]: zeta[1] = 0 implies D[1] = 0
-  damage_on[1]: zeta[1] = 1 implies v[1] + D[1] = 0
-"
-    );
-    // The range of -v, cut off at the limit; outward rounding may widen the other end.
-    let single = model.variable_ref(damage.values[0]).unwrap().bounds();
-    assert!((single.lower + 5.0).abs() < 1e-9 && single.upper == 2.0);
-    assert_eq!(model.variable_ref(damage.total).unwrap().bounds().upper, 2.5);
-}
-
-#[test]
-fn damage_needs_no_switch_where_the_law_has_one() {
-    let mut model = Model::new("damage");
-    let f = model.continuous("f", 0.0, 5.0).unwrap();
-    let zeta = model.binary("zeta").unwrap();
-    let speed = carom::hybrid::ImpactSpeed::new(f, true);
-    Damage::add(&mut model, &[(zeta, speed)], &DamageLimits::default()).unwrap();
-    assert_eq!(
-        statements(&model),
-        "  damage_on[0]: -f + D[0] = 0
-  damage_total: -D[0] + D_total = 0
-  damage_off[0]: zeta = 0 implies D[0] = 0
-"
-    );
-}
-
-#[test]
-fn bad_damage_limits_are_refused_by_name() {
-    let text = |limits: DamageLimits| limits.check().unwrap_err().to_string();
-    let limits = DamageLimits::default();
-    assert_eq!(
-        text(limits.with_per_impact(-1.0)),
-        "the damage limit per impact is -1; it must be finite and not negative"
-    );
-    assert_eq!(
-        text(limits.with_cumulative(f64::NAN)),
-        "the cumulative damage limit is NaN; it must be finite and not negative"
-    );
-    assert_eq!(
-        text(limits.with_weight(f64::INFINITY)),
-        "the damage weight is inf; it must be finite and not negative"
     );
 }
 

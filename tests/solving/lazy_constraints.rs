@@ -15,7 +15,7 @@ use crate::tour::{Tour, held_karp, lengths, places};
 use carom::ErrorKind;
 use carom::prelude::*;
 use carom::solution::Point;
-use carom::solver::{Heuristics, PoolMode, RowSource, TreeSeed};
+use carom::solver::{Heuristics, MipStart, PoolMode, RowSource};
 use proptest::prelude::*;
 
 fn solve(model: &Model, options: Options, lazy: &RowSource<'_>) -> Result<Solution, Error> {
@@ -320,19 +320,19 @@ fn the_user_sees_one_search() {
 }
 
 #[test]
-fn seeds_and_prepared_models_take_rows() {
+fn starts_and_prepared_models_take_rows() {
     let lengths = lengths(&places(9, 2));
     let length = held_karp(&lengths);
     let tour = Tour::new(&lengths);
     let subtours = |point: &Point| tour.subtours(point);
-    let options = Options::default().with_leaves(true);
+    let options = Options::default();
     let first = solve(&tour.model, options.clone(), &subtours).unwrap();
-    let seed = TreeSeed::of(&first, tour.roads.iter().map(|(_, _, used)| *used));
-    let mut control = Control::default().with_lazy_constraints(&subtours).with_seed(&seed);
+    let start = MipStart::of(&first, tour.roads.iter().map(|(_, _, used)| *used));
+    let mut control = Control::default().with_lazy_constraints(&subtours).with_start(&start);
     let mut solver = BranchAndBound::new(options);
     let second = solver.solve_with(&tour.model, &mut control).unwrap();
     assert!((second.objective().unwrap() - length).abs() < 1e-6);
-    assert!(second.seed_report().is_some());
+    assert!(second.start_report().is_some());
     let mut prepared = solver.prepare(&tour.model).unwrap();
     for _ in 0..2 {
         let mut control = Control::default().with_lazy_constraints(&subtours);

@@ -18,7 +18,6 @@ mod far_starts;
 mod fixed_charges;
 mod free_shifts;
 mod gaps;
-mod guidance;
 mod implied_bounds;
 mod invariance;
 mod large_coefficients;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use carom::ErrorKind;
 use carom::prelude::*;
-use carom::solver::TreeSeed;
+use carom::solver::MipStart;
 use proptest::prelude::*;
 
 /// A point mass among modes, whose start, target and wall are parameters.
@@ -93,7 +93,7 @@ proptest! {
         let mut cold = BranchAndBound::default();
         let mut solver = BranchAndBound::default();
         let mut prepared = solver.prepare(&model).unwrap();
-        let mut guess = TreeSeed::new();
+        let mut guess = MipStart::new();
         for (value, [seeded, shifted]) in values {
             let values: Vec<(Variable, f64)> = parameters.iter().copied().zip(value).collect();
             for &(parameter, value) in &values {
@@ -101,7 +101,7 @@ proptest! {
             }
             let mut control = Control::default();
             if seeded {
-                control = control.with_seed(&guess);
+                control = control.with_start(&guess);
             }
             let warm = prepared.solve(&values, &mut control).unwrap();
             let one = cold.solve(&model).unwrap();
@@ -111,7 +111,7 @@ proptest! {
                 prop_assert!(warm.bound() <= most, "{} is no bound of {least}", warm.bound());
             }
             let integers = model.variables().filter(|v| v.kind().is_integral()).map(|v| v.id());
-            guess = TreeSeed::of(&warm, integers);
+            guess = MipStart::of(&warm, integers);
             if shifted {
                 prepared.shift();
             }

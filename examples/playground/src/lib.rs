@@ -71,10 +71,11 @@ fn search(task: &Task) -> Result<PlanComparison, Error> {
 fn reasons(task: &str, free: usize, tolerant: usize) -> Result<Reasons, String> {
     let scenario = Task::read(task)?.scenario().map_err(|error| error.to_string())?;
     let why = |scenario: &collision_tolerant::Scenario, steps: usize| {
-        let reason = (steps > 0).then(|| collision_tolerant::explain(scenario, steps));
+        let reason = (steps > 0).then(|| scenario.reach_sets().and_then(|mut s| s.explain(steps)));
         reason.and_then(Result::ok).flatten().map(|reason| reason.to_string())
     };
-    Ok(Reasons { free: why(&scenario.collision_free(), free), tolerant: why(&scenario, tolerant) })
+    let tolerant = why(&scenario, tolerant);
+    Ok(Reasons { free: why(&scenario.collision_free(), free), tolerant })
 }
 
 fn search_options(max_steps: usize) -> ShortestOptions {

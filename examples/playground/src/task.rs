@@ -1,7 +1,7 @@
 //! What the page asks.
 
 use carom::collision_tolerant::{Endpoint, Scenario};
-use carom::hybrid::DamageLimits;
+use carom::hybrid::scene::DamageRule;
 use carom::prelude::*;
 use serde::Deserialize;
 
@@ -33,8 +33,8 @@ impl Task {
     /// The task as a scenario. As in the paper, plans begin and end without acceleration.
     pub fn scenario(&self) -> Result<Scenario, Error> {
         let at = |position| Endpoint::at_rest(position).with_acceleration(0.0);
-        let mut damage = DamageLimits::default();
-        damage.per_impact = self.impact_limit;
+        let mut damage = DamageRule::default();
+        damage.per_hit = self.impact_limit;
         Scenario::paper()
             .with_start(at(self.start).with_velocity(self.velocity))
             .with_goal(at(self.goal))

@@ -1,6 +1,6 @@
 //! Answers in words.
 
-use carom::collision_tolerant::{Saving, ShortestPlan};
+use carom::collision_tolerant::ShortestPlan;
 use carom::hybrid::scene::ShortestScenePlan;
 use carom::hybrid::{Attempt, Refutation, ShortestStatus, Verdict};
 
@@ -28,8 +28,8 @@ impl<'a> Finding<'a> {
             steps: plan.steps,
             refuted: plan.refuted_steps,
             attempts: &plan.attempts,
-            replay: certificate.map(|found| found.discrete.max_position_error),
-            apart: certificate.map(|found| found.continuous.max_position_error),
+            replay: certificate.map(|found| found.replay.drift),
+            apart: certificate.map(|found| found.replay.step_error),
             time_step,
         }
     }
@@ -97,10 +97,11 @@ pub fn conclusion(
     if let (Some(saved), Some(slow), Some(fast)) =
         (free.longer_than(tolerant), free.seconds(), tolerant.seconds())
     {
-        let saving = Saving::new(slow, fast);
+        let saving = 100.0 * (slow - fast);
         return format!(
             "{hitting} saves {saved:.3} s: {:.2} % of the careful plan's time, {:.2} % of its own.",
-            saving.of_baseline, saving.of_faster
+            saving / slow,
+            saving / fast
         );
     }
     match (free.seconds(), tolerant.seconds()) {

@@ -42,7 +42,7 @@ impl HybridProgram {
     /// let mut cart = HybridSystem::new(1.0); // s
     /// let x = cart.state("x", 0.0, 9.0)?;
     /// let u = cart.input("u", -2.0, 2.0)?;
-    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// cart.mode("roll")?.next([x.is(x + u)])?;
     /// let mut program = cart.program(5)?;
     /// program.start([x.equals(0.0)])?;
     /// // At the depot at one of the samples 2, 3 and 4, and back in the end.
@@ -109,7 +109,7 @@ impl HybridProgram {
     /// let mut cart = HybridSystem::new(1.0); // s
     /// let x = cart.state("x", 0.0, 9.0)?;
     /// let u = cart.input("u", -2.0, 2.0)?;
-    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// cart.mode("roll")?.next([x.is(x + u)])?;
     /// let mut program = cart.program(2)?;
     /// program.start([x.equals(4.0)])?;
     /// // At most 1: exceeded by 3 at the start, and by 1 after a step.

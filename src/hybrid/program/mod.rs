@@ -18,8 +18,7 @@ use std::sync::Arc;
 
 pub use costs::SoftLimit;
 pub use plan::HybridPlan;
-pub(crate) use require::StatedRegion;
-pub use require::{IntoRegion, When};
+pub use require::When;
 pub use sample::AtSample;
 pub(crate) use sample::Members;
 
@@ -47,7 +46,7 @@ use crate::solver::{Control, Solver};
 /// let x = cart.state("x", -9.0, 9.0)?; // m
 /// let v = cart.state("v", -2.0, 2.0)?; // m/s
 /// let a = cart.input("a", -1.0, 1.0)?; // m/s²
-/// cart.mode("roll")?.rates([(x, v.into()), (v, a.into())])?;
+/// cart.mode("roll")?.rates([x.is(v), v.is(a)])?;
 ///
 /// let mut program = cart.program(12)?;
 /// program.start([x.equals(0.0), v.equals(0.0)])?;
@@ -130,7 +129,7 @@ impl HybridProgram {
     ///     let mut cart = HybridSystem::new(1.0); // s
     ///     let x = cart.state("x", 0.0, 9.0)?;
     ///     let u = cart.input("u", -1.0, 1.0)?;
-    ///     cart.mode("roll")?.next([(x, x + u)])?;
+    ///     cart.mode("roll")?.next([x.is(x + u)])?;
     ///     Ok::<_, Error>((cart, x))
     /// };
     /// let ((first, x), (second, y)) = (cart()?, cart()?);

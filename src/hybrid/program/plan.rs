@@ -76,6 +76,15 @@ impl HybridPlan {
         self.members.values(of.into(), &self.solution)
     }
 
+    /// Whether a mode or a transition is on at a sample.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HybridProgram::at`](super::HybridProgram::at).
+    pub fn is_on(&self, of: Variable, sample: usize) -> Result<bool, Error> {
+        Ok(self.value(of, sample)? > 0.5)
+    }
+
     /// At how many samples, or in how many steps, a mode or a transition is on.
     ///
     /// # Errors

@@ -18,10 +18,10 @@ const LIFTED_WIDTHS: f64 = 1e3;
 /// Why there is no plan over a horizon, according to the reach sets.
 ///
 /// ```
-/// use carom::collision_tolerant::{Endpoint, Scenario, explain};
+/// use carom::collision_tolerant::Scenario;
 ///
 /// let slow = Scenario::paper().with_time_step(0.1).with_max_speed(2.0).collision_free();
-/// let reason = explain(&slow, 40)?.expect("4 s are not enough at 2 m/s");
+/// let reason = slow.reach_sets()?.explain(40)?.expect("4 s are not enough at 2 m/s");
 /// let text = reason.to_string();
 /// assert!(text.starts_with("no plan has 40 steps: at the end, "), "{text}");
 /// assert!(text.contains("without the lower limit of v"), "{text}");

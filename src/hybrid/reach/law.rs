@@ -178,10 +178,15 @@ impl Context<'_> {
         let system = self.system;
         let n = system.states.len();
         let common = match &system.flow {
-            Some(flow) => Flow { a: flow.a().clone(), b: flow.b().clone(), c: flow.c().to_vec() },
+            Some(flow) => Flow {
+                a: flow.a().faer().clone(),
+                b: flow.b().faer().clone(),
+                c: flow.c().to_vec(),
+            },
             None => flow_of(members[0]),
         };
-        let share = |t: &&Transition| t.flow.a() == &common.a && t.flow.b() == &common.b;
+        let share =
+            |t: &&Transition| t.flow.a().faer() == &common.a && t.flow.b().faer() == &common.b;
         let is_shared = members.iter().all(share);
         let mut law = Law {
             flow: common,
@@ -365,7 +370,7 @@ impl Law {
 
 fn flow_of(transition: &Transition) -> Flow {
     let flow = &transition.flow;
-    Flow { a: flow.a().clone(), b: flow.b().clone(), c: flow.c().to_vec() }
+    Flow { a: flow.a().faer().clone(), b: flow.b().faer().clone(), c: flow.c().to_vec() }
 }
 
 /// A flow, followed by a reset.

@@ -10,8 +10,7 @@ use super::set::{Emptied, Layers, ReachSet, closed};
 use super::step::{predecessors, successors};
 use crate::error::{Error, ErrorKind, check_length};
 use crate::hybrid::horizon::check_steps;
-use crate::hybrid::program::IntoRegion;
-use crate::hybrid::system::{HybridSystem, Region, check_ends};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region, check_ends};
 use crate::interval::Interval;
 #[cfg(doc)]
 use crate::tolerance;
@@ -33,7 +32,7 @@ pub(super) type Shared = Arc<Layers>;
 /// let x = push.state("x", -9.0, 9.0)?; // m
 /// let v = push.state("v", -9.0, 9.0)?; // m/s
 /// let a = push.input("a", -1.0, 1.0)?; // m/s²
-/// push.mode("flight")?.rates([(x, v.into()), (v, a.into())])?;
+/// push.mode("flight")?.rates([x.is(v), v.is(a)])?;
 /// let at_rest = |at: f64| [x.equals(at), v.equals(0.0)];
 /// let mut sets = ReachSets::new(&push, at_rest(0.0), at_rest(1.0), SetOptions::default())?;
 ///

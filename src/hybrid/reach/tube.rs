@@ -10,7 +10,7 @@ use super::step::{arrive, predecessors, predict, prediction_boxes};
 use crate::error::Error;
 use crate::hybrid::horizon::check_steps;
 use crate::interval::Interval;
-use crate::solver::StopToken;
+use crate::solver::{StopToken, uninterrupted};
 
 /// The largest number of sweeps over the horizon, forward and backward alternately.
 const MOST_SWEEPS: usize = 4;
@@ -26,20 +26,22 @@ const STOP_EVERY: usize = 64;
 ///
 /// ```
 /// use carom::hybrid::reach::{ReachSets, SetOptions};
-/// use carom::hybrid::{Contact, HybridSystem, Restitution, Wall};
-/// use carom::interval::Interval;
+/// use carom::prelude::*;
 ///
-/// // From 10 m to 0.3 m, rest to rest, in steps of 0.05 s, over a plastic wall at 0 m.
-/// let wall = Contact::new(Wall::above(0.0)?, Restitution::PLASTIC);
-/// let [flight, impact] = wall.transitions(0.05, None)?;
-/// let vehicle = HybridSystem::new()
-///     .with_state("x", Interval::new(0.0, 50.0))
-///     .with_state("v", Interval::new(-15.0, 15.0))
-///     .with_input("a", Interval::new(-6.0, 6.0))
-///     .with_transition(flight)
-///     .with_transition(impact);
-/// let at_rest = |x| [Interval::point(x), Interval::point(0.0)];
-/// let mut sets = ReachSets::new(&vehicle, &at_rest(10.0), &at_rest(0.3), SetOptions::default())?;
+/// // From 10 m to 0.3 m, rest to rest, over a plastic wall at 0 m.
+/// let mut vehicle = HybridSystem::new(0.05); // s
+/// let x = vehicle.state("x", 0.0, 50.0)?; // m
+/// let v = vehicle.state("v", -15.0, 15.0)?; // m/s
+/// let a = vehicle.input("a", -6.0, 6.0)?; // m/s²
+/// vehicle.rates([x.is(v), v.is(a)])?;
+/// vehicle.mode("flight")?.guard(x.predicted().ge(0.0))?;
+/// vehicle
+///     .event("impact")?
+///     .guard(x.predicted().le(0.0))?
+///     .guard(v.predicted().le(0.0))?
+///     .reset([x.is(0.0), v.is(0.0)])?;
+/// let at_rest = |at: f64| [x.equals(at), v.equals(0.0)];
+/// let mut sets = ReachSets::new(&vehicle, at_rest(10.0), at_rest(0.3), SetOptions::default())?;
 ///
 /// assert!(sets.tube(45)?.is_empty()); // no plan has 45 steps
 /// let tube = sets.tube(46)?;
@@ -113,12 +115,7 @@ impl ReachSets {
     /// [`ErrorKind::OutOfRange`](crate::ErrorKind::OutOfRange) for no steps or more than
     /// [`tolerance::MAX_STEPS`](crate::tolerance::MAX_STEPS).
     pub fn tube(&mut self, steps: usize) -> Result<Tube, Error> {
-        loop {
-            // The token is never over, so there is a tube.
-            if let Some(tube) = self.tube_until(steps, &StopToken::default())? {
-                return Ok(tube);
-            }
-        }
+        uninterrupted(|token| self.tube_until(steps, token))
     }
 
     /// Same as [`tube`](ReachSets::tube), but `None` if the token is over before the end.

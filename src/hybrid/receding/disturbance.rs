@@ -6,12 +6,11 @@ use crate::interval::Interval;
 ///
 /// ```
 /// use carom::hybrid::Disturbance;
-/// use carom::interval::Interval;
 ///
-/// let mut push = Disturbance::new(vec![Interval::new(-0.1, 0.1)], 7);
+/// let mut push = Disturbance::new([-0.1..=0.1], 7);
 /// let first = push.next_value();
 /// assert!(first[0].abs() <= 0.1 && first != push.next_value());
-/// let mut again = Disturbance::new(vec![Interval::new(-0.1, 0.1)], 7);
+/// let mut again = Disturbance::new([-0.1..=0.1], 7);
 /// assert_eq!(again.next_value(), first);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -21,10 +20,9 @@ pub struct Disturbance {
 }
 
 impl Disturbance {
-    /// Disturbances within ranges, one per entry, such as those of a system's
-    /// [`with_disturbance`](crate::hybrid::HybridSystem::with_disturbance).
-    pub fn new(ranges: Vec<Interval>, seed: u64) -> Self {
-        Disturbance { ranges, state: seed }
+    /// Disturbances within ranges, one per entry of the state, in its unit.
+    pub fn new<R: Into<Interval>>(ranges: impl IntoIterator<Item = R>, seed: u64) -> Self {
+        Disturbance { ranges: ranges.into_iter().map(R::into).collect(), state: seed }
     }
 
     /// The next disturbance, one value per range.

@@ -8,7 +8,7 @@ use crate::hybrid::rows::SystemVariables;
 use crate::hybrid::simulate::SimulationOptions;
 use crate::model::{Model, Variable};
 use crate::solution::Point;
-use crate::solver::TreeSeed;
+use crate::solver::MipStart;
 
 /// The integers of the last plan by name, for programs that are built anew in each step.
 #[derive(Debug, Default)]
@@ -39,7 +39,7 @@ impl LastIntegers {
 
     /// The values of the same integers in another model, moved ahead, the earliest steps first. Behind
     /// the end of the last plan, its last values go on.
-    pub(super) fn seed(&self, model: &Model) -> Option<TreeSeed> {
+    pub(super) fn start(&self, model: &Model) -> Option<MipStart> {
         let mut guess: Vec<(Option<usize>, Variable, f64)> = Vec::new();
         for variable in model.variables().filter(|variable| variable.kind().is_integral()) {
             let (family, step) = (variable.name().family().to_owned(), variable.name().step());
@@ -56,7 +56,7 @@ impl LastIntegers {
         guess.sort_by_key(|&(step, ..)| step);
         let guess: Vec<(Variable, f64)> =
             guess.into_iter().map(|(_, v, value)| (v, value)).collect();
-        (!guess.is_empty()).then(|| TreeSeed::new().with_guess(guess))
+        (!guess.is_empty()).then(|| MipStart::new().with_values(guess))
     }
 }
 
@@ -66,7 +66,7 @@ pub(super) fn simulated(
     program: &SystemVariables,
     state: &[f64],
     inputs: &[Vec<f64>],
-) -> Result<Option<TreeSeed>, Error> {
+) -> Result<Option<MipStart>, Error> {
     let options = SimulationOptions::default().with_tolerance(TOLERANCE);
     let Ok(run) = program.system().simulate_with(state, inputs, &options) else { return Ok(None) };
     let mut guess = Vec::new();
@@ -87,5 +87,5 @@ pub(super) fn simulated(
         (literal.variable(), if literal.is_on() { 1.0 } else { 0.0 })
     };
     let guess: Vec<(Variable, f64)> = guess.into_iter().map(value).collect();
-    Ok((!guess.is_empty()).then(|| TreeSeed::new().with_guess(guess)))
+    Ok((!guess.is_empty()).then(|| MipStart::new().with_values(guess)))
 }

@@ -59,7 +59,7 @@ use planner::{Clock, Handles, Planned, Planner, Question};
 /// let x = cart.state("x", -5.0, 5.0)?; // m
 /// let v = cart.state("v", -2.0, 2.0)?; // m/s
 /// let a = cart.input("a", -1.0, 1.0)?; // m/s²
-/// cart.mode("drive")?.rates([(x, v.into()), (v, a.into())])?;
+/// cart.mode("drive")?.rates([x.is(v), v.is(a)])?;
 /// let mut program = cart.program(8)?;
 /// let cost = program.sum(x.square() + v.square() + 0.1 * a.square())?;
 /// program.minimize(cost)?;
@@ -191,7 +191,7 @@ impl<'a> RecedingHorizon<'a> {
     /// let a = cart.input("a", -1.0, 1.0)?; // m/s²
     /// let gate = cart.series("gate", [vec![5.0; 10], vec![1.0]].concat())?;
     /// cart.limit("before the gate", x.le(gate))?;
-    /// cart.mode("drive")?.rates([(x, v.into()), (v, a.into())])?;
+    /// cart.mode("drive")?.rates([x.is(v), v.is(a)])?;
     /// let build = |step: usize| {
     ///     let mut program = cart.from_step(step).program(8)?;
     ///     let cost =
@@ -271,7 +271,7 @@ impl<'a> RecedingHorizon<'a> {
     /// let mut store = HybridSystem::new(3600.0); // s
     /// let full = store.state("full", 0.0, 9.0)?;
     /// let buy = store.input("buy", 0.0, 3.0)?;
-    /// store.mode("use")?.next([(full, full + buy - 1.0)])?;
+    /// store.mode("use")?.next([full.is(full + buy - 1.0)])?;
     /// let mut program = store.program(4)?;
     /// // What must be in the store at each step is forecast.
     /// let mut demand = Vec::new();

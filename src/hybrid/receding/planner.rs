@@ -157,13 +157,13 @@ impl Planner<'_> {
                 let mut values = handles.values(state);
                 values.extend(question.parameters);
                 let only = members.as_ref().and_then(|members| members.only());
-                let seed = match (only, question.missed) {
+                let start = match (only, question.missed) {
                     (Some(variables), Some(rest)) => simulated(variables, state, rest)?,
                     _ => None,
                 };
                 let mut control = Control::default();
-                if let Some(seed) = &seed {
-                    control = control.with_seed(seed);
+                if let Some(start) = &start {
+                    control = control.with_start(start);
                 }
                 let result = prepared.solve(&values, &mut control);
                 Planned::of(result, handles, question.excess)
@@ -189,14 +189,14 @@ impl Planner<'_> {
                 if question.budget.is_some() {
                     solver.options_mut().time_limit = question.budget;
                 }
-                let seed = match (members.only(), question.missed) {
+                let start = match (members.only(), question.missed) {
                     (Some(variables), Some(rest)) => simulated(variables, state, rest)?,
                     _ => None,
                 };
-                let seed = seed.or_else(|| last.seed(&model));
+                let start = start.or_else(|| last.start(&model));
                 let mut control = Control::default();
-                if let Some(seed) = &seed {
-                    control = control.with_seed(seed);
+                if let Some(start) = &start {
+                    control = control.with_start(start);
                 }
                 let result = model
                     .set_parameters(&handles.values(state))

@@ -96,7 +96,7 @@ pub(super) fn flow(system: &LinearSystem) -> Vec<Map> {
         range.map(|j| matrix[(i, j)]).collect()
     };
     let row = |i: usize| Map {
-        factors: [entry(system.a(), i, 0..n), entry(system.b(), i, 0..m)].concat(),
+        factors: [entry(system.a().faer(), i, 0..n), entry(system.b().faer(), i, 0..m)].concat(),
         constant: system.c()[i],
     };
     (0..n).map(row).collect()

@@ -5,7 +5,7 @@ use faer::Mat;
 use super::error::SceneError;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::hybrid::system::Region;
 use crate::interval::Interval;
 use crate::setters::setters;
@@ -141,8 +141,8 @@ impl Body {
     /// Sets K (1/s²) and D (1/s), each with a row and a column per axis: springs, drag, the motion
     /// relative to an orbit.
     #[must_use]
-    pub fn with_dynamics(mut self, k: impl IntoMatrix, d: impl IntoMatrix) -> Self {
-        self.dynamics = Some((k.into_matrix(), d.into_matrix()));
+    pub fn with_dynamics(mut self, k: impl Into<Matrix>, d: impl Into<Matrix>) -> Self {
+        self.dynamics = Some((faer(k), faer(d)));
         self
     }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::plan::ScenePlan;
-use super::shortest::Task;
+use super::shortest::ScenePrograms;
 use super::statement::Scene;
 use crate::error::Error;
 use crate::hybrid::shortest_horizon::{
@@ -89,7 +89,7 @@ impl ScenePlan {
     /// let (options, mut solver) = (ShortestOptions::default(), BranchAndBound::default());
     /// let plan = scene.shortest_plan(&options, &mut solver)?.plan.expect("it comes to rest");
     /// let both = plan.with_half_steps(&scene, &options, &mut solver)?;
-    /// assert_eq!(both.halved.time_step, 0.025);
+    /// assert_eq!(both.halved.time_step, Some(0.025));
     /// assert!(both.to_string().starts_with("Δt = 0.05 s: "));
     /// # Ok::<(), carom::Error>(())
     /// ```
@@ -140,7 +140,7 @@ impl ScenePlan {
         least_of(&grid, options, |time_step, token| {
             let stated = Scene { time_step, ..scene.clone() }.stated()?;
             let waiting = Waiting::NotFree("the number of steps is fixed".into());
-            let task = Task { stated, waiting };
+            let task = ScenePrograms { stated, waiting };
             let (attempt, solved) = decide(&task, steps, options, token, solver)?;
             let run = match solved.filter(|_| attempt.verdict == Verdict::Feasible) {
                 Some((program, solution)) => Some(program.certified(&solution)?.run),

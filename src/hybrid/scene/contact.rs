@@ -1,4 +1,4 @@
-//! Contacts: a body and an obstacle, or two bodies, that can touch, face by face in one frame.
+//! Contact pairs: a body and an obstacle, or two bodies, that can touch, face by face in one frame.
 
 use super::body::Body;
 use super::geometry::{self, Across, Side, dot};
@@ -33,7 +33,7 @@ pub(super) struct Mode {
 
 /// A body and an obstacle, or two bodies.
 #[derive(Debug, Clone)]
-pub(super) struct Contact {
+pub(super) struct ContactPair {
     /// The name of its choice.
     pub(super) name: String,
     /// The number of the body.
@@ -65,7 +65,7 @@ pub(super) fn at(list: &[f64], sample: usize) -> f64 {
     list.get(sample).or(list.last()).copied().unwrap_or(0.0)
 }
 
-impl Contact {
+impl ContactPair {
     /// Whether bodies may bounce off one of its faces.
     pub(super) fn bounces(&self) -> bool {
         self.faces.iter().any(|face| face.surface.restitution.is_some())
@@ -79,7 +79,7 @@ impl Contact {
 }
 
 /// All contacts of a checked scene: bounces before what is avoided, single faces before several.
-pub(super) fn contacts(scene: &Scene) -> Vec<Contact> {
+pub(super) fn contacts(scene: &Scene) -> Vec<ContactPair> {
     let mut all = Vec::new();
     for (o, obstacle) in scene.obstacles.iter().enumerate() {
         for (b, body) in scene.bodies.iter().enumerate() {
@@ -95,7 +95,7 @@ fn with_obstacle(
     scene: &Scene,
     (b, body): (usize, &Body),
     (o, obstacle): (usize, &Solid),
-) -> Contact {
+) -> ContactPair {
     let axes = body.axes();
     let samples = obstacle.course.len().max(1);
     let places: Vec<Vec<f64>> = (0..samples).map(|t| obstacle.displacement(t, axes)).collect();
@@ -108,7 +108,7 @@ fn with_obstacle(
     let velocity = places
         .windows(2)
         .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a) / scene.time_step).collect());
-    Contact {
+    ContactPair {
         name: format!("{} at {}", body.name, obstacle.name),
         body: b,
         other: None,
@@ -121,7 +121,7 @@ fn with_obstacle(
     }
 }
 
-fn between(scene: &Scene, pair: &Pair) -> Contact {
+fn between(scene: &Scene, pair: &Pair) -> ContactPair {
     let [first, second] = [pair.first, pair.second].map(|b| &scene.bodies[b]);
     let sides: Vec<Side> = pair
         .normals
@@ -131,7 +131,7 @@ fn between(scene: &Scene, pair: &Pair) -> Contact {
     let surfaces = vec![pair.surface; sides.len()];
     let jerk = |n: &[f64]| [first, second].map(|b| b.largest_jerk(n, scene.time_step)).iter().sum();
     let total = first.mass + second.mass;
-    Contact {
+    ContactPair {
         name: format!("{} and {}", first.name, second.name),
         body: pair.first,
         other: Some(pair.second),

@@ -1,11 +1,12 @@
 //! Damage and rules about it in the program of a scene.
 
-use super::contact::Contact;
+use super::contact::ContactPair;
 use super::geometry::dot;
-use super::law::{IMPACT_SPEED, sound_margin};
+use super::law::sound_margin;
 use super::program::SceneProgram;
 use super::rule::{CHORDS, DamageMeasure, DamageRule};
 use crate::error::Error;
+use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::model::Affine;
 
@@ -26,23 +27,26 @@ impl SceneProgram {
         Ok(())
     }
 
-    /// Adds `damage_c[t]`, in m/s: at least the impact speed of each hit.
+    /// Adds `damage_c[t]`, in m/s: at least the impact speed of each hit. The statements are
+    /// [background](crate::model::Model::set_background), because they define damage.
     pub(super) fn add_damage_of(&mut self, c: usize) -> Result<(), Error> {
         let contact = self.contacts[c].clone();
-        let Some(speeds) = self.hybrid.output_of(&contact.name, IMPACT_SPEED)? else {
+        let hit_modes = || contact.modes.iter().filter(|mode| mode.is_hit);
+        if hit_modes().next().is_none() {
             return Ok(());
-        };
-        let speeds = speeds.to_vec();
+        }
+        let speeds = self.hybrid.output_of(&contact.name, IMPACT_SPEED)?.map(<[Affine]>::to_vec);
         let is_sound = self.scene.estimate == ImpactEstimate::Sound;
         let dt = self.scene.time_step;
         let family = format!("damage_{c}");
-        let mut members = Vec::with_capacity(speeds.len());
-        for (t, speed) in speeds.iter().enumerate() {
+        let mut members = Vec::with_capacity(self.steps());
+        for t in 0..self.steps() {
             let hits = self.hits_of(c, t);
-            let hit_modes = contact.modes.iter().filter(|mode| mode.is_hit);
-            let mut most = self.model.range(speed)?.upper.max(0.0);
+            // Without the output, only the approach at the start counts.
+            let speed = speeds.as_ref().map_or_else(Affine::zero, |speeds| speeds[t].clone());
+            let mut most = self.model.range(&speed)?.upper.max(0.0);
             let mut approaches = Vec::new();
-            for mode in hit_modes.filter(|_| is_sound) {
+            for mode in hit_modes().filter(|_| is_sound) {
                 let face = &contact.faces[mode.face];
                 let surface = dot(&face.normal, &contact.velocity_in(t, self.scene.axes()));
                 let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
@@ -65,6 +69,10 @@ impl SceneProgram {
                 }
             }
             members.push(damage);
+        }
+        self.model.set_background(&format!("{family}_end"))?;
+        for (k, _) in hit_modes().enumerate().filter(|_| is_sound) {
+            self.model.set_background(&format!("{family}_start_{k}"))?;
         }
         self.damage[c] = Some(members.into_iter().collect());
         Ok(())
@@ -150,7 +158,7 @@ impl SceneProgram {
 }
 
 /// Lines `slope f + constant` whose largest value is at least the damage of f, from 0 to `most`.
-fn pieces(rule: &DamageRule, contact: &Contact, face: usize, most: f64) -> Vec<(f64, f64)> {
+fn pieces(rule: &DamageRule, contact: &ContactPair, face: usize, most: f64) -> Vec<(f64, f64)> {
     let factor = rule.factor(contact, face);
     match &rule.measure {
         DamageMeasure::Convex(pieces) => pieces.clone(),

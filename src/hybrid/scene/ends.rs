@@ -2,7 +2,7 @@
 //! inside something.
 
 use super::body::Body;
-use super::contact::{Contact, ContactFace, contacts};
+use super::contact::{ContactFace, ContactPair, contacts};
 use super::error::SceneError;
 use super::statement::{INSIDE, Scene};
 use super::system::AXES;
@@ -81,7 +81,7 @@ impl Scene {
     /// other body.
     fn farthest(
         &self,
-        contact: &Contact,
+        contact: &ContactPair,
         direction: &[f64],
         own: &Option<Region>,
         its: Option<&Option<Region>>,
@@ -96,7 +96,7 @@ impl Scene {
     }
 
     /// The least `normal . x` at which a contact may start.
-    pub(super) fn nearest_start(&self, contact: &Contact, face: &ContactFace) -> f64 {
+    pub(super) fn nearest_start(&self, contact: &ContactPair, face: &ContactFace) -> f64 {
         let back: Vec<f64> = face.normal.iter().map(|n| -n).collect();
         let own = &self.bodies[contact.body].start;
         let its = contact.other.map(|b| &self.bodies[b].start);

@@ -123,6 +123,12 @@ pub enum SceneError {
         /// Why, and what to do.
         reason: &'static str,
     },
+    /// An interval of damage limits that the scene does not have.
+    #[error("the scene has no damage interval: {reason}")]
+    NoDamageInterval {
+        /// Why.
+        reason: String,
+    },
     /// A plan that disagrees with its replay.
     #[error(
         "step {step} of the plan is not what the scene does: {what} by {by}; at most {allowed}"

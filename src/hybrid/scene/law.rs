@@ -9,17 +9,15 @@ use std::f64::consts::{PI, TAU};
 
 use faer::Mat;
 
-use super::contact::{Contact, ContactFace, Mode, at};
+use super::contact::{ContactFace, ContactPair, Mode, at};
 use super::geometry::{dot, tangents};
 use super::statement::Scene;
 use super::surface::Tangential;
 use crate::error::Error;
+use crate::hybrid::contact::IMPACT_SPEED;
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::linear::LinearSystem;
 use crate::hybrid::system::{Halfspace, Schedule, Transition};
-
-/// The output of every hit, in m/s.
-pub(super) const IMPACT_SPEED: &str = "impact speed";
 
 /// A linear function of the relative velocity that must be at most 0: its factors, and a name.
 pub(super) struct Guard {
@@ -32,8 +30,10 @@ pub(super) struct Guard {
 /// A law of a hit: the change `(M - 1) r` of the relative velocity r, and when it applies.
 pub(super) struct Law {
     pub(super) name: String,
-    /// M - 1, by rows.
+    /// M - 1 without a rebound, by rows.
     pub(super) change: Vec<Vec<f64>>,
+    /// What the rebound adds to it: `-e n n'`.
+    pub(super) rebound: Vec<Vec<f64>>,
     /// The factors of the relative velocity at the start of the step in the change; 0 in mirrored hits.
     pub(super) at_start: Vec<Vec<f64>>,
     pub(super) guards: Vec<Guard>,
@@ -42,7 +42,7 @@ pub(super) struct Law {
 /// Writes the transitions of one contact.
 pub(super) struct Writer<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) contact: &'a Contact,
+    pub(super) contact: &'a ContactPair,
     pub(super) flow: &'a LinearSystem,
 }
 
@@ -117,13 +117,13 @@ impl Writer<'_> {
                 }
                 continue;
             }
-            let bounce = 1.0 + restitution.value();
-            for law in laws(own, bounce, 0.0) {
+            let e = restitution.value();
+            for law in laws(own, e, 0.0) {
                 let mut hit = self.hit(face, &law);
                 for guard in &law.guards {
                     hit = hit.with_prediction_guard(self.guard(guard));
                 }
-                let (matrix, offset) = self.reset(own, bounce, &law);
+                let (matrix, offset) = self.reset(own, e, &law);
                 let transition = hit.with_reset_by_step(matrix, offset);
                 modes.push(Mode { name: transition.name.clone(), face, is_hit: true });
                 transitions.push(transition);
@@ -225,7 +225,8 @@ impl Writer<'_> {
                 let margin = if is_sound { sound_margin(own, dt) } else { 0.0 };
                 let most = most - margin;
                 let limit = |most: f64| self.speed(&back).map(|s| most + s);
-                let name = format!("{} at the end", rule.name);
+                let when = if is_sound { " at the end" } else { "" };
+                let name = format!("{}{when}", rule.name);
                 let end = Halfspace::limit(name, self.velocity(&back), limit(most));
                 hit = hit.with_prediction_guard(end);
                 if is_sound {
@@ -257,11 +258,11 @@ impl Writer<'_> {
     }
 
     /// The reset of a hit: a matrix and an offset by step. The position moves by the gap times
-    /// `bounce`.
+    /// `1 + e`.
     pub(super) fn reset(
         &self,
         face: &ContactFace,
-        bounce: f64,
+        e: f64,
         law: &Law,
     ) -> (Mat<f64>, Schedule<Vec<f64>>) {
         let (axes, width) = (self.axes(), self.flow.states());
@@ -278,18 +279,23 @@ impl Writer<'_> {
             let Some(body) = body else { continue };
             let first = 2 * axes * body;
             for i in 0..axes {
-                let lift = -share * bounce * n[i];
-                for (j, g) in gap.iter().enumerate() {
-                    matrix[(first + i, j)] += lift * g;
+                // One after the other, so that 1 - (1 + e) is exactly -e along the normal.
+                for lift in [-share * n[i], -share * e * n[i]] {
+                    for (j, g) in gap.iter().enumerate() {
+                        matrix[(first + i, j)] += lift * g;
+                    }
                 }
-                let change = self.velocity(&law.change[i]);
-                for (j, c) in change.iter().enumerate() {
-                    matrix[(first + axes + i, j)] += share * c;
+                for change in [&law.change[i], &law.rebound[i]] {
+                    for (j, c) in self.velocity(change).iter().enumerate() {
+                        matrix[(first + axes + i, j)] += share * c;
+                    }
                 }
+                let lift = -share * (1.0 + e) * n[i];
                 for (t, offset) in offsets.iter_mut().enumerate() {
                     offset[first + i] -= lift * at(&face.limit, t + 1);
                     let surface = self.contact.velocity_in(t, axes);
-                    let moved = dot(&law.change[i], &surface) + dot(&law.at_start[i], &surface);
+                    let rows = [&law.change[i], &law.rebound[i], &law.at_start[i]];
+                    let moved: f64 = rows.iter().map(|row| dot(row, &surface)).sum();
                     offset[first + axes + i] -= share * moved;
                 }
             }
@@ -334,12 +340,13 @@ fn add(change: &mut [Vec<f64>], factor: f64, a: &[f64], b: &[f64]) {
 }
 
 /// The laws of a face: one, or those of sticking and slipping. The velocity along the normal changes
-/// by `end` times the approach at the end of the step and `start` times that at its start.
-pub(super) fn laws(face: &ContactFace, end: f64, start: f64) -> Vec<Law> {
-    let n = &face.normal;
+/// by `1 + e` times the approach at the end of the step and `start` times that at its start.
+pub(super) fn laws(face: &ContactFace, e: f64, start: f64) -> Vec<Law> {
+    let (n, end) = (&face.normal, 1.0 + e);
     let plain = || Law {
         name: "hit".into(),
-        change: rebound(n, end),
+        change: rebound(n, 1.0),
+        rebound: rebound(n, e),
         at_start: rebound(n, start),
         guards: Vec::new(),
     };

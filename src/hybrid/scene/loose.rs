@@ -1,6 +1,6 @@
 //! A scene's system with looser conditions, in which axes are independent, for sets of each axis.
 
-use super::contact::Contact;
+use super::contact::ContactPair;
 use super::system::Stated;
 use crate::hybrid::system::{Halfspace, HybridSystem};
 use crate::interval::Interval;
@@ -19,7 +19,7 @@ pub(super) fn loose(stated: &Stated) -> HybridSystem {
         block,
     };
     // What is predicted for a step with a hit may be outside the domains.
-    let bounces = stated.contacts.iter().any(Contact::bounces);
+    let bounces = stated.contacts.iter().any(ContactPair::bounces);
     for choice in &mut system.choices {
         for transition in &mut choice.transitions {
             transition.guards = axes.apart(&transition.guards, true);

@@ -120,7 +120,7 @@ impl Scene {
         let second = solver.solve(&program.model)?;
         let solution: &Solution = if second.point().is_some() { &second } else { &first };
         let plan = program.certified(solution)?;
-        found.largest = plan.hits.iter().map(|hit| hit.damage).fold(0.0, f64::max);
+        found.largest = plan.largest_damage();
         found.plan = Some(plan);
         Ok(found)
     }

@@ -1,5 +1,6 @@
 //! Plans of a scene, read from solutions and replayed.
 
+use super::contact::Mode;
 use super::error::SceneError;
 use super::program::SceneProgram;
 use super::replay::{self, SceneCertificate};
@@ -56,6 +57,26 @@ pub struct SceneHit {
     pub energy: f64,
 }
 
+impl SceneHit {
+    /// A hit before its replay, which completes it.
+    pub(super) fn new(step: usize, contact: String, body: &str, face: usize) -> Self {
+        SceneHit {
+            step,
+            contact,
+            body: body.to_owned(),
+            face,
+            start_speed: 0.0,
+            end_speed: 0.0,
+            damage: 0.0,
+            time: 0.0,
+            speed: 0.0,
+            place: Vec::new(),
+            impulse: Vec::new(),
+            energy: 0.0,
+        }
+    }
+}
+
 /// A plan of a scene, replayed.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -82,6 +103,11 @@ impl ScenePlan {
     /// Its duration, in s.
     pub fn duration(&self) -> f64 {
         self.steps() as f64 * self.time_step
+    }
+
+    /// The largest damage of a hit, in m/s; 0 without hits.
+    pub fn largest_damage(&self) -> f64 {
+        self.hits.iter().map(|hit| hit.damage).fold(0.0, f64::max)
     }
 
     /// A plan with the same hits and steps whose inputs are
@@ -137,9 +163,18 @@ impl Scene {
     /// and [`ErrorKind::Length`] for a plan of other bodies.
     pub fn replay(&self, plan: &ScenePlan) -> Result<ScenePlan, Error> {
         let scene = self.checked()?;
-        let (mut plan, steps) = (plan.clone(), plan.steps());
-        check_length("the bodies of the plan", plan.bodies.len(), scene.bodies.len())?;
-        for (own, path) in scene.bodies.iter().zip(&plan.bodies) {
+        let mut plan = plan.clone();
+        scene.check_paths(&plan.bodies)?;
+        plan.time_step = scene.time_step;
+        plan.certificate = replay::certify(&scene, &plan.bodies, &mut plan.hits)?;
+        Ok(plan)
+    }
+
+    /// Refuses paths of other bodies, of lengths that do not fit, and beyond the end of a course.
+    pub(super) fn check_paths(&self, paths: &[BodyPath]) -> Result<(), Error> {
+        let steps = paths.first().map_or(0, |path| path.acceleration.len());
+        check_length("the bodies of the plan", paths.len(), self.bodies.len())?;
+        for (own, path) in self.bodies.iter().zip(paths) {
             if own.name != path.name {
                 let kind = "body of the scene at this place";
                 return Err(ErrorKind::UnknownName { name: path.name.clone(), kind }.into());
@@ -150,20 +185,30 @@ impl Scene {
                 ("the accelerations of a body", &path.acceleration, steps),
             ] {
                 check_length(what, values.len(), count)?;
-                values.iter().try_for_each(|row| check_length(what, row.len(), scene.axes()))?;
+                values.iter().try_for_each(|row| check_length(what, row.len(), self.axes()))?;
             }
         }
-        if let Some((obstacle, last)) = scene.longest().filter(|(_, last)| *last < steps) {
+        if let Some((obstacle, last)) = self.longest().filter(|(_, last)| *last < steps) {
             let obstacle = obstacle.name.clone();
             return Err(SceneError::Course { obstacle, last, needed: steps }.into());
         }
-        plan.time_step = scene.time_step;
-        plan.certificate = replay::certify(&scene, &plan.bodies, &mut plan.hits)?;
-        Ok(plan)
+        Ok(())
     }
 }
 
 impl SceneProgram {
+    /// Fixes the modes of all contacts to those of a plan.
+    pub(super) fn fix_contacts(&mut self, plan: &ScenePlan) -> Result<(), Error> {
+        for contact in &self.contacts {
+            for (step, name) in plan.run.transitions(&contact.name)?.iter().enumerate() {
+                if let Some(taken) = self.hybrid.taken(&contact.name, name, step)? {
+                    self.model.fix(taken.variable(), f64::from(u8::from(taken.is_on())))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The plan of a solution, replayed by code that reads neither the program nor its system.
     ///
     /// # Errors
@@ -197,20 +242,9 @@ impl SceneProgram {
         for contact in &self.contacts {
             for (step, name) in run.transitions(&contact.name)?.iter().enumerate() {
                 let mode = contact.modes.iter().find(|mode| mode.is_hit && mode.name == *name);
-                hits.extend(mode.map(|mode| SceneHit {
-                    step,
-                    contact: contact.name.clone(),
-                    body: self.scene.bodies[contact.body].name.clone(),
-                    face: mode.face,
-                    start_speed: 0.0,
-                    end_speed: 0.0,
-                    damage: 0.0,
-                    time: 0.0,
-                    speed: 0.0,
-                    place: Vec::new(),
-                    impulse: Vec::new(),
-                    energy: 0.0,
-                }));
+                let body = &self.scene.bodies[contact.body].name;
+                let hit = |mode: &Mode| SceneHit::new(step, contact.name.clone(), body, mode.face);
+                hits.extend(mode.map(hit));
             }
         }
         hits.sort_by_key(|hit| hit.step);

@@ -2,7 +2,7 @@
 
 use std::borrow::{Borrow, BorrowMut};
 
-use super::contact::{Contact, ContactFace, Mode};
+use super::contact::{ContactFace, ContactPair, Mode};
 use super::geometry::dot;
 use super::rule::DamageRule;
 use super::statement::{INSIDE, Scene};
@@ -24,7 +24,7 @@ pub struct SceneProgram {
     #[doc(hidden)]
     pub hybrid: SystemVariables,
     pub(super) scene: Scene,
-    pub(super) contacts: Vec<Contact>,
+    pub(super) contacts: Vec<ContactPair>,
     /// Damage of each contact by step, if a rule needs it.
     pub(super) damage: Vec<Option<Family>>,
     /// The value of each rule's measure by contact and step.
@@ -353,7 +353,7 @@ impl SceneProgram {
     fn next_outside(&mut self) -> Result<(), Error> {
         for c in 0..self.contacts.len() {
             let contact = self.contacts[c].clone();
-            let involved = |other: &Contact| {
+            let involved = |other: &ContactPair| {
                 let own = [Some(contact.body), contact.other];
                 other.bounces()
                     && (own.contains(&Some(other.body))
@@ -386,7 +386,7 @@ impl SceneProgram {
     /// `direction . x` or `direction . v` of a contact at a sample.
     pub(super) fn along(
         &self,
-        contact: &Contact,
+        contact: &ContactPair,
         direction: &[f64],
         sample: usize,
         speed: bool,
@@ -409,7 +409,7 @@ impl SceneProgram {
 
 /// Contacts of which at most one is hit in a step, by their numbers: all of a body, unless corners
 /// are allowed, and opposite walls in any case.
-pub(super) fn exclusive(scene: &Scene, contacts: &[Contact]) -> Vec<Vec<usize>> {
+pub(super) fn exclusive(scene: &Scene, contacts: &[ContactPair]) -> Vec<Vec<usize>> {
     let count = contacts.len();
     let mut groups: Vec<Vec<usize>> = match scene.corners {
         false => (0..scene.bodies.len())
@@ -431,7 +431,7 @@ pub(super) fn exclusive(scene: &Scene, contacts: &[Contact]) -> Vec<Vec<usize>> 
 }
 
 /// Whether two contacts are still walls on opposite sides of a body.
-fn are_opposite(first: &Contact, second: &Contact) -> bool {
+fn are_opposite(first: &ContactPair, second: &ContactPair) -> bool {
     let same = (first.body, first.other) == (second.body, second.other);
     let ([one], [two]) = (&first.faces[..], &second.faces[..]) else { return false };
     let opposite = dot(&one.normal, &two.normal) < -1.0 + 1e-12;

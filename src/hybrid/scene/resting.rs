@@ -37,7 +37,7 @@ impl Writer<'_> {
         let mut all = Vec::new();
         for kind in [Kind::Hit, Kind::Settle, Kind::Rest] {
             let rebound = if kind == Kind::Hit { e } else { 0.0 };
-            for mut law in laws(own, 1.0, rebound) {
+            for mut law in laws(own, 0.0, rebound) {
                 let word = match kind {
                     Kind::Hit => "",
                     Kind::Settle => "settle",
@@ -79,7 +79,7 @@ impl Writer<'_> {
             contact.guards.retain(|guard| !guard.is_limit);
             contact.is_event = false;
         }
-        let (matrix, offset) = self.reset(own, 1.0, law);
+        let (matrix, offset) = self.reset(own, 0.0, law);
         contact.flow = self.own_flow(&matrix, law)?;
         let identity = Mat::<f64>::identity(self.flow.states(), self.flow.states());
         Ok(contact.with_reset_by_step(identity, offset))
@@ -111,7 +111,7 @@ impl Writer<'_> {
     /// The flow with the reset of a step, and with what the velocity at its start adds.
     fn own_flow(&self, reset: &Mat<f64>, law: &Law) -> Result<LinearSystem, Error> {
         let (a, b, c) = (self.flow.a(), self.flow.b(), self.flow.c());
-        let (mut a, b) = (reset * a, reset * b);
+        let (mut a, b) = (reset * a.faer(), reset * b.faer());
         let width = self.flow.states();
         let constant = (0..width).map(|i| (0..width).map(|j| reset[(i, j)] * c[j]).sum::<f64>());
         let parts = [

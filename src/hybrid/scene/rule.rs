@@ -1,6 +1,6 @@
 //! Rules about damage: what is measured, at which hits, and how much of it is allowed or costs.
 
-use super::contact::Contact;
+use super::contact::ContactPair;
 use super::error::SceneError;
 use super::statement::Scene;
 use crate::error::{Error, ErrorKind};
@@ -69,6 +69,13 @@ pub struct DamageRule {
     pub price_per_hit: f64,
 }
 
+impl Default for DamageRule {
+    /// A rule `damage` about impact speeds, without limits and prices.
+    fn default() -> Self {
+        DamageRule::new("damage", DamageMeasure::ImpactSpeed)
+    }
+}
+
 impl DamageRule {
     /// A rule that measures and limits nothing yet.
     pub fn new(name: impl Into<String>, measure: DamageMeasure) -> Self {
@@ -126,7 +133,7 @@ impl DamageRule {
     }
 
     /// Whether hits of a contact's face count.
-    pub(super) fn applies(&self, scene: &Scene, contact: &Contact, face: usize) -> bool {
+    pub(super) fn applies(&self, scene: &Scene, contact: &ContactPair, face: usize) -> bool {
         let bodies = [Some(contact.body), contact.other];
         let name = |b: &Option<usize>| b.map(|b| scene.bodies[b].name.as_str());
         let mut names: Vec<&str> = bodies.iter().filter_map(name).collect();
@@ -139,7 +146,7 @@ impl DamageRule {
     }
 
     /// The largest impact speed that the limit on a hit allows, in m/s.
-    pub(super) fn most_speed(&self, contact: &Contact, face: usize) -> Option<f64> {
+    pub(super) fn most_speed(&self, contact: &ContactPair, face: usize) -> Option<f64> {
         let most = self.per_hit?;
         Some(match &self.measure {
             DamageMeasure::ImpactSpeed => most,
@@ -165,7 +172,7 @@ impl DamageRule {
     }
 
     /// The factor of the impact speed, or of its square, in the measure.
-    pub(super) fn factor(&self, contact: &Contact, face: usize) -> f64 {
+    pub(super) fn factor(&self, contact: &ContactPair, face: usize) -> f64 {
         let e = contact.faces[face].surface.restitution.map_or(0.0, |e| e.value());
         match self.measure {
             DamageMeasure::NormalImpulse => contact.mass * (1.0 + e),
@@ -175,7 +182,7 @@ impl DamageRule {
     }
 
     /// The damage of an impact speed (m/s), in the measure's unit.
-    pub(super) fn damage(&self, contact: &Contact, face: usize, speed: f64) -> f64 {
+    pub(super) fn damage(&self, contact: &ContactPair, face: usize, speed: f64) -> f64 {
         let factor = self.factor(contact, face);
         match &self.measure {
             DamageMeasure::ImpactSpeed | DamageMeasure::NormalImpulse => factor * speed,
@@ -186,8 +193,13 @@ impl DamageRule {
         }
     }
 
+    /// Whether damage or hits cost anything.
+    pub(crate) fn has_price(&self) -> bool {
+        self.price != 0.0 || self.price_per_hit != 0.0
+    }
+
     /// Whether it needs variables for damage.
-    pub(super) fn needs_damage(&self) -> bool {
+    pub(crate) fn needs_damage(&self) -> bool {
         self.total.is_some() || self.price != 0.0
     }
 
@@ -203,7 +215,7 @@ impl DamageRule {
         16
     }
 
-    pub(super) fn check(&self, scene: &Scene) -> Result<(), Error> {
+    pub(crate) fn check(&self, scene: &Scene) -> Result<(), Error> {
         if !is_name(&self.name) {
             return Err(ErrorKind::InvalidName { name: self.name.clone() }.into());
         }

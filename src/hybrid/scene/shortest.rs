@@ -1,7 +1,7 @@
 //! The shortest plan of a scene.
 
 use super::body::Body;
-use super::contact::{Contact, ContactFace};
+use super::contact::{ContactFace, ContactPair};
 use super::loose::loose;
 use super::plan::ScenePlan;
 use super::program::{SceneProgram, exclusive};
@@ -15,7 +15,7 @@ use crate::hybrid::shortest_horizon::{
 };
 use crate::hybrid::system::{HybridSystem, Region};
 use crate::interval::Interval;
-use crate::solver::Solver;
+use crate::solver::{Solver, StopToken};
 
 /// How many times longer the steps of the coarser grid are.
 const COARSER: f64 = 8.0;
@@ -48,7 +48,7 @@ impl Scene {
         if let Some((_, longest)) = stated.scene.longest() {
             options.max_steps = options.max_steps.min(longest);
         }
-        let task = Task { stated, waiting };
+        let task = ScenePrograms { stated, waiting };
         let found = shortest_horizon(&task, &options, solver)?;
         found.try_map(|Solved { program, solution }| program.certified(&solution))
     }
@@ -69,8 +69,17 @@ impl SceneProgram {
     /// Fixes transitions and narrows bounds by [quick sets](Stated::quick_sets). `false` if they prove
     /// that there is no plan.
     pub(super) fn tighten(&mut self, stated: &Stated) -> Result<bool, Error> {
+        self.tighten_until(stated, &StopToken::default())
+    }
+
+    /// As [`tighten`](Self::tighten); if the token is over first, the program stays as it is.
+    pub(super) fn tighten_until(
+        &mut self,
+        stated: &Stated,
+        token: &StopToken,
+    ) -> Result<bool, Error> {
         let Some(mut sets) = stated.quick_sets()? else { return Ok(true) };
-        let tube = sets.tube(self.steps())?;
+        let Some(tube) = sets.tube_until(self.steps(), token)? else { return Ok(true) };
         if tube.is_empty() {
             return Ok(false);
         }
@@ -106,11 +115,11 @@ impl Stated {
     /// axes or none does, and otherwise of the scene with [looser conditions](loose), if hits keep axes
     /// apart.
     pub(super) fn quick_sets(&self) -> Result<Option<ReachSets>, Error> {
-        let is_aligned = |contact: &Contact| {
+        let is_aligned = |contact: &ContactPair| {
             let along_axis = |face: &ContactFace| face.normal.iter().any(|n| n.abs() == 1.0);
             contact.other.is_none() && contact.faces.iter().all(along_axis)
         };
-        let hits_apart = |contact: &Contact| {
+        let hits_apart = |contact: &ContactPair| {
             !contact.bounces()
                 || is_aligned(contact)
                     && contact.faces.iter().all(|face| face.surface.is_frictionless())
@@ -134,7 +143,7 @@ impl Stated {
         self.system.states.iter().map(|(_, domain)| *domain).collect()
     }
 
-    fn waiting(&self) -> Result<Waiting, Error> {
+    pub(super) fn waiting(&self) -> Result<Waiting, Error> {
         let (start, goal) = (self.ends(true), self.ends(false));
         // Who waits hits nothing.
         let mut system = self.system.clone();
@@ -153,12 +162,12 @@ impl Stated {
 }
 
 /// From starts to goals, in any number of steps.
-pub(super) struct Task {
+pub(super) struct ScenePrograms {
     pub(super) stated: Stated,
     pub(super) waiting: Waiting,
 }
 
-impl HorizonModel for Task {
+impl HorizonModel for ScenePrograms {
     type Program = SceneProgram;
 
     fn build(&self, steps: usize) -> Result<SceneProgram, Error> {
@@ -197,6 +206,6 @@ impl HorizonModel for Task {
         let coarse = Scene { time_step: COARSER * scene.time_step, ..scene.clone() };
         let stated = coarse.stated().ok().filter(|_| still)?;
         let waiting = stated.waiting().ok()?;
-        Some(Box::new(Task { stated, waiting }))
+        Some(Box::new(ScenePrograms { stated, waiting }))
     }
 }

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::contact::{Contact, at, contacts};
+use super::contact::{ContactPair, at, contacts};
 use super::law::Writer;
 use super::statement::Scene;
 use crate::error::Error;
@@ -17,7 +17,7 @@ pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 #[derive(Debug, Clone)]
 pub(super) struct Stated {
     pub(super) scene: Scene,
-    pub(super) contacts: Vec<Contact>,
+    pub(super) contacts: Vec<ContactPair>,
     pub(super) system: HybridSystem,
 }
 
@@ -135,7 +135,7 @@ impl Scene {
 /// it, otherwise by a limit.
 fn outside(
     scene: &Scene,
-    contact: &Contact,
+    contact: &ContactPair,
     flow: &LinearSystem,
     domains: &mut [Interval],
 ) -> Option<Halfspace> {

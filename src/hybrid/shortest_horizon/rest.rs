@@ -19,25 +19,7 @@ impl HybridSystem {
     /// It is free if nothing in the system depends on the step, and if the start or the goal is a
     /// single state that some input holds in place, in every mode that is allowed there, by
     /// transitions that can be repeated. If this cannot be shown, waiting counts as not free.
-    ///
-    /// ```
-    /// use carom::hybrid::{HybridSystem, LinearSystem, Region, Transition};
-    /// use carom::interval::Interval;
-    ///
-    /// let cart = HybridSystem::new()
-    ///     .with_state("x", Interval::new(-9.0, 9.0))
-    ///     .with_state("v", Interval::new(-9.0, 9.0))
-    ///     .with_input("a", Interval::new(-1.0, 1.0))
-    ///     .with_transition(Transition::new("roll", LinearSystem::double_integrator(0.1)?));
-    /// let (rest, moving) = (Region::point([0.0, 0.0]), Region::point([0.0, 1.0]));
-    /// assert!(cart.waiting(&rest, &moving)?.is_free());
-    /// assert!(!cart.waiting(&moving, &moving)?.is_free());
-    /// # Ok::<(), carom::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// The errors of [`HybridSystem::check`], and those of a start or goal that does not fit.
+    #[doc(hidden)]
     pub fn waiting(&self, start: &Region, goal: &Region) -> Result<Waiting, Error> {
         self.check()?;
         start.check(self, "the start")?;

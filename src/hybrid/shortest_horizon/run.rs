@@ -7,9 +7,9 @@ use super::{HorizonModel, Waiting};
 use crate::error::Error;
 #[cfg(doc)]
 use crate::error::ErrorKind;
-use crate::hybrid::program::{HybridPlan, HybridProgram, IntoRegion, When};
+use crate::hybrid::program::{HybridPlan, HybridProgram, When};
 use crate::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use crate::hybrid::system::{HybridSystem, Region};
+use crate::hybrid::system::{HybridSystem, IntoRegion, Region};
 use crate::solver::Solver;
 
 impl HybridSystem {
@@ -26,7 +26,7 @@ impl HybridSystem {
     /// let x = cart.state("x", -9.0, 9.0)?; // m
     /// let v = cart.state("v", -9.0, 9.0)?; // m/s
     /// let a = cart.input("a", -1.0, 1.0)?; // m/s²
-    /// cart.mode("roll")?.rates([(x, v.into()), (v, a.into())])?;
+    /// cart.mode("roll")?.rates([x.is(v), v.is(a)])?;
     /// let (start, goal) = ([x.equals(0.0), v.equals(0.0)], [x.equals(1.0), v.equals(0.0)]);
     /// let found = cart.shortest(start, goal, &mut BranchAndBound::default())?;
     /// assert!(found.is_found() && found.waiting.is_free());

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use super::Waiting;
 use super::options::ShortestOptions;
 use crate::error::Error;
-use crate::hybrid::program::{HybridProgram, IntoRegion, StatedRegion, When};
+use crate::hybrid::program::{HybridProgram, When};
+use crate::hybrid::system::{IntoRegion, StatedRegion};
 use crate::model::{Model, Reformulation};
 
 /// Writes statements into the program of a horizon.
@@ -44,7 +45,7 @@ impl ShortestOptions {
     /// let mut cart = HybridSystem::new(1.0); // s
     /// let x = cart.state("x", -9.0, 9.0)?;
     /// let v = cart.input("v", -1.0, 1.0)?;
-    /// cart.mode("roll")?.next([(x, x + v)])?;
+    /// cart.mode("roll")?.next([x.is(x + v)])?;
     /// // At the depot at one of the samples 2 to 5, then to the goal.
     /// let depot = [x.within(-2.0, -1.0)];
     /// let options = ShortestOptions::default().with_window("depot", depot, When::OnceIn(2..=5));
@@ -72,7 +73,7 @@ impl ShortestOptions {
     /// let mut cart = HybridSystem::new(1.0); // s
     /// let x = cart.state("x", -9.0, 9.0)?;
     /// let v = cart.input("v", -2.0, 2.0)?;
-    /// cart.mode("roll")?.next([(x, x + v)])?;
+    /// cart.mode("roll")?.next([x.is(x + v)])?;
     /// // Every second step at walking pace.
     /// let options = ShortestOptions::default().with_rows(move |program| {
     ///     for t in (0..program.steps()).step_by(2) {

@@ -10,9 +10,8 @@ use super::run::Task;
 use super::search::build;
 use crate::error::Error;
 use crate::hybrid::linear::check_time_step;
-use crate::hybrid::program::IntoRegion;
 use crate::hybrid::rows::HybridRun;
-use crate::hybrid::system::HybridSystem;
+use crate::hybrid::system::{HybridSystem, IntoRegion};
 use crate::setters::setters;
 use crate::solution::Solution;
 use crate::solver::{Solver, StopToken};
@@ -90,7 +89,7 @@ pub struct LeastTimeStep {
 ///     let x = cart.state("x", -9.0, 9.0)?; // m
 ///     let v = cart.state("v", -9.0, 9.0)?; // m/s
 ///     let a = cart.input("a", -1.0, 1.0)?; // m/s²
-///     cart.mode("roll")?.rates([(x, v.into()), (v, a.into())])?;
+///     cart.mode("roll")?.rates([x.is(v), v.is(a)])?;
 ///     Ok((cart, [x.equals(0.0), v.equals(0.0)], [x.equals(1.0), v.equals(0.0)]))
 /// };
 /// // 1 m at 1 m/s² takes 2 s: ten steps of 0.2 s.

@@ -3,7 +3,7 @@
 use super::condition::{Slack, tightest};
 use super::error::RunError;
 use super::memory::Memory;
-use super::plan::Plan;
+use super::plan::PlannedRun;
 use super::step::{Flown, StepStart, sample_conditions};
 use crate::error::Error;
 #[cfg(doc)]
@@ -57,7 +57,7 @@ impl HybridSystem {
     /// [`tolerance::FEASIBILITY`]: crate::tolerance::FEASIBILITY
     pub fn certify(&self, run: &HybridRun) -> Result<RunCertificate, Error> {
         self.check()?;
-        let plan = Plan::new(self, run)?;
+        let plan = PlannedRun::new(self, run)?;
         let mut certificate = RunCertificate {
             time_step: self.time_step,
             largest_residual: 0.0,
@@ -130,7 +130,7 @@ impl RunCertificate {
     /// Checks the transitions of one step and the sample to which they lead.
     fn step<'a>(
         &mut self,
-        plan: &Plan<'a>,
+        plan: &PlannedRun<'a>,
         start: &StepStart<'_>,
         memory: &Memory,
     ) -> Result<Vec<(&'a Transition, Flown)>, Error> {
@@ -169,7 +169,7 @@ impl RunCertificate {
     }
 
     /// Compares a sample with the state to which the step leads.
-    fn compare(&mut self, plan: &Plan<'_>, sample: usize, next: &[f64]) -> Result<(), Error> {
+    fn compare(&mut self, plan: &PlannedRun<'_>, sample: usize, next: &[f64]) -> Result<(), Error> {
         let names = plan.system.states.iter().map(|(name, _)| name);
         for (name, (&own, &replayed)) in names.zip(plan.states[sample].iter().zip(next)) {
             let allowed = REPLAY * margin_scale(replayed.abs(), own);
@@ -187,7 +187,7 @@ impl RunCertificate {
     /// Compares the outputs of a step with what its transitions give.
     fn outputs(
         &mut self,
-        plan: &Plan<'_>,
+        plan: &PlannedRun<'_>,
         step: usize,
         taken: &[(&Transition, Flown)],
     ) -> Result<(), Error> {

@@ -8,7 +8,7 @@ use crate::hybrid::rows::HybridRun;
 use crate::hybrid::system::HybridSystem;
 
 /// A run in the order of its system.
-pub(super) struct Plan<'a> {
+pub(super) struct PlannedRun<'a> {
     pub(super) system: &'a HybridSystem,
     /// By sample, then by state; one sample more than steps.
     pub(super) states: Vec<Vec<f64>>,
@@ -21,7 +21,7 @@ pub(super) struct Plan<'a> {
     pub(super) outputs: &'a [(String, Vec<f64>)],
 }
 
-impl<'a> Plan<'a> {
+impl<'a> PlannedRun<'a> {
     /// Refuses runs of another system and of lengths that do not fit.
     pub(super) fn new(system: &'a HybridSystem, run: &'a HybridRun) -> Result<Self, Error> {
         let first = system.choices.first().map_or("", |choice| &choice.name);
@@ -50,7 +50,7 @@ impl<'a> Plan<'a> {
         for (_, values) in &run.outputs {
             check_length("the outputs of the run", values.len(), steps)?;
         }
-        Ok(Plan { system, states, inputs, taken, modes, outputs: &run.outputs })
+        Ok(PlannedRun { system, states, inputs, taken, modes, outputs: &run.outputs })
     }
 
     /// The sample and the input at which a step starts.

@@ -22,20 +22,14 @@ impl HybridSystem {
     /// * `inputs`: the input of every step, an entry per input of the system.
     ///
     /// ```
-    /// use carom::hybrid::{Halfspace, HybridSystem, LinearSystem, Transition};
-    /// use carom::interval::Interval;
+    /// use carom::prelude::*;
     ///
     /// // Drag doubles from 10 m/s on.
-    /// let drag = |decay: f64| LinearSystem::new([[decay]], [[1.0]], [0.0]);
-    /// let slow = Transition::new("slow", drag(0.9)?)
-    ///     .with_guard(Halfspace::new("up to 10 m/s", [1.0], 10.0));
-    /// let fast = Transition::new("fast", drag(0.8)?)
-    ///     .with_guard(Halfspace::new("from 10 m/s on", [-1.0], -10.0));
-    /// let vehicle = HybridSystem::new()
-    ///     .with_state("v", Interval::new(0.0, 30.0))
-    ///     .with_input("thrust", Interval::new(0.0, 3.0))
-    ///     .with_transition(slow)
-    ///     .with_transition(fast);
+    /// let mut vehicle = HybridSystem::new(1.0); // s
+    /// let v = vehicle.state("v", 0.0, 30.0)?; // m/s
+    /// let thrust = vehicle.input("thrust", 0.0, 3.0)?; // m/s²
+    /// vehicle.mode("slow")?.next([v.is(0.9 * v + thrust)])?.guard(v.le(10.0))?;
+    /// vehicle.mode("fast")?.next([v.is(0.8 * v + thrust)])?.guard(v.ge(10.0))?;
     ///
     /// let run = vehicle.simulate(&[20.0], &[[0.0], [0.0], [0.0], [0.0]])?;
     /// assert!(run.is_complete());

@@ -48,7 +48,7 @@ impl HybridSystem {
     /// let u = cart.input("u", -1.0, 1.0)?;
     /// let door = cart.series("door", [9.0, 9.0, 9.0, 4.0])?;
     /// cart.limit("behind the door", x.le(door))?;
-    /// cart.mode("roll")?.next([(x, x + u)])?;
+    /// cart.mode("roll")?.next([x.is(x + u)])?;
     /// assert!(cart.to_string().contains("x <= 9 until step 2, 4 from then on"));
     /// assert!(cart.from_step(2).to_string().contains("x <= 9 until step 0, 4 from then on"));
     /// # Ok::<(), carom::Error>(())

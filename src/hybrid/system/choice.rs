@@ -35,21 +35,6 @@ impl Dwell {
 /// A choice is a wall, a body or a thruster. Choices of a step are independent: the next state is
 /// that of the system's [common flow](super::HybridSystem::with_flow) plus what each choice's
 /// transition changes about it.
-///
-/// ```
-/// use carom::hybrid::{Choice, LinearSystem, Transition};
-///
-/// // A heater that stays on for at least three samples.
-/// let flow = |heat: f64| LinearSystem::new([[0.9]], [[]], [0.5 + heat]);
-/// let heater = Choice::new("heater")
-///     .with_transition(Transition::new("idle", flow(0.0)?).within("off"))
-///     .with_transition(Transition::event("start", flow(3.0)?).between("off", "on"))
-///     .with_transition(Transition::new("heat", flow(3.0)?).within("on"))
-///     .with_transition(Transition::event("stop", flow(0.0)?).between("on", "off"))
-///     .with_dwell("on", 3, None);
-/// assert_eq!(heater.modes(), ["off", "on"]);
-/// # Ok::<(), carom::Error>(())
-/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[doc(hidden)]
 #[non_exhaustive]

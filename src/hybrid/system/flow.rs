@@ -1,27 +1,11 @@
 //! Flows stated by rates or by next values.
 
 use super::HybridSystem;
-use super::handles::State;
+use super::flow_rows::{FlowKind, FlowRows};
+use super::handles::{Meaning, State};
 use crate::error::{Error, ErrorKind};
 use crate::hybrid::linear::LinearSystem;
 use crate::model::Affine;
-
-/// How the rows of a flow are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum FlowKind {
-    /// Derivatives, in the states' units per second.
-    Rates,
-    /// Values at the end of the step.
-    NextValues,
-}
-
-/// A flow by rows, one for each state.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct FlowRows {
-    kind: FlowKind,
-    /// Coefficients of the states, of the inputs, and the constant.
-    rows: Vec<(Vec<f64>, Vec<f64>, f64)>,
-}
 
 impl HybridSystem {
     /// The rows of a flow. States that are not named have the rows of the common flow, or stay.
@@ -48,7 +32,7 @@ impl HybridSystem {
         };
         let mut named = vec![false; n];
         for (state, row) in rows {
-            let super::handles::Meaning::State(i) = *self.meaning(state.into(), place)? else {
+            let Meaning::State(i) = *self.meaning(state.into(), place)? else {
                 return Err(self.misplaced(state.into(), place, "name a state"));
             };
             if std::mem::replace(&mut named[i], true) {
@@ -83,40 +67,5 @@ impl HybridSystem {
             FlowKind::NextValues => LinearSystem::new(a, b, c),
             FlowKind::Rates => LinearSystem::zero_order_hold(a, b, c, self.time_step),
         }
-    }
-
-    /// The flow of the transition that stays in a mode, if it is stated.
-    pub(super) fn stated_flow(&self, choice: usize, mode: &str) -> Option<LinearSystem> {
-        let transitions = self.choices[choice].transitions.iter().enumerate();
-        let stays = |modes: &Option<(String, String)>| {
-            modes.as_ref().is_some_and(|(from, to)| from == mode && to == mode)
-        };
-        let mut found = transitions
-            .filter(|(j, own)| stays(&own.modes) && !self.unstated.contains(&(choice, *j)));
-        found.next().map(|(_, own)| own.flow.clone())
-    }
-
-    /// Sets the flow of a transition, and of the switches that take theirs from it.
-    pub(super) fn set_flow(&mut self, choice: usize, number: usize, flow: LinearSystem) {
-        let own = &mut self.choices[choice].transitions[number];
-        own.flow = flow.clone();
-        let stays = own.modes.clone().filter(|(from, to)| from == to);
-        self.unstated.retain(|unstated| *unstated != (choice, number));
-        let Some((mode, _)) = stays else { return };
-        let transitions = &mut self.choices[choice].transitions;
-        self.unstated.retain(|&(other, j)| {
-            let enters = |modes: &(String, String)| modes.1 == mode;
-            let follows = other == choice && transitions[j].modes.as_ref().is_some_and(enters);
-            if follows {
-                transitions[j].flow = flow.clone();
-            }
-            !follows
-        });
-    }
-
-    /// A flow that leaves the state as it is.
-    pub(super) fn idle(&self) -> Result<LinearSystem, Error> {
-        let rows = self.flow_rows::<Affine>(FlowKind::NextValues, [], "a flow")?;
-        self.linear(&rows)
     }
 }

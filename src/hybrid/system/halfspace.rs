@@ -6,17 +6,6 @@ use super::schedule::Schedule;
 ///
 /// The normal has one coefficient per state, and then, if the half-space depends on the inputs too,
 /// one per input.
-///
-/// ```
-/// use carom::hybrid::Halfspace;
-///
-/// // x + 0.5 v <= 3.
-/// let brake = Halfspace::new("braking distance", [1.0, 0.5], 3.0);
-/// assert_eq!(brake.limit, 3.0.into());
-/// // A door that closes after step 2: x <= 9 in steps 0 to 2, and x <= 4 from then on.
-/// let door = Halfspace::new("door", [1.0, 0.0], vec![9.0, 9.0, 9.0, 4.0]);
-/// assert_eq!(door.limit.get(8), Some(&4.0));
-/// ```
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

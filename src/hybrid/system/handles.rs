@@ -12,9 +12,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::HybridSystem;
 use super::schedule::Schedule;
-use crate::error::{Error, ErrorKind};
 use crate::model::{
     Affine, Literal, ModelTag, Quadratic, Row, Variable, comparisons, products, scaling, sums,
 };
@@ -35,6 +33,13 @@ impl State {
     pub fn predicted(self) -> Variable {
         // The prediction is declared right after its state.
         Variable { index: self.variable.index + 1, tag: self.variable.tag }
+    }
+
+    /// An entry of [`rates`](crate::hybrid::HybridSystem::rates), [`next`](crate::hybrid::HybridSystem::next) or
+    /// [`reset`](crate::hybrid::TransitionMut::reset): the state with its derivative, its next value or its value
+    /// after the reset.
+    pub fn is(self, value: impl Into<Affine>) -> (State, Affine) {
+        (self, value.into())
     }
 
     /// The square of the state.
@@ -137,6 +142,17 @@ impl Handles {
         self.meanings.get(variable.index()).filter(|_| variable.tag == self.tag)
     }
 
+    /// The handle of a thing, if it is declared.
+    pub(super) fn find(&self, meaning: &Meaning) -> Option<Variable> {
+        let index = self.meanings.iter().position(|known| known == meaning)?;
+        Some(Variable::new(index, self.tag))
+    }
+
+    /// The handle of a state, if it is declared.
+    pub(super) fn find_state(&self, number: usize) -> Option<State> {
+        self.find(&Meaning::State(number)).map(|variable| State { variable })
+    }
+
     /// Whether there is a handle of a kind.
     pub(super) fn is_any(&self, wanted: impl Fn(&Meaning) -> bool) -> bool {
         self.meanings.iter().any(wanted)
@@ -162,127 +178,4 @@ impl Handles {
             }
         }
     }
-}
-
-impl HybridSystem {
-    /// What a handle stands for.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::ForeignHandle`].
-    pub(crate) fn meaning(&self, variable: Variable, place: &str) -> Result<&Meaning, Error> {
-        self.handles.meaning(variable).ok_or_else(|| {
-            let (kind, index, place) = ("variable", variable.index(), place.to_owned());
-            ErrorKind::ForeignHandle { kind, index, place }.into()
-        })
-    }
-
-    /// A handle in words.
-    pub(crate) fn handle_name(&self, variable: Variable) -> String {
-        let state = |i: &usize| self.states.get(*i).map_or("", |(name, _)| name);
-        match self.handles.meaning(variable) {
-            Some(Meaning::State(i)) => state(i).to_owned(),
-            Some(Meaning::Prediction(i)) => format!("{}'", state(i)),
-            Some(Meaning::Input(u)) => self.inputs.get(*u).map_or("", |(name, _)| name).to_owned(),
-            Some(Meaning::Series(name, _) | Meaning::Output(name)) => name.clone(),
-            Some(Meaning::InMode(choice, mode)) => {
-                let choice = self.choices.get(*choice).map_or("", |choice| &choice.name);
-                format!("{choice} is {mode}")
-            }
-            Some(Meaning::Taken(choice, number)) => {
-                let choice = self.choices.get(*choice);
-                let taken = choice.and_then(|choice| choice.transitions.get(*number));
-                taken.map_or(String::new(), |transition| transition.name.clone())
-            }
-            None => format!("#{}", variable.index()),
-        }
-    }
-
-    /// The handle of a state, by its name: for a system that was read or made from matrices.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
-    pub fn state_named(&self, name: &str) -> Result<State, Error> {
-        let number = self.states.iter().position(|(own, _)| own == name);
-        let number = number.ok_or_else(|| unknown(name, "state of the system"))?;
-        self.find(&Meaning::State(number)).map(|variable| State { variable })
-    }
-
-    /// The handle of an input, by its name.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
-    pub fn input_named(&self, name: &str) -> Result<Variable, Error> {
-        let number = self.inputs.iter().position(|(own, _)| own == name);
-        let number = number.ok_or_else(|| unknown(name, "input of the system"))?;
-        self.find(&Meaning::Input(number))
-    }
-
-    /// The handle of a transition, by the names of its choice (`mode` if there is only one) and its
-    /// own: 1 in the steps that take it, 0 in the others.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
-    pub fn transition_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
-        let number = self.choices.iter().position(|own| own.name == choice);
-        let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
-        let taken = self.choices[number].transitions.iter().position(|own| own.name == name);
-        let taken = taken.ok_or_else(|| unknown(name, "transition of the choice"))?;
-        self.find(&Meaning::Taken(number, taken))
-    }
-
-    /// The handle of a mode with memory, by the names of its choice and its own: 1 at the samples in the
-    /// mode, 0 at the others.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
-    pub fn mode_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
-        let number = self.choices.iter().position(|own| own.name == choice);
-        let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
-        if !self.choices[number].modes().contains(&name) {
-            return Err(unknown(name, "mode of the choice"));
-        }
-        self.find(&Meaning::InMode(number, name.to_owned()))
-    }
-
-    /// The handle of an output, by its name.
-    ///
-    /// # Errors
-    ///
-    /// [`ErrorKind::UnknownName`].
-    pub fn output_named(&self, name: &str) -> Result<Variable, Error> {
-        let mut outputs = self.transitions().flat_map(|transition| &transition.outputs);
-        if !outputs.any(|own| own.name == name) {
-            return Err(unknown(name, "output of the system"));
-        }
-        self.find(&Meaning::Output(name.to_owned()))
-    }
-
-    fn find(&self, meaning: &Meaning) -> Result<Variable, Error> {
-        let index = self.handles.meanings.iter().position(|known| known == meaning);
-        let found = index.map(|index| Variable::new(index, self.handles.tag));
-        found.ok_or_else(|| Error::out_of_range("the handles of the system", 0.0, "complete"))
-    }
-
-    /// Declares the handles of a choice: of its modes, transitions and outputs.
-    pub(super) fn declare_choice(&mut self, number: usize) {
-        let choice = &self.choices[number];
-        for mode in choice.modes() {
-            self.handles.of(Meaning::InMode(number, mode.to_owned()));
-        }
-        for (j, transition) in choice.transitions.iter().enumerate() {
-            self.handles.of(Meaning::Taken(number, j));
-            for output in &transition.outputs {
-                self.handles.of(Meaning::Output(output.name.clone()));
-            }
-        }
-    }
-}
-
-pub(super) fn unknown(name: &str, kind: &'static str) -> Error {
-    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
 }

@@ -8,7 +8,7 @@ use super::{Halfspace, HybridSystem, Transition};
 use crate::error::ErrorKind;
 use crate::error::{Error, check_length};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 
 /// The most combinations of binaries that become transitions.
@@ -31,16 +31,15 @@ pub(super) const MOST_COMBINATIONS: usize = 4096;
 ///
 /// ```
 /// use carom::hybrid::{HybridSystem, MixedLogicalDynamical};
-/// use carom::interval::Interval;
 ///
 /// // x⁺ = 0.8 x + u where x >= 0 and -0.8 x + u elsewhere, as 1.6 z - 0.8 x + u with z = δ x:
 /// // -10 (1 - δ) <= x <= 10 δ, -10 δ <= z <= 10 δ, x - 10 (1 - δ) <= z <= x + 10 (1 - δ).
-/// let range = Interval::new(-10.0, 10.0);
+/// let range = -10.0..=10.0;
 /// let system = HybridSystem::mixed_logical_dynamical(
 ///     1.0,
 ///     &MixedLogicalDynamical::new([0.0], [10.0, 0.0, 0.0, 0.0, 10.0, 10.0])
-///         .with_states([("x", range)], [[-0.8]], [[1.0], [-1.0], [0.0], [0.0], [1.0], [-1.0]])
-///         .with_inputs([("u", Interval::new(-1.0, 1.0))], [[1.0]], [[0.0]; 6])
+///         .with_states([("x", range.clone())], [[-0.8]], [[1.0], [-1.0], [0.0], [0.0], [1.0], [-1.0]])
+///         .with_inputs([("u", -1.0..=1.0)], [[1.0]], [[0.0]; 6])
 ///         .with_binaries(1, [[0.0]], [[10.0], [-10.0], [-10.0], [-10.0], [10.0], [10.0]])
 ///         .with_auxiliaries([range], [[1.6]], [[0.0], [0.0], [1.0], [-1.0], [1.0], [-1.0]]),
 /// )?;
@@ -101,45 +100,50 @@ impl MixedLogicalDynamical {
     }
 
     /// Names and domains of the states x, finite; A and E4.
-    pub fn with_states<S: Into<String>>(
+    pub fn with_states<S: Into<String>, R: Into<Interval>>(
         mut self,
-        states: impl IntoIterator<Item = (S, Interval)>,
-        a: impl IntoMatrix,
-        e4: impl IntoMatrix,
+        states: impl IntoIterator<Item = (S, R)>,
+        a: impl Into<Matrix>,
+        e4: impl Into<Matrix>,
     ) -> Self {
-        self.states = states.into_iter().map(|(name, range)| (name.into(), range)).collect();
-        (self.a, self.e4) = (a.into_matrix(), e4.into_matrix());
+        self.states = states.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
+        (self.a, self.e4) = (faer(a), faer(e4));
         self
     }
 
     /// Names and ranges of the inputs u, finite; B1 and E1.
-    pub fn with_inputs<S: Into<String>>(
+    pub fn with_inputs<S: Into<String>, R: Into<Interval>>(
         mut self,
-        inputs: impl IntoIterator<Item = (S, Interval)>,
-        b1: impl IntoMatrix,
-        e1: impl IntoMatrix,
+        inputs: impl IntoIterator<Item = (S, R)>,
+        b1: impl Into<Matrix>,
+        e1: impl Into<Matrix>,
     ) -> Self {
-        self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range)).collect();
-        (self.b1, self.e1) = (b1.into_matrix(), e1.into_matrix());
+        self.inputs = inputs.into_iter().map(|(name, range)| (name.into(), range.into())).collect();
+        (self.b1, self.e1) = (faer(b1), faer(e1));
         self
     }
 
     /// The number of binaries δ; B2 and E2.
-    pub fn with_binaries(mut self, count: usize, b2: impl IntoMatrix, e2: impl IntoMatrix) -> Self {
+    pub fn with_binaries(
+        mut self,
+        count: usize,
+        b2: impl Into<Matrix>,
+        e2: impl Into<Matrix>,
+    ) -> Self {
         self.binaries = count;
-        (self.b2, self.e2) = (b2.into_matrix(), e2.into_matrix());
+        (self.b2, self.e2) = (faer(b2), faer(e2));
         self
     }
 
     /// Ranges of the auxiliaries z, finite; B3 and E3.
-    pub fn with_auxiliaries(
+    pub fn with_auxiliaries<R: Into<Interval>>(
         mut self,
-        ranges: impl IntoIterator<Item = Interval>,
-        b3: impl IntoMatrix,
-        e3: impl IntoMatrix,
+        ranges: impl IntoIterator<Item = R>,
+        b3: impl Into<Matrix>,
+        e3: impl Into<Matrix>,
     ) -> Self {
-        self.auxiliaries = ranges.into_iter().collect();
-        (self.b3, self.e3) = (b3.into_matrix(), e3.into_matrix());
+        self.auxiliaries = ranges.into_iter().map(R::into).collect();
+        (self.b3, self.e3) = (faer(b3), faer(e3));
         self
     }
 
@@ -148,11 +152,10 @@ impl MixedLogicalDynamical {
     ///
     /// ```
     /// use carom::hybrid::{HybridSystem, MixedLogicalDynamical};
-    /// use carom::interval::Interval;
     ///
     /// // A heater, on only up to 21 °C (19 δ <= 40 - T): its power is 2 kW.
     /// let room = MixedLogicalDynamical::new([0.5], [40.0])
-    ///     .with_states([("temperature", Interval::new(0.0, 40.0))], [[0.9]], [[-1.0]])
+    ///     .with_states([("temperature", 0.0..=40.0)], [[0.9]], [[-1.0]])
     ///     .with_binaries(1, [[3.0]], [[19.0]])
     ///     .with_outputs(["power"], [[0.0]], [[2.0]], [0.0]);
     /// let room = HybridSystem::mixed_logical_dynamical(60.0, &room)?;
@@ -162,12 +165,12 @@ impl MixedLogicalDynamical {
     pub fn with_outputs<S: Into<String>>(
         mut self,
         names: impl IntoIterator<Item = S>,
-        c: impl IntoMatrix,
-        d: impl IntoMatrix,
+        c: impl Into<Matrix>,
+        d: impl Into<Matrix>,
         d5: impl Into<Vec<f64>>,
     ) -> Self {
         self.outputs = names.into_iter().map(Into::into).collect();
-        (self.c, self.d, self.d5) = (c.into_matrix(), d.into_matrix(), d5.into());
+        (self.c, self.d, self.d5) = (faer(c), faer(d), d5.into());
         self
     }
 

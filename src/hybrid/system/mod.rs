@@ -4,10 +4,11 @@
 //!
 //! | part | file |
 //! | --- | --- |
-//! | the handles | `system/handles.rs` |
-//! | states, inputs, series, limits, choices | `system/declarations.rs` |
+//! | the handles; finding them | `system/handles.rs`; `system/look_up.rs` |
+//! | states, inputs, series, limits | `system/declarations.rs` |
+//! | choices: modes, events, switches | `system/modes.rs` |
 //! | a transition that is being stated | `system/transition_mut.rs` |
-//! | rates and next values | `system/flow.rs` |
+//! | rates and next values | `system/flow.rs`, `system/flow_rows.rs` |
 //! | expressions and rows as coefficients | `system/coefficients.rs` |
 //!
 //! | part as numbers | file |
@@ -19,8 +20,9 @@
 //! | values by step | `system/schedule.rs` |
 //! | building it from numbers | `system/matrices.rs` |
 //! | ranges of inputs under several choices | `system/input_range.rs` |
-//! | starts and goals | `system/region.rs` |
+//! | starts and goals | `system/region.rs`, `system/into_region.rs` |
 //! | piecewise-affine systems, a ball, a thermostat | `system/piecewise_affine.rs`, `system/named.rs` |
+//! | linear complementarity systems | `system/linear_complementarity.rs` |
 //! | mixed logical dynamical systems | `system/mixed_logical_dynamical.rs`, `system/mixed_logical_rows.rs` |
 //! | the text form; `serde` | `system/text.rs`, `system/serialized.rs` |
 //! | what is refused | `system/check.rs` |
@@ -31,12 +33,17 @@ mod choice;
 mod coefficients;
 mod declarations;
 mod flow;
+mod flow_rows;
 mod halfspace;
 mod handles;
 mod input_range;
+mod into_region;
+mod linear_complementarity;
+mod look_up;
 mod matrices;
 mod mixed_logical_dynamical;
 mod mixed_logical_rows;
+mod modes;
 mod named;
 mod piecewise_affine;
 mod region;
@@ -51,6 +58,9 @@ pub use choice::Choice;
 
 pub use halfspace::Halfspace;
 pub use handles::State;
+pub use into_region::IntoRegion;
+pub(crate) use into_region::StatedRegion;
+pub use linear_complementarity::LinearComplementarity;
 pub use mixed_logical_dynamical::MixedLogicalDynamical;
 pub use region::Region;
 pub(crate) use region::check_cut;
@@ -67,7 +77,7 @@ use serialized::StoredSystem;
 
 use crate::hybrid::linear::LinearSystem;
 use crate::interval::Interval;
-use flow::FlowRows;
+use flow_rows::FlowRows;
 use handles::Handles;
 
 /// The name of the choice to which [`HybridSystem::with_transition`] adds.
@@ -87,12 +97,12 @@ pub(crate) const MODE: &str = "mode";
 /// let x = lift.state("x", 0.0, 15.0)?; // m
 /// let v = lift.state("v", -2.5, 2.5)?; // m/s
 /// let u = lift.input("u", -1.0, 1.0)?;
-/// lift.mode("low gear")?.rates([(x, v.into()), (v, 0.6 * u)])?;
-/// lift.mode("high gear")?.rates([(x, v.into()), (v, 1.5 * u)])?.guard(v.ge(0.4))?;
+/// lift.mode("low gear")?.rates([x.is(v), v.is(0.6 * u)])?;
+/// lift.mode("high gear")?.rates([x.is(v), v.is(1.5 * u)])?.guard(v.ge(0.4))?;
 ///
 /// let (start, goal) = ([x.equals(0.0), v.equals(0.0)], [x.equals(3.0), v.equals(0.0)]);
 /// let found = lift.shortest(start, goal, &mut BranchAndBound::default())?;
-/// assert_eq!(found.steps, Some(36));
+/// assert_eq!(found.steps, Some(35));
 /// # Ok::<(), carom::Error>(())
 /// ```
 ///
@@ -102,6 +112,7 @@ pub(crate) const MODE: &str = "mode";
 /// transition adds what it changes: if `y` is the common flow's result and `x⁺_c` the state to which
 /// the transition of choice c leads, the next state is `y + Σ_c (x⁺_c - y)`.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "StoredSystem", into = "StoredSystem"))]
 pub struct HybridSystem {

@@ -6,7 +6,6 @@ use crate::error::ErrorKind;
 use crate::error::{Error, check_finite};
 use crate::hybrid::contact::Restitution;
 use crate::interval::Interval;
-use crate::model::Affine;
 
 /// Gravitational acceleration on earth, in m/s².
 const GRAVITY: f64 = 9.81;
@@ -47,12 +46,12 @@ impl HybridSystem {
         let h = ball.state("height", 0.0, ceiling)?;
         let v = ball.state("speed", -top_speed, top_speed)?;
         let impact = ball.output("impact speed")?;
-        ball.rates([(h, v.into()), (v, Affine::constant(-GRAVITY))])?;
+        ball.rates([h.is(v), v.is(-GRAVITY)])?;
         ball.mode("fall")?.guard(h.predicted().ge(0.0))?;
         ball.event("bounce")?
             .guard(h.predicted().le(0.0))?
             .guard(v.predicted().le(0.0))?
-            .reset([(h, -e * h.predicted()), (v, -e * v.predicted())])?
+            .reset([h.is(-e * h.predicted()), v.is(-e * v.predicted())])?
             .output(impact, -v.predicted())?;
         ball.check()?;
         Ok(ball)

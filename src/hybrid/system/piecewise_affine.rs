@@ -5,7 +5,7 @@ use super::{Halfspace, HybridSystem, Transition};
 use crate::error::ErrorKind;
 use crate::error::{Error, check_length};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 
 impl HybridSystem {
@@ -21,7 +21,6 @@ impl HybridSystem {
     ///
     /// ```
     /// use carom::hybrid::{HybridSystem, LinearSystem};
-    /// use carom::interval::Interval;
     ///
     /// // The rotation of Bemporad and Morari (Automatica 35, 1999), whose sense depends on x1.
     /// let turn = |angle: f64| {
@@ -31,8 +30,8 @@ impl HybridSystem {
     /// let third = std::f64::consts::FRAC_PI_3;
     /// let rotation = HybridSystem::piecewise_affine(
     ///     1.0,
-    ///     [("x1", Interval::new(-10.0, 10.0)), ("x2", Interval::new(-10.0, 10.0))],
-    ///     [("u", Interval::new(-1.0, 1.0))],
+    ///     [("x1", -10.0..=10.0), ("x2", -10.0..=10.0)],
+    ///     [("u", -1.0..=1.0)],
     ///     [
     ///         ("right", turn(third)?, [[-1.0, 0.0]], [0.0]),
     ///         ("left", turn(-third)?, [[1.0, 0.0]], [0.0]),
@@ -47,28 +46,29 @@ impl HybridSystem {
     ///
     /// [`ErrorKind::Length`] if H has not as many rows as k has entries; the errors of
     /// [`HybridSystem::check`].
-    pub fn piecewise_affine<S, U, M, H, K>(
+    pub fn piecewise_affine<S, U, R, M, H, K>(
         time_step: f64,
-        states: impl IntoIterator<Item = (S, Interval)>,
-        inputs: impl IntoIterator<Item = (U, Interval)>,
+        states: impl IntoIterator<Item = (S, R)>,
+        inputs: impl IntoIterator<Item = (U, R)>,
         modes: impl IntoIterator<Item = (M, LinearSystem, H, K)>,
     ) -> Result<Self, Error>
     where
         S: Into<String>,
         U: Into<String>,
+        R: Into<Interval>,
         M: Into<String>,
-        H: IntoMatrix,
+        H: Into<Matrix>,
         K: Into<Vec<f64>>,
     {
         let mut system = HybridSystem::new(time_step);
         for (name, domain) in states {
-            system = system.with_state(name, domain);
+            system = system.with_state(name, domain.into());
         }
         for (name, range) in inputs {
-            system = system.with_input(name, range);
+            system = system.with_input(name, range.into());
         }
         for (name, flow, normals, limits) in modes {
-            let (normals, limits) = (normals.into_matrix(), limits.into());
+            let (normals, limits) = (faer(normals), limits.into());
             check_length("the limits of a polyhedron", limits.len(), normals.nrows())?;
             let mut transition = Transition::new(name, flow);
             for (k, limit) in limits.into_iter().enumerate() {

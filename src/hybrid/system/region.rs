@@ -8,17 +8,17 @@ use crate::interval::Interval;
 use crate::model::{Affine, Constraint, Model, Row};
 use crate::tolerance::INFINITE;
 
-/// A region of states, for a start or a goal: a box, cut by half-spaces, in given modes.
+/// A region of states, for a start or a goal: a box, cut by half-spaces, in given modes. Made by
+/// [`HybridSystem::region`].
 ///
 /// ```
-/// use carom::hybrid::{Halfspace, Region};
-/// use carom::interval::Interval;
+/// use carom::prelude::*;
 ///
-/// // At rest at 3 m, with the heater off.
-/// let start = Region::point([3.0, 0.0]).with_mode("heater", "off");
-/// // Anywhere from 0 m to 1 m, slower than the distance in metres.
-/// let goal = Region::from([Interval::new(0.0, 1.0), Interval::REALS])
-///     .with_halfspace(Halfspace::new("slow", [-1.0, 1.0], 0.0));
+/// let mut car = HybridSystem::new(0.1); // s
+/// let x = car.state("x", 0.0, 9.0)?; // m
+/// let v = car.state("v", -2.0, 2.0)?; // m/s
+/// // Up to 1 m, and slower than the distance in metres.
+/// let goal = car.region([x.le(1.0), v.le(x)])?;
 /// assert!(goal.contains(&[0.5, 0.4], 0.0)? && !goal.contains(&[0.5, 0.6], 0.0)?);
 /// # Ok::<(), carom::Error>(())
 /// ```
@@ -30,9 +30,11 @@ pub struct Region {
     /// is the only limit.
     pub ranges: Vec<Interval>,
     /// Half-spaces of the states, the same at every step.
+    #[doc(hidden)]
     pub halfspaces: Vec<Halfspace>,
     /// Choices and modes. A choice that is named several times may be in any of those modes; a
     /// choice that is not named may be in any mode.
+    #[doc(hidden)]
     pub modes: Vec<(String, String)>,
 }
 
@@ -79,6 +81,7 @@ impl Region {
     }
 
     /// Cuts the region with a half-space of the states.
+    #[doc(hidden)]
     #[must_use]
     pub fn with_halfspace(mut self, halfspace: Halfspace) -> Self {
         self.halfspaces.push(halfspace);
@@ -118,20 +121,8 @@ impl Region {
         Ok(inside && self.halfspaces.iter().all(|h| excess(h) <= tolerance))
     }
 
-    /// Adds rows that keep a sample in the region: `name[0]`, `name[1]`, ... Modes are left to the
+    /// Adds rows to a model of your own that keep a sample in the region: `name[0]`, `name[1]`, ... Modes are left to the
     /// caller.
-    ///
-    /// ```
-    /// use carom::hybrid::Region;
-    /// use carom::prelude::*;
-    ///
-    /// let mut model = Model::new("m");
-    /// let x = model.continuous_family("x", 3, -9.0, 9.0)?;
-    /// let v = model.continuous_family("v", 3, -1.0, 1.0)?;
-    /// Region::point([2.0, 0.0]).add(&mut model, "goal", &[x[2], v[2]])?;
-    /// assert!(model.to_string().contains("goal[0]: x[2] = 2"));
-    /// # Ok::<(), carom::Error>(())
-    /// ```
     ///
     /// # Arguments
     ///

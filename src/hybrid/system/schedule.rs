@@ -38,6 +38,12 @@ impl<T, const N: usize> From<[T; N]> for Schedule<T> {
     }
 }
 
+impl<T: Clone> From<&[T]> for Schedule<T> {
+    fn from(values: &[T]) -> Self {
+        Schedule { values: values.to_vec() }
+    }
+}
+
 impl<T> Schedule<T> {
     /// The value at a step. `None` only if the list is empty, which systems refuse.
     pub fn get(&self, step: usize) -> Option<&T> {

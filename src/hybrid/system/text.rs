@@ -18,13 +18,13 @@ use crate::interval::Interval;
 ///
 /// let ball = HybridSystem::bouncing_ball(0.5, Restitution::new(0.5)?, 3.0, 10.0)?;
 /// let text = ball.to_string();
-/// let last: Vec<&str> = text.lines().skip(7).map(str::trim).collect();
+/// let last: Vec<&str> = text.lines().skip(10).map(str::trim).collect();
 /// assert_eq!(last, [
 ///     "transition bounce (event)",
 ///     "height' = height + 0.5 speed - 1.22625",
 ///     "speed' = speed - 4.905",
-///     "if height' <= 0 (it ends below the floor)",
-///     "if speed' <= 0 (it moves down)",
+///     "if height' <= 0",
+///     "if speed' <= 0",
 ///     "height+ = -0.5 height'",
 ///     "speed+ = -0.5 speed'",
 ///     "impact speed = -speed'",
@@ -140,6 +140,10 @@ impl<'a> Names<'a> {
         let limit = ByStep(&halfspace.limit, f64::to_string);
         let sum = self.sum(&halfspace.normal, mark, 0.0);
         let kind = if halfspace.is_limit { "; a limit" } else { "" };
+        let is_row = [" <= ", " >= ", " = "].iter().any(|sign| halfspace.name.contains(sign));
+        if is_row && !halfspace.limit.varies() {
+            return format!("{}{kind}", halfspace.name);
+        }
         format!("{sum} <= {limit} ({}{kind})", halfspace.name)
     }
 

@@ -5,7 +5,7 @@ use faer::Mat;
 use super::halfspace::Halfspace;
 use super::schedule::Schedule;
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 use crate::interval::Interval;
 
 /// The reset after a transition's flow: `x⁺ = R y + r`.
@@ -43,20 +43,6 @@ pub(crate) struct TransitionOutput {
 /// A step in this transition starts in a state and with an input that satisfy its guards, follows
 /// the flow `y = A x + B u + c`, arrives at a prediction `y` that satisfies the guards on the
 /// prediction, and is reset to `x⁺ = R y + r`.
-///
-/// ```
-/// use carom::hybrid::{Halfspace, LinearSystem, Transition};
-///
-/// // A ball that meets the floor at 0 m rebounds with half its speed.
-/// let fall = LinearSystem::double_integrator(0.1)?;
-/// let bounce = Transition::event("bounce", fall)
-///     .with_prediction_guard(Halfspace::new("at the floor", [1.0, 0.0], 0.0))
-///     .with_prediction_guard(Halfspace::new("moving down", [0.0, 1.0], 0.0))
-///     .with_reset([[-0.5, 0.0], [0.0, -0.5]], [0.0, 0.0])
-///     .with_output("impact speed", [0.0, -1.0], 0.0);
-/// assert!(bounce.is_event);
-/// # Ok::<(), carom::Error>(())
-/// ```
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -159,7 +145,7 @@ impl Transition {
     /// Sets the reset `x⁺ = matrix . y + offset`; with n states, `matrix` is n x n and `offset` has
     /// n entries.
     #[must_use]
-    pub fn with_reset(self, matrix: impl IntoMatrix, offset: impl Into<Vec<f64>>) -> Self {
+    pub fn with_reset(self, matrix: impl Into<Matrix>, offset: impl Into<Vec<f64>>) -> Self {
         self.with_reset_by_step(matrix, offset.into())
     }
 
@@ -167,10 +153,10 @@ impl Transition {
     #[must_use]
     pub fn with_reset_by_step(
         mut self,
-        matrix: impl IntoMatrix,
+        matrix: impl Into<Matrix>,
         offset: impl Into<Schedule<Vec<f64>>>,
     ) -> Self {
-        self.reset = Some(Reset { matrix: matrix.into_matrix(), offset: offset.into() });
+        self.reset = Some(Reset { matrix: faer(matrix), offset: offset.into() });
         self
     }
 

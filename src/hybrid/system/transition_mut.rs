@@ -2,7 +2,7 @@
 
 use super::HybridSystem;
 use super::coefficients::Moment;
-use super::flow::FlowKind;
+use super::flow_rows::FlowKind;
 use super::handles::{Meaning, State};
 use super::schedule::Schedule;
 use super::transition::{Reset, Transition, TransitionOutput};

@@ -11,7 +11,7 @@ use faer::{Mat, Side};
 use super::error::TerminalError;
 use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::linear::LinearSystem;
-use crate::hybrid::matrix::IntoMatrix;
+use crate::hybrid::matrix::{Matrix, faer};
 
 /// The most doublings; 60 of them are 2^60 steps.
 const DOUBLINGS: usize = 60;
@@ -43,9 +43,9 @@ const DECAY: f64 = 1e-9;
 #[non_exhaustive]
 pub struct Lqr {
     /// K, m x n.
-    pub gain: Mat<f64>,
+    pub gain: Matrix,
     /// P, n x n, symmetric and positive semidefinite: the cost to go from `x` is `x'Px`.
-    pub cost: Mat<f64>,
+    pub cost: Matrix,
     /// The largest magnitude of an eigenvalue of `A + B K`, below 1.
     pub spectral_radius: f64,
     /// The residual of the Riccati equation relative to `P`.
@@ -68,18 +68,18 @@ impl Lqr {
     /// that does not decay, and for a result that fails its verification.
     pub fn new(
         system: &LinearSystem,
-        q: impl IntoMatrix,
-        r: impl IntoMatrix,
+        q: impl Into<Matrix>,
+        r: impl Into<Matrix>,
     ) -> Result<Self, Error> {
         let (n, m) = (system.states(), system.inputs());
-        let (q, r) = (q.into_matrix(), r.into_matrix());
+        let (q, r) = (faer(q), faer(r));
         check_weight("the weight Q", &q, n)?;
         // An array without rows cannot say that it has no columns.
         let r = if m == 0 && r.nrows() == 0 { Mat::zeros(0, 0) } else { r };
         check_weight("the weight R", &r, m)?;
         check_definite("Q", &q, false)?;
         check_definite("R", &r, true)?;
-        let (a, b) = (system.a(), system.b());
+        let (a, b) = (system.a().faer(), system.b().faer());
         check_eigenvalues(a, b, &q)?;
 
         let cost = doubling(a, b, &q, &r).ok_or(TerminalError::NotSolved { residual: f64::NAN })?;
@@ -94,7 +94,7 @@ impl Lqr {
         if !(residual <= RESIDUAL && spectral_radius < 1.0) {
             return Err(TerminalError::NotSolved { residual }.into());
         }
-        Ok(Lqr { gain, cost, spectral_radius, residual })
+        Ok(Lqr { gain: gain.into(), cost: cost.into(), spectral_radius, residual })
     }
 }
 

@@ -63,17 +63,16 @@ impl TerminalOptions {
 /// considered.
 ///
 /// ```
-/// use carom::hybrid::{HybridSystem, LinearSystem, Lqr, TerminalOptions, TerminalSet, Transition};
-/// use carom::interval::Interval;
+/// use carom::hybrid::{LinearSystem, Lqr, TerminalOptions, TerminalSet};
 /// use carom::prelude::*;
 ///
 /// let line = LinearSystem::double_integrator(0.5)?;
 /// let lqr = Lqr::new(&line, [[1.0, 0.0], [0.0, 1.0]], [[1.0]])?;
-/// let system = HybridSystem::new()
-///     .with_state("x", Interval::new(-5.0, 5.0))
-///     .with_state("v", Interval::new(-2.0, 2.0))
-///     .with_input("a", Interval::new(-1.0, 1.0))
-///     .with_transition(Transition::new("drive", line));
+/// let mut system = HybridSystem::new(0.5); // s
+/// let x = system.state("x", -5.0, 5.0)?; // m
+/// let v = system.state("v", -2.0, 2.0)?; // m/s
+/// let a = system.input("a", -1.0, 1.0)?; // m/s²
+/// system.mode("drive")?.rates([x.is(v), v.is(a)])?;
 /// let mut solver = BranchAndBound::default();
 /// let (at, options) = ([2.0, 0.0], TerminalOptions::default());
 /// let set = TerminalSet::new(&system, &["drive"], &lqr, &at, &options, &mut solver)?;
@@ -138,7 +137,8 @@ impl TerminalSet {
             return Err(Error::out_of_range(what, contraction, "from 1e-6 to 0.5"));
         }
         let input = holding_input(system, &stay, target)?;
-        let closed = stay.map.a() + stay.map.b() * &lqr.gain;
+        let gain = lqr.gain.faer();
+        let closed = stay.map.a().faer() + stay.map.b().faer() * gain;
         let radius = spectral_radius(&closed);
         if radius >= 1.0 {
             return Err(TerminalError::NotStabilising { spectral_radius: radius }.into());
@@ -147,7 +147,7 @@ impl TerminalSet {
 
         let units: Vec<f64> = system.states.iter().map(|(_, d)| unit(d)).collect();
         let ranges = around(system, target, &units)?;
-        let base = base_facets(system, &stay, &lqr.gain, target, &input, &units)?;
+        let base = base_facets(system, &stay, gain, target, &input, &units)?;
         // z⁺ = F z in units of the domains.
         let scaled = Mat::from_fn(n, n, |i, j| closed[(i, j)] * units[j] / units[i]);
         let grown = Growth { base: &base, ranges: &ranges, map: &scaled, rate };
@@ -168,7 +168,7 @@ impl TerminalSet {
         for (choice, mode) in stay.modes {
             region = region.with_mode(choice, mode);
         }
-        let (state, gain) = (target.to_vec(), lqr.gain.clone());
+        let (state, gain) = (target.to_vec(), gain.clone());
         Ok(TerminalSet { region, state, input, iterations, gain })
     }
 

@@ -78,7 +78,7 @@ impl Stay {
     ) -> Result<Vec<f64>, Error> {
         let moved = self.map.step(state, from)?;
         let missing = Mat::from_fn(state.len(), 1, |i, _| state[i] - moved[i]);
-        let change = match self.map.b().thin_svd() {
+        let change = match self.map.b().faer().thin_svd() {
             Ok(svd) if !from.is_empty() => svd.pseudoinverse() * missing,
             _ => Mat::zeros(from.len(), 1),
         };
@@ -203,5 +203,5 @@ fn after_reset(transition: &Transition, step: usize) -> Result<LinearSystem, Err
     let at = |i: usize| offset.and_then(|offset| offset.get(i)).copied().unwrap_or(0.0);
     let constant = |i: usize| (0..flow.states()).map(|k| r[(i, k)] * flow.c()[k]).sum::<f64>();
     let constant: Vec<f64> = (0..flow.states()).map(|i| constant(i) + at(i)).collect();
-    LinearSystem::new(r * flow.a(), r * flow.b(), constant)
+    LinearSystem::new(r * flow.a().faer(), r * flow.b().faer(), constant)
 }

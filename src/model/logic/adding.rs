@@ -6,14 +6,16 @@ use super::super::name::Name;
 use super::super::statement::{Sealed, Statement};
 use super::super::store::Model;
 use super::super::variable::VariableKind;
-use super::{DEEPEST, Formula, Logic};
+use super::{Formula, Logic, MAX_LOGIC_DEPTH};
 use crate::error::{Error, ErrorKind};
 
 impl Logic {
     /// Refuses a formula that the model cannot hold under this name.
     pub(in crate::model) fn check(&self, model: &Model, name: &Name) -> Result<(), Error> {
         if self.is_too_deep() {
-            return Err(ErrorKind::TooDeep { name: name.to_string(), limit: DEEPEST }.into());
+            return Err(
+                ErrorKind::TooDeep { name: name.to_string(), limit: MAX_LOGIC_DEPTH }.into()
+            );
         }
         let variables = self.variables();
         if variables.is_empty() {

@@ -27,7 +27,7 @@ use super::literal::Literal;
 use crate::error::{Error, ErrorKind};
 
 /// Formulas nested deeper than this are refused.
-const DEEPEST: u32 = 100;
+const MAX_LOGIC_DEPTH: u32 = 100;
 
 /// A formula over binary variables, used as a statement or as a condition.
 ///
@@ -112,7 +112,7 @@ impl From<Logic> for Node {
 
 impl Logic {
     fn new(node: Node, depth: u32) -> Self {
-        match depth <= DEEPEST {
+        match depth <= MAX_LOGIC_DEPTH {
             true => Logic { node, depth },
             false => Logic { node: Node::TooDeep, depth: 1 },
         }
@@ -169,7 +169,10 @@ impl Logic {
     /// formula are not kept, and no model accepts it.
     pub fn evaluate(&self, value: impl Fn(Variable) -> bool) -> Result<bool, Error> {
         match self.is_too_deep() {
-            true => Err(ErrorKind::TooDeep { name: "the formula".into(), limit: DEEPEST }.into()),
+            true => {
+                Err(ErrorKind::TooDeep { name: "the formula".into(), limit: MAX_LOGIC_DEPTH }
+                    .into())
+            }
             false => Ok(self.is_true(value)),
         }
     }

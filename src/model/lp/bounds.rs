@@ -1,15 +1,15 @@
 //! The section `Bounds`.
 
-use super::lexer::Kind;
-use super::read::{File, is_infinity};
+use super::lexer::TokenKind;
+use super::read::{LpFile, is_infinity};
 use super::rows::flipped;
 use crate::error::Error;
 use crate::model::text::ends::{Repeated, lower, upper};
 use crate::model::text::token::Token;
 
-impl<'a> File<'a> {
+impl<'a> LpFile<'a> {
     pub(super) fn read_bounds(&mut self) -> Result<(), Error> {
-        while self.section().is_none() && self.kind() != Kind::End {
+        while self.section().is_none() && self.kind() != TokenKind::End {
             self.bound()?;
         }
         Ok(())
@@ -17,7 +17,7 @@ impl<'a> File<'a> {
 
     /// `1 <= x <= 2`, one half of it, `x = 1` or `x free`.
     fn bound(&mut self) -> Result<(), Error> {
-        let signs = matches!(self.kind(), Kind::Plus | Kind::Minus | Kind::Number);
+        let signs = matches!(self.kind(), TokenKind::Plus | TokenKind::Minus | TokenKind::Number);
         let left = if signs || is_infinity(self.token().text) {
             let value = self.value()?;
             Some((flipped(self.relation()?), value))
@@ -33,7 +33,7 @@ impl<'a> File<'a> {
             self.set(column, &name, relation, value)?;
         }
         match self.kind() {
-            Kind::AtMost | Kind::AtLeast | Kind::Equal => {
+            TokenKind::AtMost | TokenKind::AtLeast | TokenKind::Equal => {
                 let place = self.token();
                 let relation = self.relation()?;
                 if left.is_some_and(|(left, _)| left != flipped(relation) || left == relation) {
@@ -44,7 +44,7 @@ impl<'a> File<'a> {
                 let value = self.value()?;
                 self.set(column, &name, relation, value)
             }
-            Kind::Word if left.is_none() && self.token().text.eq_ignore_ascii_case("free") => {
+            TokenKind::Word if left.is_none() && self.token().text.eq_ignore_ascii_case("free") => {
                 if self.columns[column].ends.upper.is_some_and(f64::is_finite) {
                     let text = name.text;
                     return Err(name.error(format!(
@@ -66,15 +66,15 @@ impl<'a> File<'a> {
         &mut self,
         column: usize,
         name: &Token<'a>,
-        relation: Kind,
+        relation: TokenKind,
         (value, token): (f64, Token<'a>),
     ) -> Result<(), Error> {
         let low = match relation {
-            Kind::AtMost => None,
+            TokenKind::AtMost => None,
             _ => Some(lower(value, &token)?),
         };
         let high = match relation {
-            Kind::AtLeast => None,
+            TokenKind::AtLeast => None,
             _ => Some(upper(value, &token)?),
         };
         self.take(column, name, (low, high));

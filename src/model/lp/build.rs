@@ -3,13 +3,12 @@
 use std::collections::HashSet;
 
 use super::names;
-use super::read::{Column, File};
-use super::rows::Row;
+use super::read::{LpColumn, LpFile};
+use super::rows::LpRow;
 use crate::error::{Error, ErrorKind};
 use crate::model::affine::{Affine, merge};
 use crate::model::checks::finite;
 use crate::model::ids::Variable;
-use crate::model::literal::Literal;
 use crate::model::name::Name;
 use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
@@ -22,7 +21,7 @@ use crate::model::variable::VariableKind;
 use crate::number::Exact;
 
 /// Makes the model that a file describes.
-pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
+pub(super) fn model(mut file: LpFile<'_>) -> Result<Read, Error> {
     file.take_constant();
     let mut model = Model::new(file.name);
     let mut warnings = std::mem::take(&mut file.warnings);
@@ -44,7 +43,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
             Some(label) => {
                 let other = rows.peek().and_then(|((other, half), _)| {
                     let name = joined(label, other.label?)?;
-                    let condition = |row: &Row<'_>| row.condition.map(|c| (c.column, c.on));
+                    let condition = |row: &LpRow<'_>| row.condition.map(|c| (c.column, c.on));
                     (condition(other) == condition(row) && are_halves(&stored, half))
                         .then_some((name, half.upper))
                 });
@@ -81,7 +80,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
 
 fn add(
     model: &mut Model,
-    row: &Row<'_>,
+    row: &LpRow<'_>,
     name: Name,
     stored: StoredRow,
     variables: &[Variable],
@@ -95,7 +94,7 @@ fn add(
             model.push_constraint(name, stored).map_err(|error| at(row.place, &error))?;
         }
         Some(condition) => {
-            let literal = Literal { variable: variables[condition.column], on: condition.on };
+            let literal = condition.literal(variables);
             let added = model.push_indicator(name, literal, stored, BigM::Automatic);
             added.map_err(|error| {
                 let known = matches!(error.kind(), ErrorKind::DuplicateName { .. });
@@ -111,7 +110,7 @@ fn at(place: Token<'_>, error: &Error) -> Error {
 }
 
 fn variables(
-    file: &File<'_>,
+    file: &LpFile<'_>,
     model: &mut Model,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Variable>, Error> {
@@ -151,7 +150,7 @@ fn variables(
 
 /// Adds a semi-continuous or semi-integer variable, or a binary that is listed as such.
 fn semicontinuous(
-    column: &Column<'_>,
+    column: &LpColumn<'_>,
     binary: bool,
     name: Name,
     model: &mut Model,
@@ -177,12 +176,7 @@ fn semicontinuous(
         return model.variable(name, kind, 0.0, one);
     }
     if lower < 0.0 {
-        warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {} and {}; some solvers refuse negative values of \
-             semi-continuous variables",
-            Exact(lower),
-            Exact(upper)
-        )));
+        warnings.push(place.warning(ends::negative(column.name.text, (lower, upper))));
     }
     match column.integer {
         true => model.semiinteger(name, lower, upper),
@@ -192,7 +186,7 @@ fn semicontinuous(
 
 /// The bounds of a column, defaults filled in.
 fn bounds(
-    column: &Column<'_>,
+    column: &LpColumn<'_>,
     binary: bool,
     warnings: &mut Vec<Warning>,
 ) -> Result<(f64, f64), Error> {
@@ -225,7 +219,7 @@ fn bounds(
     Ok(cut)
 }
 
-fn objective(file: &File<'_>, variables: &[Variable]) -> Quadratic {
+fn objective(file: &LpFile<'_>, variables: &[Variable]) -> Quadratic {
     let constant = file.objective.constant.map_or(0.0, |(value, _)| value);
     let mut affine = Affine::constant(constant);
     for &(column, value) in &file.objective.terms {

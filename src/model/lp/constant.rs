@@ -1,10 +1,10 @@
 //! The constant of the objective as a column that is fixed to 1.
 
 use super::names::CONSTANT;
-use super::read::File;
-use super::rows::Condition;
+use super::read::LpFile;
+use crate::model::text::row_condition::RowCondition;
 
-impl File<'_> {
+impl LpFile<'_> {
     /// Makes a column `Constant` that is fixed to 1, and that the objective alone mentions, the
     /// constant that it stands for.
     pub(super) fn take_constant(&mut self) {
@@ -24,7 +24,7 @@ impl File<'_> {
         }
         for row in &mut self.rows {
             row.terms.iter_mut().for_each(|(at, _)| close(at, index));
-            if let Some(Condition { column, .. }) = &mut row.condition {
+            if let Some(RowCondition { column, .. }) = &mut row.condition {
                 close(column, index);
             }
         }

@@ -1,7 +1,7 @@
 //! Expressions: terms, constants and, in the objective, products.
 
-use super::lexer::Kind;
-use super::read::{File, is_infinity};
+use super::lexer::TokenKind;
+use super::read::{LpFile, is_infinity};
 use crate::error::Error;
 use crate::model::text::token::{Token, or_infinite};
 
@@ -39,7 +39,7 @@ impl<'a> Expression<'a> {
     }
 }
 
-impl<'a> File<'a> {
+impl<'a> LpFile<'a> {
     /// The longest expression that begins here, possibly empty.
     pub(super) fn expression(&mut self, quadratic: bool) -> Result<Expression<'a>, Error> {
         let mut expression = Expression::default();
@@ -53,24 +53,24 @@ impl<'a> File<'a> {
             first = false;
             let token = self.token();
             match self.kind() {
-                Kind::Number => {
+                TokenKind::Number => {
                     self.step();
                     if self.at_name() {
                         let coefficient = sign * token.finite()?;
                         expression.terms.push((self.column()?, coefficient));
-                    } else if self.kind() == Kind::Open {
+                    } else if self.kind() == TokenKind::Open {
                         return Err(token.error("no factor can stand before `[`"));
                     } else {
                         expression.add_constant(sign * token.number()?, token)?;
                     }
                 }
-                Kind::Word if self.at_name() => expression.terms.push((self.column()?, sign)),
-                Kind::Word if is_infinity(token.text) && !self.at_label() => {
+                TokenKind::Word if self.at_name() => expression.terms.push((self.column()?, sign)),
+                TokenKind::Word if is_infinity(token.text) && !self.at_label() => {
                     self.step();
                     expression.add_constant(sign * f64::INFINITY, token)?;
                 }
-                Kind::Open if quadratic => self.products(sign, &mut expression)?,
-                Kind::Open => {
+                TokenKind::Open if quadratic => self.products(sign, &mut expression)?,
+                TokenKind::Open => {
                     return Err(token.error(
                         "products and squares can stand in the objective only; rows must be linear",
                     ));
@@ -86,25 +86,25 @@ impl<'a> File<'a> {
         self.step();
         let start = expression.products.len();
         let mut places = Vec::new();
-        while !self.accept(Kind::Close) {
+        while !self.accept(TokenKind::Close) {
             let signed = self.sign();
             if signed.is_none() && !places.is_empty() {
                 return Err(self.unexpected("`+`, `-` or `]`"));
             }
             let place = self.token();
             let mut coefficient = sign * signed.unwrap_or(1.0);
-            if self.kind() == Kind::Number {
+            if self.kind() == TokenKind::Number {
                 coefficient *= self.step().raw()?;
-                self.accept(Kind::Times);
+                self.accept(TokenKind::Times);
             }
             let first = self.factor()?;
-            let second = if self.accept(Kind::Power) {
+            let second = if self.accept(TokenKind::Power) {
                 let exponent = self.token();
-                if self.kind() != Kind::Number || self.step().raw()? != 2.0 {
+                if self.kind() != TokenKind::Number || self.step().raw()? != 2.0 {
                     return Err(exponent.error("the exponent can only be 2"));
                 }
                 first
-            } else if self.accept(Kind::Times) {
+            } else if self.accept(TokenKind::Times) {
                 self.factor()?
             } else {
                 return Err(self.unexpected("`^2` or `*` and a name"));
@@ -113,9 +113,9 @@ impl<'a> File<'a> {
             places.push(place);
         }
         let mut divisor = 1.0;
-        if self.accept(Kind::Over) {
+        if self.accept(TokenKind::Over) {
             let token = self.token();
-            if self.kind() != Kind::Number || self.step().raw()? != 2.0 {
+            if self.kind() != TokenKind::Number || self.step().raw()? != 2.0 {
                 return Err(token.error("only `/ 2` can stand behind `]`"));
             }
             divisor = 2.0;

@@ -5,14 +5,14 @@ use crate::model::text::token::Token;
 
 /// A token.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Piece<'a> {
+pub(super) struct TypedToken<'a> {
     pub(super) token: Token<'a>,
-    pub(super) kind: Kind,
+    pub(super) kind: TokenKind,
 }
 
 /// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum TokenKind {
     Number,
     /// A name or a keyword.
     Word,
@@ -36,8 +36,8 @@ pub(super) enum Kind {
 /// Characters that end a word.
 pub(super) const OPERATORS: [char; 10] = ['+', '-', '*', '/', '^', ':', '<', '>', '=', '\\'];
 
-/// All tokens of a text, followed by one of kind [`Kind::End`].
-pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Error> {
+/// All tokens of a text, followed by one of kind [`TokenKind::End`].
+pub(super) fn pieces(text: &str) -> Result<Vec<TypedToken<'_>>, Error> {
     let mut pieces = Vec::new();
     let mut last = ("", 1);
     for (line, number) in text.lines().zip(1..) {
@@ -54,35 +54,36 @@ pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Error> {
             }
             let place = |length| Token::new(line, number, start, length);
             let (kind, length) = piece(rest).map_err(|message| place(1).error(message))?;
-            pieces.push(Piece { token: place(length), kind });
+            pieces.push(TypedToken { token: place(length), kind });
             start += length;
         }
     }
     let (line, number) = last;
-    pieces.push(Piece { token: Token::new(line, number, line.len(), 0), kind: Kind::End });
+    pieces
+        .push(TypedToken { token: Token::new(line, number, line.len(), 0), kind: TokenKind::End });
     Ok(pieces)
 }
 
 /// The kind and the length of the token that a text begins with.
-fn piece(text: &str) -> Result<(Kind, usize), &'static str> {
-    const SYMBOLS: [(&str, Kind); 17] = [
-        ("<=", Kind::AtMost),
-        ("=<", Kind::AtMost),
-        (">=", Kind::AtLeast),
-        ("=>", Kind::AtLeast),
-        ("->", Kind::Arrow),
-        ("==", Kind::Equal),
-        ("<", Kind::AtMost),
-        (">", Kind::AtLeast),
-        ("=", Kind::Equal),
-        ("+", Kind::Plus),
-        ("-", Kind::Minus),
-        ("*", Kind::Times),
-        ("/", Kind::Over),
-        ("^", Kind::Power),
-        (":", Kind::Colon),
-        ("[", Kind::Open),
-        ("]", Kind::Close),
+fn piece(text: &str) -> Result<(TokenKind, usize), &'static str> {
+    const SYMBOLS: [(&str, TokenKind); 17] = [
+        ("<=", TokenKind::AtMost),
+        ("=<", TokenKind::AtMost),
+        (">=", TokenKind::AtLeast),
+        ("=>", TokenKind::AtLeast),
+        ("->", TokenKind::Arrow),
+        ("==", TokenKind::Equal),
+        ("<", TokenKind::AtMost),
+        (">", TokenKind::AtLeast),
+        ("=", TokenKind::Equal),
+        ("+", TokenKind::Plus),
+        ("-", TokenKind::Minus),
+        ("*", TokenKind::Times),
+        ("/", TokenKind::Over),
+        ("^", TokenKind::Power),
+        (":", TokenKind::Colon),
+        ("[", TokenKind::Open),
+        ("]", TokenKind::Close),
     ];
     if text.starts_with("<->") {
         return Err("`<->` cannot be read; write an indicator for each direction (`->`)");
@@ -91,7 +92,7 @@ fn piece(text: &str) -> Result<(Kind, usize), &'static str> {
         return Ok((kind, symbol.len()));
     }
     let number = number_length(text);
-    Ok(if number > 0 { (Kind::Number, number) } else { (Kind::Word, word_length(text)) })
+    Ok(if number > 0 { (TokenKind::Number, number) } else { (TokenKind::Word, word_length(text)) })
 }
 
 /// The length of the number that a text begins with, 0 for none.

@@ -32,7 +32,7 @@ use crate::error::Error;
 /// Linear in the length of the text (but for sorting the terms of each row), and the convexity
 /// check of a quadratic objective.
 pub fn read(text: &str) -> Result<Read, Error> {
-    let file = read::File::scan(text).map_err(|error| dialect::hint(text).unwrap_or(error))?;
+    let file = read::LpFile::scan(text).map_err(|error| dialect::hint(text).unwrap_or(error))?;
     let mut read = build::model(file)?;
     in_characters(text, &mut read.warnings);
     Ok(read)

@@ -1,9 +1,9 @@
 //! Reading: from tokens to objective, rows and columns as the file lists them.
 
 use super::expression::Expression;
-use super::lexer::{self, Kind, Piece};
-use super::rows::Row;
-use super::section::{self, Section};
+use super::lexer::{self, TokenKind, TypedToken};
+use super::rows::LpRow;
+use super::section::{self, LpSection};
 use crate::error::Error;
 use crate::model::name::Name;
 use crate::model::sense::Sense;
@@ -15,22 +15,22 @@ use crate::model::text::token::Token;
 
 /// The contents of a file, from which [`build`](super::build) makes a model.
 #[derive(Debug)]
-pub(super) struct File<'a> {
+pub(super) struct LpFile<'a> {
     pub(super) name: &'a str,
     pub(super) sense: Sense,
     pub(super) objective: Expression<'a>,
-    pub(super) columns: Vec<Column<'a>>,
-    pub(super) rows: Vec<Row<'a>>,
+    pub(super) columns: Vec<LpColumn<'a>>,
+    pub(super) rows: Vec<LpRow<'a>>,
     pub(super) sets: Vec<Set<'a>>,
     pub(super) warnings: Vec<Warning>,
     names: Names<'a>,
-    pieces: Vec<Piece<'a>>,
+    pieces: Vec<TypedToken<'a>>,
     /// The next token.
     at: usize,
 }
 
 #[derive(Debug)]
-pub(super) struct Column<'a> {
+pub(super) struct LpColumn<'a> {
     pub(super) name: Token<'a>,
     pub(super) integer: bool,
     pub(super) binary: bool,
@@ -38,12 +38,12 @@ pub(super) struct Column<'a> {
     pub(super) ends: Ends<'a>,
 }
 
-impl<'a> File<'a> {
+impl<'a> LpFile<'a> {
     /// Goes through the sections up to `End`.
-    pub(super) fn scan(text: &'a str) -> Result<File<'a>, Error> {
+    pub(super) fn scan(text: &'a str) -> Result<LpFile<'a>, Error> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let pieces = lexer::pieces(text)?;
-        let mut file = File {
+        let mut file = LpFile {
             name: problem_name(text)?,
             sense: Sense::Minimize,
             objective: Expression::default(),
@@ -56,15 +56,15 @@ impl<'a> File<'a> {
             at: 0,
         };
         file.sense = match file.section() {
-            Some((Section::Minimize, _)) => Sense::Minimize,
-            Some((Section::Maximize, _)) => Sense::Maximize,
+            Some((LpSection::Minimize, _)) => Sense::Minimize,
+            Some((LpSection::Maximize, _)) => Sense::Maximize,
             _ => return Err(file.unexpected("`Minimize` or `Maximize`")),
         };
         file.at += 1;
         file.read_objective()?;
         loop {
             let Some((section, length)) = file.section() else {
-                if file.kind() != Kind::End {
+                if file.kind() != TokenKind::End {
                     return Err(
                         file.unexpected("a section such as `Subject To`, `Bounds` or `End`")
                     );
@@ -75,20 +75,20 @@ impl<'a> File<'a> {
             let place = file.token();
             file.at += length;
             match section {
-                Section::End => return Ok(file),
-                Section::Rows => file.read_rows()?,
-                Section::Bounds => file.read_bounds()?,
-                Section::Integers => file.read_kinds(|column| column.integer = true)?,
-                Section::Binaries => file.read_kinds(|column| column.binary = true)?,
-                Section::SemiContinuous => {
+                LpSection::End => return Ok(file),
+                LpSection::Rows => file.read_rows()?,
+                LpSection::Bounds => file.read_bounds()?,
+                LpSection::Integers => file.read_kinds(|column| column.integer = true)?,
+                LpSection::Binaries => file.read_kinds(|column| column.binary = true)?,
+                LpSection::SemiContinuous => {
                     file.read_kinds(|column| column.semicontinuous = true)?
                 }
-                Section::Sets(kind) => file.read_sets(kind)?,
-                Section::Minimize | Section::Maximize => {
+                LpSection::Sets(kind) => file.read_sets(kind)?,
+                LpSection::Minimize | LpSection::Maximize => {
                     return Err(place.error("a second objective; a model has one, keep one"));
                 }
-                Section::Refused(help) => {
-                    if file.section().is_none() && file.kind() != Kind::End {
+                LpSection::Refused(help) => {
+                    if file.section().is_none() && file.kind() != TokenKind::End {
                         let name = place.text;
                         return Err(place.error(format!("section `{name}` cannot be read: {help}")));
                     }
@@ -99,7 +99,7 @@ impl<'a> File<'a> {
 
     fn read_objective(&mut self) -> Result<(), Error> {
         self.label();
-        if let Some((Section::Refused(help), _)) = self.section() {
+        if let Some((LpSection::Refused(help), _)) = self.section() {
             return Err(self.token().error(help));
         }
         self.objective = self.expression(true)?;
@@ -114,9 +114,9 @@ impl<'a> File<'a> {
     }
 
     /// A list of names; each is marked.
-    fn read_kinds(&mut self, mark: impl Fn(&mut Column<'a>)) -> Result<(), Error> {
-        while self.section().is_none() && self.kind() != Kind::End {
-            if self.kind() != Kind::Word {
+    fn read_kinds(&mut self, mark: impl Fn(&mut LpColumn<'a>)) -> Result<(), Error> {
+        while self.section().is_none() && self.kind() != TokenKind::End {
+            if self.kind() != TokenKind::Word {
                 return Err(self.unexpected("the name of a variable"));
             }
             let column = self.known_column()?;
@@ -128,12 +128,12 @@ impl<'a> File<'a> {
     // -- pieces ---------------------------------------------------------------------------------
 
     /// Whether the next pieces are of these kinds.
-    pub(super) fn at_kinds(&self, kinds: &[Kind]) -> bool {
+    pub(super) fn at_kinds(&self, kinds: &[TokenKind]) -> bool {
         let next = self.pieces.iter().skip(self.at).map(|piece| &piece.kind);
         next.take(kinds.len()).eq(kinds)
     }
 
-    pub(super) fn kind(&self) -> Kind {
+    pub(super) fn kind(&self) -> TokenKind {
         self.pieces[self.at].kind
     }
 
@@ -144,14 +144,14 @@ impl<'a> File<'a> {
     /// Skips a token, but never the end.
     pub(super) fn step(&mut self) -> Token<'a> {
         let token = self.token();
-        if self.kind() != Kind::End {
+        if self.kind() != TokenKind::End {
             self.at += 1;
         }
         token
     }
 
     /// Skips a token of this kind, if it is next.
-    pub(super) fn accept(&mut self, kind: Kind) -> bool {
+    pub(super) fn accept(&mut self, kind: TokenKind) -> bool {
         let found = self.kind() == kind;
         if found {
             self.step();
@@ -160,7 +160,7 @@ impl<'a> File<'a> {
     }
 
     /// The section that begins here, and the number of tokens in its name.
-    pub(super) fn section(&self) -> Option<(Section, usize)> {
+    pub(super) fn section(&self) -> Option<(LpSection, usize)> {
         section::section(&self.pieces[self.at..])
     }
 
@@ -172,7 +172,7 @@ impl<'a> File<'a> {
     /// Whether a name with a colon is next.
     pub(super) fn at_label(&self) -> bool {
         let next = self.pieces.get(self.at + 1).map(|piece| piece.kind);
-        self.kind() == Kind::Word && next == Some(Kind::Colon)
+        self.kind() == TokenKind::Word && next == Some(TokenKind::Colon)
     }
 
     /// Skips a name with a colon, if it is next.
@@ -184,7 +184,7 @@ impl<'a> File<'a> {
 
     /// Whether the name of a variable is next.
     pub(super) fn at_name(&self) -> bool {
-        self.kind() == Kind::Word
+        self.kind() == TokenKind::Word
             && !self.at_label()
             && !is_infinity(self.token().text)
             && self.section().is_none()
@@ -212,7 +212,7 @@ impl<'a> File<'a> {
         let column = self.names.declare(name.text).unwrap_or_else(|known| known);
         let (integer, binary, semicontinuous) = (false, false, false);
         let ends = Ends::default();
-        self.columns.push(Column { name, integer, binary, semicontinuous, ends });
+        self.columns.push(LpColumn { name, integer, binary, semicontinuous, ends });
         Ok(column)
     }
 
@@ -221,8 +221,8 @@ impl<'a> File<'a> {
         let mut sign = None;
         loop {
             match self.kind() {
-                Kind::Plus => sign = Some(sign.unwrap_or(1.0)),
-                Kind::Minus => sign = Some(-sign.unwrap_or(1.0)),
+                TokenKind::Plus => sign = Some(sign.unwrap_or(1.0)),
+                TokenKind::Minus => sign = Some(-sign.unwrap_or(1.0)),
                 _ => return sign,
             }
             self.step();
@@ -234,8 +234,8 @@ impl<'a> File<'a> {
         let sign = self.sign().unwrap_or(1.0);
         let token = self.token();
         match self.kind() {
-            Kind::Number => {}
-            Kind::Word if is_infinity(token.text) => {}
+            TokenKind::Number => {}
+            TokenKind::Word if is_infinity(token.text) => {}
             _ => return Err(self.unexpected("a number")),
         }
         self.step();
@@ -246,8 +246,8 @@ impl<'a> File<'a> {
     pub(super) fn unexpected(&self, expected: &str) -> Error {
         let token = self.token();
         match self.kind() {
-            Kind::End => self.cut_off(),
-            Kind::Times | Kind::Power | Kind::Open | Kind::Over => token.error(format!(
+            TokenKind::End => self.cut_off(),
+            TokenKind::Times | TokenKind::Power | TokenKind::Open | TokenKind::Over => token.error(format!(
                 "expected {expected}, found `{}`; products and squares can stand in the objective \
                  only, as `[ x ^2 + 2 x * y ] / 2`",
                 token.text
@@ -271,7 +271,7 @@ pub(super) fn is_infinity(text: &str) -> bool {
 
 /// The model's name, from the comment `Problem name:` before the objective.
 fn problem_name(text: &str) -> Result<&str, Error> {
-    const WORDS: &str = "Problem name";
+    const TITLE: &str = "Problem name";
     for (line, number) in text.lines().zip(1..) {
         let Some(comment) = line.trim_start().strip_prefix('\\') else {
             match line.trim().is_empty() {
@@ -280,9 +280,9 @@ fn problem_name(text: &str) -> Result<&str, Error> {
             }
         };
         let comment = comment.trim();
-        if let Some(words) = comment.get(..WORDS.len())
-            && words.eq_ignore_ascii_case(WORDS)
-            && let Some(name) = comment[WORDS.len()..].trim_start().strip_prefix(':')
+        if let Some(words) = comment.get(..TITLE.len())
+            && words.eq_ignore_ascii_case(TITLE)
+            && let Some(name) = comment[TITLE.len()..].trim_start().strip_prefix(':')
         {
             if name.chars().any(|c| c.is_control() && c != '\t') {
                 let place = Token::new(line, number, line.len() - line.trim_start().len(), 0);

@@ -1,30 +1,23 @@
 //! The section `Subject To`: rows, with two limits and with conditions.
 
 use super::expression::Expression;
-use super::lexer::Kind;
-use super::read::File;
+use super::lexer::TokenKind;
+use super::read::LpFile;
 use crate::error::Error;
+use crate::model::text::row_condition::RowCondition;
 use crate::model::text::token::Token;
 use crate::number::Exact;
 
 /// A row as the file has it.
 #[derive(Debug)]
-pub(super) struct Row<'a> {
+pub(super) struct LpRow<'a> {
     pub(super) label: Option<Token<'a>>,
     /// The position where it begins.
     pub(super) place: Token<'a>,
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) lower: f64,
     pub(super) upper: f64,
-    pub(super) condition: Option<Condition<'a>>,
-}
-
-/// The condition of a row: a column and its value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Condition<'a> {
-    pub(super) column: usize,
-    pub(super) on: bool,
-    pub(super) place: Token<'a>,
+    pub(super) condition: Option<RowCondition<'a>>,
 }
 
 /// `lower <= expression <= upper`.
@@ -34,10 +27,10 @@ struct Comparison<'a> {
     upper: f64,
 }
 
-impl<'a> File<'a> {
+impl<'a> LpFile<'a> {
     pub(super) fn read_rows(&mut self) -> Result<(), Error> {
         let mut last_line = None;
-        while self.section().is_none() && self.kind() != Kind::End {
+        while self.section().is_none() && self.kind() != TokenKind::End {
             if last_line == Some(self.token().line()) && !self.at_label() {
                 return Err(self.unexpected(
                     "a new line or a label, as the row before is complete (its right-hand side is \
@@ -51,16 +44,16 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    fn row(&mut self) -> Result<Row<'a>, Error> {
+    fn row(&mut self) -> Result<LpRow<'a>, Error> {
         let label = self.label();
         let place = self.token();
         let mut comparison = self.comparison()?;
         let mut condition = None;
-        if self.kind() == Kind::Arrow {
+        if self.kind() == TokenKind::Arrow {
             let Some((column, on)) = literal(&comparison) else {
                 return Err(place.error("expected `z = 0` or `z = 1` as the condition before `->`"));
             };
-            condition = Some(Condition { column, on, place });
+            condition = Some(RowCondition { column, on, place });
             self.step();
             comparison = self.comparison()?;
         }
@@ -85,7 +78,7 @@ impl<'a> File<'a> {
                 Exact(upper)
             )));
         }
-        Ok(Row { label, place, terms: expression.terms, lower, upper, condition })
+        Ok(LpRow { label, place, terms: expression.terms, lower, upper, condition })
     }
 
     fn comparison(&mut self) -> Result<Comparison<'a>, Error> {
@@ -115,8 +108,8 @@ impl<'a> File<'a> {
         }
         let number = left.constant.map_or(0.0, |(value, _)| value);
         limit(&mut limits, flipped(relation), right.moved(number));
-        if matches!(self.kind(), Kind::AtMost | Kind::AtLeast | Kind::Equal) {
-            if self.kind() != relation || relation == Kind::Equal {
+        if matches!(self.kind(), TokenKind::AtMost | TokenKind::AtLeast | TokenKind::Equal) {
+            if self.kind() != relation || relation == TokenKind::Equal {
                 return Err(self
                     .token()
                     .error("a row with two limits needs the same comparison twice, `<=` or `>=`"));
@@ -129,9 +122,9 @@ impl<'a> File<'a> {
     }
 
     /// Skips a comparison sign.
-    pub(super) fn relation(&mut self) -> Result<Kind, Error> {
+    pub(super) fn relation(&mut self) -> Result<TokenKind, Error> {
         match self.kind() {
-            kind @ (Kind::AtMost | Kind::AtLeast | Kind::Equal) => {
+            kind @ (TokenKind::AtMost | TokenKind::AtLeast | TokenKind::Equal) => {
                 self.step();
                 Ok(kind)
             }
@@ -141,19 +134,19 @@ impl<'a> File<'a> {
 }
 
 /// Mirrors a comparison: `3 <= x` is `x >= 3`.
-pub(super) fn flipped(relation: Kind) -> Kind {
+pub(super) fn flipped(relation: TokenKind) -> TokenKind {
     match relation {
-        Kind::AtMost => Kind::AtLeast,
-        Kind::AtLeast => Kind::AtMost,
+        TokenKind::AtMost => TokenKind::AtLeast,
+        TokenKind::AtLeast => TokenKind::AtMost,
         other => other,
     }
 }
 
-fn limit(limits: &mut (f64, f64), relation: Kind, value: f64) {
-    if relation != Kind::AtLeast {
+fn limit(limits: &mut (f64, f64), relation: TokenKind, value: f64) {
+    if relation != TokenKind::AtLeast {
         limits.1 = value;
     }
-    if relation != Kind::AtMost {
+    if relation != TokenKind::AtMost {
         limits.0 = value;
     }
 }

@@ -1,10 +1,10 @@
 //! The keywords that begin a section, in all spellings.
 
-use super::lexer::{Kind, Piece};
+use super::lexer::{TokenKind, TypedToken};
 
 /// The section that a keyword begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Section {
+pub(super) enum LpSection {
     Minimize,
     Maximize,
     Rows,
@@ -19,102 +19,103 @@ pub(super) enum Section {
     Refused(&'static str),
 }
 
-const SEMI: &str = "list its variables under `Semi-Continuous` and under `General`";
-const LAZY: &str = "move its rows to `Subject To`, where they always hold";
-const FUNCTIONS: &str = "functions cannot be read from LP files; write them as rows, or in a \
+const SEMI_INTEGER_HELP: &str = "list its variables under `Semi-Continuous` and under `General`";
+const LAZY_HELP: &str = "move its rows to `Subject To`, where they always hold";
+const FUNCTION_HELP: &str = "functions cannot be read from LP files; write them as rows, or in a \
                          program with the functions of a model";
-const SCENARIOS: &str = "a model has one objective and one set of limits; keep one";
+const SCENARIO_HELP: &str = "a model has one objective and one set of limits; keep one";
 
 /// Spellings of one word; sections of two words are below.
-const WORDS: [(&str, Section); 42] = [
-    ("minimize", Section::Minimize),
-    ("minimise", Section::Minimize),
-    ("minimum", Section::Minimize),
-    ("min", Section::Minimize),
-    ("maximize", Section::Maximize),
-    ("maximise", Section::Maximize),
-    ("maximum", Section::Maximize),
-    ("max", Section::Maximize),
-    ("st", Section::Rows),
-    ("st.", Section::Rows),
-    ("s.t", Section::Rows),
-    ("s.t.", Section::Rows),
-    ("bounds", Section::Bounds),
-    ("bound", Section::Bounds),
-    ("generals", Section::Integers),
-    ("general", Section::Integers),
-    ("gens", Section::Integers),
-    ("gen", Section::Integers),
-    ("integers", Section::Integers),
-    ("integer", Section::Integers),
-    ("ints", Section::Integers),
-    ("int", Section::Integers),
-    ("binaries", Section::Binaries),
-    ("binary", Section::Binaries),
-    ("bins", Section::Binaries),
-    ("bin", Section::Binaries),
-    ("end", Section::End),
-    ("semis", Section::SemiContinuous),
-    ("semi", Section::SemiContinuous),
-    ("sos", Section::Sets(None)),
-    ("sos1", Section::Sets(Some(1))),
-    ("sos2", Section::Sets(Some(2))),
-    ("lazy", Section::Refused(LAZY)),
-    ("usercuts", Section::Refused(LAZY)),
-    ("pwlobj", Section::Refused(FUNCTIONS)),
-    ("pwl", Section::Refused(FUNCTIONS)),
-    ("gencons", Section::Refused(FUNCTIONS)),
-    ("gencon", Section::Refused(FUNCTIONS)),
-    ("genconstr", Section::Refused(FUNCTIONS)),
-    ("genconstrs", Section::Refused(FUNCTIONS)),
-    ("scenario", Section::Refused(SCENARIOS)),
-    ("scenarios", Section::Refused(SCENARIOS)),
+const ONE_WORD_SECTIONS: [(&str, LpSection); 42] = [
+    ("minimize", LpSection::Minimize),
+    ("minimise", LpSection::Minimize),
+    ("minimum", LpSection::Minimize),
+    ("min", LpSection::Minimize),
+    ("maximize", LpSection::Maximize),
+    ("maximise", LpSection::Maximize),
+    ("maximum", LpSection::Maximize),
+    ("max", LpSection::Maximize),
+    ("st", LpSection::Rows),
+    ("st.", LpSection::Rows),
+    ("s.t", LpSection::Rows),
+    ("s.t.", LpSection::Rows),
+    ("bounds", LpSection::Bounds),
+    ("bound", LpSection::Bounds),
+    ("generals", LpSection::Integers),
+    ("general", LpSection::Integers),
+    ("gens", LpSection::Integers),
+    ("gen", LpSection::Integers),
+    ("integers", LpSection::Integers),
+    ("integer", LpSection::Integers),
+    ("ints", LpSection::Integers),
+    ("int", LpSection::Integers),
+    ("binaries", LpSection::Binaries),
+    ("binary", LpSection::Binaries),
+    ("bins", LpSection::Binaries),
+    ("bin", LpSection::Binaries),
+    ("end", LpSection::End),
+    ("semis", LpSection::SemiContinuous),
+    ("semi", LpSection::SemiContinuous),
+    ("sos", LpSection::Sets(None)),
+    ("sos1", LpSection::Sets(Some(1))),
+    ("sos2", LpSection::Sets(Some(2))),
+    ("lazy", LpSection::Refused(LAZY_HELP)),
+    ("usercuts", LpSection::Refused(LAZY_HELP)),
+    ("pwlobj", LpSection::Refused(FUNCTION_HELP)),
+    ("pwl", LpSection::Refused(FUNCTION_HELP)),
+    ("gencons", LpSection::Refused(FUNCTION_HELP)),
+    ("gencon", LpSection::Refused(FUNCTION_HELP)),
+    ("genconstr", LpSection::Refused(FUNCTION_HELP)),
+    ("genconstrs", LpSection::Refused(FUNCTION_HELP)),
+    ("scenario", LpSection::Refused(SCENARIO_HELP)),
+    ("scenarios", LpSection::Refused(SCENARIO_HELP)),
 ];
 
 /// Sections of two words, the second one in several spellings.
-const PAIRS: [(&str, &[&str], Section); 7] = [
-    ("subject", &["to", "to:"], Section::Rows),
-    ("such", &["that"], Section::Rows),
-    ("lazy", &["constraints", "constraint"], Section::Refused(LAZY)),
-    ("user", &["cuts", "cut"], Section::Refused(LAZY)),
-    ("general", &["constraints", "constraint"], Section::Refused(FUNCTIONS)),
-    ("generals", &["constraints", "constraint"], Section::Refused(FUNCTIONS)),
-    ("multi", &["objectives"], Section::Refused(SCENARIOS)),
+const TWO_WORD_SECTIONS: [(&str, &[&str], LpSection); 7] = [
+    ("subject", &["to", "to:"], LpSection::Rows),
+    ("such", &["that"], LpSection::Rows),
+    ("lazy", &["constraints", "constraint"], LpSection::Refused(LAZY_HELP)),
+    ("user", &["cuts", "cut"], LpSection::Refused(LAZY_HELP)),
+    ("general", &["constraints", "constraint"], LpSection::Refused(FUNCTION_HELP)),
+    ("generals", &["constraints", "constraint"], LpSection::Refused(FUNCTION_HELP)),
+    ("multi", &["objectives"], LpSection::Refused(SCENARIO_HELP)),
 ];
 
 /// Words that are part of the language without beginning a section.
-const OTHERS: [&str; 8] = ["free", "inf", "infinity", "nan", "subject", "such", "user", "multi"];
+const OTHER_KEYWORDS: [&str; 8] =
+    ["free", "inf", "infinity", "nan", "subject", "such", "user", "multi"];
 
 /// The section that the pieces begin, and how many of them its name takes.
-pub(super) fn section(pieces: &[Piece<'_>]) -> Option<(Section, usize)> {
-    let kind = |at: usize| pieces.get(at).map(|piece: &Piece<'_>| piece.kind);
+pub(super) fn section(pieces: &[TypedToken<'_>]) -> Option<(LpSection, usize)> {
+    let kind = |at: usize| pieces.get(at).map(|piece: &TypedToken<'_>| piece.kind);
     let is = |at: usize, word: &str| {
-        kind(at) == Some(Kind::Word) && pieces[at].token.text.eq_ignore_ascii_case(word)
+        kind(at) == Some(TokenKind::Word) && pieces[at].token.text.eq_ignore_ascii_case(word)
     };
-    if kind(0) != Some(Kind::Word) || kind(1) == Some(Kind::Colon) {
+    if kind(0) != Some(TokenKind::Word) || kind(1) == Some(TokenKind::Colon) {
         return None;
     }
-    for (first, seconds, section) in PAIRS {
+    for (first, seconds, section) in TWO_WORD_SECTIONS {
         if is(0, first) && seconds.iter().any(|second| is(1, second)) {
             return Some((section, 2));
         }
     }
     let hyphenated = (is(0, "semi") && (is(2, "continuous") || is(2, "integer")))
         || (is(0, "multi") && is(2, "objectives"));
-    if hyphenated && kind(1) == Some(Kind::Minus) {
+    if hyphenated && kind(1) == Some(TokenKind::Minus) {
         let section = match is(0, "semi") {
-            true if is(2, "continuous") => Section::SemiContinuous,
-            true => Section::Refused(SEMI),
-            false => Section::Refused(SCENARIOS),
+            true if is(2, "continuous") => LpSection::SemiContinuous,
+            true => LpSection::Refused(SEMI_INTEGER_HELP),
+            false => LpSection::Refused(SCENARIO_HELP),
         };
         return Some((section, 3));
     }
-    let found = WORDS.iter().find(|(word, _)| is(0, word));
+    let found = ONE_WORD_SECTIONS.iter().find(|(word, _)| is(0, word));
     found.map(|&(_, section)| (section, 1))
 }
 
 /// Whether a name would be taken for something else.
 pub(super) fn is_keyword(text: &str) -> bool {
-    let words = WORDS.iter().map(|(word, _)| word).chain(&OTHERS);
+    let words = ONE_WORD_SECTIONS.iter().map(|(word, _)| word).chain(&OTHER_KEYWORDS);
     words.into_iter().any(|word| word.eq_ignore_ascii_case(text))
 }

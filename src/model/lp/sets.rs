@@ -1,17 +1,17 @@
 //! The section `SOS`.
 
-use super::lexer::Kind;
-use super::read::File;
+use super::lexer::TokenKind;
+use super::read::LpFile;
 use crate::error::Error;
 use crate::model::text::sets::Set;
 
 /// `S1::`
-const TYPE: [Kind; 3] = [Kind::Word, Kind::Colon, Kind::Colon];
+const TYPE: [TokenKind; 3] = [TokenKind::Word, TokenKind::Colon, TokenKind::Colon];
 
-impl File<'_> {
+impl LpFile<'_> {
     /// Reads sets `name: S1:: x:1 y:2`; `kind` is that of sets that do not say it.
     pub(super) fn read_sets(&mut self, kind: Option<u8>) -> Result<(), Error> {
-        while self.section().is_none() && self.kind() != Kind::End {
+        while self.section().is_none() && self.kind() != TokenKind::End {
             let place = self.token();
             let label = if self.at_kinds(&TYPE) || self.at_member() { None } else { self.label() };
             let most = match kind {
@@ -51,7 +51,7 @@ impl File<'_> {
 
     /// Whether a name, a colon and a number are next.
     fn at_member(&self) -> bool {
-        let after = [Kind::Number, Kind::Plus, Kind::Minus];
-        after.into_iter().any(|kind| self.at_kinds(&[Kind::Word, Kind::Colon, kind]))
+        let after = [TokenKind::Number, TokenKind::Plus, TokenKind::Minus];
+        after.into_iter().any(|kind| self.at_kinds(&[TokenKind::Word, TokenKind::Colon, kind]))
     }
 }

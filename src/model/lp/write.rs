@@ -8,7 +8,7 @@ use crate::interval::Interval;
 use crate::model::ids::Variable;
 use crate::model::literal::Literal;
 use crate::model::sense::Sense;
-use crate::model::text::lines::{Line, file_bounds, lines, number, objective_name};
+use crate::model::text::lines::{FileLine, file_bounds, lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
@@ -114,7 +114,7 @@ fn term(first: bool, coefficient: f64, what: &str) -> String {
     text
 }
 
-fn write_objective(page: &mut Page, model: &Model, lines: &[Line<'_>], columns: &[String]) {
+fn write_objective(page: &mut Page, model: &Model, lines: &[FileLine<'_>], columns: &[String]) {
     page.word(&format!(" {}:", objective_name(lines)));
     let (terms, products) = (model.objective().affine().terms(), model.objective().products());
     // A column is known from its first appearance, so the order may need some zeros.
@@ -178,7 +178,7 @@ fn write_sets(page: &mut Page, model: &Model, columns: &[String]) {
 fn is_natural(
     terms: &[(Variable, f64)],
     products: &[(Variable, Variable, f64)],
-    lines: &[Line<'_>],
+    lines: &[FileLine<'_>],
     count: usize,
 ) -> bool {
     let products = products.iter().flat_map(|&(a, b, _)| [a, b]);
@@ -197,7 +197,7 @@ fn is_natural(
     known == count
 }
 
-fn write_row(page: &mut Page, line: &Line<'_>, columns: &[String]) {
+fn write_row(page: &mut Page, line: &FileLine<'_>, columns: &[String]) {
     let Interval { lower, upper } = line.limits;
     let name = names::write(line.name);
     match (lower.is_finite(), upper.is_finite()) {
@@ -217,7 +217,7 @@ fn write_row(page: &mut Page, line: &Line<'_>, columns: &[String]) {
 fn write_half(
     page: &mut Page,
     name: &str,
-    line: &Line<'_>,
+    line: &FileLine<'_>,
     (relation, limit): (&str, f64),
     columns: &[String],
 ) {

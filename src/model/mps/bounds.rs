@@ -9,7 +9,7 @@ use crate::number::Exact;
 
 /// The bounds of one column in a file.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Bounds<'a> {
+pub(super) struct MpsBounds<'a> {
     ends: Ends<'a>,
     /// The kind of the column according to the entries.
     pub(super) kind: Option<VariableKind>,
@@ -29,7 +29,7 @@ pub(super) fn has_value(kind: &Token<'_>) -> Result<bool, Error> {
     }
 }
 
-impl<'a> Bounds<'a> {
+impl<'a> MpsBounds<'a> {
     /// Applies one entry.
     pub(super) fn take(
         &mut self,

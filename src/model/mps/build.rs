@@ -5,11 +5,10 @@ use std::collections::HashMap;
 
 use super::decimal::Decimal;
 use super::names;
-use super::read::{Column, File, Row, RowKind};
+use super::read::{MpsColumn, MpsFile, MpsRow, RowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
-use crate::model::literal::Literal;
 use crate::model::quadratic::Quadratic;
 use crate::model::reformulation::BigM;
 use crate::model::sense::Sense;
@@ -19,10 +18,9 @@ use crate::model::text::ends;
 use crate::model::text::read::{Read, Warning};
 use crate::model::text::token::{self, Token};
 use crate::model::variable::VariableKind;
-use crate::number::Exact;
 
 /// Makes the model that a file describes.
-pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
+pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
     let mut model = Model::new(file.name);
     let mut warnings = std::mem::take(&mut file.warnings);
     let variables = variables(&file, &mut model, &mut warnings)?;
@@ -42,7 +40,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
                 model.push_constraint(name, stored)?;
             }
             Some(condition) => {
-                let literal = Literal { variable: variables[condition.column], on: condition.on };
+                let literal = condition.literal(&variables);
                 model
                     .push_indicator(name, literal, stored, BigM::Automatic)
                     .map_err(|error| condition.place.error(error.to_string()))?;
@@ -58,7 +56,7 @@ pub(super) fn model(mut file: File<'_>) -> Result<Read, Error> {
 }
 
 fn variables(
-    file: &File<'_>,
+    file: &MpsFile<'_>,
     model: &mut Model,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Variable>, Error> {
@@ -90,7 +88,7 @@ fn variables(
 
 /// Adds a semi-continuous or semi-integer column.
 fn semicontinuous(
-    column: &Column<'_>,
+    column: &MpsColumn<'_>,
     integer: bool,
     model: &mut Model,
     warnings: &mut Vec<Warning>,
@@ -103,12 +101,7 @@ fn semicontinuous(
     }
     let (lower, upper) = column.bounds.resolve(integer, warnings)?;
     if lower < 0.0 {
-        warnings.push(place.warning(format!(
-            "`{name}` is 0 or between {} and {}; some solvers refuse negative values of \
-             semi-continuous columns",
-            Exact(lower),
-            Exact(upper)
-        )));
+        warnings.push(place.warning(ends::negative(name, (lower, upper))));
     }
     match integer {
         true => model.semiinteger(names::read(name), lower, upper),
@@ -117,7 +110,7 @@ fn semicontinuous(
 }
 
 /// The limits of a row from its kind, right-hand side and range.
-fn limits(row: &Row<'_>) -> Result<(f64, f64), Error> {
+fn limits(row: &MpsRow<'_>) -> Result<(f64, f64), Error> {
     let (lowest, highest) = (f64::NEG_INFINITY, f64::INFINITY);
     let right = row.right.map_or(Ok(0.0), |token| token.number())?;
     let Some(range) = row.range else {
@@ -170,7 +163,7 @@ fn other_limit(
 }
 
 fn objective(
-    file: &File<'_>,
+    file: &MpsFile<'_>,
     variables: &[Variable],
     warnings: &mut Vec<Warning>,
 ) -> Result<Quadratic, Error> {

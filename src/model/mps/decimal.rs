@@ -17,7 +17,7 @@ pub struct Decimal {
 }
 
 /// Numbers whose digits are further apart than this are not added digit by digit.
-const WIDEST: i32 = 1000;
+const MAX_DIGITS_APART: i32 = 1000;
 
 impl Decimal {
     /// Reads a finite number as Rust or Fortran (`D` exponent) write it; `None` for anything else
@@ -58,7 +58,7 @@ impl Decimal {
     pub fn plus(&self, other: &Decimal) -> Option<Decimal> {
         let bottom = self.exponent.min(other.exponent);
         let top = self.top()?.max(other.top()?);
-        let width = top.checked_sub(bottom).filter(|&width| width <= WIDEST)?;
+        let width = top.checked_sub(bottom).filter(|&width| width <= MAX_DIGITS_APART)?;
         let (a, b) = (self.aligned(bottom, width)?, other.aligned(bottom, width)?);
         let (negative, digits) = if self.negative == other.negative {
             (self.negative, add(&a, &b))

@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
-const KIND: Range<usize> = 1..3;
-const NAMES: [Range<usize>; 3] = [4..12, 14..22, 39..47];
-const NUMBERS: [Range<usize>; 2] = [24..36, 49..61];
+const KIND_FIELD: Range<usize> = 1..3;
+const NAME_FIELDS: [Range<usize>; 3] = [4..12, 14..22, 39..47];
+const NUMBER_FIELDS: [Range<usize>; 2] = [24..36, 49..61];
 
 /// The same text with an underscore for every blank inside a name, or `None` if the text is not in
 /// fixed columns or has no such name. Every character keeps its position.
@@ -36,7 +36,7 @@ pub(super) fn without_blanks(text: &str) -> Option<String> {
         if !is_fixed(&bytes) {
             return None;
         }
-        for field in NAMES {
+        for field in NAME_FIELDS {
             let field = field.start.min(bytes.len())..field.end.min(bytes.len());
             let inside = bytes[field.clone()].trim_ascii().len();
             let start = bytes[field.clone()].iter().take_while(|&&b| b == b' ').count();
@@ -55,7 +55,7 @@ pub(super) fn without_blanks(text: &str) -> Option<String> {
 
 /// Whether a line has only blanks outside the fields, single words in kinds and numbers.
 fn is_fixed(line: &[u8]) -> bool {
-    let fields = || NAMES.iter().chain(&NUMBERS).chain([&KIND]);
+    let fields = || NAME_FIELDS.iter().chain(&NUMBER_FIELDS).chain([&KIND_FIELD]);
     let single = |field: &Range<usize>| {
         let end = field.end.min(line.len());
         let word = line[field.start.min(end)..end].trim_ascii();
@@ -67,6 +67,6 @@ fn is_fixed(line: &[u8]) -> bool {
     line.is_ascii()
         && !line.contains(&b'\t')
         && line.iter().enumerate().all(blank)
-        && single(&KIND)
-        && NUMBERS.iter().all(single)
+        && single(&KIND_FIELD)
+        && NUMBER_FIELDS.iter().all(single)
 }

@@ -1,23 +1,23 @@
 //! The sections RHS, RANGES and BOUNDS.
 
 use super::bounds;
-use super::read::File;
-use super::section::Section;
+use super::read::MpsFile;
+use super::section::MpsSection;
 use crate::error::Error;
 use crate::model::text::read::Warning;
 use crate::model::text::token::Token;
 
-impl<'a> File<'a> {
+impl<'a> MpsFile<'a> {
     pub(super) fn right_hand_side(
         &mut self,
-        section: Section,
+        section: MpsSection,
         tokens: &[Token<'a>],
     ) -> Result<(), Error> {
         let entries = match tokens.len() % 2 {
             0 => tokens,
             _ => {
                 let set = match section {
-                    Section::Ranges => &mut self.range_set,
+                    MpsSection::Ranges => &mut self.range_set,
                     _ => &mut self.right_set,
                 };
                 if !is_first_set(set, &tokens[0], &mut self.warnings) {
@@ -34,14 +34,14 @@ impl<'a> File<'a> {
             let Some(row) = self.find_row_or_warn(&entry[0]) else { continue };
             let row = &mut self.rows[row];
             let (place, what) = match section {
-                Section::Ranges => (&mut row.range, "range"),
+                MpsSection::Ranges => (&mut row.range, "range"),
                 _ => (&mut row.right, "right-hand side"),
             };
             if let Some(earlier) = *place {
                 let (row, line) = (row.name.text, earlier.line());
                 let message = format!("row `{row}` already has a {what}, given in line {line}");
                 // Solvers disagree about different right-hand sides.
-                if section == Section::Rhs && earlier.number()? != value {
+                if section == MpsSection::Rhs && earlier.number()? != value {
                     return Err(entry[0].error(message));
                 }
                 self.warnings.push(entry[0].warning(message + "; the first one counts"));

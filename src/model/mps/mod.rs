@@ -29,7 +29,7 @@ use crate::error::{Error, ErrorKind};
 /// Linear in the length of the text, but for the convexity check of a quadratic objective.
 pub fn read(text: &str) -> Result<Read, Error> {
     let model = |text: &str| -> Result<Read, Error> {
-        let mut read = build::model(read::File::scan(text)?)?;
+        let mut read = build::model(read::MpsFile::scan(text)?)?;
         in_characters(text, &mut read.warnings);
         Ok(read)
     };

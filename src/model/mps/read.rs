@@ -1,25 +1,26 @@
 //! Reading: from lines to rows and columns as the file lists them.
 
-use super::bounds::Bounds;
-use super::section::Section;
+use super::bounds::MpsBounds;
+use super::section::MpsSection;
 use super::sets;
 use crate::error::{Error, ErrorKind};
 use crate::model::name::Name;
 use crate::model::sense::Sense;
 use crate::model::text::names::Names;
 use crate::model::text::read::Warning;
+use crate::model::text::row_condition::RowCondition;
 use crate::model::text::sets::Set;
 use crate::model::text::token::{self, Token};
 
 /// The contents of a file, from which [`build`](super::build) makes a model.
 #[derive(Debug, Default)]
-pub(super) struct File<'a> {
+pub(super) struct MpsFile<'a> {
     pub(super) name: &'a str,
     pub(super) sense: Option<Sense>,
-    pub(super) rows: Vec<Row<'a>>,
-    pub(super) columns: Vec<Column<'a>>,
+    pub(super) rows: Vec<MpsRow<'a>>,
+    pub(super) columns: Vec<MpsColumn<'a>>,
     pub(super) objective: Option<usize>,
-    pub(super) products: Vec<Product<'a>>,
+    pub(super) products: Vec<MpsProduct<'a>>,
     pub(super) mirrored: bool,
     pub(super) sets: Vec<Set<'a>>,
     pub(super) warnings: Vec<Warning>,
@@ -37,14 +38,14 @@ pub(super) struct File<'a> {
 }
 
 #[derive(Debug)]
-pub(super) struct Row<'a> {
+pub(super) struct MpsRow<'a> {
     pub(super) name: Token<'a>,
     pub(super) kind: RowKind,
     /// Columns by position, in increasing order.
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) right: Option<Token<'a>>,
     pub(super) range: Option<Token<'a>>,
-    pub(super) condition: Option<Condition<'a>>,
+    pub(super) condition: Option<RowCondition<'a>>,
     /// The last column with an entry here, to find duplicates.
     last_column: Option<usize>,
 }
@@ -59,35 +60,27 @@ pub(super) enum RowKind {
 }
 
 #[derive(Debug)]
-pub(super) struct Column<'a> {
+pub(super) struct MpsColumn<'a> {
     pub(super) name: Token<'a>,
     pub(super) integer: bool,
-    pub(super) bounds: Bounds<'a>,
+    pub(super) bounds: MpsBounds<'a>,
 }
 
 /// An entry of QUADOBJ or QMATRIX: two columns and a value.
 #[derive(Debug)]
-pub(super) struct Product<'a> {
+pub(super) struct MpsProduct<'a> {
     pub(super) first: usize,
     pub(super) second: usize,
     pub(super) value: f64,
     pub(super) place: Token<'a>,
 }
 
-/// The condition of a row: a column and its value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Condition<'a> {
-    pub(super) column: usize,
-    pub(super) on: bool,
-    pub(super) place: Token<'a>,
-}
-
-impl<'a> File<'a> {
+impl<'a> MpsFile<'a> {
     /// Goes through the lines up to ENDATA.
-    pub(super) fn scan(text: &'a str) -> Result<File<'a>, Error> {
+    pub(super) fn scan(text: &'a str) -> Result<MpsFile<'a>, Error> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut file = File::default();
-        let mut section = Section::Start;
+        let mut file = MpsFile::default();
+        let mut section = MpsSection::Start;
         let mut tokens = Vec::new();
         let mut last = ("", 1);
         for (line, number) in text.lines().zip(1..) {
@@ -97,7 +90,7 @@ impl<'a> File<'a> {
             }
             token::split(line, number, &mut tokens);
             let Some(first) = tokens.first() else { continue };
-            let word = section == Section::Objsense && direction(first).is_some();
+            let word = section == MpsSection::Objsense && direction(first).is_some();
             if line.starts_with(char::is_whitespace) || word {
                 file.data(section, &tokens)?;
             } else if first.text.eq_ignore_ascii_case("ENDATA") {
@@ -115,22 +108,22 @@ impl<'a> File<'a> {
         .into())
     }
 
-    fn header(&mut self, line: &'a str, tokens: &[Token<'a>]) -> Result<Section, Error> {
+    fn header(&mut self, line: &'a str, tokens: &[Token<'a>]) -> Result<MpsSection, Error> {
         let (head, rest) = (&tokens[0], &tokens[1..]);
-        let section = Section::named(head)?;
+        let section = MpsSection::named(head)?;
         match section {
-            Section::Start => {
+            MpsSection::Start => {
                 self.name = line[head.text.len()..].trim();
                 if self.name.chars().any(|c| c.is_control() && c != '\t') {
                     return Err(head.error("the model's name has a control character"));
                 }
                 return Ok(section);
             }
-            Section::Objsense | Section::Objname if !rest.is_empty() => {
+            MpsSection::Objsense | MpsSection::Objname if !rest.is_empty() => {
                 self.data(section, rest)?;
                 return Ok(section);
             }
-            Section::Qsection if !rest.is_empty() => self.check_qsection(&rest[0])?,
+            MpsSection::Qsection if !rest.is_empty() => self.check_qsection(&rest[0])?,
             _ => {
                 if let Some(extra) = rest.first() {
                     return Err(extra.error(format!(
@@ -140,8 +133,8 @@ impl<'a> File<'a> {
                 }
             }
         }
-        let mirrored = section == Section::Qmatrix;
-        if mirrored || matches!(section, Section::Quadobj | Section::Qsection) {
+        let mirrored = section == MpsSection::Qmatrix;
+        if mirrored || matches!(section, MpsSection::Quadobj | MpsSection::Qsection) {
             if !self.products.is_empty() && mirrored != self.mirrored {
                 return Err(head.error("QUADOBJ and QMATRIX cannot both be given"));
             }
@@ -150,31 +143,33 @@ impl<'a> File<'a> {
         Ok(section)
     }
 
-    fn data(&mut self, section: Section, tokens: &[Token<'a>]) -> Result<(), Error> {
+    fn data(&mut self, section: MpsSection, tokens: &[Token<'a>]) -> Result<(), Error> {
         let tokens = &tokens[..self.end_of_data(section, tokens)];
         match section {
-            Section::Start => Err(tokens[0].error("a data line before any section")),
-            Section::Objsense => self.objsense(&tokens[0]),
-            Section::Objname => {
+            MpsSection::Start => Err(tokens[0].error("a data line before any section")),
+            MpsSection::Objsense => self.objsense(&tokens[0]),
+            MpsSection::Objname => {
                 let [name] = expect(tokens, "the name of the objective row")?;
                 self.chosen = Some(name);
                 Ok(())
             }
-            Section::Rows => self.row(tokens),
-            Section::Columns => self.column(tokens),
-            Section::Rhs | Section::Ranges => self.right_hand_side(section, tokens),
-            Section::Bounds => self.bound(tokens),
-            Section::Quadobj | Section::Qsection | Section::Qmatrix => self.product(tokens),
-            Section::Indicators => self.indicator(tokens),
-            Section::Sets => self.set(tokens),
+            MpsSection::Rows => self.row(tokens),
+            MpsSection::Columns => self.column(tokens),
+            MpsSection::Rhs | MpsSection::Ranges => self.right_hand_side(section, tokens),
+            MpsSection::Bounds => self.bound(tokens),
+            MpsSection::Quadobj | MpsSection::Qsection | MpsSection::Qmatrix => {
+                self.product(tokens)
+            }
+            MpsSection::Indicators => self.indicator(tokens),
+            MpsSection::Sets => self.set(tokens),
         }
     }
 
     /// Where a comment after the data of a line begins: at a word that begins with `$` or `*` and
     /// is no row or column.
-    fn end_of_data(&mut self, section: Section, tokens: &[Token<'a>]) -> usize {
+    fn end_of_data(&mut self, section: MpsSection, tokens: &[Token<'a>]) -> usize {
         // The name of a set may look like a comment.
-        let header = section == Section::Sets && sets::kind(&tokens[0]).is_some();
+        let header = section == MpsSection::Sets && sets::kind(&tokens[0]).is_some();
         let first = if header { 3 } else { 2 };
         for (k, token) in tokens.iter().enumerate().skip(first) {
             let comment = token.text.starts_with(['$', '*']);
@@ -220,7 +215,7 @@ impl<'a> File<'a> {
         if kind == RowKind::Objective {
             self.objective = Some(index);
         }
-        self.rows.push(Row {
+        self.rows.push(MpsRow {
             name,
             kind,
             terms: Vec::new(),
@@ -286,7 +281,7 @@ impl<'a> File<'a> {
             ))
         })?;
         let integer = self.integers.is_some();
-        self.columns.push(Column { name, integer, bounds: Bounds::default() });
+        self.columns.push(MpsColumn { name, integer, bounds: MpsBounds::default() });
         self.join_open_set(index);
         Ok(index)
     }
@@ -311,7 +306,7 @@ impl<'a> File<'a> {
 
     fn product(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {
         let [first, second, value] = expect(tokens, "two column names and a value")?;
-        let product = Product {
+        let product = MpsProduct {
             first: self.find_column(&first)?,
             second: self.find_column(&second)?,
             value: value.raw()?,
@@ -337,7 +332,7 @@ impl<'a> File<'a> {
             1.0 => true,
             _ => return Err(value.error(format!("expected 0 or 1, found `{}`", value.text))),
         };
-        let condition = Condition { column: self.find_column(&column)?, on, place: column };
+        let condition = RowCondition { column: self.find_column(&column)?, on, place: column };
         let row = &mut self.rows[row];
         if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
             return Err(name.error(format!(

@@ -5,7 +5,7 @@ use crate::model::text::token::Token;
 
 /// The section of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Section {
+pub(super) enum MpsSection {
     /// Before the first section that holds lines; also NAME.
     Start,
     Objsense,
@@ -22,23 +22,23 @@ pub(super) enum Section {
     Sets,
 }
 
-impl Section {
+impl MpsSection {
     /// The section of a name in any case of letters.
-    pub(super) fn named(head: &Token<'_>) -> Result<Section, Error> {
+    pub(super) fn named(head: &Token<'_>) -> Result<MpsSection, Error> {
         Ok(match head.text.to_ascii_uppercase().as_str() {
-            "NAME" => Section::Start,
-            "OBJSENSE" => Section::Objsense,
-            "OBJNAME" => Section::Objname,
-            "ROWS" => Section::Rows,
-            "COLUMNS" => Section::Columns,
-            "RHS" => Section::Rhs,
-            "RANGES" => Section::Ranges,
-            "BOUNDS" => Section::Bounds,
-            "QUADOBJ" => Section::Quadobj,
-            "QSECTION" => Section::Qsection,
-            "QMATRIX" => Section::Qmatrix,
-            "INDICATORS" => Section::Indicators,
-            "SOS" | "SOS1" | "SOS2" | "SETS" => Section::Sets,
+            "NAME" => MpsSection::Start,
+            "OBJSENSE" => MpsSection::Objsense,
+            "OBJNAME" => MpsSection::Objname,
+            "ROWS" => MpsSection::Rows,
+            "COLUMNS" => MpsSection::Columns,
+            "RHS" => MpsSection::Rhs,
+            "RANGES" => MpsSection::Ranges,
+            "BOUNDS" => MpsSection::Bounds,
+            "QUADOBJ" => MpsSection::Quadobj,
+            "QSECTION" => MpsSection::Qsection,
+            "QMATRIX" => MpsSection::Qmatrix,
+            "INDICATORS" => MpsSection::Indicators,
+            "SOS" | "SOS1" | "SOS2" | "SETS" => MpsSection::Sets,
             other => {
                 return Err(head.error(match refused(other) {
                     Some(help) => format!("section `{}` cannot be read: {help}", head.text),

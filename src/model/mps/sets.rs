@@ -1,11 +1,11 @@
 //! Special ordered sets: the section SOS, and markers in COLUMNS.
 
-use super::read::File;
+use super::read::MpsFile;
 use crate::error::Error;
 use crate::model::text::sets::Set;
 use crate::model::text::token::Token;
 
-impl<'a> File<'a> {
+impl<'a> MpsFile<'a> {
     /// A line of SOS: `S1 name` begins a set, `column weight` adds a member. A word for the section
     /// may stand before the name and before the column, and a priority after the name.
     pub(super) fn set(&mut self, tokens: &[Token<'a>]) -> Result<(), Error> {

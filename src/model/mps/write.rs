@@ -13,7 +13,7 @@ use crate::model::text::lines::{file_bounds, lines, number, objective_name};
 use crate::model::variable::VariableKind;
 use crate::model::{Model, VariableRef};
 
-struct Line<'a> {
+struct MpsLine<'a> {
     name: String,
     terms: &'a [(Variable, f64)],
     form: Form,
@@ -31,13 +31,13 @@ struct Form {
 pub(super) fn text(model: &Model) -> Result<String, Error> {
     let lines = lines(model, "MPS")?;
     let objective = objective_name(&lines);
-    let lines = lines.into_iter().map(|line| Line {
+    let lines = lines.into_iter().map(|line| MpsLine {
         name: names::write(line.name),
         terms: line.terms,
         form: form(line.limits),
         condition: line.condition,
     });
-    let lines: Vec<Line<'_>> = lines.collect();
+    let lines: Vec<MpsLine<'_>> = lines.collect();
     let columns: Vec<String> = model.variables().map(|v| names::write(v.name())).collect();
     let mut text = String::new();
     write_rows(&mut text, model, &lines, &objective);
@@ -56,7 +56,7 @@ pub(super) fn text(model: &Model) -> Result<String, Error> {
     Ok(text)
 }
 
-fn write_rows(text: &mut String, model: &Model, lines: &[Line<'_>], objective: &str) {
+fn write_rows(text: &mut String, model: &Model, lines: &[MpsLine<'_>], objective: &str) {
     put(text, format_args!("{}\n", format!("NAME          {}", model.name()).trim_end()));
     if model.sense() == Sense::Maximize {
         text.push_str("OBJSENSE\n    MAX\n");
@@ -70,7 +70,7 @@ fn write_rows(text: &mut String, model: &Model, lines: &[Line<'_>], objective: &
 fn write_columns(
     text: &mut String,
     model: &Model,
-    lines: &[Line<'_>],
+    lines: &[MpsLine<'_>],
     columns: &[String],
     objective: &str,
 ) {
@@ -107,7 +107,7 @@ fn write_columns(
     mark(text, false);
 }
 
-fn write_limits(text: &mut String, model: &Model, lines: &[Line<'_>], objective: &str) {
+fn write_limits(text: &mut String, model: &Model, lines: &[MpsLine<'_>], objective: &str) {
     text.push_str("RHS\n");
     // A right-hand side of the objective row is the negative of its constant.
     let constant = model.objective().affine().offset();

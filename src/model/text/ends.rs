@@ -83,3 +83,12 @@ pub(crate) fn only_zero(name: &str, (lower, upper): (f64, f64)) -> String {
         "the bounds of the semi-continuous `{name}` are crossed, {low} > {high}, so it is 0{doubt}"
     )
 }
+
+/// The message about a semi-continuous variable with negative values.
+pub(crate) fn negative(name: &str, (lower, upper): (f64, f64)) -> String {
+    let (low, high) = (Exact(lower), Exact(upper));
+    format!(
+        "`{name}` is 0 or between {low} and {high}; some solvers refuse negative values of \
+         semi-continuous variables"
+    )
+}

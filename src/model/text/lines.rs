@@ -9,7 +9,7 @@ use crate::model::semicontinuous::with_zero;
 use crate::model::{Model, VariableRef};
 
 /// A row of a file: a linear row or the row of an indicator.
-pub(crate) struct Line<'a> {
+pub(crate) struct FileLine<'a> {
     pub(crate) name: &'a Name,
     pub(crate) terms: &'a [(Variable, f64)],
     pub(crate) limits: Interval,
@@ -19,7 +19,10 @@ pub(crate) struct Line<'a> {
 /// The linear rows and then the indicators, in the order of creation.
 ///
 /// Names and limits are checked again, because a deserialised model may hold any.
-pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Line<'a>>, Error> {
+pub(crate) fn lines<'a>(
+    model: &'a Model,
+    format: &'static str,
+) -> Result<Vec<FileLine<'a>>, Error> {
     if model.name().chars().any(|c| c.is_control() && c != '\t') {
         return Err(ErrorKind::InvalidName { name: model.name().to_owned() }.into());
     }
@@ -39,17 +42,17 @@ pub(crate) fn lines<'a>(model: &'a Model, format: &'static str) -> Result<Vec<Li
     model.special_ordered_sets().try_for_each(|set| set.name().check())?;
     let rows = model.constraints().map(|row| {
         let (name, terms, limits) = (row.name(), row.terms(), row.limits());
-        Ok::<_, Error>(Line { name, terms, limits, condition: None })
+        Ok::<_, Error>(FileLine { name, terms, limits, condition: None })
     });
     let switched = model.indicators().map(|row| {
         let (name, terms, limits) = (row.name(), row.terms(), row.limits());
         let literal = row.condition().as_literal();
         let literal = literal.ok_or_else(|| not_in_file("the compound condition of", name))?;
-        Ok(Line { name, terms, limits, condition: Some(literal) })
+        Ok(FileLine { name, terms, limits, condition: Some(literal) })
     });
     rows.chain(switched)
         .map(|line| {
-            let line: Line<'_> = line?;
+            let line: FileLine<'_> = line?;
             line.name.check()?;
             if line.limits.lower.is_infinite() && line.limits.upper.is_infinite() {
                 return Err(ErrorKind::UnlimitedRow { name: line.name.to_string() }.into());
@@ -83,7 +86,7 @@ pub(crate) fn file_bounds(
 }
 
 /// A name for the objective row that no other row has.
-pub(crate) fn objective_name(lines: &[Line<'_>]) -> String {
+pub(crate) fn objective_name(lines: &[FileLine<'_>]) -> String {
     let mut name = "obj".to_owned();
     while lines.iter().any(|line| line.name.step().is_none() && line.name.family() == name) {
         name.push('_');

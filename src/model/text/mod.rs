@@ -5,5 +5,6 @@ pub(crate) mod ends;
 pub(crate) mod lines;
 pub(crate) mod names;
 pub(crate) mod read;
+pub(crate) mod row_condition;
 pub(crate) mod sets;
 pub(crate) mod token;

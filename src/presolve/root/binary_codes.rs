@@ -3,14 +3,14 @@
 //! If `z_1 + ... + z_k = 1` and binaries say in which half of the columns the 1 is (`sum of z over
 //! S <= b` and `sum of the others <= 1 - b`), then each `b` is the sum over its `S`. If no two
 //! columns have the same code, each `z` is whole wherever the `b` are (Vielma and Nemhauser 2011).
-//! Branching on a `b` says little, and nothing that knows "exactly one of these" sees it. So the
-//! columns become binaries, and the codes leave with their rows.
+//! Branching on a `b` excludes little, and rules for "exactly one of these" do not apply to it. So the
+//! columns become binaries, and the codes are dropped with their rows.
 
 use super::postsolve::{Restored, Undo};
 use super::work::Work;
 
-/// Longest rows that are looked at (columns); codes have 64 bits.
-const LONGEST: usize = 1000;
+/// The largest number of columns that a code distinguishes here; codes have 64 bits.
+const MAX_CODED_COLUMNS: usize = 1000;
 
 /// A binary of a code, with its two rows and what their terms are multiplied by.
 #[derive(Debug, Clone)]
@@ -59,7 +59,7 @@ fn one_of(work: &Work, row: usize) -> Option<(Vec<usize>, f64)> {
     let &(_, first) = entries.first()?;
     let alike = entries.iter().all(|&(j, a)| a == first && work.lower[j] == 0.0 && !work.given[j]);
     let one = work.is_equality(row) && work.row_lower[row] == first;
-    let fits = alike && one && (2..=LONGEST).contains(&entries.len());
+    let fits = alike && one && (2..=MAX_CODED_COLUMNS).contains(&entries.len());
     fits.then(|| (entries.iter().map(|e| e.0).collect(), first))
 }
 

@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 
 use faer::sparse::{SparseColMat, SparseRowMat, Triplet};
 
+use crate::presolve::UnionFind;
 use crate::program::Program;
 
 /// A part of a program, with an offset of 0.
@@ -31,7 +32,7 @@ impl Block {
 /// first block.
 pub fn blocks(program: &Program) -> Vec<Block> {
     let n = program.column_count();
-    let mut parts = Parts { parent: (0..n).collect() };
+    let mut parts = UnionFind::new(n);
     for row in 0..program.row_count() {
         let columns = program.row(row).0;
         columns.windows(2).for_each(|pair| parts.join(pair[0], pair[1]));
@@ -79,27 +80,6 @@ pub fn blocks(program: &Program) -> Vec<Block> {
     }
     blocks.sort_by_key(|block| (block.program.integers.len(), block.columns[0]));
     blocks
-}
-
-/// Connected columns (union-find).
-struct Parts {
-    parent: Vec<usize>,
-}
-
-impl Parts {
-    fn root(&mut self, mut j: usize) -> usize {
-        while self.parent[j] != j {
-            self.parent[j] = self.parent[self.parent[j]];
-            j = self.parent[j];
-        }
-        j
-    }
-
-    /// The smaller number is the root, so that chains of columns stay short.
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
-    }
 }
 
 fn pick_widened(from: &[f64], which: &[usize]) -> Vec<f64> {

@@ -8,12 +8,12 @@ use super::postsolve::{Restored, Undo};
 use super::work::{Infeasible, Sparse, Work};
 use crate::presolve::coefficients::{Columns, round_limits, tighten_terms};
 
-/// Distance from 0 up to which a row counts as binding, relative to its terms.
-const BINDING: f64 = 1e-6;
+/// The distance from its limit up to which a row counts as binding, relative to its terms.
+const BINDING_DISTANCE: f64 = 1e-6;
 
 /// A row as it was before it was tightened.
 #[derive(Debug)]
-struct Tightened {
+struct TightenedRow {
     row: usize,
     /// The row in the form `sign * entries <= limit`.
     entries: Sparse,
@@ -57,14 +57,14 @@ fn tighten(work: &mut Work, row: usize) -> bool {
         if entries.iter().any(|&(j, _)| !work.integral[j]) {
             let tight = work.rows[row].clone();
             let (sign, limit) = if old[1].is_finite() { (1.0, old[1]) } else { (-1.0, -old[0]) };
-            work.push(Tightened { row, entries, sign, limit, tight });
+            work.push(TightenedRow { row, entries, sign, limit, tight });
         }
     }
     work.memory = terms;
     new.is_some()
 }
 
-impl Undo for Tightened {
+impl Undo for TightenedRow {
     /// A row that only binds in its tight form binds because its columns are at their bounds, so the
     /// bounds take the pressure over.
     fn dual(&self, all: &mut Restored) {
@@ -75,7 +75,7 @@ impl Undo for Tightened {
         let activity: f64 = self.entries.iter().map(|&(j, a)| self.sign * a * all.x[j]).sum();
         let scale = self.entries.iter().map(|&(j, a)| (a * all.x[j]).abs()).fold(1.0, f64::max);
         self.tight.iter().for_each(|&(j, a)| all.d[j] -= a * y);
-        if self.limit - activity > BINDING * scale {
+        if self.limit - activity > BINDING_DISTANCE * scale {
             all.y[self.row] = 0.0;
         } else {
             self.entries.iter().for_each(|&(j, a)| all.d[j] += a * y);

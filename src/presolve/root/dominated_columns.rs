@@ -15,12 +15,12 @@
 use super::fixed_columns::fix;
 use super::work::Work;
 
-/// Reduced costs must clear 0 by this much, relative to their terms, where bounds of multipliers had to
-/// be computed; signs alone are exact.
-const MARGIN: f64 = 1e-9;
+/// The distance of a reduced cost from 0 at which its sign counts, relative to its terms, if bounds of
+/// multipliers were computed. Signs alone are exact.
+const REDUCED_COST_MARGIN: f64 = 1e-9;
 
-/// Rounds of tightening the bounds of multipliers.
-const ROUNDS: usize = 3;
+/// The largest number of rounds that tighten the bounds of multipliers.
+const MAX_MULTIPLIER_ROUNDS: usize = 3;
 
 pub(super) fn apply(work: &mut Work) -> usize {
     let mut changes = 0;
@@ -43,7 +43,7 @@ pub(super) fn apply(work: &mut Work) -> usize {
     let dominated: Vec<(usize, f64)> = work
         .live_columns()
         .into_iter()
-        .filter_map(|j| Some((j, decided(work, j, |row| multipliers[row], MARGIN)?)))
+        .filter_map(|j| Some((j, decided(work, j, |row| multipliers[row], REDUCED_COST_MARGIN)?)))
         .collect();
     // One at a time: the argument for the next column needs the program without this one.
     if let Some(&(column, value)) = dominated.first() {
@@ -139,7 +139,7 @@ fn multipliers(work: &Work) -> Vec<[f64; 2]> {
             missing && !work.integral[j] && work.is_straight(j)
         })
         .collect();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_MULTIPLIER_ROUNDS {
         let mut changed = false;
         for &column in &open {
             // d <= 0 without a lower bound, d >= 0 without an upper one.
@@ -151,13 +151,13 @@ fn multipliers(work: &Work) -> Vec<[f64; 2]> {
                 let rest = reduced_cost(work, column, |i| bounds[i], Some(row));
                 let (p, q) = ((limits[0] - rest[1]) / a, (limits[1] - rest[0]) / a);
                 let (p, q) = (p.min(q), p.max(q));
-                // Loosened by a hair; quotients that are not numbers compare false.
-                let hair = |value: f64| 1e-9 * value.abs().max(1.0);
-                if p.is_finite() && p - hair(p) > bounds[row][0] {
-                    (bounds[row][0], changed) = (p - hair(p), true);
+                // Loosened by a rounding; quotients that are not numbers compare false.
+                let rounding = |value: f64| 1e-9 * value.abs().max(1.0);
+                if p.is_finite() && p - rounding(p) > bounds[row][0] {
+                    (bounds[row][0], changed) = (p - rounding(p), true);
                 }
-                if q.is_finite() && q + hair(q) < bounds[row][1] {
-                    (bounds[row][1], changed) = (q + hair(q), true);
+                if q.is_finite() && q + rounding(q) < bounds[row][1] {
+                    (bounds[row][1], changed) = (q + rounding(q), true);
                 }
             }
         }

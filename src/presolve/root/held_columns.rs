@@ -1,12 +1,13 @@
-//! Held columns: a column that only one row keeps from moving is where this row holds it.
+//! Held columns: if only one row keeps a column from moving, that row becomes an equality.
 //!
-//! If a column's cost and all of its rows but one let it fall, it falls until that one row or its
-//! bound holds it. If the row does so first, the row is an equality from there on, and other rules
-//! can replace the column: of `x <= z`, where nothing else wants `z` to be large, `z = x`.
+//! If a column's cost and all of its rows but one let it fall, some optimum has it where that row or its
+//! bound stops it. If the row does so before the bound, the row holds with equality, and other rules can
+//! replace the column: from `x <= z`, where nothing else keeps `z` up, follows `z = x`.
 //! Multipliers are restored in continuous programs; those with integers have none.
 
-use super::work::{IMPLIED, Work};
+use super::work::Work;
 use crate::presolve::coefficients::is_whole;
+use crate::presolve::parameters::IMPLIED;
 
 pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     if work.given[column] || !work.is_straight(column) {

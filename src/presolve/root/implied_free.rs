@@ -1,20 +1,20 @@
-//! Implied free columns: columns whose bounds are implied by rows are substituted by an equality.
-//!
-//! If the rows of a column imply its bounds, these are redundant, and the column is only a name for
-//! the rest of an equality.
+//! Implied free columns: if the rows of a column imply its bounds, an equality replaces the column.
 
 use super::substitute::{is_stable, substitute};
-use super::work::{IMPLIED, Work};
+use super::work::Work;
+use crate::presolve::parameters::IMPLIED;
 
-/// Longest equality, and most rows of a column, that are looked at.
-const LONGEST: usize = 6;
-const MOST_ROWS: usize = 4;
+/// The largest number of terms of an equality that replaces a column.
+const MAX_EQUALITY_TERMS: usize = 6;
 
-/// By how many entries the matrix may grow with one substitution.
-const FILL: isize = 0;
+/// The largest number of rows of a column that is replaced.
+const MAX_COLUMN_ROWS: usize = 4;
+
+/// The largest number of entries that one substitution may add to the matrix.
+const MAX_FILL: isize = 0;
 
 pub(super) fn apply(work: &mut Work, row: usize) -> usize {
-    if !work.is_equality(row) || !(2..=LONGEST).contains(&work.rows[row].len()) {
+    if !work.is_equality(row) || !(2..=MAX_EQUALITY_TERMS).contains(&work.rows[row].len()) {
         return 0;
     }
     let candidates = work.rows[row].iter().map(|&(j, _)| j);
@@ -22,8 +22,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> usize {
         .filter(|&j| {
             !work.integral[j]
                 && work.is_straight(j)
-                && work.uses[j].len() <= MOST_ROWS
-                && fill(work, j, row) <= FILL
+                && work.uses[j].len() <= MAX_COLUMN_ROWS
+                && fill(work, j, row) <= MAX_FILL
                 && is_stable(work, j, row)
                 && is_implied_free(work, j)
         })

@@ -23,8 +23,8 @@ use super::postsolve::{Restored, Undo};
 use super::work::{Sparse, Work};
 use crate::sum::{exact_product, exact_sum};
 
-/// Most entries that the elimination looks at, as a multiple of those it begins with.
-const WORK: usize = 50;
+/// The largest number of entries that the elimination visits, as a multiple of the initial ones.
+const ELIMINATION_WORK: usize = 50;
 
 /// Bounds that were dropped, and the direction that leaves them behind.
 #[derive(Debug)]
@@ -122,7 +122,7 @@ impl Elimination {
             expressed: vec![None; open.len()],
             users: vec![Vec::new(); open.len()],
             open,
-            left: WORK * (entries + 1),
+            left: ELIMINATION_WORK * (entries + 1),
         }
     }
 

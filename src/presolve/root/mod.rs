@@ -6,7 +6,6 @@
 mod binary_codes;
 mod blocks;
 mod coefficients;
-mod coverings;
 mod dominated_columns;
 mod doubletons;
 mod fixed_columns;
@@ -14,7 +13,6 @@ mod held_columns;
 mod implied_binaries;
 mod implied_free;
 mod lineality;
-mod parallel_columns;
 mod parallel_rows;
 mod postsolve;
 mod redundant_rows;
@@ -44,34 +42,29 @@ pub enum Rule {
     RedundantRows,
     /// Rows that are multiples of another one are merged into it.
     ParallelRows,
-    /// Columns of which exactly one is 1, told by the code of some binaries, become binaries.
+    /// Columns of which exactly one is 1, as the code of some binaries determines, become binaries.
     BinaryCodes,
     /// Equalities over two columns replace one of them.
     Doubletons,
     /// If columns can be shifted together without changing any row or the objective, one of them is fixed.
     Lineality,
-    /// Continuous columns in one row only become part of its limits.
+    /// Continuous columns that are in one row only become part of its limits.
     SlackColumns,
     /// Columns whose bounds an equality implies are replaced by it.
     ImpliedFree,
-    /// Columns between 0 and 1 that may as well be whole become binaries.
+    /// Columns between 0 and 1 that are whole in some optimum become binaries.
     ImpliedBinaries,
-    /// Binaries of which exactly one is 1, and which nothing else keeps from falling, become binaries
-    /// of which at least one is.
-    Coverings,
     /// The only row that keeps a column from moving becomes an equality.
     HeldColumns,
     /// Columns whose reduced cost has a known sign are fixed at a bound.
     DominatedColumns,
-    /// Columns that are multiples of another one are merged into it.
-    ParallelColumns,
     /// Coefficients and limits of rows with integers are tightened.
     Coefficients,
 }
 
 impl Rule {
     /// All rules, in the order of their application.
-    pub const ALL: [Rule; 15] = [
+    pub const ALL: [Rule; 13] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
         Rule::RedundantRows,
@@ -82,15 +75,13 @@ impl Rule {
         Rule::SlackColumns,
         Rule::ImpliedFree,
         Rule::ImpliedBinaries,
-        Rule::Coverings,
         Rule::HeldColumns,
         Rule::DominatedColumns,
-        Rule::ParallelColumns,
         Rule::Coefficients,
     ];
 
-    /// The rules that leave every column that stays its meaning, and every assignment of the integral
-    /// ones that has a point: for programs about whose columns something is known.
+    /// The rules that keep the meaning of every remaining column, and every assignment of the integral
+    /// ones that has a point. They suit programs whose columns are referred to from outside.
     pub const FAITHFUL: [Rule; 8] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
@@ -114,10 +105,8 @@ impl Rule {
             Rule::SlackColumns => Ok(work.each_column(work.live_columns(), slack_columns::apply)),
             Rule::ImpliedFree => work.each_row(|work, row| Ok(implied_free::apply(work, row))),
             Rule::ImpliedBinaries => Ok(implied_binaries::apply(work)),
-            Rule::Coverings => work.each_row(|work, row| Ok(coverings::apply(work, row))),
             Rule::HeldColumns => Ok(work.each_column(work.live_columns(), held_columns::apply)),
             Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
-            Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
             Rule::Coefficients => work.each_row(coefficients::apply),
         }
     }
@@ -135,7 +124,7 @@ pub enum Presolve {
 }
 
 /// Most rounds of all rules; each is linear in the entries, and nearly all programs need fewer.
-const ROUNDS: usize = 30;
+const MAX_RULE_ROUNDS: usize = 30;
 
 /// Applies rules to a program, in their order, repeatedly until nothing changes.
 ///
@@ -146,8 +135,8 @@ pub fn presolve(program: &Program, rules: &[Rule], token: &StopToken) -> Result<
     presolve_around(program, &[], rules, token)
 }
 
-/// As [`presolve`], for every value of some continuous columns within their bounds: these columns
-/// stay, with their bounds, and nothing that is concluded depends on where between them they are.
+/// As [`presolve`], for every value of some continuous columns within their bounds. These columns stay,
+/// with their bounds, and no conclusion depends on their values.
 ///
 /// # Errors
 ///
@@ -173,7 +162,7 @@ fn reduce(work: &mut Work, rules: &[Rule], token: &StopToken) -> Result<(), Infe
     let mut changes = 0;
     // By rule, the changes when it was last applied.
     let mut seen = vec![None; rules.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_RULE_ROUNDS {
         let before = changes;
         for (rule, seen) in rules.iter().zip(&mut seen) {
             if token.is_over() {

@@ -17,7 +17,7 @@ pub(super) trait Undo: Debug + Send + Sync {
     /// Gives values to the columns that the reduction took out, if it took out any.
     fn primal(&self, _x: &mut [f64]) {}
 
-    /// Passes on what known values of columns that the reduction took out say about others.
+    /// Derives values of other columns from known values of columns that the reduction took out.
     fn carry(&self, _known: &mut BTreeMap<usize, f64>) {}
 
     /// Gives multipliers to the rows, and reduced costs to the columns, that the reduction changed or
@@ -44,8 +44,8 @@ pub struct Presolved {
     pub program: Program,
     /// From its points to those of the original.
     pub postsolve: Postsolve,
-    /// How far rounding may have moved the objective, in its unit. A bound on the presolved program, less
-    /// this much, is a bound on the original: constants of 1e8 may cancel down to 1.
+    /// The largest error of the objective from rounding, in its unit: constants of 1e8 may cancel down to
+    /// 1. A bound on the presolved program, less this error, is a bound on the original.
     pub rounding: f64,
 }
 

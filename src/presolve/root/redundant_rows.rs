@@ -2,22 +2,20 @@
 //! only with equality, fix their columns at bounds.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{IMPLIED, Infeasible, Range, Sparse, Work, finite};
+use super::work::{ActivityRange, Infeasible, Sparse, Work};
+use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
+use crate::presolve::tightening::finite_size;
 use crate::tolerance;
 
-/// Excess of the least activity over a limit, relative, that proves infeasibility.
-const CROSSED: f64 = 1e-8;
-
-/// A row forces columns that change its activity by at least this many times the margin up to which it
-/// is taken to force them.
-const TELLING: f64 = 1e3;
+/// A row forces columns only if each can change its activity by at least this many times the margin.
+const MIN_FORCED_CHANGE: f64 = 1e3;
 
 /// A row that leaves each of its columns one bound.
 #[derive(Debug)]
 struct ForcingRow {
     row: usize,
     entries: Sparse,
-    /// Those of continuous columns, which are pressed.
+    /// The entries of continuous columns, whose reduced costs the row determines.
     continuous: Sparse,
     /// Whether the row holds its columns where its activity is largest (by its lower limit).
     by_lower: bool,
@@ -32,8 +30,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         return Err(Infeasible);
     }
     let margin = IMPLIED.max(4.0 * f64::EPSILON * range.scale);
-    // A row that is missed by more than is accepted forces nothing: it waits for what refutes it.
-    let missed = (CROSSED * range.scale).min(tolerance::FEASIBILITY).max(margin).max(noise);
+    // A row that is violated by more than is accepted forces nothing, because another step refutes it.
+    let missed = (CONTRADICTION * range.scale).min(tolerance::FEASIBILITY).max(margin).max(noise);
     let meets = |room: f64| room <= margin && room >= -missed;
     let forcing = if lower.is_finite() && meets(range.most - lower) {
         Some(true)
@@ -44,8 +42,8 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     };
     let tells = |&(j, a): &(usize, f64)| {
         let width = work.upper[j] - work.lower[j];
-        // However wide a column is, it is moved by no more than a part of its unit.
-        let moves = a.abs() * width.min(1.0) >= TELLING * margin.max(noise);
+        // Forcing a column moves it by a part of its unit at most, however wide it is.
+        let moves = a.abs() * width.min(1.0) >= MIN_FORCED_CHANGE * margin.max(noise);
         !work.given[j] && (width == 0.0 || moves)
     };
     if let Some(by_lower) = forcing.filter(|_| work.rows[row].iter().all(tells)) {
@@ -69,15 +67,15 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
     Ok(changes)
 }
 
-/// By how much a row may be missed by what it is not known to, in its unit.
-fn excess(work: &Work, row: usize, range: &Range) -> f64 {
-    let limit = finite(work.row_lower[row]).max(finite(work.row_upper[row]));
+/// The amount by which rounding may violate a row, in its unit.
+fn excess(work: &Work, row: usize, range: &ActivityRange) -> f64 {
+    let limit = finite_size(work.row_lower[row]).max(finite_size(work.row_upper[row]));
     let soft = if work.is_equality(row) { range.soft.max(limit) } else { range.soft };
-    // What exact terms miss is no rounding, and not accepted beyond the tolerance.
-    let missed = (CROSSED * soft).max(tolerance::FEASIBILITY);
+    // Exact terms have no rounding, so their violation counts beyond the tolerance.
+    let missed = (CONTRADICTION * soft).max(tolerance::FEASIBILITY);
     let scale = range.scale.max(limit);
     let rounding = f64::EPSILON * work.rows[row].len() as f64 * scale;
-    missed.min(CROSSED * scale) + rounding
+    missed.min(CONTRADICTION * scale) + rounding
 }
 
 /// Moves the columns of a row to the bounds that it leaves them, up to some room in the row's unit,
@@ -102,7 +100,7 @@ fn force(work: &mut Work, row: usize, by_lower: bool, room: f64) {
 }
 
 impl Undo for ForcingRow {
-    /// The least multiplier with which every column is pressed to the bound that it is at.
+    /// The smallest multiplier with which every column's reduced cost has the sign of its bound.
     fn dual(&self, all: &mut Restored) {
         let wanted = self.continuous.iter().map(|&(j, a)| -all.d[j] / a);
         let y = if self.by_lower { wanted.fold(0.0, f64::min) } else { wanted.fold(0.0, f64::max) };

@@ -1,14 +1,10 @@
 //! Singleton rows become bounds; empty rows are checked and dropped.
 
 use super::postsolve::{Restored, Undo};
-use super::work::{Infeasible, Work, finite};
+use super::work::{Infeasible, Work};
+use crate::presolve::parameters::{CONTRADICTION, IMPLIED};
+use crate::presolve::tightening::finite_size;
 use crate::tolerance;
-
-/// Rows without columns that miss 0 by more than this, relative to their limits, prove infeasibility.
-const MISSED: f64 = 1e-8;
-
-/// Sides that are missed by no more than this, in the row's unit, hold already.
-const NEGLIGIBLE: f64 = 1e-9;
 
 #[derive(Debug)]
 struct SingletonRow {
@@ -24,18 +20,18 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
         [] => {
             let (lower, upper) = (work.row_lower[row], work.row_upper[row]);
             let missed = lower.max(-upper);
-            if missed > (MISSED * missed.abs().max(1.0)).max(work.row_noise[row]) {
+            if missed > (CONTRADICTION * missed.abs().max(1.0)).max(work.row_noise[row]) {
                 return Err(Infeasible);
             }
             work.drop_row(row);
         }
         [(column, _)] if work.given[column] => return Ok(0),
         [(column, a)] => {
-            // A side that the column's bounds miss by a hair says nothing, however small its
-            // coefficient: `1e-17 z <= 0` does not fix a binary.
+            // A side that the column's bounds violate by rounding only is dropped, however small its
+            // coefficient is: `1e-17 z <= 0` does not fix a binary.
             let (p, q) = (a * work.lower[column], a * work.upper[column]);
             let noise = work.row_noise[row];
-            let margin = |limit: f64| NEGLIGIBLE.max(4.0 * f64::EPSILON * limit.abs()).max(noise);
+            let margin = |limit: f64| IMPLIED.max(4.0 * f64::EPSILON * limit.abs()).max(noise);
             let (mut lower, mut upper) = (work.row_lower[row], work.row_upper[row]);
             if p.min(q) >= lower - margin(lower) {
                 lower = f64::NEG_INFINITY;
@@ -46,10 +42,10 @@ pub(super) fn apply(work: &mut Work, row: usize) -> Result<usize, Infeasible> {
             let (p, q) = (lower / a, upper / a);
             (lower, upper) = (p.min(q), p.max(q));
             let gives = [lower > work.lower[column], upper < work.upper[column]];
-            let rounding = f64::EPSILON * finite(lower).max(finite(upper));
+            let rounding = f64::EPSILON * finite_size(lower).max(finite_size(upper));
             let noise = noise / a.abs() + rounding;
             if work.integral[column] {
-                // A whole value has to keep the row itself: 0 is near 2e-7, and misses `1e8 z >= 20`.
+                // A whole value must satisfy the row itself: 0 is near 2e-7, and violates `1e8 z >= 20`.
                 let tolerated = tolerance::INTEGRALITY.min(tolerance::FEASIBILITY / a.abs());
                 (lower, upper) = whole_bounds([lower, upper], tolerated.max(noise));
             }

@@ -6,11 +6,12 @@
 
 use super::postsolve::{Restored, Undo};
 use super::substitute::{is_stable, substitute};
-use super::work::{Work, finite};
+use super::work::Work;
+use crate::presolve::tightening::finite_size;
 
 /// A column without a cost that widened a row.
 #[derive(Debug)]
-struct Slack {
+struct RowSlack {
     column: usize,
     row: usize,
     coefficient: f64,
@@ -43,7 +44,8 @@ pub(super) fn apply(work: &mut Work, column: usize) -> usize {
     0
 }
 
-/// Makes a row an equality where a column's cost presses it against a limit and no bound does.
+/// Makes a row an equality if a column's cost moves the column up to a limit of the row, and no bound
+/// stops it before.
 fn bind(work: &mut Work, column: usize, row: usize) {
     let (a, cost) = (work.coefficient(row, column), work.linear[column]);
     let bound = if cost > 0.0 { work.lower[column] } else { work.upper[column] };
@@ -62,13 +64,13 @@ fn widen(work: &mut Work, column: usize, row: usize) {
     work.row_lower[row] -= p.max(q);
     work.row_upper[row] -= p.min(q);
     work.row_noise[row] += coefficient.abs() * work.column_noise[column];
-    work.add_rounding(row, finite(p).max(finite(q)));
+    work.add_rounding(row, finite_size(p).max(finite_size(q)));
     work.drop_column(column);
     let rest = work.rows[row].clone();
-    work.push(Slack { column, row, coefficient, bounds, limits, rest });
+    work.push(RowSlack { column, row, coefficient, bounds, limits, rest });
 }
 
-impl Undo for Slack {
+impl Undo for RowSlack {
     /// The value nearest to 0 with which the row and the bounds hold.
     fn primal(&self, x: &mut [f64]) {
         let rest: f64 = self.rest.iter().map(|&(k, a)| a * x[k]).sum();

@@ -8,19 +8,20 @@
 use std::collections::BTreeMap;
 
 use super::postsolve::{Restored, Undo};
-use super::work::{OldColumn, Sparse, WHOLE, Work};
+use super::work::{OldColumn, Sparse, Work};
+use crate::presolve::parameters::LARGEST_WHOLE;
 use crate::sum::{Sum, exact_product};
 use crate::tolerance;
 
-/// Entries that cancel to less than this, relative to what they came from, are 0.
-const CANCELLED: f64 = 1e-13;
+/// A difference of entries below this, relative to them, is 0.
+const CANCELLATION: f64 = 1e-13;
 
-/// Entries that cancel to less than this and are not 0 have too few digits left: a row of `8192 x` and
-/// one of `8192.0002 x` would leave a difference that is mostly rounding.
-const BLURRED: f64 = 1e-6;
+/// A difference of entries below this, relative to them, is mostly rounding: that of `8192 x` and
+/// `8192.0002 x`, for example. A substitution that leaves one, other than 0, is refused.
+const MIN_DIFFERENCE: f64 = 1e-6;
 
-/// Largest quotient of coefficients that goes into another row: numbers must not grow.
-const GROWTH: f64 = 1e3;
+/// The largest quotient of a coefficient and the pivot: entries of other rows must not grow.
+const MAX_PIVOT_RATIO: f64 = 1e3;
 
 #[derive(Debug)]
 struct Substituted {
@@ -36,19 +37,19 @@ struct Substituted {
     bounds: [f64; 2],
 }
 
-/// Largest rounding of a constant that replaces part of a column (the column's unit): more would show
-/// in the objective.
-const VISIBLE: f64 = 1e-9;
+/// The largest rounding of a constant that replaces part of a column, in the column's unit: more would
+/// show in the objective.
+const MAX_CONSTANT_ROUNDING: f64 = 1e-9;
 
 /// Whether a column can be expressed by a row without numbers growing or losing their digits.
 pub(super) fn is_stable(work: &Work, column: usize, row: usize) -> bool {
     let pivot = work.coefficient(row, column).abs();
-    let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= GROWTH * pivot);
+    let in_row = work.rows[row].iter().all(|(_, a)| a.abs() <= MAX_PIVOT_RATIO * pivot);
     let constant = work.row_lower[row] / pivot;
     !work.given[column]
         && in_row
-        && f64::EPSILON * constant.abs() <= VISIBLE
-        && work.column(column).all(|(_, a)| a.abs() <= GROWTH * pivot)
+        && f64::EPSILON * constant.abs() <= MAX_CONSTANT_ROUNDING
+        && work.column(column).all(|(_, a)| a.abs() <= MAX_PIVOT_RATIO * pivot)
         && work.uses[column].iter().all(|&i| i == row || is_sharp(work, column, row, i))
 }
 
@@ -59,11 +60,11 @@ fn is_sharp(work: &Work, column: usize, row: usize, other: usize) -> bool {
     entries.into_iter().all(|&(j, a)| {
         let (own, new) = (work.coefficient(other, j), factor * a);
         let (left, size) = ((own - new).abs(), own.abs().max(new.abs()));
-        left <= CANCELLED * size || left >= BLURRED * size
+        left <= CANCELLATION * size || left >= MIN_DIFFERENCE * size
     })
 }
 
-/// Replaces a column by what an equality says about it; `keep` leaves a row for its bounds.
+/// Substitutes a column by an equality; `keep` leaves a row for its bounds.
 pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool) {
     let old = work.remember(column);
     let coefficient = work.coefficient(row, column);
@@ -72,8 +73,8 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
     terms.retain(|&(j, _)| j != column);
     terms.iter_mut().for_each(|(_, a)| *a /= coefficient);
 
-    // The constant's own, and that of the quotients, which is multiplied by what columns are worth; values
-    // of continuous columns are rounded themselves.
+    // The rounding of the constant, and that of the quotients times the values of their columns. Values of
+    // continuous columns are rounded themselves.
     let is_exact = |quotient: f64, of: f64| exact_product(quotient, coefficient) == (of, 0.0);
     let mut rounded = terms.clone();
     rounded.retain(|&(j, a)| !(work.integral[j] && is_exact(a, work.coefficient(row, j))));
@@ -82,8 +83,8 @@ pub(super) fn substitute(work: &mut Work, column: usize, row: usize, keep: bool)
         size += constant.abs();
     }
     let noise = work.row_noise[row] / coefficient.abs() + f64::EPSILON * size;
-    // Of whole numbers nothing is rounded.
-    let is_whole = |value: f64| value == value.round() && value.abs() <= WHOLE;
+    // Arithmetic on whole numbers is exact.
+    let is_whole = |value: f64| value == value.round() && value.abs() <= LARGEST_WHOLE;
     let whole = work.integral[column]
         && is_whole(constant)
         && terms.iter().all(|&(j, a)| work.integral[j] && is_whole(a));
@@ -127,7 +128,7 @@ fn minus(row: &Sparse, factor: f64, terms: &Sparse) -> Sparse {
         p += usize::from(first <= second);
         q += usize::from(second <= first);
         let value = own + new;
-        if value.abs() > CANCELLED * own.abs().max(new.abs()) {
+        if value.abs() > CANCELLATION * own.abs().max(new.abs()) {
             sum.push((first.min(second), value));
         }
     }
@@ -146,7 +147,7 @@ fn substitute_objective(work: &mut Work, column: usize, constant: f64, terms: &S
         let entry = work.quadratic[i].entry(k).or_insert(0.0);
         let size = entry.abs().max(p.abs());
         *entry += p;
-        if entry.abs() <= CANCELLED * size {
+        if entry.abs() <= CANCELLATION * size {
             work.quadratic[i].remove(&k);
         }
     };

@@ -9,24 +9,19 @@ use faer::sparse::{CreationError, SparseColMat, SparseRowMat, Triplet};
 use super::postsolve::{Postsolve, Presolved, Undo};
 use crate::error::{Error, ErrorKind};
 use crate::presolve::coefficients::is_exact;
+use crate::presolve::parameters::{CONTRADICTION, LARGEST_WHOLE};
+use crate::presolve::tightening::finite_size;
 use crate::program::Program;
 use crate::solver::StopToken;
 use crate::tolerance;
 
-/// Bounds or limits crossed by more than this, relative, prove infeasibility; large ones less than that.
-const CROSSED: f64 = 1e-8;
+/// The rounding of a bound, and of the limit of an equality, that its users tolerate, relative to the
+/// limit.
+const SOFT_ROUNDING: f64 = 1e-9;
 
-/// Rounding of bounds, and of limits of equalities, up to this is allowed for wherever they are used,
-/// relative to the limit. A smaller part is allowed for in other rows, and in rows of exact terms: their
-/// large limits come from big-Ms, and must not hide by how much a row is missed without them.
-const IMPERCEPTIBLE: f64 = 1e-9;
-const SHARP: f64 = 1e-14;
-
-/// Whole numbers up to this are floats.
-pub(super) const WHOLE: f64 = 9_007_199_254_740_992.0;
-
-/// Limits and bounds implied up to this margin count as implied.
-pub(super) const IMPLIED: f64 = 1e-9;
+/// The same for limits of other rows, and of rows of exact terms. Their large limits come from big-Ms,
+/// which must not hide the violation of the row without them.
+const EXACT_ROUNDING: f64 = 1e-14;
 
 /// Proof that no point satisfies rows and bounds.
 #[derive(Debug, Clone, Copy)]
@@ -47,13 +42,13 @@ pub(super) struct Work {
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) column_alive: Vec<bool>,
-    /// How far rounding may have moved the limits of a row, in its unit. What cancels leaves it
-    /// behind, and the limit that is left does not tell.
+    /// By row, the largest error of its limits from rounding, in its unit. Terms that cancel leave their
+    /// rounding, which the remaining limit does not show.
     pub(super) row_noise: Vec<f64>,
-    /// The same of the bounds of a column.
+    /// By column, the largest error of its bounds from rounding, in its unit.
     pub(super) column_noise: Vec<f64>,
-    /// How far a column may be out at points within the radius of proofs, as a multiple of it, if it has
-    /// no bounds (no unit): what it now stands for may be further out than what it was.
+    /// By column without bounds, its largest magnitude at points within the radius of proofs, as a multiple
+    /// of the radius (no unit): a column may now stand for a sum of several.
     pub(super) spread: Vec<f64>,
     pub(super) integral: Vec<bool>,
     /// Columns whose value comes from outside: they keep their bounds, and no rule may choose their
@@ -64,7 +59,7 @@ pub(super) struct Work {
     pub(super) quadratic: Vec<BTreeMap<usize, f64>>,
     pub(super) offset: f64,
     constant: f64,
-    /// How far rounding may have moved the constant of the objective.
+    /// The largest error of the objective's constant from rounding.
     rounding: f64,
     pub(super) undos: Vec<Box<dyn Undo>>,
     step: Vec<Option<usize>>,
@@ -94,14 +89,14 @@ impl OldColumn {
 
 /// Least and largest value of a sum over some bounds; infinite ends included.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Range {
+pub(super) struct ActivityRange {
     pub(super) least: f64,
     pub(super) most: f64,
     /// The largest magnitude of a finite term.
     pub(super) scale: f64,
     /// The same of terms that are not exact, whose coefficients or columns may have been rounded.
     pub(super) soft: f64,
-    /// How far rounding may have moved either end.
+    /// The largest error of either end from rounding.
     pub(super) noise: f64,
 }
 
@@ -124,7 +119,9 @@ impl Work {
             rows,
             uses,
             // Limits may come from a sum themselves.
-            row_noise: limits.map(|(&l, &u)| f64::EPSILON * finite(l).max(finite(u))).collect(),
+            row_noise: limits
+                .map(|(&l, &u)| f64::EPSILON * finite_size(l).max(finite_size(u)))
+                .collect(),
             column_noise: vec![0.0; n],
             spread: vec![program.spread; n],
             row_lower: program.row_lower.clone(),
@@ -148,8 +145,8 @@ impl Work {
         }
     }
 
-    /// Whether rules should end where they are; asked between complete reductions, with the number
-    /// of entries looked at in between.
+    /// Whether rules should end. They check this between complete reductions, with the number of entries
+    /// that they have visited in between.
     pub(super) fn is_late(&mut self, entries: usize) -> bool {
         // A reduction looks at several times the entries of its row or column.
         self.token.spend(8 + 4 * entries)
@@ -201,11 +198,6 @@ impl Work {
     /// Whether a column has no part in the curvature of the objective.
     pub(super) fn is_straight(&self, column: usize) -> bool {
         self.quadratic[column].is_empty()
-    }
-
-    /// Whether the objective has curvature.
-    pub(super) fn is_curved(&self) -> bool {
-        !self.quadratic.iter().all(BTreeMap::is_empty)
     }
 
     /// The coefficient of a column in a row; 0 where it is not.
@@ -275,7 +267,7 @@ impl Work {
     /// Adds a product to the constant of the objective; one of whole numbers is exact.
     pub(super) fn add_to_objective(&mut self, factor: f64, value: f64) {
         let product = factor * value;
-        let whole = |value: f64| value == value.round() && value.abs() <= WHOLE;
+        let whole = |value: f64| value == value.round() && value.abs() <= LARGEST_WHOLE;
         let sum = self.offset + product;
         if whole(factor) && whole(value) && whole(product) && whole(self.offset) && whole(sum) {
             self.offset = sum;
@@ -284,12 +276,12 @@ impl Work {
         }
     }
 
-    /// Takes note that what the objective is told a column is worth may be off by `noise`. Products
-    /// with columns without bounds are left out.
+    /// Notes that the value of a column in the objective has an error of `noise`. Products with columns
+    /// without bounds are left out.
     pub(super) fn blur_objective(&mut self, column: usize, value: f64, noise: f64) {
         let mut slope = self.linear[column].abs();
         for (&other, p) in &self.quadratic[column] {
-            let size = finite(self.lower[other]).max(finite(self.upper[other]));
+            let size = finite_size(self.lower[other]).max(finite_size(self.upper[other]));
             slope += p.abs() * if other == column { value.abs() } else { size };
         }
         self.rounding += slope * noise;
@@ -302,15 +294,15 @@ impl Work {
         self.add_rounding(row, constant);
     }
 
-    /// Takes note of a constant that joined the limits of a row: its own rounding, and the sum's.
+    /// Notes the rounding of a constant that joined the limits of a row, and that of the sum.
     pub(super) fn add_rounding(&mut self, row: usize, constant: f64) {
-        let limit = finite(self.row_lower[row]).max(finite(self.row_upper[row]));
-        self.row_noise[row] += f64::EPSILON * (finite(constant) + limit);
+        let limit = finite_size(self.row_lower[row]).max(finite_size(self.row_upper[row]));
+        self.row_noise[row] += f64::EPSILON * (finite_size(constant) + limit);
     }
 
     /// The activity of some terms over the bounds.
-    pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> Range {
-        let mut range = Range { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
+    pub(super) fn range<'a>(&self, terms: impl Iterator<Item = &'a (usize, f64)>) -> ActivityRange {
+        let mut range = ActivityRange { least: 0.0, most: 0.0, scale: 1.0, soft: 1.0, noise: 0.0 };
         for &(j, a) in terms {
             let exact = self.integral[j] && is_exact(a);
             let (p, q) = (a * self.lower[j], a * self.upper[j]);
@@ -389,7 +381,7 @@ impl Work {
     /// Returns by how much: of rows, and of columns.
     fn allow_for_noise(&mut self) -> [Vec<f64>; 2] {
         let widen = |lower: &mut f64, upper: &mut f64, noise: f64, part: f64| {
-            let known = |limit: f64| IMPERCEPTIBLE.max(part * finite(limit));
+            let known = |limit: f64| SOFT_ROUNDING.max(part * finite_size(limit));
             let is_widened = noise > known(*lower).max(known(*upper));
             if is_widened {
                 (*lower, *upper) = (*lower - noise, *upper + noise);
@@ -400,13 +392,13 @@ impl Work {
         for (row, by) in rows.iter_mut().enumerate() {
             let exact = |&(j, a): &(usize, f64)| self.integral[j] && is_exact(a);
             let soft = self.is_equality(row) && !self.rows[row].iter().all(exact);
-            let part = if soft { IMPERCEPTIBLE } else { SHARP };
+            let part = if soft { SOFT_ROUNDING } else { EXACT_ROUNDING };
             let (lower, upper) = (&mut self.row_lower[row], &mut self.row_upper[row]);
             *by = widen(lower, upper, self.row_noise[row], part);
         }
         for (j, by) in columns.iter_mut().enumerate().filter(|(j, _)| !self.integral[*j]) {
             let (lower, upper) = (&mut self.lower[j], &mut self.upper[j]);
-            *by = widen(lower, upper, self.column_noise[j], IMPERCEPTIBLE);
+            *by = widen(lower, upper, self.column_noise[j], SOFT_ROUNDING);
         }
         [rows, columns]
     }
@@ -467,13 +459,8 @@ impl Work {
     }
 }
 
-/// By how much bounds or limits may be crossed: by rounding, or by what is accepted anyway.
+/// The amount by which bounds or limits may be crossed: rounding, or the accepted violation.
 fn crossed(lower: f64, upper: f64) -> f64 {
     let scale = lower.abs().max(upper.abs()).max(1.0);
-    (CROSSED * scale).min(tolerance::FEASIBILITY.max(SHARP * scale))
-}
-
-/// The size of a limit; 0 where there is none.
-pub(super) fn finite(limit: f64) -> f64 {
-    if limit.is_finite() { limit.abs() } else { 0.0 }
+    (CONTRADICTION * scale).min(tolerance::FEASIBILITY.max(EXACT_ROUNDING * scale))
 }

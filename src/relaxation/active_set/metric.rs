@@ -2,31 +2,26 @@
 //! `u = L'x + L⁻¹q`, the objective is `1/2 |u|²` up to a constant, and a row `a'x` becomes
 //! `(L⁻¹a)'u` up to a constant.
 
-use super::triangle::{Triangle, dot};
+use super::parameters::{MAX_ROW_VIOLATION, MIN_CHOLESKY_PIVOT};
+use super::triangle::{LowerTriangle, dot};
 use crate::presolve::Reduced;
-
-/// A pivot below this fraction of its diagonal entry counts as none.
-const FLAT: f64 = 1e-9;
-
-/// Violations below this, in units of a row's largest coefficient or of its limit, are none.
-const FEASIBLE: f64 = 1e-9;
 
 /// A finite limit of a row or of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum LimitSide {
     Lower,
     Upper,
     /// Both, at the same value: the multiplier may have either sign.
     Both,
 }
 
-impl Side {
+impl LimitSide {
     /// Whether the multiplier of a limit has a sign that none may have.
     pub(super) fn refuses(self, multiplier: f64) -> bool {
         match self {
-            Side::Lower => multiplier > 0.0,
-            Side::Upper => multiplier < 0.0,
-            Side::Both => false,
+            LimitSide::Lower => multiplier > 0.0,
+            LimitSide::Upper => multiplier < 0.0,
+            LimitSide::Both => false,
         }
     }
 }
@@ -46,7 +41,7 @@ struct Image {
 #[derive(Debug)]
 pub(super) struct Metric<'a> {
     pub(super) program: &'a Reduced,
-    factor: Triangle,
+    factor: LowerTriangle,
     /// `L⁻¹q`.
     shift: Vec<f64>,
     images: Vec<Option<Image>>,
@@ -59,7 +54,7 @@ impl<'a> Metric<'a> {
     /// `None` if the program is not strictly convex, up to rounding.
     pub(super) fn new(program: &'a Reduced) -> Option<Self> {
         let n = program.columns.len();
-        let mut factor = Triangle::default();
+        let mut factor = LowerTriangle::default();
         let mut row = vec![0.0; n];
         for j in 0..n {
             row[..=j].fill(0.0);
@@ -68,7 +63,7 @@ impl<'a> Metric<'a> {
             let diagonal = row[j];
             factor.solve(&mut row[..j], 0);
             let pivot = diagonal - dot(&row[..j], &row[..j]);
-            if !(pivot > FLAT * diagonal && pivot.is_finite()) {
+            if !(pivot > MIN_CHOLESKY_PIVOT * diagonal && pivot.is_finite()) {
                 return None;
             }
             factor.push(&row[..j], pivot.sqrt());
@@ -121,22 +116,22 @@ impl<'a> Metric<'a> {
         (&self.vectors[image.begin..image.begin + self.shift.len()], image.size)
     }
 
-    /// The unit vector of a row or column that [`unit`](Self::unit) has been asked for.
+    /// The unit vector of a row or column that [`unit`](Self::unit) has computed.
     pub(super) fn known(&self, k: usize) -> &[f64] {
         let begin = self.images[k].map_or(0, |image| image.begin);
         &self.vectors[begin..begin + self.shift.len()]
     }
 
     /// The value that the unit vector takes at a limit.
-    pub(super) fn level(&mut self, k: usize, side: Side) -> f64 {
+    pub(super) fn level(&mut self, k: usize, side: LimitSide) -> f64 {
         let image = self.image(k);
         self.limit(k, side) / image.size + image.shift
     }
 
     /// The limit itself.
-    pub(super) fn limit(&self, k: usize, side: Side) -> f64 {
+    pub(super) fn limit(&self, k: usize, side: LimitSide) -> f64 {
         let [lower, upper] = self.limits(k);
-        if side == Side::Upper { upper } else { lower }
+        if side == LimitSide::Upper { upper } else { lower }
     }
 
     /// Both limits of a row or column.
@@ -173,7 +168,7 @@ impl<'a> Metric<'a> {
     }
 
     /// The row or column that a point violates most, in units of its largest coefficient.
-    pub(super) fn most_violated(&self, x: &[f64], skip: &[bool]) -> Option<(usize, Side)> {
+    pub(super) fn most_violated(&self, x: &[f64], skip: &[bool]) -> Option<(usize, LimitSide)> {
         let mut most = 0.0;
         let mut found = None;
         for k in (0..self.len()).filter(|&k| !skip[k]) {
@@ -183,19 +178,19 @@ impl<'a> Metric<'a> {
             }
             let value = self.value(k, x);
             let (by, side) = if lower - value > value - upper {
-                (lower - value, Side::Lower)
+                (lower - value, LimitSide::Lower)
             } else {
-                (value - upper, Side::Upper)
+                (value - upper, LimitSide::Upper)
             };
             let unit = self.largest.get(k).copied().unwrap_or(1.0);
-            let limit = if side == Side::Lower { lower } else { upper };
-            if by > FEASIBLE * unit.max(limit.abs()) && by / unit > most {
+            let limit = if side == LimitSide::Lower { lower } else { upper };
+            if by > MAX_ROW_VIOLATION * unit.max(limit.abs()) && by / unit > most {
                 (most, found) = (by / unit, Some((k, side)));
             }
         }
-        let both = |(k, side): (usize, Side)| {
+        let both = |(k, side): (usize, LimitSide)| {
             let [lower, upper] = self.limits(k);
-            (k, if lower == upper { Side::Both } else { side })
+            (k, if lower == upper { LimitSide::Both } else { side })
         };
         found.map(both)
     }

@@ -11,31 +11,27 @@
 //! interior-point method would begin from nothing.
 
 mod metric;
+mod parameters;
 mod triangle;
 mod working_set;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use metric::{Metric, Side};
+use metric::{LimitSide, Metric};
+use parameters::MAX_DENSE_COLUMNS;
 use working_set::WorkingSet;
-
-/// Programs with more columns are left to methods that see which entries are zero.
-const MOST_COLUMNS: usize = 150;
-
-/// The relative margin by which a bound must exceed the cutoff before the method stops.
-const PROMISE: f64 = 1e-7;
 
 /// The active-set method for small dense programs.
 #[derive(Debug, Clone, Default)]
 pub struct ActiveSet {}
 
-/// The limits that hold at an optimum.
+/// The limits that are active at an optimum.
 #[derive(Debug)]
-struct Active(Vec<Held>);
+struct ActiveLimits(Vec<HeldLimit>);
 
 /// A limit of the parent, by its row or column of the program, with its multiplier.
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct HeldLimit {
     is_row: bool,
     of: usize,
     multiplier: f64,
@@ -47,30 +43,21 @@ impl ActiveSet {
         Self::default()
     }
 
-    /// Whether a program is of the kind that this method is for.
+    /// Whether the method suits a program.
     pub fn suits(program: &Reduced) -> bool {
         let n = program.columns.len();
         let curved = |j: usize| program.quadratic.vector(j).0.contains(&j);
         let dense = 8 * program.quadratic.index.len() >= n * n;
-        n <= MOST_COLUMNS && dense && (0..n).all(curved)
+        n <= MAX_DENSE_COLUMNS && dense && (0..n).all(curved)
     }
 }
 
 impl Relaxation for ActiveSet {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let (n, m) = (program.columns.len(), program.rows.len());
         let metric = if ActiveSet::suits(program) { Metric::new(program) } else { None };
-        let Some(metric) = metric else {
-            return RelaxationResult {
-                claim: Claim::Unknown,
-                x: vec![f64::NAN; n],
-                y: vec![0.0; m],
-                iterations: 0,
-                warm: None,
-            };
-        };
-        let set = WorkingSet::new(n + m);
-        let mut run = Run { metric, set, steps: 0, x: Vec::new(), ray: None };
+        let Some(metric) = metric else { return RelaxationResult::nothing(program) };
+        let set = WorkingSet::new(metric.len());
+        let mut run = ActiveSetRun { metric, set, steps: 0, x: Vec::new(), ray: None };
         run.start(effort.warm.and_then(WarmState::get));
         let claim = run.finish(effort);
         run.answer(claim)
@@ -78,7 +65,7 @@ impl Relaxation for ActiveSet {
 }
 
 /// One solve.
-struct Run<'a> {
+struct ActiveSetRun<'a> {
     metric: Metric<'a>,
     set: WorkingSet,
     steps: u32,
@@ -87,13 +74,13 @@ struct Run<'a> {
     ray: Option<Vec<f64>>,
 }
 
-impl Run<'_> {
+impl ActiveSetRun<'_> {
     /// Fills the working set: equalities, and what held at the parent.
-    fn start(&mut self, parent: Option<&Active>) {
+    fn start(&mut self, parent: Option<&ActiveLimits>) {
         let program = self.metric.program;
         let m = program.rows.len();
         let mut wanted: Vec<(usize, f64)> = Vec::new();
-        if let Some(Active(parent)) = parent {
+        if let Some(ActiveLimits(parent)) = parent {
             let mut at = [vec![usize::MAX; 0], vec![usize::MAX; 0]];
             for (is_row, names) in [(0, &program.columns), (1, &program.origin)] {
                 for (k, &name) in names.iter().enumerate().filter(|(_, name)| **name != usize::MAX)
@@ -118,9 +105,9 @@ impl Run<'_> {
             }
             let [lower, upper] = self.metric.limits(of);
             let side = match multiplier {
-                _ if lower == upper => Side::Both,
-                y if y > 0.0 && upper.is_finite() => Side::Upper,
-                y if y < 0.0 && lower.is_finite() => Side::Lower,
+                _ if lower == upper => LimitSide::Both,
+                y if y > 0.0 && upper.is_finite() => LimitSide::Upper,
+                y if y < 0.0 && lower.is_finite() => LimitSide::Lower,
                 _ => continue,
             };
             let candidate = self.set.candidate(&mut self.metric, of, side);
@@ -132,7 +119,7 @@ impl Run<'_> {
     }
 
     fn finish(&mut self, effort: &Effort<'_>) -> Claim {
-        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        let enough = effort.sufficient_bound();
         let mut refined = false;
         while self.steps < effort.iterations && !effort.token.is_over() {
             self.steps += 1;
@@ -200,13 +187,13 @@ impl Run<'_> {
             } else {
                 program.columns.get(member.of - m)
             };
-            held.extend(name.map(|&of| Held { is_row, of, multiplier }));
+            held.extend(name.map(|&of| HeldLimit { is_row, of, multiplier }));
         }
         if self.x.is_empty() {
             self.x = vec![f64::NAN; n];
         }
         let y = self.ray.unwrap_or(y);
-        let warm = Some(WarmState::new(Active(held)));
+        let warm = Some(WarmState::new(ActiveLimits(held)));
         RelaxationResult { claim, x: self.x, y, iterations: u64::from(self.steps), warm }
     }
 }

@@ -2,12 +2,12 @@
 
 /// A lower triangle; row `i` has `i + 1` entries, the last of them positive.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Triangle {
+pub(super) struct LowerTriangle {
     entries: Vec<f64>,
     len: usize,
 }
 
-impl Triangle {
+impl LowerTriangle {
     fn row(&self, i: usize) -> &[f64] {
         let begin = i * (i + 1) / 2;
         &self.entries[begin..=begin + i]

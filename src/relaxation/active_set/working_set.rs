@@ -1,32 +1,26 @@
 //! The working set: limits that hold with equality, their multipliers, and the factor of their
 //! products.
 
-use super::metric::{Metric, Side};
-use super::triangle::{Triangle, add_multiple, dot};
-
-/// The squared sine of the angle between a vector and the span of others below which it counts as
-/// one of them.
-const DEPENDENT: f64 = 1e-12;
-
-/// Multipliers below this fraction of the largest one are rounding.
-const ROUNDING: f64 = 1e-13;
+use super::metric::{LimitSide, Metric};
+use super::parameters::{MIN_SQUARED_SINE, MULTIPLIER_ROUNDING};
+use super::triangle::{LowerTriangle, add_multiple, dot};
 
 /// A limit that is held.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Member {
+pub(super) struct WorkingLimit {
     /// A row or a column.
     pub(super) of: usize,
-    pub(super) side: Side,
+    pub(super) side: LimitSide,
     /// The value that its unit vector takes.
     level: f64,
     pub(super) multiplier: f64,
 }
 
-/// A limit on its way into the working set: how it depends on the members.
+/// A limit that may enter the working set, with its dependence on the members.
 #[derive(Debug)]
-pub(super) struct Candidate {
+pub(super) struct EnteringLimit {
     of: usize,
-    side: Side,
+    side: LimitSide,
     /// Its row of the factor, and the diagonal entry.
     row: Vec<f64>,
     diagonal: f64,
@@ -34,17 +28,17 @@ pub(super) struct Candidate {
     multiples: Vec<f64>,
 }
 
-impl Candidate {
+impl EnteringLimit {
     pub(super) fn is_dependent(&self) -> bool {
-        self.diagonal * self.diagonal <= DEPENDENT
+        self.diagonal * self.diagonal <= MIN_SQUARED_SINE
     }
 }
 
 #[derive(Debug, Default)]
 pub(super) struct WorkingSet {
-    pub(super) members: Vec<Member>,
+    pub(super) members: Vec<WorkingLimit>,
     /// `C` with `C C'` the products of the members' unit vectors.
-    factor: Triangle,
+    factor: LowerTriangle,
     /// By row and column: whether it is a member.
     pub(super) holds: Vec<bool>,
 }
@@ -54,10 +48,15 @@ impl WorkingSet {
         WorkingSet { holds: vec![false; len], ..WorkingSet::default() }
     }
 
-    /// How a limit depends on the members.
-    pub(super) fn candidate(&self, metric: &mut Metric<'_>, of: usize, side: Side) -> Candidate {
+    /// A limit with its dependence on the members.
+    pub(super) fn candidate(
+        &self,
+        metric: &mut Metric<'_>,
+        of: usize,
+        side: LimitSide,
+    ) -> EnteringLimit {
         let unit = metric.unit(of).0.to_vec();
-        let product = |m: &Member| dot(metric.known(m.of), &unit);
+        let product = |m: &WorkingLimit| dot(metric.known(m.of), &unit);
         let mut row: Vec<f64> = self.members.iter().map(product).collect();
         self.factor.solve(&mut row, 0);
         let mut multiples = row.clone();
@@ -71,15 +70,20 @@ impl WorkingSet {
             }
             square = dot(&left, &left);
         }
-        Candidate { of, side, row, diagonal: square.max(0.0).sqrt(), multiples }
+        EnteringLimit { of, side, row, diagonal: square.max(0.0).sqrt(), multiples }
     }
 
     /// Holds a limit that does not depend on the members.
-    pub(super) fn add(&mut self, metric: &mut Metric<'_>, candidate: &Candidate, multiplier: f64) {
-        let &Candidate { of, side, diagonal, .. } = candidate;
+    pub(super) fn add(
+        &mut self,
+        metric: &mut Metric<'_>,
+        candidate: &EnteringLimit,
+        multiplier: f64,
+    ) {
+        let &EnteringLimit { of, side, diagonal, .. } = candidate;
         self.factor.push(&candidate.row, diagonal);
         self.holds[of] = true;
-        self.members.push(Member { of, side, level: metric.level(of, side), multiplier });
+        self.members.push(WorkingLimit { of, side, level: metric.level(of, side), multiplier });
     }
 
     fn remove(&mut self, at: usize) {
@@ -104,7 +108,7 @@ impl WorkingSet {
         let mut step = 1.0;
         let mut blocking = None;
         for (k, (member, &to)) in self.members.iter().zip(&target).enumerate() {
-            if member.side.refuses(to) && to.abs() > ROUNDING * size {
+            if member.side.refuses(to) && to.abs() > MULTIPLIER_ROUNDING * size {
                 let reach = (member.multiplier / (member.multiplier - to)).clamp(0.0, 1.0);
                 if reach < step || blocking.is_none() {
                     (step, blocking) = (reach, Some(k));
@@ -132,7 +136,7 @@ impl WorkingSet {
     pub(super) fn exchange(
         &mut self,
         metric: &mut Metric<'_>,
-        candidate: &Candidate,
+        candidate: &EnteringLimit,
         up: bool,
     ) -> Result<(), Vec<f64>> {
         let sign = if up { 1.0 } else { -1.0 };
@@ -140,7 +144,7 @@ impl WorkingSet {
         let mut step = f64::INFINITY;
         let mut blocking = None;
         for (k, (member, &along)) in self.members.iter().zip(&direction).enumerate() {
-            if member.side.refuses(along) && along.abs() > ROUNDING {
+            if member.side.refuses(along) && along.abs() > MULTIPLIER_ROUNDING {
                 let reach = (member.multiplier / -along).max(0.0);
                 if reach < step {
                     (step, blocking) = (reach, Some(k));

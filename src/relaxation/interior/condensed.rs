@@ -1,18 +1,12 @@
 //! The entries of the condensed system, before they are ordered.
 
-use super::scaled::Scaled;
+use super::parameters::{MAX_SHORT_TERMS, REGULARISATION};
+use super::scaled::ScaledProgram;
 use crate::presolve::refill;
-
-/// Added to the diagonal of columns, subtracted from that of rows; refinement removes its effect.
-/// With 1e-10 for the rows, many relaxations of pendulums break down near their optimum.
-const REGULARISATION: f64 = 1e-8;
-
-/// Rows with at most this many entries are always condensed.
-const SHORT: usize = 12;
 
 /// The position of a term of a condensed row.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Term {
+pub(super) struct CondensedTerm {
     pub(super) position: usize,
     pub(super) row: usize,
     pub(super) product: f64,
@@ -29,10 +23,10 @@ pub(super) struct Condensed {
     /// By unknown, the entry on the diagonal.
     pub(super) diagonal: Vec<usize>,
     /// The terms of short rows, each added times the weight of its row.
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<CondensedTerm>,
     /// Rows with an unknown of their own, after the equalities.
     pub(super) long: Vec<usize>,
-    kinds: Vec<Kind>,
+    kinds: Vec<RowKind>,
     short: ShortRows,
     /// By column, where its entry of the current column is.
     slot: Vec<usize>,
@@ -42,7 +36,7 @@ pub(super) struct Condensed {
 
 impl Condensed {
     /// Becomes the system of another program, in the memory that it has.
-    pub(super) fn load(&mut self, program: &Scaled) {
+    pub(super) fn load(&mut self, program: &ScaledProgram) {
         write_kinds(program, &mut self.kinds);
         self.short.load(program, &self.kinds);
         self.start.clear();
@@ -53,13 +47,13 @@ impl Condensed {
         self.terms.clear();
         self.long.clear();
         let rows = 0..program.rows.len();
-        self.long.extend(rows.filter(|&i| self.kinds[i] == Kind::Long));
+        self.long.extend(rows.filter(|&i| self.kinds[i] == RowKind::Long));
         self.add_columns(program);
         self.add_rows(program);
     }
 
     /// The block of the columns: curvature, regularisation, and the products of short rows.
-    fn add_columns(&mut self, program: &Scaled) {
+    fn add_columns(&mut self, program: &ScaledProgram) {
         let n = program.column.len();
         let Condensed { short, slot, .. } = self;
         refill(slot, n, usize::MAX);
@@ -88,7 +82,7 @@ impl Condensed {
             for &(row, a) in short.of(c) {
                 let (columns, values) = program.rows.vector(row);
                 for (&i, b) in columns.iter().zip(values).filter(|(i, _)| **i <= c) {
-                    self.terms.push(Term { position: slot[i], row, product: a * b });
+                    self.terms.push(CondensedTerm { position: slot[i], row, product: a * b });
                 }
             }
             self.diagonal.push(slot[c]);
@@ -98,7 +92,7 @@ impl Condensed {
     }
 
     /// The columns of equalities and long rows.
-    fn add_rows(&mut self, program: &Scaled) {
+    fn add_rows(&mut self, program: &ScaledProgram) {
         let n = program.column.len();
         let owned = program.equalities.iter().map(|e| e.0).chain(self.long.iter().copied());
         for (k, row) in owned.enumerate() {
@@ -119,20 +113,20 @@ impl Condensed {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum RowKind {
     Short,
     Long,
     Equality,
 }
 
-fn write_kinds(program: &Scaled, kinds: &mut Vec<Kind>) {
-    refill(kinds, program.rows.len(), Kind::Short);
-    program.equalities.iter().for_each(|&(i, _)| kinds[i] = Kind::Equality);
+fn write_kinds(program: &ScaledProgram, kinds: &mut Vec<RowKind>) {
+    refill(kinds, program.rows.len(), RowKind::Short);
+    program.equalities.iter().for_each(|&(i, _)| kinds[i] = RowKind::Equality);
     let room = program.quadratic.index.len();
     for (i, kind) in kinds.iter_mut().enumerate() {
         let length = program.rows.vector(i).0.len();
-        if *kind == Kind::Short && length > SHORT && length * (length + 1) / 2 > room {
-            *kind = Kind::Long;
+        if *kind == RowKind::Short && length > MAX_SHORT_TERMS && length * (length + 1) / 2 > room {
+            *kind = RowKind::Long;
         }
     }
 }
@@ -148,10 +142,10 @@ struct ShortRows {
 }
 
 impl ShortRows {
-    fn load(&mut self, program: &Scaled, kinds: &[Kind]) {
+    fn load(&mut self, program: &ScaledProgram, kinds: &[RowKind]) {
         let n = program.column.len();
         let ShortRows { first, next, entries } = self;
-        let short = || (0..kinds.len()).filter(|&i| kinds[i] == Kind::Short);
+        let short = || (0..kinds.len()).filter(|&i| kinds[i] == RowKind::Short);
         refill(first, n + 1, 0);
         for i in short() {
             program.rows.vector(i).0.iter().for_each(|&j| first[j + 1] += 1);

@@ -1,26 +1,14 @@
 //! The order in which the unknowns of a system are eliminated, with little fill.
 
+use super::parameters::{MAX_EXTRA_UNKNOWNS, MAX_FILL_RATIO, MAX_KEPT_ORDERS, MIN_REUSED_PART};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
 use crate::presolve::{Reduced, refill};
 
-/// A kept order is used while at least this part of its unknowns is left; a smaller system has better
-/// orders of its own.
-const LEFT: f64 = 0.75;
-
-/// A kept order is used if it leaves at most this many times its fill.
-const WORSE: f64 = 1.1;
-
-/// Most unknowns that a kept order lacks: they are eliminated last.
-const EXTRA: usize = 4;
-
-/// Orders that are kept.
-const KEPT: usize = 6;
-
 /// The name of an unknown that has none, and the place of one that is not ordered.
-const NONE: usize = usize::MAX;
+const UNNAMED: usize = usize::MAX;
 
 /// The unknowns of a system by the names that they have in the program: its columns, then rows.
 #[derive(Debug, Clone, Default)]
@@ -40,7 +28,7 @@ impl Unknowns {
 #[derive(Default)]
 pub(super) struct KeptOrders {
     kept: Vec<KeptOrder>,
-    /// Those of the system in hand.
+    /// The unknowns of the current system.
     unknowns: Unknowns,
     /// By place in a kept order, or as an order is computed, which of them is there.
     at: Vec<usize>,
@@ -58,10 +46,9 @@ struct KeptOrder {
 }
 
 impl KeptOrders {
-    /// Takes the unknowns of a system: the columns of a reduced program, and some of its rows. Writes
-    /// the part of an order that is about them, if one lacks few of them and they are most of it: by
-    /// unknown, when it is eliminated. Returns the most fill that it may leave: a system that has got
-    /// other rows, such as cuts, is no part of the one before.
+    /// Notes the unknowns of a system: the columns of a reduced program, and some of its rows. If a kept
+    /// order has most of them and few others, writes by unknown when it is eliminated, and returns the
+    /// largest fill that is acceptable: with other rows, such as cuts, a kept order may be bad.
     pub(super) fn write_part(
         &mut self,
         program: &Reduced,
@@ -70,12 +57,12 @@ impl KeptOrders {
     ) -> Option<f64> {
         let KeptOrders { kept, unknowns, at, .. } = self;
         unknowns.columns.clone_from(&program.columns);
-        let name = |row: usize| program.origin.get(row).copied().unwrap_or(NONE);
+        let name = |row: usize| program.origin.get(row).copied().unwrap_or(UNNAMED);
         unknowns.rows.clear();
         unknowns.rows.extend(rows.map(name));
         let k = kept.iter().position(|kept| kept.write_part(unknowns, at, order).is_some())?;
         kept[..=k].rotate_right(1);
-        Some(WORSE * kept[0].fill)
+        Some(MAX_FILL_RATIO * kept[0].fill)
     }
 
     /// Writes the order of approximate minimum degree, from an upper triangle by columns: by unknown,
@@ -98,7 +85,8 @@ impl KeptOrders {
     /// Keeps an order of these unknowns, and the fill that it leaves.
     pub(super) fn keep(&mut self, order: &[usize], fill: f64) {
         let KeptOrders { kept: all, unknowns, .. } = self;
-        let mut kept = if all.len() < KEPT { None } else { all.pop() }.unwrap_or_default();
+        let mut kept =
+            if all.len() < MAX_KEPT_ORDERS { None } else { all.pop() }.unwrap_or_default();
         let (of_columns, of_rows) = order.split_at(unknowns.columns.len());
         place(&mut kept.columns, &unknowns.columns, of_columns);
         place(&mut kept.rows, &unknowns.rows, of_rows);
@@ -115,21 +103,21 @@ impl KeptOrder {
         order: &mut Vec<usize>,
     ) -> Option<()> {
         let (size, whole) = (unknowns.len(), self.size);
-        if size > whole + EXTRA || (size as f64) < LEFT * whole as f64 {
+        if size > whole + MAX_EXTRA_UNKNOWNS || (size as f64) < MIN_REUSED_PART * whole as f64 {
             return None;
         }
-        refill(at, self.size, NONE);
+        refill(at, self.size, UNNAMED);
         let columns = unknowns.columns.iter().map(|&name| self.columns.get(name));
         let rows = unknowns.rows.iter().map(|&name| self.rows.get(name));
         for (unknown, place) in columns.chain(rows).enumerate() {
             match place.copied().filter(|&place| place < whole) {
-                Some(place) if at[place] == NONE => at[place] = unknown,
-                None if at.len() < whole + EXTRA => at.push(unknown),
+                Some(place) if at[place] == UNNAMED => at[place] = unknown,
+                None if at.len() < whole + MAX_EXTRA_UNKNOWNS => at.push(unknown),
                 _ => return None,
             }
         }
         refill(order, size, 0);
-        let eliminated = at.iter().filter(|unknown| **unknown != NONE);
+        let eliminated = at.iter().filter(|unknown| **unknown != UNNAMED);
         eliminated.enumerate().for_each(|(when, &unknown)| order[unknown] = when);
         Some(())
     }
@@ -137,8 +125,8 @@ impl KeptOrder {
 
 /// Writes when the unknowns of some names are eliminated.
 fn place(by_name: &mut Vec<usize>, names: &[usize], order: &[usize]) {
-    let named = || names.iter().zip(order).filter(|(name, _)| **name != NONE);
-    refill(by_name, named().map(|(name, _)| name + 1).max().unwrap_or(0), NONE);
+    let named = || names.iter().zip(order).filter(|(name, _)| **name != UNNAMED);
+    refill(by_name, named().map(|(name, _)| name + 1).max().unwrap_or(0), UNNAMED);
     named().for_each(|(&name, &when)| by_name[name] = when);
 }
 

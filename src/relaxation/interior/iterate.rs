@@ -1,27 +1,12 @@
 //! The iterates of the interior-point method: what they prove, and the next one.
 
 use super::kkt::Kkt;
-use super::scaled::{Scaled, Side};
+use super::parameters::{
+    CERTIFICATE_MARGIN, CLOSED_COMPLEMENTARITY, MAX_PREDICTOR_REFINEMENTS, MAX_REFINEMENTS,
+    RESIDUAL_FRACTION, RESIDUAL_TOLERANCE, STEP_FRACTION,
+};
+use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::solver::StopToken;
-
-/// Fraction of the way to the nearest side that a step may go.
-const FRACTION: f64 = 0.995;
-
-/// Complementarity, in scaled units, below which reducing it gains nothing.
-const CLOSED: f64 = 1e-9;
-
-/// Margin of a certificate of infeasibility, relative to its terms.
-const MARGIN: f64 = 1e-8;
-
-/// The largest numbers of refinement steps of a direction, and of the predictor, which determines
-/// centring and the second-order correction.
-pub(super) const REFINEMENTS: usize = 2;
-const PREDICTOR_REFINEMENTS: usize = 1;
-
-/// The residual of a direction, in scaled units and as a fraction of the mean complementarity, at
-/// which refinement stops, because the next step removes the rest.
-pub(super) const ACCURATE: f64 = 1e-11;
-const ACCURATE_PART: f64 = 1e-5;
 
 /// A primal-dual point with its residuals.
 #[derive(Debug, Default)]
@@ -58,7 +43,7 @@ pub(super) struct Iterate {
 
 impl Iterate {
     /// Computes residuals and what the checks below need.
-    pub(super) fn measure(&mut self, program: &Scaled) {
+    pub(super) fn measure(&mut self, program: &ScaledProgram) {
         program.activities(&self.x, &mut self.activity);
         program.curvature(&self.x, &mut self.curvature);
         let (rows, columns) = program.split_sides();
@@ -75,8 +60,9 @@ impl Iterate {
             self.dual_residual[side.of] -= side.sign * z;
         }
         let (of_rows, of_columns) = self.side_residual.split_at_mut(rows.len());
-        let room =
-            |(side, value, slack): (&Side, f64, &f64)| side.sign * (value - side.limit) - slack;
+        let room = |(side, value, slack): (&OneSidedLimit, f64, &f64)| {
+            side.sign * (value - side.limit) - slack
+        };
         for ((residual, side), slack) in of_rows.iter_mut().zip(rows).zip(&self.slack) {
             *residual = room((side, self.activity[side.of], slack));
         }
@@ -95,7 +81,7 @@ impl Iterate {
     }
 
     /// The largest violation of a row or a side, relative to its limit.
-    pub(super) fn violation(&self, program: &Scaled) -> f64 {
+    pub(super) fn violation(&self, program: &ScaledProgram) -> f64 {
         let sides = program.sides.iter().zip(&self.side_residual).zip(&self.slack);
         let sides = sides.map(|((side, r), s)| -(r + s) / side.limit.abs().max(1.0));
         let equalities = program.equalities.iter().zip(&self.equality_residual);
@@ -104,14 +90,14 @@ impl Iterate {
     }
 
     /// Objective, scaled, without the constant.
-    pub(super) fn value(&self, program: &Scaled) -> f64 {
+    pub(super) fn value(&self, program: &ScaledProgram) -> f64 {
         let terms = self.x.iter().zip(&program.linear).zip(&self.curvature);
         terms.map(|((x, q), p)| x * (q + 0.5 * p)).sum()
     }
 
     /// The bound that the multipliers prove over the box, scaled: see
     /// [`Prover::lower_bound`](crate::relaxation::Prover::lower_bound).
-    pub(super) fn dual_value(&self, program: &Scaled) -> f64 {
+    pub(super) fn dual_value(&self, program: &ScaledProgram) -> f64 {
         let bent: f64 = self.x.iter().zip(&self.curvature).map(|(x, p)| -0.5 * x * p).sum();
         let gradient = |j: usize| self.curvature[j] + program.linear[j] + self.pressed[j];
         bent - self.limits(program).0 + self.corner(program, &gradient).0
@@ -128,22 +114,22 @@ impl Iterate {
     /// Whether the gap is closed except for dual residuals at the level of rounding.
     pub(super) fn diverges(&self) -> bool {
         let residual = self.dual_residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-        self.barrier < CLOSED && residual > 1e3 * CLOSED
+        self.barrier < CLOSED_COMPLEMENTARITY && residual > 1e3 * CLOSED_COMPLEMENTARITY
     }
 
     /// Whether the multipliers prove that no point of the box satisfies the rows.
-    pub(super) fn refutes(&self, program: &Scaled) -> bool {
+    pub(super) fn refutes(&self, program: &ScaledProgram) -> bool {
         let (limits, size) = self.limits(program);
         if size == 0.0 {
             return false;
         }
         let (corner, reach) = self.corner(program, &|j| self.pressed[j]);
-        corner - limits > MARGIN * (size + reach)
+        corner - limits > CERTIFICATE_MARGIN * (size + reach)
     }
 
     /// The sum of multipliers times their active limits, and the sum of the magnitudes of its
     /// terms.
-    fn limits(&self, program: &Scaled) -> (f64, f64) {
+    fn limits(&self, program: &ScaledProgram) -> (f64, f64) {
         let (mut sum, mut size) = (0.0, 0.0);
         for &(i, limit) in &program.equalities {
             sum += self.multipliers[i] * limit;
@@ -157,7 +143,7 @@ impl Iterate {
     }
 
     /// The smallest value of a linear function over the box, and the sum of its terms' magnitudes.
-    fn corner(&self, program: &Scaled, gradient: &dyn Fn(usize) -> f64) -> (f64, f64) {
+    fn corner(&self, program: &ScaledProgram, gradient: &dyn Fn(usize) -> f64) -> (f64, f64) {
         let (mut sum, mut size) = (0.0, 0.0);
         for j in 0..self.x.len() {
             let g = gradient(j);
@@ -175,7 +161,7 @@ impl Iterate {
     /// down.
     pub(super) fn advance(
         &mut self,
-        program: &Scaled,
+        program: &ScaledProgram,
         kkt: &mut Kkt,
         token: &StopToken,
     ) -> Option<f64> {
@@ -189,8 +175,8 @@ impl Iterate {
         for k in 0..sides {
             self.centre[k] = self.slack[k] * self.dual[k];
         }
-        let accurate = ACCURATE.max(ACCURATE_PART * mean);
-        self.solve(program, kkt, (PREDICTOR_REFINEMENTS, accurate));
+        let accurate = RESIDUAL_TOLERANCE.max(RESIDUAL_FRACTION * mean);
+        self.solve(program, kkt, (MAX_PREDICTOR_REFINEMENTS, accurate));
         let mut length = self.longest();
         if sides > 0 {
             let ahead: f64 = (0..sides)
@@ -206,8 +192,8 @@ impl Iterate {
             if token.is_over() {
                 return None;
             }
-            self.solve(program, kkt, (REFINEMENTS, accurate));
-            length = (FRACTION * self.longest()).min(1.0);
+            self.solve(program, kkt, (MAX_REFINEMENTS, accurate));
+            length = (STEP_FRACTION * self.longest()).min(1.0);
         }
         // The point stays where it is if the system was too bad.
         if !self.right.iter().all(|step| step.is_finite()) {
@@ -231,7 +217,7 @@ impl Iterate {
     /// residual.
     pub(super) fn solve(
         &mut self,
-        program: &Scaled,
+        program: &ScaledProgram,
         kkt: &mut Kkt,
         (refinements, accurate): (usize, f64),
     ) {
@@ -283,7 +269,7 @@ impl Iterate {
     }
 
     /// Writes the residual of `right` in the system with the right side `target` into `residual`.
-    fn miss(&mut self, program: &Scaled, kkt: &Kkt) {
+    fn miss(&mut self, program: &ScaledProgram, kkt: &Kkt) {
         let (n, e) = (self.x.len(), program.equalities.len());
         self.residual.clear();
         self.residual.extend_from_slice(&self.target);
@@ -317,7 +303,7 @@ impl Iterate {
     }
 
     /// The weights of columns and rows: the sums over their sides.
-    pub(super) fn weigh(&mut self, program: &Scaled) {
+    pub(super) fn weigh(&mut self, program: &ScaledProgram) {
         self.column_weight.fill(0.0);
         self.row_weight.fill(0.0);
         let (rows, columns) = program.split_sides();

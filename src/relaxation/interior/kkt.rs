@@ -7,6 +7,7 @@
 //! `[ A_e                      -δ               ]`
 //! `[ A_l                             -1/w_l - δ ]`
 
+use super::parameters::{ASSUMED_RATE, LARGE_FACTORISATION, MAX_KEPT_SYSTEMS, SUPERNODAL_RATIO};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -20,25 +21,13 @@ use web_time::{Duration, Instant};
 
 use super::condensed::Condensed;
 use super::elimination_order::{KeptOrders, stack};
-use super::scaled::Scaled;
+use super::scaled::ScaledProgram;
 use crate::presolve::{Reduced, refill};
 use crate::solver::StopToken;
 
-/// Operations per entry of the factors, in units of 40, from which they are computed in dense blocks.
-const SUPERNODAL: f64 = 0.25;
-
-/// Operations a second (a multiplication and an addition) until a large factorisation was measured.
-const FAST: f64 = 1e10;
-
-/// Operations from which a factorisation is large: some tens of milliseconds.
-const LARGE: f64 = 1e8;
-
-/// Systems whose order and symbolic factor are kept.
-const KEPT: usize = 6;
-
 pub(super) struct Kkt {
     condensed: Condensed,
-    /// Those of the last systems, this one's first.
+    /// The last systems, the current one first.
     ordered: Vec<Ordered>,
     orders: KeptOrders,
     /// The matrix in the order of elimination, and the one without weights.
@@ -67,7 +56,7 @@ impl Default for Kkt {
             signs: Vec::new(),
             factor: Vec::new(),
             memory: None,
-            rate: FAST,
+            rate: ASSUMED_RATE,
             token: StopToken::default(),
         }
     }
@@ -77,7 +66,12 @@ impl Kkt {
     /// Becomes the system of a program in even units, in the memory that it has; `false` if it cannot
     /// be ordered or the token is over. A system that has the pattern of one of the last ones is
     /// neither ordered nor analysed again.
-    pub(super) fn load(&mut self, reduced: &Reduced, program: &Scaled, token: &StopToken) -> bool {
+    pub(super) fn load(
+        &mut self,
+        reduced: &Reduced,
+        program: &ScaledProgram,
+        token: &StopToken,
+    ) -> bool {
         self.condensed.load(program);
         if token.is_over() || self.order(reduced, program).is_none() {
             return false;
@@ -104,14 +98,14 @@ impl Kkt {
     }
 
     /// Puts the order of the loaded system first; `None` if there is none.
-    fn order(&mut self, reduced: &Reduced, program: &Scaled) -> Option<()> {
+    fn order(&mut self, reduced: &Reduced, program: &ScaledProgram) -> Option<()> {
         let Condensed { start, index, long, .. } = &self.condensed;
         if let Some(k) = self.ordered.iter().position(|kept| kept.is_of(start, index)) {
             self.ordered[..=k].rotate_right(1);
         } else {
             let rows = program.equalities.iter().map(|(row, _)| *row).chain(long.iter().copied());
             let mut memory = OrderMemory::default();
-            if self.ordered.len() >= KEPT {
+            if self.ordered.len() >= MAX_KEPT_SYSTEMS {
                 memory = self.ordered.pop().map(Ordered::into_memory).unwrap_or_default();
             }
             let part = self.orders.write_part(reduced, rows, &mut memory.order).and_then(|most| {
@@ -187,7 +181,7 @@ impl Kkt {
                 Default::default(),
             )
             .is_ok();
-        if operations > LARGE {
+        if operations > LARGE_FACTORISATION {
             self.rate = operations / began.elapsed().as_secs_f64().max(1e-9);
         }
         done
@@ -208,8 +202,8 @@ impl Kkt {
     }
 }
 
-/// The upper triangle of a symmetric pattern in an order of elimination. Ordered once, it need not be
-/// permuted with every factorisation.
+/// The upper triangle of a symmetric pattern in an order of elimination, so that no factorisation has to
+/// permute it.
 struct Ordered {
     /// The pattern as it was given, by columns.
     start: Vec<usize>,
@@ -269,7 +263,7 @@ impl Ordered {
             faer::Side::Upper,
             SymmetricOrdering::Identity,
             CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL),
+                supernodal_flop_ratio_threshold: SupernodalThreshold(SUPERNODAL_RATIO),
                 ..CholeskySymbolicParams::default()
             },
         )
@@ -295,7 +289,7 @@ impl Ordered {
         self.start == start && self.index == index
     }
 
-    /// How long a factorisation takes at a number of operations a second.
+    /// The duration of a factorisation at a rate in operations a second.
     fn duration(&self, rate: f64) -> Duration {
         Duration::try_from_secs_f64(self.operations / rate).unwrap_or(Duration::MAX)
     }

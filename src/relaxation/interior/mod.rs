@@ -6,26 +6,31 @@
 //! beyond the cutoff, or infeasibility, with the same formulas as [`Prover`](super::Prover) in plain
 //! floats. The caller proves it again.
 //!
-//! The method gives up early, because the ladder asks another one for the rest.
+//! The method gives up early, because the ladder has another one for the rest.
 
 mod condensed;
 mod elimination_order;
 mod iterate;
 mod kkt;
+mod parameters;
 mod results;
 mod scaled;
 mod start;
 mod warm_start;
 
+use parameters::{
+    COARSE_TOLERANCE, EARLY_ITERATIONS, MAX_SHORT_STEPS, MAX_WARM_RESIDUAL, SHORT_STEP,
+    WARM_ITERATIONS,
+};
 use std::fmt;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
-use results::Results;
-use scaled::Scaled;
-use warm_start::{Kept, ParentIterate, Resumed};
+use results::ResultMemory;
+use scaled::ScaledProgram;
+use warm_start::{KeptIterate, ParentIterate, Resumed};
 
 /// The crate's own interior-point method.
 ///
@@ -33,12 +38,12 @@ use warm_start::{Kept, ParentIterate, Resumed};
 /// is unlike the last ones, and for its result, unless others were given back.
 #[derive(Default)]
 pub struct InteriorPoint {
-    scaled: Scaled,
+    scaled: ScaledProgram,
     kkt: Kkt,
     at: Iterate,
-    kept: Kept,
+    kept: KeptIterate,
     resumed: Resumed,
-    results: Results,
+    results: ResultMemory,
 }
 
 impl fmt::Debug for InteriorPoint {
@@ -54,34 +59,14 @@ impl InteriorPoint {
     }
 }
 
-/// A start from the parent's iterate is given up if so many iterations leave more than this part of its
-/// residuals. Then the child is far from its parent, and a start from nothing is better.
-const WARM_ITERATIONS: u32 = 3;
-const WARM_PART: f64 = 0.7;
-
-/// Number of consecutive iterations with negligible steps after which the method gives up.
-const STUCK: u32 = 3;
-
-/// A start after which the method gives up within so many iterations was no good.
-const EARLY: u64 = 6;
-
-/// Steps below this length are negligible (no unit).
-const SHORT_STEP: f64 = 1e-3;
-
-/// The tolerance at which a program counts as solved if the method cannot improve it.
-const ROUGH: f64 = 1e-8;
-
-/// The relative margin by which a bound must exceed the cutoff before the method stops.
-const PROMISE: f64 = 1e-7;
-
 impl Relaxation for InteriorPoint {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
         let InteriorPoint { scaled, kkt, at, kept, resumed, results } = self;
         scaled.load(program);
         let scaled = &*scaled;
-        let run = Run { program, effort, scaled };
+        let run = InteriorRun { program, effort, scaled };
         if !kkt.load(program, scaled, effort.token) {
-            return run.nothing(0, results);
+            return RelaxationResult::nothing(program);
         }
         at.start(scaled);
         let linear = run.is_linear();
@@ -100,10 +85,10 @@ impl Relaxation for InteriorPoint {
         // Without curvature a start in the middle of the box wastes iterations; with it, it is better,
         // unless it is so far out that the first steps are negligible.
         if linear && !at.improve_start(scaled, kkt, effort.token) {
-            return run.nothing(0, results);
+            return RelaxationResult::nothing(program);
         }
         let mut result = run.iterate(at, kkt, (kept, results), false);
-        let lost = result.claim == Claim::Unknown && result.iterations <= EARLY;
+        let lost = result.claim == Claim::Unknown && result.iterations <= EARLY_ITERATIONS;
         if lost && !linear && !effort.token.is_over() {
             at.start(scaled);
             if at.improve_start(scaled, kkt, effort.token) {
@@ -121,25 +106,15 @@ impl Relaxation for InteriorPoint {
 }
 
 /// One solve.
-struct Run<'a> {
+struct InteriorRun<'a> {
     program: &'a Reduced,
     effort: &'a Effort<'a>,
-    scaled: &'a Scaled,
+    scaled: &'a ScaledProgram,
 }
 
-impl Run<'_> {
+impl InteriorRun<'_> {
     fn is_linear(&self) -> bool {
         self.scaled.quadratic.index.is_empty()
-    }
-
-    fn nothing(&self, iterations: u32, results: &mut Results) -> RelaxationResult {
-        RelaxationResult {
-            claim: Claim::Unknown,
-            x: results.vector(self.program.columns.iter().map(|_| f64::NAN)),
-            y: results.vector((0..self.program.rows.len()).map(|_| 0.0)),
-            iterations: u64::from(iterations),
-            warm: None,
-        }
     }
 
     /// An iterate as an answer.
@@ -148,7 +123,7 @@ impl Run<'_> {
         claim: Claim,
         at: &Iterate,
         iterations: u32,
-        results: &mut Results,
+        results: &mut ResultMemory,
     ) -> RelaxationResult {
         let scaled = self.scaled;
         let x = results.vector(at.x.iter().zip(&scaled.column).map(|(x, d)| x * d));
@@ -162,7 +137,7 @@ impl Run<'_> {
         &self,
         at: &mut Iterate,
         kkt: &mut Kkt,
-        (kept, results): (&mut Kept, &mut Results),
+        (kept, results): (&mut KeptIterate, &mut ResultMemory),
         is_warm: bool,
     ) -> RelaxationResult {
         let (scaled, effort) = (self.scaled, self.effort);
@@ -174,7 +149,8 @@ impl Run<'_> {
         while iterations < effort.iterations {
             at.measure(scaled);
             if !at.is_finite() {
-                return self.nothing(iterations, results);
+                let iterations = u64::from(iterations);
+                return RelaxationResult { iterations, ..RelaxationResult::nothing(self.program) };
             }
             if !self.is_linear() {
                 kept.update(at);
@@ -198,8 +174,8 @@ impl Run<'_> {
             iterations += 1;
             stuck = if step < SHORT_STEP { stuck + 1 } else { 0 };
             left *= 1.0 - step;
-            let is_slow = is_warm && iterations == WARM_ITERATIONS && left > WARM_PART;
-            if stuck >= STUCK || is_slow {
+            let is_slow = is_warm && iterations == WARM_ITERATIONS && left > MAX_WARM_RESIDUAL;
+            if stuck >= MAX_SHORT_STEPS || is_slow {
                 break;
             }
         }
@@ -216,8 +192,8 @@ impl Run<'_> {
         solved
     }
 
-    /// The claim that a measured iterate supports, and whether that is all that was asked for;
-    /// `None` if it supports none.
+    /// The claim that a measured iterate supports, and whether it meets the requested tolerance; `None` if
+    /// it supports none.
     fn judge(&self, at: &Iterate, iterations: u32) -> Option<(Claim, bool)> {
         let (scaled, effort) = (self.scaled, self.effort);
         let objective = |value: f64| value / scaled.objective + self.program.offset;
@@ -231,7 +207,7 @@ impl Run<'_> {
             return None;
         }
         let bound = objective(at.dual_value(scaled));
-        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        let enough = effort.sufficient_bound();
         if !feasibility_problem && bound > enough {
             return Some((Claim::Beyond, true));
         }
@@ -249,7 +225,7 @@ impl Run<'_> {
         if at.refutes(scaled) {
             return Some((Claim::Infeasible, true));
         }
-        let rough = effort.tolerance.max(ROUGH);
+        let rough = effort.tolerance.max(COARSE_TOLERANCE);
         let nearly = violation <= rough && distance <= 10.0 * rough * value.abs().max(1.0);
         nearly.then_some((Claim::Solved, false))
     }

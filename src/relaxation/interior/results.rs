@@ -1,19 +1,17 @@
-//! Memory for results, from results that nobody needs any more.
+//! The memory of results that are no longer needed, for new ones.
 
+use super::parameters::MAX_KEPT_RESULTS;
 use super::warm_start::ParentIterate;
 use crate::relaxation::{RelaxationResult, WarmState};
 
-/// Most vectors and most states that are kept.
-const KEPT: usize = 16;
-
 #[derive(Default)]
-pub(super) struct Results {
+pub(super) struct ResultMemory {
     vectors: Vec<Vec<f64>>,
-    /// Each of an iterate, and nobody else has it.
+    /// States of iterates that are not shared.
     states: Vec<WarmState>,
 }
 
-impl Results {
+impl ResultMemory {
     /// A vector of some values.
     pub(super) fn vector(&mut self, values: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut vector = self.vectors.pop().unwrap_or_default();
@@ -37,12 +35,12 @@ impl Results {
         let RelaxationResult { x, y, warm, .. } = result;
         // The point is the first to be written again.
         for vector in [y, x] {
-            if vector.capacity() > 0 && self.vectors.len() < KEPT {
+            if vector.capacity() > 0 && self.vectors.len() < MAX_KEPT_RESULTS {
                 self.vectors.push(vector);
             }
         }
         let own =
             warm.and_then(|mut state| state.get_mut::<ParentIterate>().is_some().then_some(state));
-        self.states.extend(own.filter(|_| self.states.len() < KEPT));
+        self.states.extend(own.filter(|_| self.states.len() < MAX_KEPT_RESULTS));
     }
 }

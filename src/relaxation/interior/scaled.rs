@@ -1,11 +1,11 @@
 //! The program in even units: rows, columns and objective scaled, bounds and row limits as sides.
 
 use crate::presolve::{Compressed, Reduced};
-use crate::relaxation::scaling::{MOST, write_factors};
+use crate::relaxation::scaling::{MAX_SCALE, write_factors};
 
 /// One finite limit of a column or of an inequality row: `sign * (value - limit) >= 0`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Side {
+pub(super) struct OneSidedLimit {
     /// The column or the row.
     pub(super) of: usize,
     /// 1 for a lower limit, -1 for an upper one.
@@ -16,7 +16,7 @@ pub(super) struct Side {
 /// `min 1/2 x'Px + q'x` over rows and sides, with `x` in units of `column`, rows in units of `1 /
 /// row`, and the objective in units of `1 / objective`.
 #[derive(Debug, Default)]
-pub(super) struct Scaled {
+pub(super) struct ScaledProgram {
     pub(super) column: Vec<f64>,
     pub(super) row: Vec<f64>,
     pub(super) objective: f64,
@@ -25,9 +25,9 @@ pub(super) struct Scaled {
     pub(super) rows: Compressed,
     /// Equality rows and their right sides.
     pub(super) equalities: Vec<(usize, f64)>,
-    /// Those of rows, then those of columns.
-    pub(super) sides: Vec<Side>,
-    /// How many are of rows.
+    /// The sides of rows, then the sides of columns.
+    pub(super) sides: Vec<OneSidedLimit>,
+    /// The number of sides of rows.
     pub(super) row_sides: usize,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
@@ -35,11 +35,20 @@ pub(super) struct Scaled {
     room: Vec<f64>,
 }
 
-impl Scaled {
+impl ScaledProgram {
     /// Becomes another program, in the memory that it has.
     pub(super) fn load(&mut self, program: &Reduced) {
-        let Scaled {
-            column, row, quadratic, linear, rows, equalities, sides, lower, upper, ..
+        let ScaledProgram {
+            column,
+            row,
+            quadratic,
+            linear,
+            rows,
+            equalities,
+            sides,
+            lower,
+            upper,
+            ..
         } = self;
         write_factors(program, column, row, &mut self.room);
         quadratic.copy_from(&program.quadratic);
@@ -53,7 +62,8 @@ impl Scaled {
         linear.clear();
         linear.extend(program.linear.iter().zip(&*column).map(|(q, d)| q * d));
         let largest = linear.iter().fold(largest, |m, q| m.max(q.abs()));
-        let objective = if largest > 0.0 { (1.0 / largest).clamp(1.0 / MOST, MOST) } else { 1.0 };
+        let objective =
+            if largest > 0.0 { (1.0 / largest).clamp(1.0 / MAX_SCALE, MAX_SCALE) } else { 1.0 };
         quadratic.value.iter_mut().chain(linear).for_each(|v| *v *= objective);
         rows.copy_from(&program.rows);
         for (i, factor) in row.iter().enumerate() {
@@ -63,10 +73,10 @@ impl Scaled {
         }
         equalities.clear();
         sides.clear();
-        let add = |sides: &mut Vec<Side>, of, lower: f64, upper: f64| {
+        let add = |sides: &mut Vec<OneSidedLimit>, of, lower: f64, upper: f64| {
             for (sign, limit) in [(1.0, lower), (-1.0, upper)] {
                 if limit.is_finite() {
-                    sides.push(Side { of, sign, limit });
+                    sides.push(OneSidedLimit { of, sign, limit });
                 }
             }
         };
@@ -87,7 +97,7 @@ impl Scaled {
     }
 
     /// The sides of rows, and those of columns.
-    pub(super) fn split_sides(&self) -> (&[Side], &[Side]) {
+    pub(super) fn split_sides(&self) -> (&[OneSidedLimit], &[OneSidedLimit]) {
         self.sides.split_at(self.row_sides)
     }
 

@@ -1,17 +1,15 @@
 //! Starting points of the interior-point method.
 
-use super::iterate::{ACCURATE, Iterate, REFINEMENTS};
+use super::iterate::Iterate;
 use super::kkt::Kkt;
-use super::scaled::{Scaled, Side};
+use super::parameters::{MAX_REFINEMENTS, MIN_INITIAL_SLACK, RESIDUAL_TOLERANCE};
+use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::presolve::refill;
 use crate::solver::StopToken;
 
-/// Smallest initial slack of a row's side, in scaled units.
-const FIRST_SLACK: f64 = 1.0;
-
 impl Iterate {
     /// Goes to a start inside the box of a program, in the memory that it has.
-    pub(super) fn start(&mut self, program: &Scaled) {
+    pub(super) fn start(&mut self, program: &ScaledProgram) {
         let (n, m, k) = (program.column.len(), program.rows.len(), program.sides.len());
         let inside = |(&lower, &upper): (&f64, &f64)| {
             let room = (0.5 * (upper - lower)).min(1.0);
@@ -30,10 +28,11 @@ impl Iterate {
         }
         program.activities(&self.x, &mut self.activity);
         let (rows, columns) = program.split_sides();
-        let room = |side: &Side, value: f64| side.sign * (value - side.limit);
+        let room = |side: &OneSidedLimit, value: f64| side.sign * (value - side.limit);
         let (x, activity) = (&self.x, &self.activity);
         self.slack.clear();
-        self.slack.extend(rows.iter().map(|side| room(side, activity[side.of]).max(FIRST_SLACK)));
+        self.slack
+            .extend(rows.iter().map(|side| room(side, activity[side.of]).max(MIN_INITIAL_SLACK)));
         self.slack.extend(columns.iter().map(|side| room(side, x[side.of]).max(1e-10)));
         self.dual.clear();
         self.dual.extend(self.slack.iter().map(|s| 1.0 / s));
@@ -64,7 +63,7 @@ impl Iterate {
     /// the violations as multipliers; both are moved inside.
     pub(super) fn improve_start(
         &mut self,
-        program: &Scaled,
+        program: &ScaledProgram,
         kkt: &mut Kkt,
         token: &StopToken,
     ) -> bool {
@@ -74,7 +73,7 @@ impl Iterate {
         self.slack.fill(0.0);
         self.dual.fill(0.0);
         self.measure(program);
-        // With unit slacks and zero duals, a side pulls with its residual.
+        // With unit slacks and zero duals, the right-hand side of a side is its residual.
         self.slack.fill(1.0);
         self.dual.fill(1.0);
         self.invert();
@@ -83,7 +82,7 @@ impl Iterate {
             return false;
         }
         self.centre.fill(0.0);
-        self.solve(program, kkt, (REFINEMENTS, ACCURATE));
+        self.solve(program, kkt, (MAX_REFINEMENTS, RESIDUAL_TOLERANCE));
         self.x.copy_from_slice(&self.right[..n]);
         for (e, &(i, _)) in program.equalities.iter().enumerate() {
             self.multipliers[i] = self.right[n + e];

@@ -4,27 +4,19 @@
 //! child. What a relaxation leaves is an iterate on the way there, and the child moves it well inside.
 
 use super::iterate::Iterate;
-use super::scaled::{Scaled, Side};
+use super::parameters::{MIN_KEPT_COMPLEMENTARITY, MIN_START_COMPLEMENTARITY, MIN_START_DISTANCE};
+use super::scaled::{OneSidedLimit, ScaledProgram};
 use crate::presolve::{Reduced, refill};
-
-/// Complementarity, in scaled units, down to which iterates are kept. The first one has 1.
-const KEPT: f64 = 1e-3;
-
-/// Least complementarity of a side at the start, in scaled units.
-const LEAST: f64 = 1e-2;
-
-/// Least distance of a point from its bounds and of an inequality from its limits, in scaled units.
-const INSIDE: f64 = 0.1;
 
 /// The last iterate whose complementarity was not yet small.
 #[derive(Debug, Default)]
-pub(super) struct Kept {
+pub(super) struct KeptIterate {
     x: Vec<f64>,
     multipliers: Vec<f64>,
     dual: Vec<f64>,
 }
 
-impl Kept {
+impl KeptIterate {
     /// Forgets the iterate, not its memory.
     pub(super) fn clear(&mut self) {
         self.x.clear();
@@ -32,7 +24,7 @@ impl Kept {
 
     /// Keeps an iterate as long as it is not too far.
     pub(super) fn update(&mut self, at: &Iterate) {
-        if self.x.is_empty() || at.barrier >= KEPT * at.dual.len() as f64 {
+        if self.x.is_empty() || at.barrier >= MIN_KEPT_COMPLEMENTARITY * at.dual.len() as f64 {
             self.x.clone_from(&at.x);
             self.multipliers.clone_from(&at.multipliers);
             self.dual.clone_from(&at.dual);
@@ -40,7 +32,12 @@ impl Kept {
     }
 
     /// Writes the iterate as the children can read it.
-    pub(super) fn write(&self, program: &Reduced, scaled: &Scaled, state: &mut ParentIterate) {
+    pub(super) fn write(
+        &self,
+        program: &Reduced,
+        scaled: &ScaledProgram,
+        state: &mut ParentIterate,
+    ) {
         let ParentIterate { columns, rows } = state;
         columns.name(&program.columns, scaled.column.len());
         rows.name(&program.origin, scaled.row.len());
@@ -63,24 +60,24 @@ impl Kept {
 #[derive(Debug, Default)]
 pub(super) struct ParentIterate {
     /// The value, and the multipliers of the lower and the upper bound.
-    columns: Named,
+    columns: ValuesByName,
     /// The multiplier of an equality, or those of the lower and the upper limit.
-    rows: Named,
+    rows: ValuesByName,
 }
 
 /// Where a side's multiplier is.
-fn place(side: &Side) -> usize {
+fn place(side: &OneSidedLimit) -> usize {
     if side.sign > 0.0 { 1 } else { 2 }
 }
 
 /// Three numbers for each of some columns or rows.
 #[derive(Debug, Default)]
-struct Named {
+struct ValuesByName {
     /// With the name of each; `usize::MAX` for those that have none.
     values: Vec<(usize, [f64; 3])>,
 }
 
-impl Named {
+impl ValuesByName {
     /// Becomes so many zeros; those beyond the names have none.
     fn name(&mut self, names: &[usize], count: usize) {
         let name = |k: usize| names.get(k).copied().unwrap_or(usize::MAX);
@@ -93,8 +90,8 @@ impl Named {
     }
 
     /// Writes the numbers under so many other names, where they are known.
-    fn write_under(&self, names: &[usize], count: usize, found: &mut Found) {
-        let Found { by_name, known } = found;
+    fn write_under(&self, names: &[usize], count: usize, found: &mut ResumedValues) {
+        let ResumedValues { by_name, known } = found;
         let named = || self.values.iter().filter(|(name, _)| *name != usize::MAX);
         let most = named().map(|(name, _)| name + 1).max().unwrap_or(0);
         refill(by_name, most, None);
@@ -107,13 +104,13 @@ impl Named {
 /// Memory for what is known of columns and rows.
 #[derive(Debug, Default)]
 pub(super) struct Resumed {
-    columns: Found,
-    rows: Found,
+    columns: ResumedValues,
+    rows: ResumedValues,
 }
 
 /// Numbers by the names of a parent, and in the order of a child.
 #[derive(Debug, Default)]
-struct Found {
+struct ResumedValues {
     by_name: Vec<Option<[f64; 3]>>,
     known: Vec<Option<[f64; 3]>>,
 }
@@ -123,7 +120,7 @@ impl Iterate {
     pub(super) fn resume(
         &mut self,
         program: &Reduced,
-        scaled: &Scaled,
+        scaled: &ScaledProgram,
         parent: &ParentIterate,
         resumed: &mut Resumed,
     ) {
@@ -134,7 +131,7 @@ impl Iterate {
         for (j, known) in columns.iter().enumerate() {
             if let Some([x, ..]) = known {
                 let (lower, upper) = (scaled.lower[j], scaled.upper[j]);
-                let room = (0.5 * (upper - lower)).min(INSIDE);
+                let room = (0.5 * (upper - lower)).min(MIN_START_DISTANCE);
                 self.x[j] = (x / scaled.column[j]).max(lower + room).min(upper - room);
             }
         }
@@ -143,10 +140,11 @@ impl Iterate {
             let of_row = k < scaled.row_sides;
             let (values, known) = if of_row { (&self.activity, rows) } else { (&self.x, columns) };
             let unit = if of_row { 1.0 / scaled.row[side.of] } else { scaled.column[side.of] };
-            let least = if of_row { INSIDE } else { 1e-10 };
+            let least = if of_row { MIN_START_DISTANCE } else { 1e-10 };
             let z = known[side.of].map_or(0.0, |known| known[place(side)]);
             self.slack[k] = (side.sign * (values[side.of] - side.limit)).max(least);
-            self.dual[k] = (z * unit * scaled.objective).max(LEAST / self.slack[k]);
+            self.dual[k] =
+                (z * unit * scaled.objective).max(MIN_START_COMPLEMENTARITY / self.slack[k]);
         }
         for &(i, _) in &scaled.equalities {
             let y = rows[i].map_or(0.0, |known| known[0]);

@@ -1,26 +1,17 @@
 //! The steps of the dual simplex method.
 
 use super::factors::Factors;
+use super::parameters::{MAX_EXCHANGES, MAX_PIVOT_DIFFERENCE, MIN_PIVOT, PRIMAL_TOLERANCE};
 use super::program::LinearProgram;
-use super::ratio::{Candidate, Rest, test};
-use crate::relaxation::sparse_vectors::SparseVectors;
-
-/// Bounds may be violated by this much at most (scaled, relative to the bound).
-pub(super) const FEASIBLE: f64 = 1e-9;
-
-/// The smallest pivot, and how far its two computations may differ, relatively.
-const PIVOT: f64 = 1e-7;
-const AGREE: f64 = 1e-6;
-
-/// Exchanges until the basis is factorised again.
-const EXCHANGES: usize = 50;
+use super::ratio::{EnteringColumn, NonbasicStatus, test};
+use crate::presolve::Compressed;
 
 /// No slot.
-pub(super) const NONE: usize = usize::MAX;
+pub(super) const NONBASIC: usize = usize::MAX;
 
-/// The outcome of a step.
+/// The outcome of an iteration.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Step {
+pub(super) enum Iteration {
     Moved,
     /// The basis is optimal.
     Optimal,
@@ -37,7 +28,7 @@ pub(super) struct Dual {
     /// By slot, the column in the basis, and by column, its slot.
     pub(super) head: Vec<usize>,
     pub(super) slot: Vec<usize>,
-    pub(super) rest: Vec<Rest>,
+    pub(super) rest: Vec<NonbasicStatus>,
     pub(super) x: Vec<f64>,
     /// Reduced costs.
     cost: Vec<f64>,
@@ -47,7 +38,7 @@ pub(super) struct Dual {
     /// Costs as they are used; some may have been shifted for the start.
     used: Vec<f64>,
     pub(super) is_shifted: bool,
-    /// By how much bounds may be violated.
+    /// The largest violation of a bound.
     pub(super) allowed: f64,
     // Work space.
     by_row: Vec<f64>,
@@ -69,7 +60,7 @@ impl Dual {
     pub(super) fn new(
         program: LinearProgram,
         wanted: Vec<(usize, f64)>,
-        rest: Vec<Rest>,
+        rest: Vec<NonbasicStatus>,
         y: &[f64],
     ) -> Option<Self> {
         let (n, m) = program.size();
@@ -77,14 +68,14 @@ impl Dual {
         let mut dual = Dual {
             used: program.cost.clone(),
             head,
-            slot: vec![NONE; n + m],
+            slot: vec![NONBASIC; n + m],
             rest,
             x: vec![0.0; n + m],
             cost: vec![0.0; n + m],
             weight,
             factors: Factors::default(),
             is_shifted: false,
-            allowed: FEASIBLE,
+            allowed: PRIMAL_TOLERANCE,
             by_row: vec![0.0; m],
             row: vec![0.0; m],
             entering: vec![0.0; m],
@@ -109,7 +100,7 @@ impl Dual {
     fn push(&mut self, slot: usize) -> bool {
         let p = self.head[slot];
         let away = self.cost[p];
-        if away.abs() <= FEASIBLE {
+        if away.abs() <= PRIMAL_TOLERANCE {
             self.used[p] -= away;
             self.cost[p] = 0.0;
             return true;
@@ -122,7 +113,7 @@ impl Dual {
         let mut step = away;
         let mut entering = None;
         if nearest < away.abs() && bound.is_finite() {
-            let near = candidates.iter().filter(|c| c.cost / c.entry <= nearest + FEASIBLE);
+            let near = candidates.iter().filter(|c| c.cost / c.entry <= nearest + PRIMAL_TOLERANCE);
             entering = near.max_by(|a, b| a.entry.total_cmp(&b.entry)).map(|c| c.of);
         } else if nearest < away.abs() {
             // It may not rest anywhere: its cost gives way.
@@ -131,7 +122,7 @@ impl Dual {
         if let Some(q) = entering {
             step = self.cost[q] / self.pivots[q];
         }
-        for &k in self.touched.iter().filter(|&&k| self.slot[k] == NONE) {
+        for &k in self.touched.iter().filter(|&&k| self.slot[k] == NONBASIC) {
             self.cost[k] -= step * self.pivots[k];
         }
         self.cost[p] -= step;
@@ -142,9 +133,9 @@ impl Dual {
             return true;
         };
         self.cost[q] = 0.0;
-        self.rest[p] = if away > 0.0 { Rest::Lower } else { Rest::Upper };
+        self.rest[p] = if away > 0.0 { NonbasicStatus::Lower } else { NonbasicStatus::Upper };
         self.enter(q);
-        if self.entering[slot].abs() < PIVOT {
+        if self.entering[slot].abs() < MIN_PIVOT {
             return false;
         }
         self.weight[slot] = 1.0;
@@ -164,16 +155,16 @@ impl Dual {
     fn swap(&mut self, slot: usize, q: usize) {
         let p = self.head[slot];
         self.factors.exchange(slot, &self.entering);
-        (self.head[slot], self.slot[q], self.slot[p]) = (q, slot, NONE);
+        (self.head[slot], self.slot[q], self.slot[p]) = (q, slot, NONBASIC);
     }
 
     /// The columns whose reduced costs fall along the pivot row with a sign.
-    fn candidates(&self, sign: f64) -> Vec<Candidate> {
+    fn candidates(&self, sign: f64) -> Vec<EnteringColumn> {
         let mut candidates = Vec::with_capacity(self.touched.len());
-        for &k in self.touched.iter().filter(|&&k| self.slot[k] == NONE) {
+        for &k in self.touched.iter().filter(|&&k| self.slot[k] == NONBASIC) {
             let bounds = [self.program.lower[k], self.program.upper[k]];
             let (entry, cost) = (sign * self.pivots[k], self.cost[k]);
-            candidates.extend(Candidate::new(k, entry, cost, bounds, self.rest[k]));
+            candidates.extend(EnteringColumn::new(k, entry, cost, bounds, self.rest[k]));
         }
         candidates
     }
@@ -183,7 +174,7 @@ impl Dual {
     fn reduce_costs(&mut self) {
         for k in 0..self.slot.len() {
             self.cost[k] = self.used[k] - self.program.product(k, &self.row);
-            if self.slot[k] == NONE {
+            if self.slot[k] == NONBASIC {
                 self.settle(k);
             }
         }
@@ -194,17 +185,17 @@ impl Dual {
         let cost = self.cost[k];
         let (lower, upper) = (self.program.lower[k], self.program.upper[k]);
         let rest = match (lower.is_finite(), upper.is_finite()) {
-            (true, true) if cost > FEASIBLE => Rest::Lower,
-            (true, true) if cost < -FEASIBLE => Rest::Upper,
-            (true, true) if self.rest[k] == Rest::Upper => Rest::Upper,
-            (true, _) => Rest::Lower,
-            (false, true) => Rest::Upper,
-            (false, false) => Rest::Free,
+            (true, true) if cost > PRIMAL_TOLERANCE => NonbasicStatus::Lower,
+            (true, true) if cost < -PRIMAL_TOLERANCE => NonbasicStatus::Upper,
+            (true, true) if self.rest[k] == NonbasicStatus::Upper => NonbasicStatus::Upper,
+            (true, _) => NonbasicStatus::Lower,
+            (false, true) => NonbasicStatus::Upper,
+            (false, false) => NonbasicStatus::Free,
         };
         let wrong = match rest {
-            Rest::Lower => lower < upper && cost < -FEASIBLE,
-            Rest::Upper => cost > FEASIBLE,
-            Rest::Free => cost.abs() > FEASIBLE,
+            NonbasicStatus::Lower => lower < upper && cost < -PRIMAL_TOLERANCE,
+            NonbasicStatus::Upper => cost > PRIMAL_TOLERANCE,
+            NonbasicStatus::Free => cost.abs() > PRIMAL_TOLERANCE,
         };
         if wrong {
             self.is_shifted = true;
@@ -218,17 +209,17 @@ impl Dual {
     fn factorise(&mut self) -> bool {
         let (n, m) = self.program.size();
         for _ in 0..3 {
-            let mut columns = SparseVectors::new();
+            let mut columns = Compressed::with_capacity(0, 0);
             for &k in &self.head {
                 match k.checked_sub(n) {
-                    None => columns.push(self.program.columns.of(k)),
+                    None => columns.push(self.program.columns.entries(k)),
                     Some(i) => columns.push(std::iter::once((i, -1.0))),
                 }
             }
             match Factors::new(columns, m) {
                 Ok(factors) => {
                     self.factors = factors;
-                    self.slot.fill(NONE);
+                    self.slot.fill(NONBASIC);
                     self.head.iter().enumerate().for_each(|(s, &k)| self.slot[k] = s);
                     return true;
                 }
@@ -258,14 +249,14 @@ impl Dual {
         self.reduce_costs();
         self.by_row.fill(0.0);
         for k in 0..self.slot.len() {
-            if self.slot[k] != NONE {
+            if self.slot[k] != NONBASIC {
                 self.cost[k] = 0.0;
                 continue;
             }
             self.x[k] = match self.rest[k] {
-                Rest::Lower => self.program.lower[k],
-                Rest::Upper => self.program.upper[k],
-                Rest::Free => 0.0,
+                NonbasicStatus::Lower => self.program.lower[k],
+                NonbasicStatus::Upper => self.program.upper[k],
+                NonbasicStatus::Free => 0.0,
             };
             let value = self.x[k];
             if value != 0.0 {
@@ -300,13 +291,13 @@ impl Dual {
         self.used.iter().zip(&self.x).map(|(c, x)| c * x).sum()
     }
 
-    /// By how much bounds may be violated, relative: not less than the rounding of the point.
+    /// The largest violation of a bound, relative: not less than the rounding of the point.
     fn allowed_miss(&self) -> f64 {
-        if self.allowed >= FEASIBLE {
-            return FEASIBLE;
+        if self.allowed >= PRIMAL_TOLERANCE {
+            return PRIMAL_TOLERANCE;
         }
         let size = self.head.iter().map(|&k| self.x[k].abs()).fold(1.0, f64::max);
-        (0.1 * self.allowed * size).clamp(self.allowed, FEASIBLE)
+        (0.1 * self.allowed * size).clamp(self.allowed, PRIMAL_TOLERANCE)
     }
 
     /// The slot whose column violates its bounds most, and by how much: negative below the lower one.
@@ -341,7 +332,7 @@ impl Dual {
         for (i, &rho) in self.row.iter().enumerate().filter(|(_, v)| v.abs() > 1e-14) {
             (self.pivots[n + i], self.is_touched[n + i]) = (-rho, true);
             self.touched.push(n + i);
-            for (j, a) in self.program.rows.of(i) {
+            for (j, a) in self.program.rows.entries(i) {
                 if !self.is_touched[j] {
                     self.is_touched[j] = true;
                     self.touched.push(j);
@@ -352,30 +343,30 @@ impl Dual {
     }
 
     /// One exchange of the basis.
-    pub(super) fn step(&mut self) -> Step {
-        if self.factors.exchanges() >= EXCHANGES && !self.refresh() {
-            return Step::Stuck;
+    pub(super) fn step(&mut self) -> Iteration {
+        if self.factors.exchanges() >= MAX_EXCHANGES && !self.refresh() {
+            return Iteration::Stuck;
         }
-        let Some((slot, by)) = self.leaving() else { return Step::Optimal };
+        let Some((slot, by)) = self.leaving() else { return Iteration::Optimal };
         self.price(slot);
         let sign = by.signum();
         let mut candidates = self.candidates(sign);
         let (jumps, entering) = test(&mut candidates, by.abs());
         let Some(entering) = entering else {
-            return Step::Infeasible(self.row.iter().map(|v| sign * v).collect());
+            return Iteration::Infeasible(self.row.iter().map(|v| sign * v).collect());
         };
         let q = entering.of;
         self.enter(q);
         let pivot = self.entering[slot];
-        let differs = (pivot - self.pivots[q]).abs() > AGREE * pivot.abs();
-        if pivot.abs() < PIVOT || differs {
+        let differs = (pivot - self.pivots[q]).abs() > MAX_PIVOT_DIFFERENCE * pivot.abs();
+        if pivot.abs() < MIN_PIVOT || differs {
             // Fresh factors, or none that help.
             let fresh = self.factors.exchanges() == 0;
-            return if fresh || !self.refresh() { Step::Stuck } else { Step::Moved };
+            return if fresh || !self.refresh() { Iteration::Stuck } else { Iteration::Moved };
         }
         self.jump(&candidates[..jumps]);
         self.exchange(slot, q, pivot, sign);
-        Step::Moved
+        Iteration::Moved
     }
 
     /// Factorises the basis again, and computes everything from it.
@@ -388,16 +379,16 @@ impl Dual {
     }
 
     /// Moves columns to their other bounds.
-    fn jump(&mut self, columns: &[Candidate]) {
+    fn jump(&mut self, columns: &[EnteringColumn]) {
         if columns.is_empty() {
             return;
         }
         self.by_row.fill(0.0);
-        for &Candidate { of: k, .. } in columns {
+        for &EnteringColumn { of: k, .. } in columns {
             let (lower, upper) = (self.program.lower[k], self.program.upper[k]);
             let (rest, to) = match self.rest[k] {
-                Rest::Lower => (Rest::Upper, upper),
-                _ => (Rest::Lower, lower),
+                NonbasicStatus::Lower => (NonbasicStatus::Upper, upper),
+                _ => (NonbasicStatus::Lower, lower),
             };
             let step = to - self.x[k];
             (self.rest[k], self.x[k]) = (rest, to);
@@ -415,14 +406,14 @@ impl Dual {
         let p = self.head[slot];
         let dual_step = self.cost[q] / self.pivots[q];
         for &k in &self.touched {
-            if self.slot[k] == NONE {
+            if self.slot[k] == NONBASIC {
                 self.cost[k] -= dual_step * self.pivots[k];
             }
         }
         (self.cost[q], self.cost[p]) = (0.0, -dual_step);
         let (rest, bound) = match sign > 0.0 {
-            true => (Rest::Upper, self.program.upper[p]),
-            false => (Rest::Lower, self.program.lower[p]),
+            true => (NonbasicStatus::Upper, self.program.upper[p]),
+            false => (NonbasicStatus::Lower, self.program.lower[p]),
         };
         let step = (self.x[p] - bound) / pivot;
         for (s, &k) in self.head.iter().enumerate() {

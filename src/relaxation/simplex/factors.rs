@@ -4,10 +4,8 @@
 //! the rows that are left, then those that are alone in a row. What remains, the nucleus, is small
 //! and is eliminated densely. The triangles are the columns themselves, without fill.
 
-use crate::relaxation::sparse_vectors::SparseVectors;
-
-/// Pivots below this are none (scaled).
-const NO_PIVOT: f64 = 1e-9;
+use super::parameters::MIN_FACTOR_PIVOT;
+use crate::presolve::Compressed;
 
 /// Where the row and the slot of a pivot are, and its value.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +26,7 @@ pub(super) struct Deficit {
 
 #[derive(Debug, Default)]
 pub(super) struct Factors {
-    columns: SparseVectors,
+    columns: Compressed,
     /// Columns with one entry in the rows after theirs.
     upper: Vec<Pivot>,
     /// Columns that are alone in their row among those after them.
@@ -40,7 +38,7 @@ pub(super) struct Factors {
     dense: Vec<f64>,
     /// Exchanges: the slot, and the entering column in the basis before.
     exchanges: Vec<usize>,
-    entering: SparseVectors,
+    entering: Compressed,
 }
 
 impl Factors {
@@ -49,21 +47,25 @@ impl Factors {
     /// # Errors
     ///
     /// The deficit, if the columns are no basis.
-    pub(super) fn new(columns: SparseVectors, rows: usize) -> Result<Self, Deficit> {
-        let mut factors = Factors { entering: SparseVectors::new(), ..Factors::default() };
+    pub(super) fn new(columns: Compressed, rows: usize) -> Result<Self, Deficit> {
+        let mut factors =
+            Factors { entering: Compressed::with_capacity(0, 0), ..Factors::default() };
         let by_row = columns.transposed(rows);
         let mut open_row = vec![true; rows];
         let mut open_slot = vec![true; columns.len()];
-        let mut count: Vec<usize> = (0..columns.len()).map(|k| columns.of(k).count()).collect();
+        let mut count: Vec<usize> =
+            (0..columns.len()).map(|k| columns.entries(k).count()).collect();
         let mut queue: Vec<usize> = (0..columns.len()).filter(|&k| count[k] == 1).collect();
         while let Some(slot) = queue.pop() {
-            let Some((row, value)) = columns.of(slot).find(|e| open_row[e.0]) else { continue };
-            if value.abs() < NO_PIVOT {
+            let Some((row, value)) = columns.entries(slot).find(|e| open_row[e.0]) else {
+                continue;
+            };
+            if value.abs() < MIN_FACTOR_PIVOT {
                 continue;
             }
             (open_row[row], open_slot[slot]) = (false, false);
             factors.upper.push(Pivot { row, slot, value });
-            for (other, _) in by_row.of(row).filter(|e| open_slot[e.0]) {
+            for (other, _) in by_row.entries(row).filter(|e| open_slot[e.0]) {
                 count[other] -= 1;
                 if count[other] == 1 {
                     queue.push(other);
@@ -71,16 +73,18 @@ impl Factors {
             }
         }
         let open =
-            |row: usize, open_slot: &[bool]| by_row.of(row).filter(|e| open_slot[e.0]).count();
+            |row: usize, open_slot: &[bool]| by_row.entries(row).filter(|e| open_slot[e.0]).count();
         let mut count: Vec<usize> =
             (0..rows).map(|i| if open_row[i] { open(i, &open_slot) } else { 0 }).collect();
         let mut queue: Vec<usize> = (0..rows).filter(|&i| count[i] == 1).collect();
         while let Some(row) = queue.pop() {
-            let found = by_row.of(row).find(|e| open_slot[e.0]);
-            let Some((slot, value)) = found.filter(|e| e.1.abs() >= NO_PIVOT) else { continue };
+            let found = by_row.entries(row).find(|e| open_slot[e.0]);
+            let Some((slot, value)) = found.filter(|e| e.1.abs() >= MIN_FACTOR_PIVOT) else {
+                continue;
+            };
             (open_row[row], open_slot[slot]) = (false, false);
             factors.lower.push(Pivot { row, slot, value });
-            for (other, _) in columns.of(slot).filter(|e| open_row[e.0]) {
+            for (other, _) in columns.entries(slot).filter(|e| open_row[e.0]) {
                 count[other] -= 1;
                 if count[other] == 1 {
                     queue.push(other);
@@ -101,7 +105,7 @@ impl Factors {
         self.rows.iter().enumerate().for_each(|(k, &i)| position[i] = k);
         self.dense = vec![0.0; height * width];
         for (c, &slot) in self.slots.iter().enumerate() {
-            for (i, a) in self.columns.of(slot).filter(|e| position[e.0] != usize::MAX) {
+            for (i, a) in self.columns.entries(slot).filter(|e| position[e.0] != usize::MAX) {
                 self.dense[position[i] * width + c] += a;
             }
         }
@@ -111,7 +115,7 @@ impl Factors {
             let size = |r: usize, dense: &[f64]| dense[r * width + c].abs();
             let best = (done..height)
                 .max_by(|&a, &b| size(a, &self.dense).total_cmp(&size(b, &self.dense)));
-            let Some(best) = best.filter(|&r| size(r, &self.dense) >= NO_PIVOT) else {
+            let Some(best) = best.filter(|&r| size(r, &self.dense) >= MIN_FACTOR_PIVOT) else {
                 dependent.push(self.slots[c]);
                 continue;
             };
@@ -148,7 +152,7 @@ impl Factors {
             let value = b[pivot.row] / pivot.value;
             x[pivot.slot] = value;
             if value != 0.0 {
-                let others = self.columns.of(pivot.slot).filter(|e| e.0 != pivot.row);
+                let others = self.columns.entries(pivot.slot).filter(|e| e.0 != pivot.row);
                 others.for_each(|(i, a)| b[i] -= a * value);
             }
         };
@@ -169,16 +173,16 @@ impl Factors {
             for (&slot, value) in self.slots.iter().zip(part) {
                 x[slot] = value;
                 if value != 0.0 {
-                    self.columns.of(slot).for_each(|(i, a)| b[i] -= a * value);
+                    self.columns.entries(slot).for_each(|(i, a)| b[i] -= a * value);
                 }
             }
         }
         self.upper.iter().rev().for_each(|pivot| take(pivot, b, x));
         for (k, &slot) in self.exchanges.iter().enumerate() {
             if x[slot] != 0.0 {
-                let own = self.entering.of(k).find(|e| e.0 == slot).map_or(1.0, |e| e.1);
+                let own = self.entering.entries(k).find(|e| e.0 == slot).map_or(1.0, |e| e.1);
                 let value = x[slot] / own;
-                self.entering.of(k).for_each(|(i, a)| x[i] -= a * value);
+                self.entering.entries(k).for_each(|(i, a)| x[i] -= a * value);
                 x[slot] = value;
             }
         }
@@ -188,7 +192,7 @@ impl Factors {
     pub(super) fn solve_transposed(&self, c: &mut [f64], y: &mut [f64]) {
         for (k, &slot) in self.exchanges.iter().enumerate().rev() {
             let (mut sum, mut own) = (c[slot], 1.0);
-            for (i, a) in self.entering.of(k) {
+            for (i, a) in self.entering.entries(k) {
                 if i == slot {
                     own = a;
                 } else {
@@ -199,7 +203,7 @@ impl Factors {
         }
         y.fill(0.0);
         let left = |slot: usize, y: &[f64]| -> f64 {
-            c[slot] - self.columns.of(slot).map(|(i, a)| a * y[i]).sum::<f64>()
+            c[slot] - self.columns.entries(slot).map(|(i, a)| a * y[i]).sum::<f64>()
         };
         // The entry of the pivot's own row is zero before it is set.
         self.upper.iter().for_each(|p| y[p.row] = left(p.slot, y) / p.value);

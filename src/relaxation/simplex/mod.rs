@@ -10,20 +10,16 @@
 
 mod dual;
 mod factors;
+mod parameters;
 mod program;
 mod ratio;
 
 use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
-use dual::{Dual, FEASIBLE, NONE, Step};
+use dual::{Dual, Iteration, NONBASIC};
+use parameters::{COLUMNS_PER_COST, PRIMAL_TOLERANCE};
 use program::LinearProgram;
-use ratio::Rest;
-
-/// The relative margin by which a bound must exceed the cutoff before the method stops.
-const PROMISE: f64 = 1e-7;
-
-/// Objectives with fewer terms than one in so many columns are left to others.
-const FEW: usize = 50;
+use ratio::NonbasicStatus;
 
 /// The dual simplex method.
 #[derive(Debug, Clone, Default)]
@@ -32,17 +28,17 @@ pub struct DualSimplex {}
 /// A basis: of each column or row by its name, where it is.
 #[derive(Debug, Default)]
 struct Basis {
-    columns: Vec<Option<Place>>,
-    rows: Vec<Option<Place>>,
+    columns: Vec<Option<BasisStatus>>,
+    rows: Vec<Option<BasisStatus>>,
     /// By row, its multiplier.
     y: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Place {
+enum BasisStatus {
     /// In the basis, with a weight.
     Inside(f64),
-    Outside(Rest),
+    Outside(NonbasicStatus),
 }
 
 impl DualSimplex {
@@ -51,30 +47,22 @@ impl DualSimplex {
         Self::default()
     }
 
-    /// Whether a program is of the kind that this method is for. An objective of hardly any terms
-    /// leaves a large face of optima; an interior-point method ends in its middle, which tells
-    /// branching more than a corner does.
+    /// Whether the method suits a program. An objective with few terms leaves a large face of optima. An
+    /// interior-point method ends in its middle, which is a better point for branching than a vertex.
     pub fn suits(program: &Reduced) -> bool {
         program.quadratic.index.is_empty() && DualSimplex::suits_costs(&program.linear)
     }
 
-    /// The same of the costs alone.
+    /// As [`suits`](Self::suits), by the costs alone.
     pub(super) fn suits_costs(costs: &[f64]) -> bool {
-        FEW * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
+        COLUMNS_PER_COST * costs.iter().filter(|q| **q != 0.0).count() > costs.len()
     }
 }
 
 impl Relaxation for DualSimplex {
     fn solve(&mut self, program: &Reduced, effort: &Effort<'_>) -> RelaxationResult {
-        let nothing = || RelaxationResult {
-            claim: Claim::Unknown,
-            x: vec![f64::NAN; program.columns.len()],
-            y: vec![0.0; program.rows.len()],
-            iterations: 0,
-            warm: None,
-        };
         if !DualSimplex::suits(program) {
-            return nothing();
+            return RelaxationResult::nothing(program);
         }
         let parent = effort.warm.and_then(WarmState::get::<Basis>);
         let (wanted, rest) = start(program, parent);
@@ -86,10 +74,10 @@ impl Relaxation for DualSimplex {
         }
         let y = linear.scaled_multipliers(&y);
         let Some(mut dual) = Dual::new(linear, wanted, rest, &y) else {
-            return nothing();
+            return RelaxationResult::nothing(program);
         };
-        dual.allowed = effort.tolerance.min(FEASIBLE);
-        let enough = effort.cutoff + PROMISE * effort.cutoff.abs().max(1.0);
+        dual.allowed = effort.tolerance.min(PRIMAL_TOLERANCE);
+        let enough = effort.sufficient_bound();
         let unit = dual.program.objective_unit;
         let mut claim = Claim::Unknown;
         let mut ray = None;
@@ -97,24 +85,24 @@ impl Relaxation for DualSimplex {
         let (mut fresh, mut unshifted) = (false, false);
         while iterations < effort.iterations && !effort.token.is_over() {
             match dual.step() {
-                Step::Moved => (iterations, fresh) = (iterations + 1, false),
-                Step::Optimal if fresh && dual.is_shifted && !unshifted => {
+                Iteration::Moved => (iterations, fresh) = (iterations + 1, false),
+                Iteration::Optimal if fresh && dual.is_shifted && !unshifted => {
                     dual.unshift();
                     unshifted = true;
                 }
-                Step::Optimal if fresh => {
+                Iteration::Optimal if fresh => {
                     claim = if dual.is_shifted { Claim::Unknown } else { Claim::Solved };
                     break;
                 }
-                Step::Optimal => {
+                Iteration::Optimal => {
                     dual.compute();
                     fresh = true;
                 }
-                Step::Infeasible(y) => {
+                Iteration::Infeasible(y) => {
                     (claim, ray) = (Claim::Infeasible, Some(y));
                     break;
                 }
-                Step::Stuck => break,
+                Iteration::Stuck => break,
             }
             if !dual.is_shifted && dual.value() / unit + program.offset > enough {
                 claim = Claim::Beyond;
@@ -136,10 +124,10 @@ impl Relaxation for DualSimplex {
 
 /// The columns that the basis should have, with their weights, and where the others rest: as at the
 /// parent; the rows without a parent.
-fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<Rest>) {
+fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<NonbasicStatus>) {
     let (n, m) = (program.columns.len(), program.rows.len());
     let mut wanted = Vec::with_capacity(m);
-    let mut rest = vec![Rest::Lower; n + m];
+    let mut rest = vec![NonbasicStatus::Lower; n + m];
     for (k, rest) in rest.iter_mut().enumerate() {
         let place = parent.and_then(|basis| match k.checked_sub(n) {
             None => basis.columns.get(program.columns[k]).copied().flatten(),
@@ -149,8 +137,8 @@ fn start(program: &Reduced, parent: Option<&Basis>) -> (Vec<(usize, f64)>, Vec<R
             }
         });
         match place {
-            Some(Place::Inside(weight)) => wanted.push((k, weight)),
-            Some(Place::Outside(at)) => *rest = at,
+            Some(BasisStatus::Inside(weight)) => wanted.push((k, weight)),
+            Some(BasisStatus::Outside(at)) => *rest = at,
             None if k >= n => wanted.push((k, 1.0)),
             None => {}
         }
@@ -164,8 +152,8 @@ fn basis(program: &Reduced, dual: &Dual, y: &[f64]) -> Basis {
     let mut basis = Basis::default();
     for k in 0..dual.slot.len() {
         let place = match dual.slot[k] {
-            NONE => Place::Outside(dual.rest[k]),
-            slot => Place::Inside(dual.weight[slot]),
+            NONBASIC => BasisStatus::Outside(dual.rest[k]),
+            slot => BasisStatus::Inside(dual.weight[slot]),
         };
         let (list, name) = match k.checked_sub(n) {
             None => (&mut basis.columns, program.columns[k]),

@@ -1,15 +1,14 @@
 //! A linear program in scaled units, its rows as columns of their own.
 
-use crate::presolve::Reduced;
+use crate::presolve::{Compressed, Reduced};
 use crate::relaxation::scaling::factors;
-use crate::relaxation::sparse_vectors::SparseVectors;
 
 /// `min c'x` over `A x - s = 0` and bounds of the columns `x` and of the rows' activities `s`, which
 /// follow them.
 #[derive(Debug)]
 pub(super) struct LinearProgram {
-    pub(super) columns: SparseVectors,
-    pub(super) rows: SparseVectors,
+    pub(super) columns: Compressed,
+    pub(super) rows: Compressed,
     pub(super) cost: Vec<f64>,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
@@ -23,7 +22,7 @@ impl LinearProgram {
     pub(super) fn of(program: &Reduced) -> Self {
         let (column_unit, row_unit) = factors(program);
         let (n, m) = (column_unit.len(), row_unit.len());
-        let mut rows = SparseVectors::new();
+        let mut rows = Compressed::with_capacity(0, 0);
         for (i, unit) in row_unit.iter().enumerate() {
             let (index, value) = program.rows.vector(i);
             rows.push(index.iter().zip(value).map(|(&j, a)| (j, a * unit * column_unit[j])));
@@ -52,7 +51,7 @@ impl LinearProgram {
     /// Calls `f` with the entries of a column or of a row's activity.
     pub(super) fn each(&self, k: usize, mut f: impl FnMut(usize, f64)) {
         match k.checked_sub(self.column_unit.len()) {
-            None => self.columns.of(k).for_each(|(i, a)| f(i, a)),
+            None => self.columns.entries(k).for_each(|(i, a)| f(i, a)),
             Some(i) => f(i, -1.0),
         }
     }
@@ -60,7 +59,7 @@ impl LinearProgram {
     /// The product of a column with a vector over the rows.
     pub(super) fn product(&self, k: usize, y: &[f64]) -> f64 {
         match k.checked_sub(self.column_unit.len()) {
-            None => self.columns.of(k).map(|(i, a)| a * y[i]).sum(),
+            None => self.columns.entries(k).map(|(i, a)| a * y[i]).sum(),
             Some(i) => -y[i],
         }
     }

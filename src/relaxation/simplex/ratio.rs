@@ -1,14 +1,10 @@
 //! The ratio test of the dual method: which column enters, and which ones jump to their other bound.
 
-/// Reduced costs may be of the wrong sign by this much (scaled).
-const SLACK: f64 = 1e-9;
-
-/// Entries of the pivot row below this are zero (scaled).
-const ZERO: f64 = 1e-9;
+use super::parameters::{DUAL_TOLERANCE, MIN_ENTRY};
 
 /// A column whose reduced cost falls to zero as the dual step grows.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Candidate {
+pub(super) struct EnteringColumn {
     pub(super) of: usize,
     /// Magnitudes of its entry in the pivot row and of its reduced cost.
     pub(super) entry: f64,
@@ -17,7 +13,7 @@ pub(super) struct Candidate {
     pub(super) width: f64,
 }
 
-impl Candidate {
+impl EnteringColumn {
     /// `None` if the entry has the wrong sign for it or is zero.
     ///
     /// # Arguments
@@ -28,23 +24,23 @@ impl Candidate {
         entry: f64,
         cost: f64,
         bounds: [f64; 2],
-        at: Rest,
+        at: NonbasicStatus,
     ) -> Option<Self> {
         let [lower, upper] = bounds;
         let (fits, cost) = match at {
-            Rest::Lower => (entry > ZERO, cost),
-            Rest::Upper => (entry < -ZERO, -cost),
-            Rest::Free => (entry.abs() > ZERO, 0.0),
+            NonbasicStatus::Lower => (entry > MIN_ENTRY, cost),
+            NonbasicStatus::Upper => (entry < -MIN_ENTRY, -cost),
+            NonbasicStatus::Free => (entry.abs() > MIN_ENTRY, 0.0),
         };
         let width = upper - lower;
         let open = fits && width > 0.0;
-        open.then(|| Candidate { of, entry: entry.abs(), cost: cost.max(0.0), width })
+        open.then(|| EnteringColumn { of, entry: entry.abs(), cost: cost.max(0.0), width })
     }
 }
 
 /// Where a column outside the basis rests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Rest {
+pub(super) enum NonbasicStatus {
     Lower,
     Upper,
     /// At zero, without bounds.
@@ -53,13 +49,16 @@ pub(super) enum Rest {
 
 /// The column that enters, if any, after the ones that jump, which come before it in `candidates`:
 /// their number. `slope` is what the dual objective gains per unit of step.
-pub(super) fn test(candidates: &mut [Candidate], mut slope: f64) -> (usize, Option<Candidate>) {
+pub(super) fn test(
+    candidates: &mut [EnteringColumn],
+    mut slope: f64,
+) -> (usize, Option<EnteringColumn>) {
     // A bound that is reached but for rounding is reached.
-    let enough = SLACK * slope.max(1.0);
+    let enough = DUAL_TOLERANCE * slope.max(1.0);
     let mut done = 0;
     while done < candidates.len() {
         let rest = &mut candidates[done..];
-        let reach = |c: &Candidate| (c.cost + SLACK) / c.entry;
+        let reach = |c: &EnteringColumn| (c.cost + DUAL_TOLERANCE) / c.entry;
         let most = rest.iter().map(reach).fold(f64::INFINITY, f64::min);
         let mut group = 0;
         let mut fall = 0.0;

@@ -1,9 +1,8 @@
 //! The column to split, by pseudocosts and strong branching.
 
 use super::split::{Child, RelaxedPoint, Split, both_sides, keep_only};
-use super::strong_branching::{TRIALS, Trial, common, try_child};
+use super::strong_branching::{TRIALS, Trial, try_child};
 use crate::search::context::Context;
-use crate::search::local_bounds::add_facts;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
 
 /// Trials of new columns at a node where a disjunction could be split instead, whose sides have had
@@ -104,6 +103,5 @@ fn try_column(
         let children = vec![Child::tried(far, b, bound)];
         return Err(Split { children, closed: true });
     };
-    add_facts(ctx, &common(&a, &b)).map_err(|_| Split::nothing())?;
     Ok(Tried::Both([a, b]))
 }

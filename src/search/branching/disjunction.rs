@@ -76,7 +76,7 @@ pub(super) fn split_disjunction(
 fn violated(ctx: &Context<'_>, near: f64, x: &[f64]) -> Vec<Violated> {
     let domain = &ctx.node.domain;
     let mut violated = Vec::new();
-    for &row in &ctx.shared.root.covers {
+    for &row in &ctx.root().covers {
         let cover = ctx.program().row(row).0;
         if cover.iter().any(|&j| x[j] >= near || domain.lower(j) == 1.0) {
             continue;

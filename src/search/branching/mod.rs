@@ -1,10 +1,8 @@
 //! Which column to split, and which child to visit first.
 //!
-//! * The user's rule is called first, and columns with a higher priority go before others.
 //! * Without an objective, only infeasibility matters, and under big-M rows fractionality says
-//!   little about it. Event windows are halved if the program has a horizon; otherwise columns are
-//!   split latest first (by the step of their name, else by position), because a late decision
-//!   propagates backwards through the dynamics.
+//!   little about it. Columns are split latest first (by the step of their name, else by position),
+//!   because a late decision propagates backwards through the dynamics.
 //! * With an objective, columns are split by pseudocosts: the average growth of the bound per
 //!   unit of fraction, initialised by trying both children of a column (strong branching). A child
 //!   that the trial refutes is never queued. Disjunctions are split into their sides if the tree is
@@ -16,7 +14,6 @@ mod growth;
 mod split;
 mod strong_branching;
 mod strong_fixing;
-mod user_branching;
 
 use column::choose_column;
 use disjunction::split_disjunction;
@@ -26,7 +23,6 @@ pub(super) use split::{Child, RelaxedPoint, Split};
 use strong_branching::Trial;
 pub use strong_fixing::FixingCredit;
 use strong_fixing::fix_by_trials;
-use user_branching::split_of_user;
 
 use super::context::Context;
 use super::pseudocosts::{LEAST_GAIN, Pseudocosts};
@@ -55,27 +51,12 @@ pub(super) fn choose_split(
     relaxed: RelaxedPoint<'_>,
 ) -> Split {
     let RelaxedPoint { x, bound, .. } = relaxed;
-    let mut open = open_columns(ctx, x);
-    if open.is_empty() {
-        return Split::again(bound);
-    }
-    if let Some(split) = split_of_user(ctx, x, bound) {
-        return split;
-    }
-    let (program, guidance) = (ctx.program(), ctx.shared.task.guidance);
-    let prioritised = guidance.has_priorities();
-    if prioritised {
-        let first = open.iter().map(|&j| guidance.priority(j)).max().unwrap_or(0);
-        open.retain(|&j| guidance.priority(j) == first);
-    }
+    let open = open_columns(ctx, x);
+    let program = ctx.program();
     let late = |j: &usize| (program.step[*j].unwrap_or(*j), std::cmp::Reverse(*j));
     let Some(&latest) = open.iter().max_by_key(|j| late(j)) else {
         return Split::again(bound);
     };
-    if !prioritised && let Some(window) = ctx.shared.windows.and_then(|w| w.next(&ctx.node.domain))
-    {
-        return Split::at(window, 0.0, x[window], bound);
-    }
     let late_first = match ctx.options().branching {
         BranchingRule::LatestFirst => true,
         BranchingRule::Pseudocosts => false,
@@ -97,8 +78,8 @@ fn open_columns(ctx: &Context<'_>, x: &[f64]) -> Vec<usize> {
         open.retain(|&j| fractional(j));
     } else if ctx.wants_all() {
         // Points that differ elsewhere are the same to the user.
-        let guidance = ctx.shared.task.guidance;
-        let tells: Vec<usize> = open.iter().copied().filter(|&j| guidance.tells_apart(j)).collect();
+        let judge = ctx.task().judge;
+        let tells: Vec<usize> = open.iter().copied().filter(|&j| judge.tells_apart(j)).collect();
         open = if tells.is_empty() { open } else { tells };
     }
     open
@@ -114,11 +95,7 @@ fn choose_by_gains(
 ) -> Result<Split, Split> {
     let RelaxedPoint { x, bound, .. } = relaxed;
     let Branching { pseudocosts, credit } = branching;
-    let disjunction = match ctx.shared.task.guidance.has_priorities() {
-        true => None,
-        false => split_disjunction(ctx, pseudocosts, x, bound),
-    };
-    let disjunction = match disjunction {
+    let disjunction = match split_disjunction(ctx, pseudocosts, x, bound) {
         Some((split, _)) if split.closed => return Ok(split),
         open => open,
     };

@@ -49,13 +49,6 @@ impl Split {
         Split { children: decisions.map(child).into(), closed: false }
     }
 
-    /// Both sides of a value of a column, the one of the relaxed value in front.
-    pub(super) fn at(column: usize, value: f64, relaxed: f64, bound: f64) -> Self {
-        let down = Decision { column, is_upper: true, value };
-        let up = Decision { column, is_upper: false, value: value + 1.0 };
-        Split::both(if relaxed - value > 0.5 { [up, down] } else { [down, up] }, bound)
-    }
-
     /// One child; the other side is closed.
     fn only(decision: Decision, bound: f64) -> Self {
         Split {

@@ -2,8 +2,7 @@
 //!
 //! A trial solves the relaxation of a child before the child exists. Its gain scores the split, and
 //! a trial that refutes its child closes it. Its bound and relaxed point go to the child, which
-//! need not be solved again. Bounds that propagation finds in both children of a column hold in the
-//! parent.
+//! need not be solved again.
 
 use std::sync::Arc;
 
@@ -27,23 +26,8 @@ pub(super) struct Trial {
     pub(super) bound: f64,
     /// The child's relaxed point, if there is one.
     pub(super) known: Option<Box<Known>>,
-    /// Bounds of integral columns that propagation moved in the child.
-    moved: Vec<Decision>,
     /// The multipliers that proved its bound, if they are kept.
     pub(super) multipliers: Option<Arc<Multipliers>>,
-}
-
-/// The bounds that hold in both of two children: those that both moved, at the weaker of both values.
-pub(super) fn common(one: &Trial, other: &Trial) -> Vec<Decision> {
-    let mut facts = Vec::new();
-    for a in &one.moved {
-        let same = |b: &&Decision| (b.column, b.is_upper) == (a.column, a.is_upper);
-        if let Some(b) = other.moved.iter().find(same) {
-            let value = if a.is_upper { a.value.max(b.value) } else { a.value.min(b.value) };
-            facts.push(Decision { value, ..*a });
-        }
-    }
-    facts
 }
 
 /// Solves a child on trial and learns from it. Returns `None` if it needs no visit.
@@ -74,10 +58,9 @@ pub(super) fn try_child(
     let (mut verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
     let mut point = Vec::new();
     if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
-        point = ctx.complete_point(projection.lift(x));
+        point = projection.lift(x);
     }
     ctx.ladder.reducer().reuse_projection(projection);
-    let moved = moved_since(ctx, mark, decision.column);
     ctx.node.domain.undo_to(mark);
     let trial = match &mut verdict {
         Verdict::Refuted(_) => {
@@ -98,16 +81,12 @@ pub(super) fn try_child(
                 let known =
                     (!point.is_empty()).then(|| Box::new(Known { point, warm: warm.take() }));
                 let gain = if gain.is_finite() { gain } else { 0.0 };
-                Some(Trial { gain, bound: child, known, moved, multipliers })
+                Some(Trial { gain, bound: child, known, multipliers })
             }
         }
-        Verdict::Stopped | Verdict::Descent => Some(Trial {
-            gain: 0.0,
-            bound: f64::NEG_INFINITY,
-            known: None,
-            moved,
-            multipliers: None,
-        }),
+        Verdict::Stopped | Verdict::Descent => {
+            Some(Trial { gain: 0.0, bound: f64::NEG_INFINITY, known: None, multipliers: None })
+        }
     };
     ctx.ladder.reuse(verdict);
     trial
@@ -127,19 +106,4 @@ fn close_side(ctx: &mut Context<'_>, side: Decision, bound: f64) {
     if bound < f64::INFINITY {
         ctx.tree.close(ctx.tree.strengthen(bound));
     }
-}
-
-/// The bounds of integral columns other than `except` that moved since a mark, as they are now.
-fn moved_since(ctx: &Context<'_>, mark: usize, except: usize) -> Vec<Decision> {
-    let domain = &ctx.node.domain;
-    let integral = &ctx.program().integral;
-    let others = domain.changed_since(mark).filter(|&(j, _)| j != except && integral[j]);
-    let mut sides: Vec<(usize, bool)> = others.collect();
-    sides.sort_unstable();
-    sides.dedup();
-    let now = |(column, is_upper)| {
-        let [lower, upper] = domain.bounds(column);
-        Decision { column, is_upper, value: if is_upper { upper } else { lower } }
-    };
-    sides.into_iter().map(now).collect()
 }

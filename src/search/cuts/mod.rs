@@ -1,6 +1,6 @@
 //! Cuts at the root: rows that every integral point satisfies and the relaxed point violates.
 //!
-//! Rounds of relaxing and cutting continue while they lift the bound, unless a short search without cuts
+//! Rounds of relaxing and cutting continue while they lift the bound, unless a search of one node without cuts
 //! closes the gap. Cuts that stay slack leave, in the end all that are not active, and all of them if the
 //! bound has hardly improved.
 
@@ -15,14 +15,14 @@ pub use cut_sets::cut_set_cuts;
 pub use mixed_integer_rounding::{ROWS, mixed_integer_rounding_cuts};
 
 use super::root::Root;
-use super::root_point::{Looked, RootPoint, Strengthened};
+use super::root_point::{PilotResult, RootPoint, Strengthened};
 use crate::presolve::Domain;
 use crate::program::Program;
 use crate::relaxation::Ladder;
 use crate::solver::{Options, StopToken};
 
-/// A search of so many nodes from a root; `None` if it is not wanted.
-pub(crate) type Look<'a> = dyn Fn(&Root, u64) -> Option<Looked> + 'a;
+/// A search of one node from a root; `None` if it is not wanted.
+pub(crate) type PilotSearch<'a> = dyn FnMut(&Root) -> Option<PilotResult> + 'a;
 
 const ROUNDS: usize = 40;
 
@@ -51,11 +51,6 @@ const CLOSED: [f64; 2] = [0.05, 0.1];
 /// much as the last one did: the first rounds lift the most.
 const AHEAD: f64 = 2.0;
 
-/// Nodes that are searched after the first round, which cost less than the rounds to come, if the best
-/// point is so near to the root, relative.
-const NODES: u64 = 6;
-const NEAR: f64 = 0.01;
-
 /// Cut sets stay if a round with them lifts the bound by so many times as much as without them.
 const MORE: f64 = 1.5;
 
@@ -76,14 +71,14 @@ const BINDING: f64 = 1e-6;
 ///
 /// * `token`: ends the rounds.
 /// * `ladder`: keeps count of the relaxations.
-/// * `look`: a search of so many nodes from a root.
+/// * `pilot`: a search of one node from a root.
 pub(crate) fn strengthen(
     program: &Program,
     root: &mut Root,
     options: &Options,
     token: &StopToken,
     ladder: &mut Ladder,
-    look: &Look<'_>,
+    pilot: &mut PilotSearch<'_>,
 ) -> Option<Strengthened> {
     let idle = program.integers.is_empty() || program.is_feasibility_problem();
     if idle || root.conflict.is_some() || token.is_over() {
@@ -94,16 +89,18 @@ pub(crate) fn strengthen(
         point.or_else(|| RootPoint::new(program, &root.domain, ladder, options, token, None))?;
     let curved = usize::from(program.quadratic.compute_nnz() > 0);
     let start = Root { point: Some(point.clone()), ..root.clone() };
-    let mut glances = Glances { look, root: start, value: None, bound: point.bound };
-    if glances.close(1) {
-        root.point = Some(point.with_bound(glances.bound));
+    let piloted = pilot(&start);
+    let best = piloted.and_then(|piloted| piloted.value);
+    let bound = piloted.map_or(point.bound, |piloted| piloted.bound.max(point.bound));
+    if piloted.is_some_and(|piloted| piloted.is_closed) {
+        root.point = Some(point.with_bound(bound));
         return None;
     }
     let domain = &root.domain;
     let mut rounds = Rounds {
         program,
         domain,
-        glances,
+        best,
         curved,
         cuts: Vec::new(),
         ages: Vec::new(),
@@ -116,42 +113,17 @@ pub(crate) fn strengthen(
         let program = with_cuts(program, &rounds.cuts)?;
         Some(Strengthened { program, values: [point.value, last.value] })
     });
-    let bound = rounds.glances.bound;
     let point = last.filter(|_| more.is_some()).unwrap_or(point);
     root.point = Some(point.with_bound(bound));
     more
-}
-
-/// Short searches from the root without cuts.
-struct Glances<'a> {
-    look: &'a Look<'a>,
-    /// With its relaxed point.
-    root: Root,
-    /// The value of the best point.
-    value: Option<f64>,
-    bound: f64,
-}
-
-impl Glances<'_> {
-    /// Whether a point is so near to the root's value that the tree is likely to be small.
-    fn is_near(&self, root: &RootPoint) -> bool {
-        self.value.is_some_and(|value| value - root.value <= NEAR * value.abs())
-    }
-
-    /// Searches so many nodes. Returns whether nothing is left to search.
-    fn close(&mut self, nodes: u64) -> bool {
-        let Some(looked) = (self.look)(&self.root, nodes) else { return false };
-        self.value = looked.value.or(self.value);
-        self.bound = self.bound.max(looked.bound);
-        looked.is_closed
-    }
 }
 
 /// Rounds of cutting the relaxed point off.
 struct Rounds<'a> {
     program: &'a Program,
     domain: &'a Domain,
-    glances: Glances<'a>,
+    /// The value of the best point that the pilot search has found.
+    best: Option<f64>,
     /// 1 for a curved objective, 0 for a linear one.
     curved: usize,
     cuts: Vec<Cut>,
@@ -201,9 +173,6 @@ impl Rounds<'_> {
             last = Some(point);
             if idle >= IDLE || hopeless {
                 break;
-            }
-            if round == 0 && self.glances.is_near(root) && self.glances.close(NODES) {
-                return None;
             }
         }
         last
@@ -263,7 +232,7 @@ impl Rounds<'_> {
         let closes = |gap| value - root.value >= closed * gap;
         root.is_lifted_by(large, value)
             || (root.is_lifted_by(SLIGHT, value)
-                && self.glances.value.is_some_and(|best| closes(best - root.value)))
+                && self.best.is_some_and(|best| closes(best - root.value)))
     }
 
     /// The best cuts that a point violates, from the rows of a program.

@@ -114,7 +114,7 @@ fn dive(ctx: &mut Context<'_>, rule: Rule<'_>, point: &[f64], last: u64) {
 fn candidates(ctx: &Context<'_>, rule: Rule<'_>, point: &[f64]) -> Vec<Candidate> {
     let integrality = ctx.options().integrality;
     let distance = |j: usize| (point[j] - point[j].round()).abs();
-    let fractional = ctx.own_integers().iter().copied().filter(|&j| distance(j) > integrality);
+    let fractional = ctx.program().integers.iter().copied().filter(|&j| distance(j) > integrality);
     let candidate = |j: usize| {
         let (x, below) = (point[j], point[j].floor());
         match rule {
@@ -161,14 +161,8 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     };
     ctx.ladder.reuse(verdict);
     ctx.ladder.reducer().reuse_projection(projection);
-    let mut point = ctx.complete_point(point?);
+    let mut point = point?;
     let integrality = ctx.options().integrality;
-    settle_groups(
-        ctx.program(),
-        &ctx.node.domain,
-        &ctx.shared.root.groups,
-        integrality,
-        &mut point,
-    );
+    settle_groups(ctx.program(), &ctx.node.domain, &ctx.root().groups, integrality, &mut point);
     Some(point)
 }

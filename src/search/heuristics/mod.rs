@@ -1,19 +1,17 @@
 //! Primal heuristics, and when each one runs.
 
 mod allowance;
+mod completion;
 mod diving;
-mod guess;
 mod neighbourhood;
 mod penalties;
-mod proposals;
 mod roll_out;
 mod rounding;
 
 pub use allowance::Allowance;
+pub(super) use completion::complete_start;
 use diving::dive_where_it_pays;
-pub(super) use guess::{complete_guess, try_guess};
 use neighbourhood::search_near_incumbent;
-use proposals::try_proposals;
 pub use roll_out::Frontier;
 use roll_out::roll_out;
 use rounding::{fix_at_cheap_ends, round_and_propagate};
@@ -90,23 +88,22 @@ pub(super) fn look_for_points(
     let pause = if ctx.tree.cutoff() == f64::INFINITY { PAUSE } else { LONG_PAUSE };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
-        // Where a look at the root has tried them, and beside a good MIP start, they can wait.
-        let seed = ctx.tree.seed().filter(|_| at_root);
+        // Where a pilot search has tried them at the same root, and beside a good start, they can wait.
+        let start = ctx.tree.start().filter(|_| at_root);
         let good = has_good_point(ctx, bound);
-        let started = seed.is_some_and(|seed| seed.looked.unwrap_or(good));
-        if on.rounding && !started {
+        let waits = start.is_some_and(|start| start.is_rounded.unwrap_or(good));
+        if on.rounding && !waits {
             span!(DEBUG, "heuristic", name = "rounding");
             let before = ctx.tree.begin(Heuristic::Rounding);
             round_and_propagate(ctx, point);
             ctx.tree.end(before);
         }
-        if on.roll_out && !started && !ctx.program().is_feasibility_problem() {
+        if on.roll_out && !waits && !ctx.program().is_feasibility_problem() {
             span!(DEBUG, "heuristic", name = "roll-out");
             let before = ctx.tree.begin(Heuristic::RollOut);
             roll_out(ctx, point);
             ctx.tree.end(before);
         }
-        try_proposals(ctx, point, bound);
     }
     heuristics.since_rounding = heuristics.since_rounding.saturating_add(1);
     if on.diving && !whole {

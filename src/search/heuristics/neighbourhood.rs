@@ -40,7 +40,8 @@ pub(super) fn search_near_incumbent(
     point: &[f64],
     bound: f64,
 ) {
-    let (left, cutoff, base) = (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.base());
+    let (left, cutoff, base) =
+        (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.program());
     if left < LEAST || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
@@ -74,18 +75,14 @@ fn search_within(
     let mut options = ctx.options().nested();
     options.node_limit = Some((iterations / a_node).clamp(NODES[0], NODES[1]));
     options.memory_limit = ctx.tree.memory_left();
-    let guidance = ctx.shared.task.guidance.idle();
-    let (options, guidance) = (&options, &guidance);
-    let task = Task { program, root: None, guidance, options, cutoff, ..ctx.shared.task };
+    let task = Task { program, root: None, options: &options, cutoff, ..*ctx.task() };
     let activity = ctx.clock.pause();
-    let Found { points, statistics, .. } = (ctx.shared.nested)(task);
+    let Found { points, statistics, .. } = (ctx.tree.tree.nested)(task);
     ctx.clock.resume(activity);
     ctx.iterations += statistics.iterations;
     ctx.tree.count(|s| s.add_nested(&statistics));
-    if let Some(mut found) = points.into_iter().next() {
-        found.truncate(program.column_count());
-        let found = ctx.complete_point(found);
-        let value = ctx.shared.task.value(&found);
+    if let Some(found) = points.into_iter().next() {
+        let value = ctx.task().value(&found);
         if value < ctx.tree.cutoff() {
             ctx.tree.offer(value, found);
         }

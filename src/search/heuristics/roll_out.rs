@@ -29,7 +29,7 @@ const SHARES: usize = 1 << 20;
 
 /// Tries the modes that follow from the inputs of a relaxed point. The domain is left as it was.
 pub(super) fn roll_out(ctx: &mut Context<'_>, point: &[f64]) {
-    let program = ctx.base();
+    let program = ctx.program();
     // Without columns that can follow there is nothing to roll out.
     if program.integers.len() == program.column_count() {
         return;
@@ -69,7 +69,7 @@ fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<V
         }
     }
     let mut modes = point.to_vec();
-    for &j in ctx.own_integers() {
+    for &j in &ctx.program().integers {
         if !fix_near(ctx, j, point[j]) || ctx.is_late() {
             return None;
         }

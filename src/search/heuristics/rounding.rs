@@ -14,7 +14,7 @@ use crate::search::local_bounds::fix_near;
 /// Tries to turn a relaxed point into a feasible one. Returns whether it did. The domain is left as
 /// it was.
 pub(super) fn round_and_propagate(ctx: &mut Context<'_>, point: &[f64]) -> bool {
-    let mut order: Vec<usize> = ctx.own_integers().to_vec();
+    let mut order: Vec<usize> = ctx.program().integers.to_vec();
     let distance = |j: usize| (point[j] - point[j].round()).abs();
     order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
     fix_in_order(ctx, &order, |_, j| point[j])
@@ -22,7 +22,7 @@ pub(super) fn round_and_propagate(ctx: &mut Context<'_>, point: &[f64]) -> bool 
 
 /// Tries the cheap ends of all integers. Returns whether that is feasible. The domain is left as it was.
 pub(super) fn fix_at_cheap_ends(ctx: &mut Context<'_>) -> bool {
-    let mut order: Vec<usize> = ctx.own_integers().to_vec();
+    let mut order: Vec<usize> = ctx.program().integers.to_vec();
     let costs = &ctx.program().linear;
     order.sort_by(|&a, &b| costs[b].abs().total_cmp(&costs[a].abs()).then(a.cmp(&b)));
     fix_in_order(ctx, &order, |ctx, j| {

@@ -9,7 +9,6 @@ use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::worker_pool::with_pool;
-use crate::search::context::Shared;
 use crate::search::node::Node;
 use crate::search::reporter::Reporter;
 use crate::search::tree::{State, Tree};
@@ -40,12 +39,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Searches until nothing is left or a limit is reached.
-pub(in crate::search) fn run(shared: Shared<'_>, tree: &Tree<'_>, reporter: &mut Reporter<'_, '_>) {
+pub(in crate::search) fn run(tree: &Tree<'_>, reporter: &mut Reporter<'_, '_>) {
     let slots: Slots<'_> = (0..WORKERS).map(|_| Mutex::default()).collect();
-    let run = |id: usize| process(&mut lock(&slots[id]), id, shared, tree);
+    let run = |id: usize| process(&mut lock(&slots[id]), id, tree);
     let begin = || tree.count_thread();
     begin();
-    with_pool(shared.task.options.threads, &begin, &run, |pool, ensure_helpers| {
+    with_pool(tree.task.options.threads, &begin, &run, |pool, ensure_helpers| {
         loop {
             let assigned = assign(tree, &slots);
             if assigned.is_empty() {
@@ -60,10 +59,10 @@ pub(in crate::search) fn run(shared: Shared<'_>, tree: &Tree<'_>, reporter: &mut
 }
 
 /// Processes what a slot was assigned in a round.
-fn process<'a>(slot: &mut Slot<'a>, id: usize, shared: Shared<'a>, tree: &'a Tree<'a>) {
+fn process<'a>(slot: &mut Slot<'a>, id: usize, tree: &'a Tree<'a>) {
     let Some((node, nodes)) = slot.assignment.take() else { return };
     let worker = slot.worker.get_or_insert_with(|| {
-        let mut worker = Worker::new(shared, TreeView::in_rounds(tree, id));
+        let mut worker = Worker::new(TreeView::in_rounds(tree, id));
         worker.pseudocosts().clone_from(&lock(&tree.pseudocosts));
         worker.pseudocosts().record();
         worker
@@ -73,7 +72,7 @@ fn process<'a>(slot: &mut Slot<'a>, id: usize, shared: Shared<'a>, tree: &'a Tre
     let mut next = Some(node);
     for _ in 0..nodes {
         let Some(node) = next.take() else { break };
-        if let Some(reason) = shared.task.token.ended() {
+        if let Some(reason) = tree.task.token.ended() {
             worker.tree().give_back(node, reason);
             break;
         }

@@ -11,7 +11,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crossbeam_deque::{Steal, Stealer, Worker as Deque};
 use web_time::Duration;
 
-use crate::search::context::Shared;
 use crate::search::local_queue::LocalQueue;
 use crate::search::node::Node;
 use crate::search::reporter::Reporter;
@@ -30,21 +29,20 @@ struct Peers {
 }
 
 /// Searches until nothing is left or a limit is reached.
-pub(in crate::search) fn run(shared: Shared<'_>, tree: &Tree<'_>, reporter: &mut Reporter<'_, '_>) {
-    let threads = shared.task.options.threads.max(1);
+pub(in crate::search) fn run(tree: &Tree<'_>, reporter: &mut Reporter<'_, '_>) {
+    let threads = tree.task.options.threads.max(1);
     let own = Deque::new_lifo();
     let others: Vec<Deque<Node>> = (1..threads).map(|_| Deque::new_lifo()).collect();
     let stealers = std::iter::once(&own).chain(&others).map(Deque::stealer).collect();
     let peers = &Peers { stealers, helpers: AtomicUsize::new(0) };
-    let worker = Worker::new(shared, TreeView::immediate(tree, 0, LocalQueue::new(own)));
-    with_helpers(shared, tree, peers, others, |start_helper| {
+    let worker = Worker::new(TreeView::immediate(tree, 0, LocalQueue::new(own)));
+    with_helpers(tree, peers, others, |start_helper| {
         work(worker, peers, Some(reporter), start_helper);
     });
 }
 
 #[cfg(not(target_family = "wasm"))]
 fn with_helpers(
-    shared: Shared<'_>,
     tree: &Tree<'_>,
     peers: &Peers,
     queues: Vec<Deque<Node>>,
@@ -59,7 +57,7 @@ fn with_helpers(
             scope.spawn(move || {
                 let _inside = around.enter();
                 let view = TreeView::immediate(tree, id, LocalQueue::new(own));
-                work(Worker::new(shared, view), peers, None, &mut || ());
+                work(Worker::new(view), peers, None, &mut || ());
             });
         });
     });
@@ -67,7 +65,6 @@ fn with_helpers(
 
 #[cfg(target_family = "wasm")]
 fn with_helpers(
-    _: Shared<'_>,
     _: &Tree<'_>,
     _: &Peers,
     _: Vec<Deque<Node>>,

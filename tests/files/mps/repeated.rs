@@ -135,7 +135,7 @@ fn semicontinuous_columns() {
     check(
         &with("BOUNDS\n SC B x 3\n LO B x -2\n"),
         "line 8, column 2: `x` is 0 or between -2 and 3; some solvers refuse negative values of \
-         semi-continuous columns",
+         semi-continuous variables",
         "  x = 0 or -2 <= x <= 3\n",
     );
     assert_eq!(error(&with("BOUNDS\n SC B x\n")), "line 15, column 7: `x` is not a number");

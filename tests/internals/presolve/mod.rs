@@ -12,12 +12,11 @@ mod rules;
 
 use carom::internals::program::Program;
 use carom::internals::relaxation::LadderPool;
-use carom::internals::search::{Accept, ColumnGuidance, Found, Task, search};
-use carom::model::Model;
-use carom::solver::{Control, Guidance, Options, StopToken};
+use carom::internals::search::{Found, PointJudge, Task, search};
+use carom::solver::{Control, Options, StopToken};
 
 /// Searches a program that no model is told about.
-fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
+fn search_alone(program: &Program, accept: &dyn PointJudge) -> Found {
     let options = Options::default();
     search_by(program, accept, &options, &LadderPool::new(&options))
 }
@@ -25,24 +24,11 @@ fn search_alone(program: &Program, accept: &Accept<'_>) -> Found {
 /// The same with options and with methods for the relaxations.
 pub(crate) fn search_by(
     program: &Program,
-    accept: &Accept<'_>,
+    accept: &dyn PointJudge,
     options: &Options,
     ladders: &LadderPool,
 ) -> Found {
-    let model = Model::new("none");
-    let guidance = ColumnGuidance::new(&model, &Guidance::default()).expect("no guidance is none");
-    let task = Task {
-        cutoff: f64::INFINITY,
-        program,
-        exact: None,
-        root: None,
-        accept,
-        guidance: &guidance,
-        key: &|x| x.iter().map(|v| v.round() as i64).collect(),
-        describe: &|_| None,
-        ladders,
-        options,
-        token: &StopToken::default(),
-    };
+    let token = &StopToken::default();
+    let task = Task::new(program, accept, ladders, options, token);
     search(task, &mut Control::default(), None)
 }

@@ -3,13 +3,12 @@
 
 use carom::internals::program::Program;
 use carom::internals::relaxation::LadderPool;
-use carom::internals::search::seed::{Seed, Start};
 use carom::internals::search::{
-    ColumnGuidance, Contradiction, Task, search, search_unstrengthened,
+    Contradiction, Start, StartPoint, Task, search, search_unstrengthened,
 };
 use carom::prelude::*;
 use carom::solution::Heuristic;
-use carom::solver::{Control, Guidance, StopToken};
+use carom::solver::{Control, StopToken};
 
 /// `min x^2 - 3 a - 2.5 b` over `x >= a + b`: -2 with `a` alone.
 fn program() -> Program {
@@ -25,24 +24,12 @@ fn program() -> Program {
 /// the answer without it.
 fn contradiction(wrong: &Program, start: Option<Vec<f64>>) -> Option<Contradiction> {
     let (exact, options, token) = (&program(), &Options::default(), &StopToken::default());
-    let (model, ladders) = (Model::new("none"), &LadderPool::new(options));
-    let guidance = &ColumnGuidance::new(&model, &Guidance::default()).unwrap();
-    let task = Task {
-        program: wrong,
-        exact: Some(exact),
-        root: None,
-        accept: &|_: &[f64]| true,
-        key: &|_: &[f64]| Vec::new(),
-        describe: &|_: &[f64]| None,
-        guidance,
-        ladders,
-        options,
-        cutoff: f64::INFINITY,
-        token,
-    };
-    let start = start.map(|values| Start { values, found_by: Heuristic::Guess });
-    let seed = Seed::from_point(start);
-    let found = search(task, &mut Control::default(), Some(&seed));
+    let ladders = &LadderPool::new(options);
+    let accept = |_: &[f64]| true;
+    let task = Task { exact: Some(exact), ..Task::new(wrong, &accept, ladders, options, token) };
+    let point = start.map(|values| StartPoint { values, found_by: Heuristic::Start });
+    let start = Start::from_point(point);
+    let found = search(task, &mut Control::default(), Some(&start));
     let what = found.contradiction?;
     assert_eq!((found.termination, found.bound), (Termination::Stalled, f64::NEG_INFINITY));
     let again = search_unstrengthened(task, found, &mut Control::default());

@@ -10,6 +10,4 @@ mod node_probing;
 mod perspective;
 mod pseudocosts;
 mod roll_out;
-mod seed;
 mod strong_fixing;
-mod time_order;

@@ -1,6 +1,6 @@
 //! Linear-quadratic regulators against closed forms, value iteration and programs.
 
-use carom::hybrid::{LinearSystem, Lqr, Mat, TerminalError};
+use carom::hybrid::{LinearSystem, Lqr, Matrix, TerminalError};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -42,12 +42,12 @@ proptest! {
         start in prop::collection::vec(-2.0..2.0_f64, 3),
         change in prop::collection::vec(-0.01..0.01_f64, 6),
     ) {
-        let a = Mat::from_fn(3, 3, |i, j| entries[3 * i + j]);
-        let b = Mat::from_fn(3, 2, |i, j| inputs[2 * i + j] + f64::from(u8::from(i == j)));
+        let a = Matrix::from_fn(3, 3, |i, j| entries[3 * i + j]);
+        let b = Matrix::from_fn(3, 2, |i, j| inputs[2 * i + j] + f64::from(u8::from(i == j)));
         let system = LinearSystem::new(a, b, [0.0; 3]).unwrap();
         let (q, r) = ([[1.0, 0.2, 0.0], [0.2, 0.5, 0.0], [0.0, 0.0, 2.0]], [[1.0, 0.1], [0.1, 0.4]]);
         let Ok(lqr) = Lqr::new(&system, q, r) else { return Err(TestCaseError::reject("no")) };
-        let cost = |gain: &Mat<f64>| {
+        let cost = |gain: &Matrix| {
             let (mut x, mut sum) = (start.clone(), 0.0);
             for _ in 0..3000 {
                 let u: Vec<f64> =
@@ -67,7 +67,7 @@ proptest! {
             .sum();
         let run = cost(&lqr.gain);
         prop_assert!((run - value).abs() <= 1e-8 * value.max(1e-6), "{run} {value}");
-        let other = Mat::from_fn(2, 3, |i, j| lqr.gain[(i, j)] + change[3 * i + j]);
+        let other = Matrix::from_fn(2, 3, |i, j| lqr.gain[(i, j)] + change[3 * i + j]);
         prop_assert!(cost(&other) >= run * (1.0 - 1e-9));
     }
 }
@@ -101,7 +101,7 @@ fn long_programs_cost_what_the_equation_says() {
 #[test]
 fn a_system_without_inputs_has_the_cost_of_its_decay() {
     let decay = LinearSystem::new([[0.5]], [[]], [0.0]).unwrap();
-    let lqr = Lqr::new(&decay, [[3.0]], Mat::zeros(0, 0)).unwrap();
+    let lqr = Lqr::new(&decay, [[3.0]], Matrix::zeros(0, 0)).unwrap();
     assert!((lqr.cost[(0, 0)] - 4.0).abs() < 1e-12);
     assert_eq!((lqr.gain.nrows(), lqr.gain.ncols()), (0, 1));
 }
@@ -123,7 +123,7 @@ fn what_has_no_regulator_is_refused() {
     let (sin, cos) = 0.3_f64.sin_cos();
     let turning = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 0.5]];
     let turning = LinearSystem::new(turning, [[0.0], [0.0], [1.0]], [0.0; 3]).unwrap();
-    let three = Mat::<f64>::identity(3, 3);
+    let three = Matrix::identity(3);
     let error = Lqr::new(&turning, &three, [[1.0]]).unwrap_err();
     assert!(matches!(reason(&error), TerminalError::NotStabilisable { .. }));
     // The cost does not see the position, which stays where it is.

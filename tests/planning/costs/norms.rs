@@ -1,7 +1,7 @@
 //! Costs in the three norms against plain sums and hand-written epigraphs.
 
 use carom::ErrorKind;
-use carom::hybrid::{HybridProgram, HybridSystem, LinearSystem, Mat, State};
+use carom::hybrid::{HybridProgram, HybridSystem, LinearSystem, Matrix, State};
 use carom::prelude::*;
 use proptest::prelude::*;
 
@@ -16,8 +16,8 @@ struct Plant {
 }
 
 fn plant(entries: &[f64]) -> Plant {
-    let a = Mat::from_fn(2, 2, |i, j| entries[2 * i + j]);
-    let b = Mat::from_fn(2, 2, |i, j| entries[4 + 2 * i + j]);
+    let a = Matrix::from_fn(2, 2, |i, j| entries[2 * i + j]);
+    let b = Matrix::from_fn(2, 2, |i, j| entries[4 + 2 * i + j]);
     let flow = LinearSystem::new(a, b, [0.1, -0.2]).unwrap();
     let mut system = HybridSystem::new(1.0);
     let states = ["x", "v"].map(|name| system.state(name, -40.0, 40.0).unwrap());

@@ -1,7 +1,7 @@
 //! Terminal sets: points inside stay, points outside do not.
 
 use carom::hybrid::{
-    HybridSystem, LinearSystem, Lqr, Mat, TerminalError, TerminalOptions, TerminalSet,
+    HybridSystem, LinearSystem, Lqr, Matrix, TerminalError, TerminalOptions, TerminalSet,
 };
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
@@ -45,8 +45,8 @@ proptest! {
         normal in prop::collection::vec(-1.0..1.0_f64, 4),
         points in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 3), 40),
     ) {
-        let a = Mat::from_fn(n, n, |i, j| entries[3 * i + j]);
-        let b = Mat::from_fn(n, 1, |i, _| if i + 1 == n { 1.0 } else { 0.3 * gains[i] });
+        let a = Matrix::from_fn(n, n, |i, j| entries[3 * i + j]);
+        let b = Matrix::from_fn(n, 1, |i, _| if i + 1 == n { 1.0 } else { 0.3 * gains[i] });
         // The constant part makes the target an equilibrium at the input 0.1.
         let c: Vec<f64> = (0..n)
             .map(|i| {
@@ -55,7 +55,7 @@ proptest! {
             })
             .collect();
         let flow = LinearSystem::new(a, b, c).unwrap();
-        let Ok(lqr) = Lqr::new(&flow, Mat::<f64>::identity(n, n), [[weight]]) else {
+        let Ok(lqr) = Lqr::new(&flow, Matrix::identity(n), [[weight]]) else {
             return Err(TestCaseError::reject("no regulator"));
         };
         prop_assume!(lqr.spectral_radius < 0.97);
@@ -125,7 +125,12 @@ proptest! {
 
 fn elevator() -> (HybridSystem, LinearSystem) {
     let line = LinearSystem::double_integrator(0.1).unwrap();
-    let fast = LinearSystem::new(line.a(), line.b() * faer::Scale(2.0), [0.0, 0.0]).unwrap();
+    let fast = LinearSystem::new(
+        line.a(),
+        Matrix::from_fn(2, 1, |i, j| 2.0 * line.b()[(i, j)]),
+        [0.0, 0.0],
+    )
+    .unwrap();
     let system = HybridSystem::new(1.0)
         .with_state("x", Interval::new(0.0, 15.0))
         .with_state("v", Interval::new(-2.5, 2.5))

@@ -2,7 +2,7 @@
 
 use crate::common::config;
 use carom::hybrid::reach::{ReachSet, ReachSets, SetOptions};
-use carom::hybrid::{Contact, HybridSystem, LinearSystem, Mat, Restitution, Wall};
+use carom::hybrid::{Contact, HybridSystem, LinearSystem, Matrix, Restitution, Wall};
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
@@ -14,12 +14,12 @@ fn points(state: &[f64]) -> Vec<Interval> {
 /// A mass on each of `axes` lines, within ±1000, pushed with at most 1 m/s².
 fn masses(axes: usize, dt: f64) -> HybridSystem {
     let n = 2 * axes;
-    let a = Mat::from_fn(n, n, |i, j| match (i, j) {
+    let a = Matrix::from_fn(n, n, |i, j| match (i, j) {
         _ if i == j => 1.0,
         _ if i % 2 == 0 && j == i + 1 => dt,
         _ => 0.0,
     });
-    let b = Mat::from_fn(n, axes, |i, j| match i {
+    let b = Matrix::from_fn(n, axes, |i, j| match i {
         _ if i == 2 * j => 0.5 * dt * dt,
         _ if i == 2 * j + 1 => dt,
         _ => 0.0,
@@ -102,8 +102,8 @@ fn simplified_polygons_only_grow() {
 fn one_state_is_an_interval() {
     // x⁺ = x/2 + u, |u| <= 1, from [3, 4]: the ends are geometric series.
     let flow = LinearSystem::new(
-        Mat::from_fn(1, 1, |_, _| 0.5),
-        Mat::from_fn(1, 1, |_, _| 1.0),
+        Matrix::from_fn(1, 1, |_, _| 0.5),
+        Matrix::from_fn(1, 1, |_, _| 1.0),
         vec![0.0],
     );
     let system = HybridSystem::new(1.0)
@@ -130,7 +130,7 @@ fn three_coupled_states_are_bounded_tightly_along_the_axes() {
     // A chain of integrators: jerk, acceleration, velocity.
     let dt = 0.5;
     let a = faer_chain(dt);
-    let b = Mat::from_fn(3, 1, |i, _| [dt * dt * dt / 6.0, dt * dt / 2.0, dt][i]);
+    let b = Matrix::from_fn(3, 1, |i, _| [dt * dt * dt / 6.0, dt * dt / 2.0, dt][i]);
     let flow = LinearSystem::new(a, b, vec![0.0; 3]).unwrap();
     let mut system = HybridSystem::new(1.0)
         .with_input("jerk", Interval::new(-1.0, 1.0))
@@ -163,8 +163,8 @@ fn three_coupled_states_are_bounded_tightly_along_the_axes() {
     assert!((sharp - exact).abs() <= 1e-9 * exact, "{sharp} against {exact}");
 }
 
-fn faer_chain(dt: f64) -> Mat<f64> {
-    Mat::from_fn(3, 3, |i, j| match j as i32 - i as i32 {
+fn faer_chain(dt: f64) -> Matrix {
+    Matrix::from_fn(3, 3, |i, j| match j as i32 - i as i32 {
         0 => 1.0,
         1 => dt,
         2 => 0.5 * dt * dt,
@@ -217,8 +217,8 @@ fn a_limit_between_states_links_their_blocks() {
 fn sets_that_grow_no_more_are_recognised() {
     // v decays to 2 at most; x is not there: from 0 the velocity 3 is never reached.
     let flow = LinearSystem::new(
-        Mat::from_fn(1, 1, |_, _| 0.5),
-        Mat::from_fn(1, 1, |_, _| 1.0),
+        Matrix::from_fn(1, 1, |_, _| 0.5),
+        Matrix::from_fn(1, 1, |_, _| 1.0),
         vec![0.0],
     );
     let system = HybridSystem::new(1.0)

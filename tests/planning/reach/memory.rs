@@ -174,8 +174,8 @@ fn doors_close_and_winds_turn() {
 /// Wheels that each may push their own cart by one metre.
 fn carts(count: usize, coupled: bool) -> HybridSystem {
     let rows = |on: Option<usize>| {
-        let identity = carom::hybrid::Mat::<f64>::identity(count, count);
-        let gain = carom::hybrid::Mat::from_fn(count, 1, |_, _| 0.0);
+        let identity = carom::hybrid::Matrix::identity(count);
+        let gain = carom::hybrid::Matrix::from_fn(count, 1, |_, _| 0.0);
         let push = |i: usize| match on {
             Some(_) if coupled && i == 0 => 1.0,
             Some(on) if on == i && !coupled => 1.0,

@@ -1,7 +1,7 @@
 //! Random systems with memory, dwell times, several choices, guards on inputs and values by step,
 //! and runs through them, in plain numbers.
 
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, Schedule};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Schedule};
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 
@@ -144,8 +144,8 @@ impl Flow {
 
     fn system(&self, inputs: usize) -> LinearSystem {
         let n = self.c.len();
-        let a = Mat::from_fn(n, n, |i, j| self.a[i][j]);
-        let b = Mat::from_fn(n, inputs, |i, j| self.b[i][j]);
+        let a = Matrix::from_fn(n, n, |i, j| self.a[i][j]);
+        let b = Matrix::from_fn(n, inputs, |i, j| self.b[i][j]);
         LinearSystem::new(a, b, self.c.clone()).unwrap()
     }
 }
@@ -227,7 +227,7 @@ impl Law {
             transition = transition.with_prediction_guard(guard.halfspace("prediction"));
         }
         if let Some((matrix, offsets)) = &self.reset {
-            let matrix = Mat::from_fn(states, states, |i, j| matrix[i][j]);
+            let matrix = Matrix::from_fn(states, states, |i, j| matrix[i][j]);
             transition = transition.with_reset_by_step(matrix, Schedule::from(offsets.clone()));
         }
         if let Some((low, high)) = self.range {

@@ -3,7 +3,8 @@
 use crate::common::config;
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::hybrid::reach::{HorizonVariables, ReachSets, Reason, SetOptions, TighteningReport};
-use carom::hybrid::{ContactLaw, DamageLimits, HybridSystem, LinearSystem, Mat, Wall};
+use carom::hybrid::scene::DamageRule;
+use carom::hybrid::{ContactLaw, HybridSystem, LinearSystem, Matrix, Wall};
 use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -39,7 +40,7 @@ fn roll_out(mut scenario: Scenario, accelerations: &[f64]) -> Plan {
             (true, true) => ((p, w), -n * v),
             (false, _) => ((p, w), 0.0),
         };
-        let limit = scenario.damage.per_impact.unwrap_or(f64::INFINITY);
+        let limit = scenario.damage.per_hit.unwrap_or(f64::INFINITY);
         if next.1.abs() > scenario.max_speed || (hit && (speed > limit || speed < 0.0)) {
             break;
         }
@@ -89,8 +90,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     (numbers, restitution, any::<bool>(), prop::bool::weighted(0.2), limit).prop_map(
         |((gap, speed, dt, at), e, above, literal, limit)| {
             let wall = if above { Wall::above(at) } else { Wall::below(at) }.unwrap();
-            let mut damage = DamageLimits::default();
-            damage.per_impact = limit;
+            let mut damage = DamageRule::default();
+            damage.per_hit = limit;
             Scenario::paper()
                 .with_wall(wall)
                 .with_law(if literal { ContactLaw::Literal } else { ContactLaw::Reflecting })
@@ -171,7 +172,7 @@ fn modes_that_are_no_events_need_no_row() {
     let x = model.continuous_family("x", 6, -9.0, 9.0).unwrap();
     let second = model.binary_family("second", 5).unwrap();
     let gear = |gain: f64| {
-        let (a, b) = (Mat::from_fn(1, 1, |_, _| 1.0), Mat::from_fn(1, 1, |_, _| gain));
+        let (a, b) = (Matrix::from_fn(1, 1, |_, _| 1.0), Matrix::from_fn(1, 1, |_, _| gain));
         LinearSystem::new(a, b, vec![0.0]).unwrap()
     };
     let system = HybridSystem::new(1.0)

@@ -3,7 +3,7 @@
 use carom::ErrorKind;
 use carom::collision_tolerant::Scenario;
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, Region};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Region};
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -62,7 +62,7 @@ fn systems_whose_parts_do_not_fit() {
     assert_eq!(refused(push().with_limit(odd)), "a number of `odd` is NaN; give a finite number");
     let flow = LinearSystem::double_integrator(0.1).unwrap();
     let reset = |rows, offset: Vec<f64>| {
-        let matrix = Mat::from_fn(rows, 2, |_, _| 0.0);
+        let matrix = Matrix::from_fn(rows, 2, |_, _| 0.0);
         push().with_transition(Transition::event("hit", flow.clone()).with_reset(matrix, offset))
     };
     assert_eq!(
@@ -190,7 +190,8 @@ fn states_too_large_to_compute_with() {
         ReachSets::new(system, REST, REST, SetOptions::default()).unwrap_err().to_string()
     };
     assert!(text(&wide).starts_with("a limit of `x` is -1"), "{}", text(&wide));
-    let flow = LinearSystem::new(Mat::from_fn(2, 2, |_, _| 1e100), Mat::zeros(2, 1), vec![0.0; 2]);
+    let flow =
+        LinearSystem::new(Matrix::from_fn(2, 2, |_, _| 1e100), Matrix::zeros(2, 1), vec![0.0; 2]);
     let steep = push().with_transition(Transition::new("leap", flow.unwrap()));
     assert!(text(&steep).starts_with("an entry of the flow of `leap` is 1"), "{}", text(&steep));
     wide.states[0].1 = Interval::new(-9e19, 9e19);

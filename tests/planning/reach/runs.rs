@@ -2,7 +2,7 @@
 
 use crate::common::config;
 use carom::hybrid::reach::{ReachSets, SetOptions, Tube};
-use carom::hybrid::{HybridSystem, LinearSystem, Mat};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix};
 use carom::internals::hybrid::Transition;
 use carom::interval::Interval;
 use proptest::prelude::*;
@@ -152,8 +152,8 @@ proptest! {
 #[test]
 fn resting_under_damping_is_never_excluded() {
     for (damping, steps) in [(1e-3, 120), (0.5, 1200)] {
-        let a = Mat::from_fn(2, 2, |i, j| [[1.0, 0.01], [0.0, damping]][i][j]);
-        let b = Mat::from_fn(2, 1, |i, _| [0.0, 0.01][i]);
+        let a = Matrix::from_fn(2, 2, |i, j| [[1.0, 0.01], [0.0, damping]][i][j]);
+        let b = Matrix::from_fn(2, 1, |i, _| [0.0, 0.01][i]);
         let glide = LinearSystem::new(a, b, vec![0.0; 2]).unwrap();
         let vehicle = HybridSystem::new(1.0)
             .with_state("x", Interval::new(-50.0, 50.0))

@@ -8,9 +8,10 @@ use carom::collision_tolerant::{
     Endpoint, PlanningOptions, Scenario, ShortestPlan, shortest_plan, shortest_plan_with,
 };
 use carom::hybrid::reach::{HorizonVariables, ReachSets, SetOptions};
+use carom::hybrid::scene::DamageRule;
 use carom::hybrid::{
-    DamageLimits, HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Mat, Refutation,
-    ShortestOptions, ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
+    HorizonEvent, HorizonModel, HybridSystem, LinearSystem, Matrix, Refutation, ShortestOptions,
+    ShortestStatus, Verdict, Waiting, Wall, shortest_horizon,
 };
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
@@ -33,8 +34,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             let wall = if above { Wall::above(-3.0) } else { Wall::below(7.0) }.unwrap();
             let speed = if resting { 0.0 } else { speed.clamp(-fastest, fastest) };
             let end_speed = if stopping { 0.0 } else { end_speed };
-            let mut damage = DamageLimits::default();
-            (damage.per_impact, damage.cumulative) = limits;
+            let mut damage = DamageRule::default();
+            (damage.per_hit, damage.total) = limits;
             Scenario::paper()
                 .with_wall(wall)
                 .with_start(Endpoint::at_rest(wall.at_gap(from)).with_velocity(speed))
@@ -153,25 +154,25 @@ fn a_task_without_any_plan_is_refuted_without_a_solve() {
     let found = search(&stuck, true, 20_000);
     assert_eq!(found.status, ShortestStatus::NoneWithin { max_steps: 20_000 });
     assert!(found.attempts.iter().all(|attempt| !attempt.is_solve()));
-    let text = carom::collision_tolerant::explain(&stuck, 500).unwrap().unwrap().to_string();
+    let text = stuck.reach_sets().unwrap().explain(500).unwrap().unwrap().to_string();
     assert!(text.contains("x can only be between 9.99997 and 10.00003, and 0.3"), "{text}");
 }
 
 #[test]
 fn an_explanation_names_sets_and_ranges() {
     let scenario = Scenario::paper().with_restitution(0.5).unwrap();
-    let explanation = carom::collision_tolerant::explain(&scenario, 484).unwrap().unwrap();
+    let explanation = scenario.reach_sets().unwrap().explain(484).unwrap().unwrap();
     assert_eq!((explanation.steps, explanation.sample), (484, 484));
     assert_eq!(explanation.remedies, ["with twice the range of a"]);
     let text = explanation.to_string();
     assert!(text.starts_with("no plan has 484 steps: at the end, without an event, "), "{text}");
     assert!(text.contains("; with 1 event, where x is 0.3, v can only be between 0.00"), "{text}");
     // What limits it is named when it is a wish.
-    let gentle = DamageLimits::default().with_per_impact(3.0);
-    let text = carom::collision_tolerant::explain(&scenario.with_damage(gentle), 486);
+    let gentle = DamageRule::default().with_per_hit(3.0);
+    let text = scenario.clone().with_damage(gentle).reach_sets().unwrap().explain(486);
     let text = text.unwrap().unwrap().to_string();
     assert!(text.ends_with("or without the limit on the impact speed (3)"), "{text}");
-    assert_eq!(carom::collision_tolerant::explain(&scenario, 485).unwrap(), None);
+    assert_eq!(scenario.reach_sets().unwrap().explain(485).unwrap(), None);
 }
 
 #[test]
@@ -215,9 +216,12 @@ impl Planar {
 
     fn axes(&self) -> Result<LinearSystem, Error> {
         let line = LinearSystem::double_integrator(self.dt)?;
-        let a =
-            Mat::from_fn(4, 4, |i, j| if i / 2 == j / 2 { line.a()[(i % 2, j % 2)] } else { 0.0 });
-        let b = Mat::from_fn(4, 2, |i, j| if i / 2 == j { line.b()[(i % 2, 0)] } else { 0.0 });
+        let a = Matrix::from_fn(
+            4,
+            4,
+            |i, j| if i / 2 == j / 2 { line.a()[(i % 2, j % 2)] } else { 0.0 },
+        );
+        let b = Matrix::from_fn(4, 2, |i, j| if i / 2 == j { line.b()[(i % 2, 0)] } else { 0.0 });
         LinearSystem::new(a, b, vec![0.0; 4])
     }
 }
@@ -268,7 +272,7 @@ impl HorizonModel for Planar {
         let outside = Halfspace::new("outside the wall", [-1.0, 0.0, 0.0, 0.0], 0.0);
         let inside = Halfspace::new("behind the wall", [1.0, 0.0, 0.0, 0.0], 0.0);
         let inward = Halfspace::new("moving inward", [0.0, 1.0, 0.0, 0.0], 0.0);
-        let rebound = Mat::from_fn(4, 4, |i, j| match (i == j, i < 2) {
+        let rebound = Matrix::from_fn(4, 4, |i, j| match (i == j, i < 2) {
             (true, true) => -0.3,
             (true, false) => 1.0,
             _ => 0.0,

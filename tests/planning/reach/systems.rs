@@ -1,6 +1,6 @@
 //! Random hybrid systems, and runs through them in plain numbers.
 
-use carom::hybrid::{HybridSystem, LinearSystem, Mat};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix};
 use carom::internals::hybrid::{Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
@@ -73,7 +73,7 @@ impl System {
             system = system.with_input(format!("u{j}"), Interval::new(-1.0, 1.0));
         }
         let matrix =
-            |rows: &[Vec<f64>], columns| Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
+            |rows: &[Vec<f64>], columns| Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j]);
         for (m, mode) in self.modes.iter().enumerate() {
             let (a, b) = (matrix(&mode.a, self.states), matrix(&mode.b, self.inputs));
             let flow = LinearSystem::new(a, b, mode.c.clone()).unwrap();

@@ -1,6 +1,6 @@
 //! Random hybrid systems in plain numbers, and runs through them.
 
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, Schedule};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Schedule};
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
@@ -293,8 +293,8 @@ impl Plain {
     }
 }
 
-fn matrix(rows: &[Vec<f64>], columns: usize) -> Mat<f64> {
-    Mat::from_fn(rows.len(), columns, |i, j| rows[i][j])
+fn matrix(rows: &[Vec<f64>], columns: usize) -> Matrix {
+    Matrix::from_fn(rows.len(), columns, |i, j| rows[i][j])
 }
 
 /// Entries of matrices: often 0 or 1.

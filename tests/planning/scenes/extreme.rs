@@ -2,18 +2,18 @@
 
 use carom::collision_tolerant::{PlanningOptions, Scenario, shortest_plan};
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Surface};
-use carom::hybrid::{DamageLimits, Region, Restitution, ShortestOptions};
+use carom::hybrid::{Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
 #[test]
 fn plans_of_the_paper_switch_instead_of_turning() {
     let mut solver = BranchAndBound::default();
-    let limits = DamageLimits::default().with_per_impact(5.0);
+    let limits = DamageRule::default().with_per_hit(5.0);
     for (restitution, limits) in [(0.0, None), (0.3, None), (0.3, Some(limits)), (0.9, None)] {
         let mut scenario = Scenario::paper().with_restitution(restitution).unwrap();
         scenario = scenario.with_time_step(0.02);
-        if let Some(limits) = limits {
+        if let Some(limits) = limits.clone() {
             scenario = scenario.with_damage(limits);
         }
         let found = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver).unwrap();
@@ -24,7 +24,7 @@ fn plans_of_the_paper_switch_instead_of_turning() {
         let between = new.acceleration[1..new.steps()].iter().filter(|a| a.abs() < 6.0 - 1e-5);
         // Goal, wall and limit are at most five equations.
         assert!(between.count() <= 5, "{restitution}: {:?}", new.acceleration);
-        assert!(new.damage.iter().all(|d| *d <= limits.map_or(15.0, |_| 5.0) + 1e-5));
+        assert!(new.damage.iter().all(|d| *d <= limits.as_ref().map_or(15.0, |_| 5.0) + 1e-5));
     }
 }
 

@@ -4,7 +4,7 @@ use carom::collision_tolerant::{
     Collisions, Objective, PlanningOptions, Scenario, plan, shortest_plan,
 };
 use carom::hybrid::scene::{Body, DamageMeasure, DamageRule, Scene, Solid, Surface};
-use carom::hybrid::{DamageLimits, ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -15,7 +15,7 @@ fn both_count_damage_alike() {
     let mut solver = BranchAndBound::default();
     let mut least = Vec::new();
     for estimate in [ImpactEstimate::EndOfStep, ImpactEstimate::Sound] {
-        let scenario = scenario.with_estimate(estimate);
+        let scenario = scenario.clone().with_estimate(estimate);
         let planned = plan(&scenario, 24, Objective::LargestDamage, &mut solver).unwrap();
         let planned = planned.into_plan().unwrap();
         let mut program = scene(&scenario).with_estimate(estimate).program(24).unwrap();
@@ -50,7 +50,7 @@ fn limits_of_damage_and_other_goals_give_as_many_steps() {
     // As in `scene_benchmarks -- paper`, on a coarser grid.
     let mut solver = BranchAndBound::default();
     let paper = Scenario::paper().with_time_step(0.05);
-    let limited = DamageLimits::default().with_per_impact(1.5);
+    let limited = DamageRule::default().with_per_hit(1.5);
     for (scenario, limit) in [
         (paper.clone().collision_free(), None),
         (paper.clone().with_restitution(0.025).unwrap().with_damage(limited), Some(1.5)),

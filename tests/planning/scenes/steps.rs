@@ -70,7 +70,8 @@ impl Kind {
         let body = |name: &str| {
             let body = Body::new(name, vec![Interval::new(-1.0, 1.0); axes], 4.0, 6.0);
             let entry = |i: usize, j: usize, value: f64| if i == j { -value } else { 0.0 };
-            let matrix = |value| faer::Mat::from_fn(axes, axes, |i, j| entry(i, j, value));
+            let matrix =
+                |value| carom::hybrid::Matrix::from_fn(axes, axes, |i, j| entry(i, j, value));
             match self.spring + self.drag > 0.0 {
                 true => body.with_dynamics(matrix(self.spring), matrix(self.drag)),
                 false => body,

@@ -184,7 +184,7 @@ impl<'a> Conditions<'a> {
             if impacts >> t & 1 == 1 {
                 rows.push(p.at_most(normal, normal * at));
                 rows.push(w.at_most(normal, 0.0));
-                if let Some(limit) = scenario.damage.per_impact {
+                if let Some(limit) = scenario.damage.per_hit {
                     rows.push(w.at_most(-normal, limit));
                 }
                 damage = damage.plus(-normal, &w);
@@ -216,7 +216,7 @@ impl<'a> Conditions<'a> {
         for (number, wanted) in [(&self.position, goal.position), (&self.velocity, goal.velocity)] {
             rows.extend([-1.0, 1.0].map(|sign| number.at_most(sign, sign * wanted)));
         }
-        if let Some(limit) = self.scenario.damage.cumulative {
+        if let Some(limit) = self.scenario.damage.total {
             rows.push(self.damage.at_most(1.0, limit));
         }
         rows

@@ -2,7 +2,8 @@
 //! scaled, and random ones.
 
 use carom::collision_tolerant::{Endpoint, Scenario};
-use carom::hybrid::{DamageLimits, Wall};
+use carom::hybrid::Wall;
+use carom::hybrid::scene::DamageRule;
 use carom::interval::Interval;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -103,9 +104,9 @@ impl Scene {
         let mut scenario = Scenario::new(start, goal, wall, limits, max_speed, dt)
             .with_restitution(self.restitution)
             .expect("a restitution");
-        let mut damage = DamageLimits::default();
-        damage.per_impact = self.per_impact;
-        damage.cumulative = self.cumulative;
+        let mut damage = DamageRule::default();
+        damage.per_hit = self.per_impact;
+        damage.total = self.cumulative;
         scenario.damage = damage;
         scenario.domain =
             self.domain.map(|(near, far)| ordered(position + side * near, position + side * far));

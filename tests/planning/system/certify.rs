@@ -156,7 +156,7 @@ fn what_is_wrong_is_named() {
     else {
         panic!()
     };
-    let name = "the flight ends outside the wall".to_owned();
+    let name = "ends in front".to_owned();
     assert_eq!((step, transition.as_str()), (hit, "flight"));
     assert_eq!(condition, Condition::PredictionGuard { name });
     assert!(violation > 1e-3);

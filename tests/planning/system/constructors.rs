@@ -2,7 +2,7 @@
 
 use carom::ErrorKind;
 use carom::hybrid::{
-    HybridSystem, LinearSystem, Mat, MixedLogicalDynamical, Restitution, SimulationOptions,
+    HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical, Restitution, SimulationOptions,
 };
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -126,8 +126,8 @@ fn combinations_that_contradict_are_left_out() {
     assert!(error.to_string().contains("the inequalities contradict each other"), "{error}");
 
     let many = MixedLogicalDynamical::new([0.0], [])
-        .with_states([("x", Interval::new(0.0, 9.0))], [[1.0]], Mat::zeros(0, 1))
-        .with_binaries(13, Mat::zeros(1, 13), Mat::zeros(0, 13));
+        .with_states([("x", Interval::new(0.0, 9.0))], [[1.0]], Matrix::zeros(0, 1))
+        .with_binaries(13, Matrix::zeros(1, 13), Matrix::zeros(0, 13));
     let error = HybridSystem::mixed_logical_dynamical(1.0, &many).unwrap_err();
     assert!(error.to_string().contains("at most 4096"), "{error}");
     let wrong = folded().with_binaries(2, [[0.0]], [[0.0]; 6]);
@@ -175,7 +175,7 @@ proptest! {
             rows.push((at(m), at(1.0), 1.0, m - t));
             rows.push((at(m), at(-1.0), -1.0, m + t));
         }
-        let column = |f: &dyn Fn(usize, usize) -> f64, n| Mat::from_fn(rows.len(), n, f);
+        let column = |f: &dyn Fn(usize, usize) -> f64, n| Matrix::from_fn(rows.len(), n, f);
         let constants: Vec<f64> = rows.iter().map(|row| row.3).collect();
         let mld = MixedLogicalDynamical::new([0.0], constants)
             .with_states(states(), [[slopes[0]]], column(&|i, _| rows[i].2, 1))

@@ -1,7 +1,7 @@
 //! Systems of others, stated once. Their optima are those of the same programs, written by hand as
 //! rows by an independent script and solved by another solver (CPLEX 22.2).
 
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, MixedLogicalDynamical};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, MixedLogicalDynamical};
 use carom::internals::hybrid::SystemVariables;
 use carom::interval::Interval;
 use carom::prelude::*;
@@ -160,7 +160,7 @@ fn car() -> HybridSystem {
         ));
     }
     let count = rows.len();
-    let column = |f: &dyn Fn(usize, usize) -> f64, n| Mat::from_fn(count, n, f);
+    let column = |f: &dyn Fn(usize, usize) -> f64, n| Matrix::from_fn(count, n, f);
     let constants: Vec<f64> = rows.iter().map(|row| row.4).collect();
     let mld = MixedLogicalDynamical::new([0.0], constants)
         .with_states([("v", Interval::new(0.0, top))], [[a]], column(&|i, _| rows[i].3, 1))

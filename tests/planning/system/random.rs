@@ -1,6 +1,6 @@
 //! Random hybrid systems, stated through the crate's own types, and random runs through them.
 
-use carom::hybrid::{Follow, HybridSystem, LinearSystem, Mat, SimulationOptions};
+use carom::hybrid::{Follow, HybridSystem, LinearSystem, Matrix, SimulationOptions};
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 use proptest::prelude::*;
@@ -94,8 +94,8 @@ pub(crate) fn wishes() -> impl Strategy<Value = Wishes> {
     (prop::collection::vec(-2.0..2.0_f64, 3), prop::collection::vec(step, 1..8))
 }
 
-fn matrix(rows: usize, columns: usize, entries: &[f64]) -> Mat<f64> {
-    Mat::from_fn(rows, columns, |i, j| entries[(i * 3 + j) % entries.len()])
+fn matrix(rows: usize, columns: usize, entries: &[f64]) -> Matrix {
+    Matrix::from_fn(rows, columns, |i, j| entries[(i * 3 + j) % entries.len()])
 }
 
 impl RawSystem {

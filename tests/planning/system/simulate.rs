@@ -1,11 +1,13 @@
 //! Simulations: which transitions are possible, by how much, and why a run ends.
 
 use carom::ErrorKind;
+use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{
-    Condition, Contact, DeadEnd, Follow, HybridSystem, LinearSystem, Restitution,
-    SimulationOptions, Wall, replay_discrete,
+    Condition, DeadEnd, Follow, HybridSystem, ImpactEstimate, LinearSystem, Restitution,
+    SimulationOptions,
 };
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
+use carom::internals::scene::{Samples, replay_line};
 use carom::interval::Interval;
 
 fn wall() -> HybridSystem {
@@ -37,16 +39,14 @@ fn a_wall_is_hit_as_in_its_own_replay() {
     let a: Vec<f64> = inputs.iter().map(|u| u[0]).collect();
     let contact: Vec<bool> = run.steps.iter().map(|step| step.taken == ["impact"]).collect();
     assert!(run.events() > 1 && run.events() == contact.iter().filter(|c| **c).count());
-    let plan = carom::hybrid::Samples {
-        time_step: 0.1,
-        position: &x,
-        velocity: &v,
-        acceleration: &a,
-        contact: &contact,
-    };
-    let law = Contact::new(Wall::above(0.0).unwrap(), Restitution::new(0.5).unwrap());
-    let replay = replay_discrete(&law, &plan).unwrap();
-    replay.check(&plan, 1e-12).unwrap();
+    let plan = Samples { position: &x, velocity: &v, acceleration: &a, contact: &contact };
+    let surface = Surface::bounce(Restitution::new(0.5).unwrap());
+    let scene = Scene::new(0.1)
+        .with_body(Body::new("ball", [Interval::new(-1e3, 1e3)], 1e3, 9.0))
+        .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, surface))
+        .with_estimate(ImpactEstimate::EndOfStep);
+    let (_, replay) = replay_line(&scene, &plan).unwrap();
+    assert!(replay.largest_residual <= 1e-12 && replay.drift <= 1e-12, "{replay:?}");
 }
 
 #[test]
@@ -67,7 +67,7 @@ fn ties_and_dead_ends_say_by_how_much() {
     };
     assert_eq!(choice, "mode");
     assert!((candidates[0].slack + 0.0025).abs() < 1e-12 && !candidates[0].is_possible);
-    let name = "it moves towards the wall".to_owned();
+    let name = "moves towards it".to_owned();
     assert_eq!(candidates[1].tightest, Some(Condition::PredictionGuard { name }));
     assert!((candidates[1].slack + 0.025).abs() < 1e-12);
     let text = stuck.to_string();

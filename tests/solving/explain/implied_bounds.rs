@@ -1,6 +1,6 @@
 //! Explanations of models whose variables only rows bound: a part without these rows is no error.
 
-use carom::explain::{ElasticOptions, ExplainOptions, infeasibility, relaxation};
+use carom::explain::{ElasticOptions, ExplainOptions, elastic_relaxation, infeasibility};
 use carom::prelude::*;
 
 /// A walk from 0 by at most 1 a step, past an obstacle, to a goal.
@@ -33,9 +33,12 @@ fn the_rows_that_bound_are_part_of_the_reason() {
 
 #[test]
 fn rows_that_give_bound_less() {
-    let relaxed =
-        relaxation(&walk([6.5, 8.0]), &mut BranchAndBound::default(), &ElasticOptions::default())
-            .unwrap();
+    let relaxed = elastic_relaxation(
+        &walk([6.5, 8.0]),
+        &mut BranchAndBound::default(),
+        &ElasticOptions::default(),
+    )
+    .unwrap();
     assert!(relaxed.is_optimal());
     assert!((relaxed.cost().unwrap() - 1.5).abs() < 1e-5, "{relaxed}");
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use carom::explain::{
-    ElasticOptions, ExplainOptions, ExplanationStatus, infeasibility, relaxation,
+    ElasticOptions, ExplainOptions, ExplanationStatus, elastic_relaxation, infeasibility,
 };
 use carom::prelude::*;
 
@@ -39,7 +39,7 @@ fn a_triggered_interrupt_claims_nothing() {
     assert!(why.to_string().starts_with("it is not known whether `pigeons` has a solution"));
 
     let options = ElasticOptions::default().with_interrupt(&interrupt);
-    let relaxed = relaxation(&pigeons(), &mut BranchAndBound::default(), &options).unwrap();
+    let relaxed = elastic_relaxation(&pigeons(), &mut BranchAndBound::default(), &options).unwrap();
     assert_eq!(relaxed.termination(), Termination::Interrupted);
 }
 

@@ -2,7 +2,8 @@
 //! one of its families there is a solution.
 
 use carom::explain::{
-    ElasticOptions, ExplainOptions, ExplanationStatus, infeasibility, relaxation, violations,
+    ElasticOptions, ExplainOptions, ExplanationStatus, elastic_relaxation, infeasibility,
+    violations,
 };
 use carom::prelude::*;
 use proptest::prelude::*;
@@ -168,7 +169,7 @@ proptest! {
             kept.iter().map(cost).sum()
         };
         let least = (0..1u32 << BINARIES).map(cost).fold(f64::INFINITY, f64::min);
-        let relaxed = relaxation(&model, &mut BranchAndBound::default(), &options).unwrap();
+        let relaxed = elastic_relaxation(&model, &mut BranchAndBound::default(), &options).unwrap();
         if least.is_infinite() {
             prop_assert_eq!(relaxed.termination(), Termination::Infeasible);
             return Ok(());

@@ -2,9 +2,8 @@
 
 use carom::collision_tolerant::{Endpoint, Objective, PlanningProgram, Scenario};
 use carom::explain::{ExplainOptions, Explanation, infeasibility, violations};
-use carom::hybrid::{
-    Contact, ContactLaw, Damage, DamageLimits, HybridSystem, ImpactSpeed, Restitution, Wall,
-};
+use carom::hybrid::scene::{DamageMeasure, DamageRule};
+use carom::hybrid::{Contact, ContactLaw, HybridSystem, ImpactEstimate, Restitution, Wall};
 use carom::interval::Interval;
 use carom::prelude::*;
 use carom::solution::Point;
@@ -31,13 +30,8 @@ fn wall_plan(time_step: f64, damage_limit: f64) -> Model {
         model.add(("speed", t), v[t].within(-15.0, 15.0)).unwrap();
         model.add(("ceiling", t), x[t].le(30.0)).unwrap();
     }
-    let speeds = program.output("impact speed").unwrap();
-    let impacts = speeds.iter().map(|speed| ImpactSpeed::new(speed.clone(), true));
-    let contacts: Vec<(Variable, ImpactSpeed)> = hit.iter().zip(impacts).collect();
-    let limits = DamageLimits::default().with_per_impact(20.0);
-    let damage = Damage::add(&mut model, &contacts, &limits).unwrap();
-    for (t, d) in damage.values.iter().enumerate() {
-        model.add(("damage_limit", t), d.le(damage_limit)).unwrap();
+    for (t, speed) in program.output("impact speed").unwrap().iter().enumerate() {
+        model.add(("damage_limit", t), speed.clone().le(damage_limit)).unwrap();
     }
     model.add("few_hits", hit.iter().sum::<Affine>().le(3.0)).unwrap();
     model.add("start_position", x[0].equals(10.0)).unwrap();
@@ -136,7 +130,7 @@ fn the_papers_own_program_is_explained() {
         ["start_position", "start_velocity", "goal_position", "goal_velocity", "acceleration"]
     );
 
-    let limits = DamageLimits::default().with_per_impact(3.0);
+    let limits = DamageRule::default().with_per_hit(3.0);
     let scenario = Scenario::paper().with_time_step(0.06).with_damage(limits);
     let program = PlanningProgram::explainable(&scenario, STEPS).unwrap();
     let why = explain(&program.model);
@@ -183,4 +177,45 @@ fn explainable_programs_agree_with_the_fast_ones() {
             assert_eq!(fast.is_infeasible(), stated.is_infeasible(), "{law:?}, {steps} steps");
         }
     }
+}
+
+/// So do those with rules about damage, whatever they measure and sum.
+#[test]
+fn explainable_programs_have_the_rules_of_the_fast_ones() {
+    let rule = |measure| DamageRule::new("rule", measure);
+    let energy = || rule(DamageMeasure::DissipatedEnergy);
+    let speed = || rule(DamageMeasure::ImpactSpeed);
+    let never = DamageMeasure::Convex(vec![(0.0, 2.0), (1.0, 0.0)]);
+    let rules = [
+        speed().with_per_hit(4.0),
+        speed().with_total(5.0),
+        speed().with_total(2.0).with_window(3),
+        speed().with_count(0),
+        rule(DamageMeasure::NormalImpulse).with_per_hit(5.0),
+        energy().with_per_hit(3.0),
+        energy().with_per_hit(6.0).with_total(6.0),
+        rule(never).with_per_hit(1.0),
+    ];
+    let mut verdicts = [0, 0];
+    for (law, estimate) in [
+        (ContactLaw::Reflecting, ImpactEstimate::EndOfStep),
+        (ContactLaw::Reflecting, ImpactEstimate::Sound),
+        (ContactLaw::Literal, ImpactEstimate::EndOfStep),
+    ] {
+        for rule in &rules {
+            let scenario = Scenario::paper().with_time_step(0.2).with_law(law);
+            let scenario = scenario.with_estimate(estimate).with_restitution(0.3).unwrap();
+            let scenario = scenario.with_damage(rule.clone());
+            for steps in 11..14 {
+                let fast = PlanningProgram::build(&scenario, steps, Objective::Feasibility);
+                let stated = PlanningProgram::explainable(&scenario, steps).unwrap();
+                let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
+                let (fast, stated) = (solve(&fast.unwrap().model), solve(&stated.model));
+                let is_none = fast.is_infeasible();
+                assert_eq!(is_none, stated.is_infeasible(), "{law:?}, {rule:?}, {steps} steps");
+                verdicts[usize::from(is_none)] += 1;
+            }
+        }
+    }
+    assert!(verdicts.iter().all(|&count| count > 10), "{verdicts:?}");
 }

@@ -243,9 +243,9 @@ fn a_hard_block_leaves_the_others_their_share() {
     assert!(solution.bound().is_finite());
 }
 
-/// Without an objective, blocks are searched with windows of events, which are columns of their own.
+/// Without an objective, each block is searched on its own as well.
 #[test]
-fn windows_of_blocks_are_theirs_alone() {
+fn blocks_without_an_objective() {
     let walls = [123, 122].map(|steps| wall(steps, 0.02, 0.5, false));
     let both = |k: usize| beside_models(&[walls[0].clone(), walls[k].clone()]);
     let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();

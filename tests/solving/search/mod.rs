@@ -7,7 +7,7 @@ mod events;
 mod heuristics;
 mod limits;
 mod pool;
-mod seeds;
+mod starts;
 mod statistics;
 mod switches;
 

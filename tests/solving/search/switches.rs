@@ -59,12 +59,31 @@ proptest! {
             let statistics = solution.statistics();
             let counts = statistics.relaxation_counts;
             prop_assert_eq!(counts.total(), statistics.relaxations);
-            let own = counts.active_set + counts.interior_point;
+            let warm = counts.dual_simplex + counts.active_set;
+            let own = warm + counts.interior_point;
             prop_assert!(method != RelaxationMethod::Clarabel || own == 0);
-            prop_assert!(method == RelaxationMethod::ActiveSet || counts.active_set == 0);
+            prop_assert!(method == RelaxationMethod::Automatic || warm == 0);
             prop_assert!(counts.given_up <= statistics.relaxations);
         }
     }
+}
+
+/// The dual simplex method is counted for linear relaxations, and the active-set method for curved ones.
+#[test]
+fn each_method_is_counted_under_its_own_name() {
+    let counts = |curved: bool| {
+        let mut model = Model::new("either");
+        let n = model.integer_family("n", 3, 0.0, 9.0).unwrap();
+        model.add("odd", (2.0 * n[0] + 2.0 * n[1] + 2.0 * n[2]).within(7.0, 31.0)).unwrap();
+        let squares = n.iter().map(|n| (1.3 * n - 4.0).square()).sum::<Quadratic>();
+        let costs = Quadratic::from(1.5 * n[0] + 1.3 * n[1] + 1.1 * n[2]);
+        model.minimize(if curved { squares } else { costs }).unwrap();
+        let options = Options::default().with_presolve(false).with_cuts(false);
+        *solve(options, &model).statistics()
+    };
+    let (linear, curved) = (counts(false).relaxation_counts, counts(true).relaxation_counts);
+    assert!(linear.dual_simplex > 0 && linear.active_set == 0, "{linear:?}");
+    assert!(curved.active_set > 0 && curved.dual_simplex == 0, "{curved:?}");
 }
 
 /// Most relaxations are the crate's own, and horizons come out the same by either method.

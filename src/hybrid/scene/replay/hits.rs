@@ -221,7 +221,7 @@ impl Played<'_> {
                 ImpactEstimate::EndOfStep => at_end,
             };
             let span = Span { step, inputs, from: 0.0 };
-            let impact = world.first_impact(touch, start, span);
+            let impact = world.first_impact(touch, start, span, 0.0);
             let hit = &mut self.hits[number];
             (hit.start_speed, hit.end_speed, hit.damage) = (at_start, at_end, counted.max(0.0));
             (hit.time, hit.speed) = (step as f64 * dt + dt, at_end.max(0.0));

@@ -16,7 +16,7 @@ use super::error::SceneError;
 use super::plan::{BodyPath, SceneHit};
 use super::statement::Scene;
 use crate::hybrid::damage::ImpactEstimate;
-use crate::tolerance::{FEASIBILITY, REPLAY, margin_scale};
+use crate::tolerance::{CONTACT_TIE, FEASIBILITY, REPLAY, margin_scale};
 
 /// By how much a plan may miss what the scene says: its rows hold to `FEASIBILITY`, and its samples
 /// agree to `REPLAY`.
@@ -60,7 +60,11 @@ pub struct SceneCertificate {
     /// Largest distance between a sample and where its step leads if impacts happen when they are
     /// located, in m. It shrinks with Δt.
     pub step_error: f64,
-    /// The same from the first sample alone, in m. Later impacts amplify it.
+    /// The same of velocities, in m/s. In the plan's own step, an impact within
+    /// [`CONTACT_TIE`] of the surface counts in the step in which the plan has it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub step_speed_error: f64,
+    /// The distance from the first sample alone, in m. Later impacts amplify it.
     pub continuous_drift: f64,
 }
 
@@ -85,26 +89,38 @@ struct Played<'a> {
     certificate: SceneCertificate,
 }
 
+impl<'a> Played<'a> {
+    fn new(scene: &'a Scene, bodies: &[BodyPath], hits: &'a mut Vec<SceneHit>) -> Self {
+        let samples = bodies.first().map_or(0, |body| body.position.len());
+        let state = |t: usize| State {
+            x: bodies.iter().map(|body| body.position[t].clone()).collect(),
+            v: bodies.iter().map(|body| body.velocity[t].clone()).collect(),
+        };
+        let steps = samples.saturating_sub(1);
+        let input = |t: usize| bodies.iter().map(|body| body.acceleration[t].clone()).collect();
+        Played {
+            world: World { scene },
+            samples: (0..samples).map(state).collect(),
+            inputs: (0..steps).map(input).collect(),
+            hits,
+            certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
+        }
+    }
+}
+
+/// Refuses a plan that starts or ends elsewhere than its scene says.
+pub(super) fn check_ends(scene: &Scene, bodies: &[BodyPath]) -> Result<(), SceneError> {
+    Played::new(scene, bodies, &mut Vec::new()).ends()
+}
+
 /// Replays a plan; completes its hits, and drops those that are rest.
 pub(super) fn certify(
     scene: &Scene,
     bodies: &[BodyPath],
     hits: &mut Vec<SceneHit>,
 ) -> Result<SceneCertificate, SceneError> {
-    let samples = bodies.first().map_or(0, |body| body.position.len());
-    let state = |t: usize| State {
-        x: bodies.iter().map(|body| body.position[t].clone()).collect(),
-        v: bodies.iter().map(|body| body.velocity[t].clone()).collect(),
-    };
-    let steps = samples.saturating_sub(1);
-    let input = |t: usize| bodies.iter().map(|body| body.acceleration[t].clone()).collect();
-    let mut played = Played {
-        world: World { scene },
-        samples: (0..samples).map(state).collect(),
-        inputs: (0..steps).map(input).collect(),
-        hits,
-        certificate: SceneCertificate { time_step: scene.time_step, ..Default::default() },
-    };
+    let mut played = Played::new(scene, bodies, hits);
+    let steps = played.inputs.len();
     let Some(first) = played.samples.first().cloned() else {
         return Ok(played.certificate);
     };
@@ -128,33 +144,59 @@ pub(super) fn certify(
         open = played.lead(step, &open);
         played.account(step)?;
         let inputs = played.inputs[step].clone();
-        let located = played.world.advance(&start, step, &inputs);
+        let located = played.located(step, &start);
         let gain = played.stepped_gain(step, &located);
-        continuous = played.world.advance(&continuous, step, &inputs);
+        continuous = played.world.advance(&continuous, step, &inputs, &|_| 0.0).state;
         let certificate = &mut played.certificate;
         certificate.drift = certificate.drift.max(apart(&open, &end));
         certificate.stepped_gain = certificate.stepped_gain.max(gain);
-        certificate.step_error = certificate.step_error.max(apart_in_place(&located, &end));
-        let drift = apart_in_place(&continuous, &end);
+        certificate.step_error = certificate.step_error.max(largest(&located.x, &end.x));
+        certificate.step_speed_error =
+            certificate.step_speed_error.max(largest(&located.v, &end.v));
+        let drift = largest(&continuous.x, &end.x);
         certificate.continuous_drift = certificate.continuous_drift.max(drift);
     }
     played.rules()?;
     Ok(played.certificate)
 }
 
-fn apart_in_place(a: &State, b: &State) -> f64 {
-    let pairs = a.x.iter().flatten().zip(b.x.iter().flatten());
-    pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+/// Where one step of the only body of a scene on a line leads if impacts happen where they are:
+/// position (m) and velocity (m/s), impacts as time (s) and speed (m/s), and whether it came to rest.
+pub fn advance_line(
+    scene: &Scene,
+    [x, v]: [f64; 2],
+    input: f64,
+) -> ([f64; 2], Vec<(f64, f64)>, bool) {
+    let start = State { x: vec![vec![x]], v: vec![vec![v]] };
+    let end = World { scene }.advance(&start, 0, &[vec![input]], &|_| 0.0);
+    ([end.state.x[0][0], end.state.v[0][0]], end.impacts, end.rested)
+}
+
+/// Largest difference in place and velocity.
+fn apart(a: &State, b: &State) -> f64 {
+    largest(&a.x, &b.x).max(largest(&a.v, &b.v))
 }
 
 /// Largest difference; NaN counts as infinite.
-fn apart(a: &State, b: &State) -> f64 {
-    let pairs = a.x.iter().zip(&b.x).chain(a.v.iter().zip(&b.v));
-    let each = pairs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).abs()));
+fn largest(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    let each = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
     each.fold(0.0, |most, d| if d.is_nan() { f64::INFINITY } else { most.max(d) })
 }
 
 impl Played<'_> {
+    /// Where a step of the plan leads if impacts happen where they are located. The plan decides
+    /// whether an impact at a sample belongs to the step before it or to the one after it.
+    fn located(&self, step: usize, start: &State) -> State {
+        let (claimed, rests) = (self.claimed(step), self.rests(step));
+        let shift = |touch: Touch| {
+            if claimed.iter().any(|claim| claim.0 == touch) {
+                return -CONTACT_TIE;
+            }
+            if rests.iter().any(|rest| rest.0 == touch) { 0.0 } else { CONTACT_TIE }
+        };
+        self.world.advance(start, step, &self.inputs[step], &shift).state
+    }
+
     fn refuse(&self, step: usize, what: &str, by: f64, allowed: f64) -> Result<(), SceneError> {
         if by <= allowed {
             return Ok(());
@@ -238,17 +280,12 @@ impl Played<'_> {
             }
             self.refuse(step, &format!("{name}: enters without a hit (m)"), end, MISS)?;
             let span = Span { step, inputs, from: 0.0 };
-            let parts = (0..=16).map(|k| {
-                let part = f64::from(k) / 16.0;
-                let time = part * world.scene.time_step;
-                -world.clearance(touch, &world.fly(start, inputs, time).x, step, part).0
-            });
-            let dip = parts.fold(0.0_f64, f64::max);
+            let dip = world.dip(touch, start, span);
             worst.dip = worst.dip.max(dip);
             if is_sound {
                 self.refuse(step, &format!("{name}: dips in without a hit (m)"), dip, MISS)?;
             }
-            if dip > MISS && world.first_impact(touch, start, span).is_some() {
+            if dip > MISS && world.first_impact(touch, start, span, 0.0).is_some() {
                 worst.missed += 1;
             }
         }

@@ -122,12 +122,8 @@ impl Played<'_> {
 
     /// Refuses plans that leave the limits of a body, or start or end elsewhere.
     pub(super) fn limits(&self) -> Result<(), SceneError> {
-        let last = self.samples.len() - 1;
         for (b, body) in self.world.scene.bodies.iter().enumerate() {
             let name = &body.name;
-            let beyond = |value: f64, lower: f64, upper: f64| {
-                (lower - value).max(value - upper) / margin_scale(value.abs(), 0.0)
-            };
             for (t, sample) in self.samples.iter().enumerate() {
                 for (i, range) in body.domain.iter().enumerate() {
                     let excess = beyond(sample.x[b][i], range.lower, range.upper);
@@ -147,6 +143,15 @@ impl Played<'_> {
                     self.refuse(t, &what, excess, MISS)?;
                 }
             }
+        }
+        self.ends()
+    }
+
+    /// Refuses plans that start or end elsewhere.
+    pub(super) fn ends(&self) -> Result<(), SceneError> {
+        let last = self.samples.len() - 1;
+        for (b, body) in self.world.scene.bodies.iter().enumerate() {
+            let name = &body.name;
             for (end, t, region) in [("start", 0, &body.start), ("goal", last, &body.goal)] {
                 let Some(region) = region else { continue };
                 let state = [&self.samples[t].x[b][..], &self.samples[t].v[b]].concat();
@@ -164,4 +169,9 @@ impl Played<'_> {
         }
         Ok(())
     }
+}
+
+/// By how much a value is outside a range, relative to its size.
+fn beyond(value: f64, lower: f64, upper: f64) -> f64 {
+    (lower - value).max(value - upper) / margin_scale(value.abs(), 0.0)
 }

@@ -1,6 +1,6 @@
 //! The same by matrices and half-spaces.
 
-use carom::hybrid::{HybridSystem, LinearSystem, Mat, Schedule};
+use carom::hybrid::{HybridSystem, LinearSystem, Matrix, Schedule};
 use carom::internals::hybrid::{Choice, Halfspace, Transition};
 use carom::interval::Interval;
 
@@ -54,8 +54,8 @@ impl Plain {
         };
         let own = |i: usize| stated[i].clone().or_else(|| below.and_then(|rows| rows[i].clone()));
         let all: Vec<Line> = (0..n).map(|i| own(i).unwrap_or_else(|| keeps(i))).collect();
-        let a = Mat::from_fn(n, n, |i, j| all[i].states[j]);
-        let b = Mat::from_fn(n, m, |i, j| all[i].inputs[j]);
+        let a = Matrix::from_fn(n, n, |i, j| all[i].states[j]);
+        let b = Matrix::from_fn(n, m, |i, j| all[i].inputs[j]);
         let c: Vec<f64> = all.iter().map(|line| line.constant).collect();
         let flow = match self.is_by_rates {
             true => LinearSystem::zero_order_hold(a, b, c, TIME_STEP),
@@ -132,7 +132,7 @@ impl Plain {
         }
         if let Some(reset) = &way.reset {
             let n = self.states;
-            let matrix = Mat::from_fn(n, n, |i, j| match &reset[i] {
+            let matrix = Matrix::from_fn(n, n, |i, j| match &reset[i] {
                 Some(line) => line.states[j],
                 None => f64::from(i == j),
             });

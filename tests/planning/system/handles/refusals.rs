@@ -347,7 +347,8 @@ fn numbers_make_sense() {
     );
     assert!(text(cart.mode("m4").unwrap().guard(u.le(f64::NAN))).contains("is NaN"));
     assert!(text(cart.mode("m5").unwrap().guard((u - u).le(1.0))).contains("has no variable left"));
-    let three = LinearSystem::new(carom::hybrid::Mat::zeros(3, 3), [[0.0]; 3], [0.0; 3]).unwrap();
+    let three =
+        LinearSystem::new(carom::hybrid::Matrix::zeros(3, 3), [[0.0]; 3], [0.0; 3]).unwrap();
     let error = cart.mode("m6").unwrap().flow(three).map(|_| ()).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::Shape { .. }), "{error}");
     for time_step in [0.0, -1.0, f64::NAN, f64::INFINITY] {

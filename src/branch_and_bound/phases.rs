@@ -1,0 +1,104 @@
+//! A solve on one page: its phases, each in the file that is named for it.
+//!
+//! 1. [`lower`]: statements become rows, and rows a program.
+//! 2. [`presolve`]: the program becomes smaller, and may fall into [`blocks`](super::blocks).
+//! 3. [`start`](super::start): a MIP start, or the last plan, is completed to a point.
+//! 4. [`tighten`](super::tighten): big-Ms become smaller; the root is propagated and probed.
+//! 5. [`cut`](super::cut): the relaxation of the root becomes tighter.
+//! 6. [`search`](super::search): the tree is searched.
+//! 7. [`restore`](super::restore): what was found becomes an answer about the model.
+//! 8. [`verify`](super::verify): the model itself checks every point.
+//!
+//! A [`Task`] passes through the phases from 3 to 6. A solve of a prepared model passes through the same
+//! phases; more is [`Known`] beforehand.
+
+use super::blocks::search_blocks;
+use super::lower::{Lowered, lower};
+use super::presolve::{Outcome, presolve, rules};
+use super::restore::restore;
+use super::row_judge::RowJudge;
+use super::search::search_task;
+use super::solve::{Known, Solve, Solved};
+use super::verify::ModelJudge;
+use crate::error::Error;
+use crate::presolve::root::Rule;
+use crate::search::{Found, Task};
+use crate::solution::Termination;
+use crate::solver::Control;
+
+impl Solve<'_> {
+    /// Solves the model. A solve that a limit ends before the search has no point and no bound.
+    pub(super) fn run(
+        &self,
+        known: &Known<'_>,
+        control: &mut Control<'_>,
+    ) -> Result<Solved, Error> {
+        let own;
+        let lowered = match known.lowered {
+            Some(lowered) => lowered,
+            None => match lower(self.model, self.token)? {
+                Some(lowered) => {
+                    own = lowered;
+                    &own
+                }
+                None => return Ok(self.stopped()),
+            },
+        };
+        let rules = rules(self, known);
+        let solved = self.run_by_rules(lowered, rules, known, control)?;
+        let contradicted = solved.found.contradiction.is_some();
+        debug_assert!(!contradicted, "presolve has changed the objective of {:?}", solved.point);
+        // What has found rows is searched again with them.
+        let is_over = self.token.is_over() || self.rows.is_some_and(RowJudge::has_new_rows);
+        let is_doubtful =
+            solved.found.is_widened || solved.found.termination == Termination::Stalled;
+        if !contradicted && (rules.is_empty() || !is_doubtful || is_over) {
+            return Ok(solved);
+        }
+        // Callbacks see one search only.
+        let mut plain = self.run_by_rules(lowered, &[], known, &mut Control::default())?;
+        plain.found.statistics.add(&solved.found.statistics);
+        plain.found.statistics.contradictions += u64::from(contradicted);
+        if !contradicted && !is_conclusion(&plain.found, &solved.found) {
+            let statistics = plain.found.statistics;
+            return Ok(Solved::without_point(Found { statistics, ..solved.found }));
+        }
+        Ok(plain)
+    }
+
+    /// Solves the lowered program, presolved by some rules.
+    fn run_by_rules(
+        &self,
+        lowered: &Lowered,
+        rules: &[Rule],
+        known: &Known<'_>,
+        control: &mut Control<'_>,
+    ) -> Result<Solved, Error> {
+        let presolved = match presolve(self, known, lowered, rules)? {
+            Outcome::Presolved(presolved) => presolved,
+            Outcome::Infeasible => return Ok(Solved::without_point(Found::infeasible())),
+            Outcome::Stopped => return Ok(self.stopped()),
+        };
+        let judge = &ModelJudge::new(self, &presolved);
+        let task = Task::new(presolved.program(), judge, self.ladders, self.options, self.token);
+        let start = known.start.map(|start| presolved.carry(start));
+        let carried = Known { start: start.as_ref(), ..*known };
+        let in_blocks = if start.is_none() { search_blocks(task, control) } else { None };
+        let found = in_blocks.unwrap_or_else(|| search_task(task, &carried, control));
+        restore(self, known, &presolved, found)
+    }
+
+    fn stopped(&self) -> Solved {
+        let reason = self.token.ended().unwrap_or(Termination::Interrupted);
+        Solved::without_point(Found::stopped(reason))
+    }
+}
+
+/// Whether a search without presolve says more than one with it, because it has come to an end.
+fn is_conclusion(plain: &Found, found: &Found) -> bool {
+    match plain.termination {
+        Termination::Optimal | Termination::Unbounded => true,
+        Termination::Infeasible => found.points.is_empty(),
+        _ => false,
+    }
+}

@@ -1,0 +1,108 @@
+//! The second phase: the program becomes smaller.
+
+use super::lower::Lowered;
+use super::row_judge::RowJudge;
+use super::solve::{Known, Solve};
+use crate::error::Error;
+use crate::presolve::root::{Presolve, Presolved, Rule};
+use crate::search::Start;
+
+/// Largest change of the objective of a point by presolve, relative to the terms (no unit): the point
+/// keeps the equalities that were used up to the feasibility tolerance only.
+const OBJECTIVE_CHANGE: f64 = 1e-6;
+
+/// The rules by which the program of a solve is presolved.
+pub(super) fn rules(solve: &Solve<'_>, known: &Known<'_>) -> &'static [Rule] {
+    let options = solve.options;
+    // Pools and leaves are about all columns.
+    if known.is_presolved || !options.reductions || options.pool > 1 || options.keep_leaves {
+        return &[];
+    }
+    // Nothing that a start knows may be reduced away, and rows may come that speak of all points.
+    let is_faithful = known.start.is_some() || solve.rows.is_some_and(RowJudge::expects_rows);
+    if is_faithful { &Rule::FAITHFUL } else { &Rule::ALL }
+}
+
+/// The result of the phase.
+pub(super) enum Outcome<'a> {
+    Presolved(Presolution<'a>),
+    Infeasible,
+    /// A limit came first.
+    Stopped,
+}
+
+/// Presolves a program by some rules, unless that was done for all values of the parameters.
+pub(super) fn presolve<'a>(
+    solve: &Solve<'_>,
+    known: &Known<'_>,
+    lowered: &'a Lowered,
+    rules: &[Rule],
+) -> Result<Outcome<'a>, Error> {
+    if known.is_presolved {
+        return Ok(Outcome::Presolved(Presolution { lowered, presolved: None }));
+    }
+    Ok(match crate::presolve::root::presolve(&lowered.program, rules, solve.token)? {
+        Presolve::Presolved(presolved) => {
+            Outcome::Presolved(Presolution { lowered, presolved: Some(presolved) })
+        }
+        Presolve::Infeasible => Outcome::Infeasible,
+        Presolve::Stopped => Outcome::Stopped,
+    })
+}
+
+/// A presolved program, and the way back to the model.
+pub(super) struct Presolution<'a> {
+    pub(super) lowered: &'a Lowered,
+    /// `None` if the lowered program is presolved already.
+    pub(super) presolved: Option<Box<Presolved>>,
+}
+
+impl Presolution<'_> {
+    pub(super) fn program(&self) -> &crate::program::Program {
+        self.presolved.as_ref().map_or(&self.lowered.program, |presolved| &presolved.program)
+    }
+
+    /// From values of the program's columns to values of the model's variables.
+    pub(super) fn restore(&self, x: &[f64]) -> Vec<f64> {
+        match &self.presolved {
+            Some(presolved) => self.lowered.restore(&presolved.postsolve.point(x)),
+            None => self.lowered.restore(x),
+        }
+    }
+
+    /// A start in columns of the lowered program as one in columns of the presolved program.
+    pub(super) fn carry(&self, start: &Start) -> Start {
+        let integers = match &self.presolved {
+            Some(presolved) => presolved.postsolve.carry(&start.integers),
+            None => start.integers.clone(),
+        };
+        Start { integers, ..start.clone() }
+    }
+
+    /// The place of a column among the variables of the lowered model.
+    pub(super) fn column(&self, column: usize) -> Option<usize> {
+        let column = match &self.presolved {
+            Some(presolved) => presolved.postsolve.columns().get(column).copied()?,
+            None => column,
+        };
+        self.lowered.column(column)
+    }
+
+    /// The part of the objective that presolve may have lost to rounding.
+    pub(super) fn rounding(&self) -> f64 {
+        let own = self.presolved.as_ref().map_or(0.0, |presolved| presolved.rounding);
+        own + self.lowered.rounding
+    }
+
+    /// Whether presolve has changed the objective of a point by more than rounding explains.
+    pub(super) fn changes_objective(&self, values: &[f64]) -> bool {
+        let Some(presolved) = &self.presolved else { return false };
+        let (program, small) = (&self.lowered.program, &presolved.program);
+        let point = presolved.postsolve.point(values);
+        let terms = program.linear.iter().zip(&point).map(|(c, x)| (c * x).abs());
+        let size = terms.sum::<f64>() + program.offset.abs() + small.offset.abs();
+        let (before, after) = (program.objective(&point), small.objective(values));
+        let allowed = presolved.rounding + OBJECTIVE_CHANGE * (size + before.abs().max(1.0));
+        (before - after).abs() > allowed
+    }
+}

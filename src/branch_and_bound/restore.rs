@@ -1,0 +1,68 @@
+//! The phase after the search: what was found becomes an answer about the model.
+
+use super::multipliers::derivatives;
+use super::presolve::Presolution;
+use super::solve::{Known, Solve, Solved};
+use crate::error::Error;
+use crate::search::{Completion, Contradiction, Found};
+use crate::solution::{Point, Termination};
+
+/// Least rounding of a bound that is charged, relative to the bound (no unit).
+const LEAST_ROUNDING: f64 = 1e-10;
+
+/// Restores points, the outcome of a start and multipliers. The bound is charged for what presolve may
+/// have lost to rounding.
+pub(super) fn restore(
+    solve: &Solve<'_>,
+    known: &Known<'_>,
+    presolved: &Presolution<'_>,
+    mut found: Found,
+) -> Result<Solved, Error> {
+    let point = found.points.first().cloned();
+    let derivatives = point.as_ref().and_then(|values| {
+        let own = presolved.presolved.as_ref()?;
+        let program = &presolved.lowered.program;
+        let is_wanted = found.termination == Termination::Optimal && program.integers.is_empty();
+        let mut ladder = is_wanted.then(|| solve.ladders.take())?;
+        let point = own.postsolve.point(values);
+        let derivatives = derivatives(program, own, &point, &mut ladder, solve.token);
+        solve.ladders.give_back(ladder);
+        derivatives
+    });
+    if point.as_ref().is_some_and(|values| presolved.changes_objective(values)) {
+        found.contradiction = Some(Contradiction::Objective);
+    }
+    found.points = found.points.iter().map(|values| presolved.restore(values)).collect();
+    found.completion = match found.completion {
+        Some(Completion::Point(values)) => Some(Completion::Point(presolved.restore(&values))),
+        Some(Completion::Contradiction(column)) => {
+            Some(Completion::Contradiction(presolved.column(column).unwrap_or(column)))
+        }
+        // Presolve has decided all integers of the start.
+        None if known.start.is_some_and(|start| !start.integers.is_empty()) => {
+            found.points.first().cloned().map(Completion::Point)
+        }
+        other => other,
+    };
+    charge(solve, presolved.rounding(), &mut found)?;
+    Ok(Solved { found, derivatives, point })
+}
+
+/// Takes what presolve may have lost to rounding off the bound, where it can be seen at all; the gap
+/// asked for may not be met then.
+fn charge(solve: &Solve<'_>, rounding: f64, found: &mut Found) -> Result<(), Error> {
+    if !found.bound.is_finite() || rounding <= LEAST_ROUNDING * found.bound.abs().max(1.0) {
+        return Ok(());
+    }
+    found.bound -= rounding;
+    if let (Termination::Optimal, Some(values)) = (found.termination, found.points.first()) {
+        let (model, sign) = (solve.model, solve.model.sense().sign());
+        let point = Point::new(model, values.clone())?;
+        let value = sign * point.value(model.objective())?;
+        let constant = sign * model.objective_constant();
+        if value - found.bound > solve.options.allowed_gap(value, constant) {
+            found.termination = Termination::Stalled;
+        }
+    }
+    Ok(())
+}

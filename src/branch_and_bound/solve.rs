@@ -1,0 +1,55 @@
+//! The input and the output of a solve.
+
+use super::lower::Lowered;
+use super::multipliers::Derivatives;
+use super::refusals::Refusals;
+use super::row_judge::RowJudge;
+use super::tighten::Tightened;
+use crate::model::Model;
+use crate::relaxation::LadderPool;
+use crate::search::{Found, Start};
+use crate::solver::{Options, StopToken};
+
+/// The model of a solve, and what is needed to solve it.
+#[derive(Clone, Copy)]
+pub(super) struct Solve<'a> {
+    pub(super) model: &'a Model,
+    pub(super) options: &'a Options,
+    pub(super) token: &'a StopToken,
+    pub(super) ladders: &'a LadderPool,
+    pub(super) refusals: &'a Refusals,
+    /// The judge of points by rows that are found while the program is searched.
+    pub(super) rows: Option<&'a RowJudge<'a>>,
+}
+
+/// The results of earlier phases and solves, from which a solve can go on.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Known<'a> {
+    /// The lowered program, with the values of the parameters.
+    pub(super) lowered: Option<&'a Lowered>,
+    /// Whether that program is presolved.
+    pub(super) is_presolved: bool,
+    /// The tightened program and its root, for bounds that contain those of the program.
+    pub(super) tightened: Option<&'a Tightened<'static>>,
+    /// The start of the search, in columns of the program at hand.
+    pub(super) start: Option<&'a Start>,
+    /// Whether cuts are not worth their time.
+    pub(super) skips_cuts: bool,
+}
+
+/// The result of a solve.
+pub(super) struct Solved {
+    /// The result of the search; its points are values of the model's variables.
+    pub(super) found: Found,
+    /// Multipliers of the lowered model, if it has no integers.
+    pub(super) derivatives: Option<Derivatives>,
+    /// The best point in columns of the presolved program.
+    pub(super) point: Option<Vec<f64>>,
+}
+
+impl Solved {
+    /// A result without a point.
+    pub(super) fn without_point(found: Found) -> Self {
+        Solved { found, derivatives: None, point: None }
+    }
+}

@@ -1,0 +1,117 @@
+//! The phase before a program is strengthened: a point to begin with.
+//!
+//! The integers of a start are completed to a point. Without a start, a large program under a limit of
+//! time gets a point that needs no relaxation, in case that the limit comes before the first relaxation
+//! is solved.
+
+use crate::search::{Found, Start, StartPoint, Task, complete, first_point};
+use crate::solution::{Heuristic, Termination};
+use crate::solver::{Control, Event, Incumbent, Progress};
+
+/// Least entries of the rows of a program whose first relaxation may take longer than a limit allows.
+const LARGE: usize = 10_000;
+
+/// Largest share of the remaining time that the point of a large program may take (no unit).
+const TIME_SHARE: f64 = 0.25;
+
+/// A point that was looked for before the search, and what else was found.
+pub(super) struct Begun {
+    found: Found,
+    /// Whether the search begins with the point; else the point only serves where the search has none.
+    is_start: bool,
+}
+
+impl Begun {
+    /// Looks for a point; `None` if there is no reason to.
+    pub(super) fn new(task: Task<'_>, start: Option<&Start>) -> Option<Begun> {
+        match start {
+            Some(start) if is_completed(task, start) => {
+                Some(Begun { found: complete(task, start), is_start: true })
+            }
+            Some(Start { point: Some(_), .. }) => None,
+            _ => {
+                let found = first_point_of_large(task)?;
+                (!found.points.is_empty()).then_some(Begun { found, is_start: false })
+            }
+        }
+    }
+
+    /// The start of the search: the given one, with the point in place of the integers.
+    pub(super) fn start(&self, given: Option<&Start>) -> Option<Start> {
+        if !self.is_start {
+            return given.cloned();
+        }
+        let point = start_point(&self.found, Heuristic::Start);
+        Some(Start { integers: Vec::new(), point, ..given.cloned().unwrap_or_default() })
+    }
+
+    /// Becomes the answer without a search, if any point will do.
+    pub(super) fn answer(self, task: Task<'_>, control: &mut Control<'_>) -> Result<Found, Begun> {
+        let options = task.options;
+        let suffices =
+            task.program.is_feasibility_problem() && options.pool == 1 && !options.keep_leaves;
+        if !suffices || self.found.points.is_empty() {
+            return Err(self);
+        }
+        report(task, &self.found, control);
+        let bound = task.program.offset;
+        Ok(Found { termination: Termination::Optimal, bound, ..self.found })
+    }
+
+    /// Adds what is known to the result of the search that has begun with it.
+    pub(super) fn add_to(self, task: Task<'_>, found: &mut Found, control: &mut Control<'_>) {
+        let Begun { found: begun, is_start } = self;
+        let mut counts = begun.statistics;
+        if found.points.is_empty() && found.termination != Termination::Infeasible {
+            report(task, &begun, control);
+            (found.points, found.found_by) = (begun.points, begun.found_by);
+        } else {
+            counts.forget_incumbents();
+        }
+        found.statistics.add(&counts);
+        if found.termination.is_limit() && begun.bound.is_finite() {
+            found.bound = found.bound.max(begun.bound);
+        }
+        if is_start {
+            found.completion = begun.completion;
+        }
+    }
+}
+
+/// Whether the integers of a start are completed before the search. A solve of a prepared model that may
+/// be stopped looks for a point even where the last solve has left none.
+fn is_completed(task: Task<'_>, start: &Start) -> bool {
+    !start.integers.is_empty() || (start.proofs.is_some() && task.options.may_stop())
+}
+
+fn first_point_of_large(task: Task<'_>) -> Option<Found> {
+    let (program, options) = (task.program, task.options);
+    let left = task.token.left()?;
+    let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
+    if entries <= LARGE || program.integers.is_empty() || !options.heuristics.rounding {
+        return None;
+    }
+    let token = &task.token.child(Some(left.mul_f64(TIME_SHARE)));
+    Some(first_point(Task { token, ..task }))
+}
+
+/// The best point of a search, as the start of another one.
+pub(super) fn start_point(found: &Found, otherwise: Heuristic) -> Option<StartPoint> {
+    let values = found.points.first()?.clone();
+    Some(StartPoint { values, found_by: found.found_by.unwrap_or(otherwise) })
+}
+
+/// Reports a point that was found before the search, once it is the best one.
+fn report(task: Task<'_>, found: &Found, control: &mut Control<'_>) {
+    let Some(values) = found.points.first().filter(|_| control.is_watched()) else { return };
+    let program = task.program;
+    let Some(point) = task.judge.point(values) else { return };
+    let value = program.sign * program.objective(values);
+    let unknown = program.sign * f64::NEG_INFINITY;
+    let mut figures = Progress::new(0, 0, 0, Some(value), unknown, task.token.elapsed());
+    let found_by = found.found_by.unwrap_or(Heuristic::Rounding);
+    (figures.found_by, figures.constant) = (Some(found_by), program.sign * program.constant);
+    control.report(&Event::Incumbent(figures));
+    // The search is over.
+    let _ = control.report_incumbent(&Incumbent::new(&point, value, found_by, figures));
+}

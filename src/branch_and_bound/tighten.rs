@@ -1,0 +1,51 @@
+//! The phases before cuts: big-Ms become smaller, and the root is propagated and probed.
+
+use std::borrow::Cow;
+
+use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
+use crate::program::Program;
+use crate::search::{Root, Task};
+use crate::solver::{Options, StopToken};
+
+/// A program with smaller big-Ms, and its root.
+#[derive(Debug)]
+pub(super) struct Tightened<'a> {
+    pub(super) program: Cow<'a, Program>,
+    pub(super) root: Root,
+}
+
+impl<'a> Tightened<'a> {
+    /// Tightens a program, and propagates and probes its root. What is concluded holds for all bounds
+    /// within its own.
+    pub(super) fn new(program: &'a Program, options: &Options, token: &StopToken) -> Self {
+        let program = tighten(program, options, token);
+        let root = Root::new(&program, token, options.probing);
+        Tightened { program, root }
+    }
+
+    /// The same program, whose bounds may have become tighter, and its root for these bounds.
+    pub(super) fn within_bounds(&self, task: Task<'_>) -> Tightened<'_> {
+        let program = &*self.program;
+        let root = self.root.within(program, task.token, task.options.probing);
+        Tightened { program: Cow::Borrowed(program), root }
+    }
+
+    pub(super) fn into_owned(self) -> Tightened<'static> {
+        Tightened { program: Cow::Owned(self.program.into_owned()), root: self.root }
+    }
+}
+
+/// A program with smaller big-Ms. Kept leaves are about the program as it is.
+fn tighten<'a>(program: &'a Program, options: &Options, token: &StopToken) -> Cow<'a, Program> {
+    let mut tight = Cow::Borrowed(program);
+    if options.keep_leaves {
+        return tight;
+    }
+    if options.disjunctive_tightening {
+        tight = tighten_by_disjunctions(&tight, token).map_or(tight, Cow::Owned);
+    }
+    if options.big_m_tightening {
+        tight = tighten_big_ms(&tight, token).map_or(tight, Cow::Owned);
+    }
+    tight
+}

@@ -1,0 +1,18 @@
+//! The rows of a flow as numbers.
+
+/// How the rows of a flow are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FlowKind {
+    /// Derivatives, in the states' units per second.
+    Rates,
+    /// Values at the end of the step.
+    NextValues,
+}
+
+/// A flow by rows, one for each state.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FlowRows {
+    pub(super) kind: FlowKind,
+    /// Coefficients of the states, of the inputs, and the constant.
+    pub(super) rows: Vec<(Vec<f64>, Vec<f64>, f64)>,
+}
