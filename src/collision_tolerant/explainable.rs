@@ -11,7 +11,8 @@ impl PlanningProgram {
     /// Writes the program of a scenario over a horizon for explanations: start, goal and limits are
     /// named statements over wider domains, so that [`explain`](mod@crate::explain) can name them.
     /// Everything else is background. The plans are the same as those of [`PlanningProgram::build`], which
-    /// is much faster to solve. There is no objective.
+    /// is much faster to solve. Only a limit on a sum of energies may be stricter, because the chords that
+    /// bound an energy are longer over wider domains. There is no objective.
     ///
     /// | statement | meaning | paper |
     /// | --- | --- | --- |

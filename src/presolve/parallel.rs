@@ -58,5 +58,10 @@ impl Patterns {
 pub(super) fn ratio(mut pairs: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
     let (a, b) = pairs.clone().next()?;
     let ratio = a / b;
-    pairs.all(|(a, b)| (a - ratio * b).abs() <= RATIO_TOLERANCE * a.abs()).then_some(ratio)
+    pairs.all(|(a, b)| is_multiple(a, b, ratio)).then_some(ratio)
+}
+
+/// Whether `a = ratio b`, up to rounding.
+pub(super) fn is_multiple(a: f64, b: f64, ratio: f64) -> bool {
+    (a - ratio * b).abs() <= RATIO_TOLERANCE * a.abs()
 }

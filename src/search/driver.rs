@@ -3,7 +3,6 @@
 use super::context::Context;
 use super::found::Found;
 use super::heuristics::{complete_start, look_for_first_point};
-use super::local_queue::LocalQueue;
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
 use super::proofs::{End, Multipliers, Tried};
@@ -96,7 +95,7 @@ fn at_root(task: Task<'_>, start: Option<&Start>, look: impl FnOnce(&mut Context
         return Found::infeasible();
     }
     let tree = Tree::new(task, &root, start, search_nested, 1);
-    let mut ctx = Context::new(TreeView::immediate(&tree, 0, LocalQueue::default()));
+    let mut ctx = Context::new(TreeView::immediate(&tree, 0));
     look(&mut ctx);
     tree.take_in(&mut tree.lock(), ctx.tree.take_share());
     ctx.retire();

@@ -15,8 +15,7 @@
 //! * `best_points` - the incumbent and those after it
 //! * `pseudocosts` - the average effect of branching on a column
 //! * `tree` - shared by all workers: queue, best points, bounds, limits
-//! * `tree_view` - one worker's view of the tree, with a `local_queue` of nodes that others may
-//!   steal, or a `round_buffer`
+//! * `tree_view` - one worker's view of the tree, with a `round_buffer` where it searches in rounds
 //! * `reporter` - progress events
 //!
 //! The program:
@@ -67,7 +66,6 @@ mod heuristics;
 mod indifferent_binaries;
 mod leaf;
 mod local_bounds;
-mod local_queue;
 mod node;
 mod node_probing;
 mod node_relaxation;

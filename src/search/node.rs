@@ -203,6 +203,16 @@ impl NodeQueue {
         self.heap.pop()
     }
 
+    /// Takes the deepest node, the youngest one of several. Takes time in proportion to all nodes.
+    pub(super) fn pop_deepest(&mut self) -> Option<Node> {
+        let mut nodes = std::mem::take(&mut self.heap).into_vec();
+        let order = |(_, node): &(usize, &Node)| (node.path.len(), node.serial);
+        let deepest = nodes.iter().enumerate().max_by_key(order).map(|(k, _)| k);
+        let node = deepest.map(|k| nodes.swap_remove(k));
+        self.heap = nodes.into();
+        node
+    }
+
     pub(super) fn len(&self) -> usize {
         self.heap.len()
     }

@@ -39,7 +39,7 @@ pub(super) struct Tree<'a> {
     /// The cutoff, as bits: read far more often than it changes.
     cutoff: AtomicU64,
     pub(super) serial: AtomicU64,
-    /// Nodes that wait: in the queue and at the workers' own.
+    /// Nodes that wait in the queue.
     pub(super) open: AtomicUsize,
     pub(super) steps: StepCount,
     /// Proofs that were offered to be kept.
@@ -241,7 +241,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Whether memory is so short that depth goes before the best bound.
-    pub(super) fn is_short_of_memory(&self, state: &State) -> bool {
+    fn is_short_of_memory(&self, state: &State) -> bool {
         self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)
     }
 
@@ -284,6 +284,19 @@ impl<'a> Tree<'a> {
         state.leaves.extend(share.leaves);
         state.proofs.extend(share.proofs);
         state.forks.extend(share.forks);
+    }
+
+    /// Adds an open node.
+    pub(super) fn push(&self, state: &mut State, mut node: Node) {
+        node.serial = self.serial.fetch_add(1, Ordering::Relaxed);
+        self.open.fetch_add(1, Ordering::Relaxed);
+        state.queue.push(node);
+    }
+
+    /// The next node of a search: the best one, or the deepest one where memory is short.
+    pub(super) fn pop(&self, state: &mut State) -> Option<Node> {
+        let is_short = self.is_short_of_memory(state);
+        if is_short { state.queue.pop_deepest() } else { state.queue.pop() }
     }
 
     /// Closes a node that is beyond the cutoff before any worker has processed it.

@@ -10,7 +10,6 @@ use std::sync::atomic::Ordering;
 
 use web_time::Instant;
 
-use super::local_queue::LocalQueue;
 use super::node::{Decision, Node, Path};
 use super::proofs::{Fork, Proof, Proofs};
 use super::round_buffer::RoundBuffer;
@@ -36,7 +35,7 @@ pub(super) struct TreeView<'a> {
 /// How cutoffs, nodes and points pass between a worker and the tree.
 enum Exchange {
     /// At once: the opportunistic search.
-    Immediate(LocalQueue),
+    Immediate,
     /// Between rounds: the deterministic search.
     InRounds(RefCell<RoundBuffer>),
 }
@@ -51,8 +50,8 @@ pub(super) struct Begun {
 
 impl<'a> TreeView<'a> {
     /// For a worker that exchanges everything at once.
-    pub(super) fn immediate(tree: &'a Tree<'a>, id: usize, own: LocalQueue) -> Self {
-        TreeView::new(tree, id, Exchange::Immediate(own))
+    pub(super) fn immediate(tree: &'a Tree<'a>, id: usize) -> Self {
+        TreeView::new(tree, id, Exchange::Immediate)
     }
 
     /// For a worker that exchanges everything between rounds.
@@ -88,7 +87,7 @@ impl<'a> TreeView<'a> {
     /// Nodes with at least this bound cannot improve the best points.
     pub(super) fn cutoff(&self) -> f64 {
         match &self.exchange {
-            Exchange::Immediate(_) => self.tree.cutoff(),
+            Exchange::Immediate => self.tree.cutoff(),
             Exchange::InRounds(round) => round.borrow().cutoff,
         }
     }
@@ -119,7 +118,7 @@ impl<'a> TreeView<'a> {
     /// The value of the best point with a key, in rounds of those before and this worker's own.
     pub(super) fn value_of(&self, key: &[i64]) -> Option<f64> {
         let own = match &self.exchange {
-            Exchange::Immediate(_) => None,
+            Exchange::Immediate => None,
             Exchange::InRounds(round) => {
                 let round = round.borrow();
                 let same = round.points.iter().filter(|point| point.key == key);
@@ -135,33 +134,15 @@ impl<'a> TreeView<'a> {
     }
 
     /// Adds an open node.
-    pub(super) fn push(&self, mut node: Node) {
+    pub(super) fn push(&self, node: Node) {
         match &self.exchange {
             Exchange::InRounds(round) => round.borrow_mut().nodes.push(node),
-            Exchange::Immediate(own) => {
-                node.serial = self.tree.serial.fetch_add(1, Ordering::Relaxed);
-                self.tree.open.fetch_add(1, Ordering::Relaxed);
-                own.push(node);
+            Exchange::Immediate => {
+                self.tree.push(&mut self.tree.lock(), node);
                 if self.tree.idle.load(Ordering::Relaxed) > 0 {
                     self.tree.wake.notify_one();
                 }
             }
-        }
-    }
-
-    /// The youngest node that is this worker's own.
-    pub(super) fn pop_own(&self) -> Option<Node> {
-        match &self.exchange {
-            Exchange::Immediate(own) => own.pop(),
-            Exchange::InRounds(_) => None,
-        }
-    }
-
-    /// The smallest bound of what this worker has at hand, with a node that it is about to process.
-    pub(super) fn floor(&self, node: f64) -> f64 {
-        match &self.exchange {
-            Exchange::Immediate(own) => own.floor(node),
-            Exchange::InRounds(_) => node,
         }
     }
 
@@ -192,7 +173,7 @@ impl<'a> TreeView<'a> {
         }
         let accepted = self.tree.accepted(objective, point, found_by);
         let mut round = match &self.exchange {
-            Exchange::Immediate(_) => return self.tree.accept(&mut self.tree.lock(), accepted),
+            Exchange::Immediate => return self.tree.accept(&mut self.tree.lock(), accepted),
             Exchange::InRounds(round) => round.borrow_mut(),
         };
         let cutoff = self.tree.cutoff_at(objective);
@@ -294,7 +275,7 @@ impl<'a> TreeView<'a> {
     /// Takes what a round kept back; empty if the search does not run in rounds.
     pub(super) fn end_round(&self) -> RoundBuffer {
         match &self.exchange {
-            Exchange::Immediate(_) => RoundBuffer::default(),
+            Exchange::Immediate => RoundBuffer::default(),
             Exchange::InRounds(round) => round.take(),
         }
     }
@@ -302,7 +283,7 @@ impl<'a> TreeView<'a> {
     /// Ends the search.
     pub(super) fn stop(&self, reason: Termination) {
         match &self.exchange {
-            Exchange::Immediate(_) => self.tree.stop(reason),
+            Exchange::Immediate => self.tree.stop(reason),
             Exchange::InRounds(round) => _ = round.borrow_mut().stop.get_or_insert(reason),
         }
     }
@@ -316,7 +297,7 @@ impl<'a> TreeView<'a> {
     /// Whether this worker has ended the search in the present round.
     pub(super) fn is_stopped(&self) -> bool {
         match &self.exchange {
-            Exchange::Immediate(_) => false,
+            Exchange::Immediate => false,
             Exchange::InRounds(round) => round.borrow().stop.is_some(),
         }
     }

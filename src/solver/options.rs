@@ -23,7 +23,7 @@ use crate::tolerance;
 /// | `time_limit` | wall-clock time | none | none | none | |
 /// | `node_limit` | nodes | none | none | none | |
 /// | `memory_limit` | bytes of the tree | none | none | none | decisions, *Nodes share their ancestors* |
-/// | `threads` | threads, `1..=256` | 1 | all | 1 | decisions, *Work-stealing deques and one queue* |
+/// | `threads` | threads, `1..=256` | 1 | all | 1 | decisions, *One queue for all threads* |
 /// | `deterministic` | on or off | off | off | on | decisions, *Deterministic rounds* |
 /// | `pool` | points, `1..=100_000` | 1 | 1 | 1 | |
 /// | `pool_mode` | [`PoolMode`] | `Found` | `Found` | `Found` | `Best` visits more nodes |

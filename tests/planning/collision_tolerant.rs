@@ -430,6 +430,11 @@ fn scenarios_that_contradict_themselves_are_refused() {
         let options = IntervalOptions::default();
         assert!(damage_interval(&scenario, 10, &options, &mut solver()).is_err());
     }
+}
+
+#[test]
+fn horizons_and_resolutions_out_of_range_are_refused() {
+    let paper = Scenario::paper();
     for steps in [0, 1_000_000] {
         let error = plan(&paper, steps, Objective::Effort, &mut solver()).unwrap_err();
         assert_eq!(

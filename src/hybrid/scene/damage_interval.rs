@@ -177,7 +177,7 @@ struct Enclosure<'a> {
 
 /// The verdict of a solve.
 enum Answer {
-    Plan(ScenePlan),
+    Plan(Box<ScenePlan>),
     Refuted,
     Stopped,
 }
@@ -252,7 +252,8 @@ impl Enclosure<'_> {
         self.solves += 1;
         self.nodes += solution.statistics().nodes;
         if solution.point().is_some() {
-            return program.certified(&solution).map(Answer::Plan);
+            let plan = program.certified(&solution)?;
+            return Ok(Answer::Plan(Box::new(plan)));
         }
         Ok(match solution.termination() {
             Termination::Infeasible => Answer::Refuted,

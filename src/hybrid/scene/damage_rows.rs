@@ -149,6 +149,9 @@ impl SceneProgram {
                     let off = if is_all && is_even { 0.0 } else { (slope * most).max(0.0) };
                     let right = *slope * own + (constant + off) * hit.clone() - off;
                     self.model.add((row.as_str(), t), value.ge(right))?;
+                    if t + 1 == damage.len() {
+                        self.model.set_background(&row)?;
+                    }
                 }
             }
             values.push(value.into());

@@ -68,4 +68,39 @@ impl HybridSystem {
             FlowKind::Rates => LinearSystem::zero_order_hold(a, b, c, self.time_step),
         }
     }
+
+    /// The flow of the transition that stays in a mode, if it is stated.
+    pub(super) fn stated_flow(&self, choice: usize, mode: &str) -> Option<LinearSystem> {
+        let transitions = self.choices[choice].transitions.iter().enumerate();
+        let stays = |modes: &Option<(String, String)>| {
+            modes.as_ref().is_some_and(|(from, to)| from == mode && to == mode)
+        };
+        let mut found = transitions
+            .filter(|(j, own)| stays(&own.modes) && !self.unstated.contains(&(choice, *j)));
+        found.next().map(|(_, own)| own.flow.clone())
+    }
+
+    /// Sets the flow of a transition, and of the switches that take theirs from it.
+    pub(super) fn set_flow(&mut self, choice: usize, number: usize, flow: LinearSystem) {
+        let own = &mut self.choices[choice].transitions[number];
+        own.flow = flow.clone();
+        let stays = own.modes.clone().filter(|(from, to)| from == to);
+        self.unstated.retain(|unstated| *unstated != (choice, number));
+        let Some((mode, _)) = stays else { return };
+        let transitions = &mut self.choices[choice].transitions;
+        self.unstated.retain(|&(other, j)| {
+            let enters = |modes: &(String, String)| modes.1 == mode;
+            let follows = other == choice && transitions[j].modes.as_ref().is_some_and(enters);
+            if follows {
+                transitions[j].flow = flow.clone();
+            }
+            !follows
+        });
+    }
+
+    /// A flow that leaves the state as it is.
+    pub(super) fn idle(&self) -> Result<LinearSystem, Error> {
+        let rows = self.flow_rows::<Affine>(FlowKind::NextValues, [], "a flow")?;
+        self.linear(&rows)
+    }
 }

@@ -1,15 +1,13 @@
 //! Stating choices: modes with and without memory, events, switches, dwell times.
 
 use super::choice::Dwell;
-use super::flow_rows::FlowKind;
 use super::handles::Meaning;
 use super::look_up::unknown;
 use super::transition::Transition;
 use super::transition_mut::TransitionMut;
 use super::{HybridSystem, MODE};
 use crate::error::{Error, ErrorKind};
-use crate::hybrid::linear::LinearSystem;
-use crate::model::{Affine, Variable, is_name};
+use crate::model::{Variable, is_name};
 
 impl HybridSystem {
     /// A mode without memory: in each step, one of the system's modes and
@@ -225,41 +223,6 @@ impl HybridSystem {
         }
         self.declare_choice(number);
         Ok(TransitionMut::new(self, number, own))
-    }
-
-    /// The flow of the transition that stays in a mode, if it is stated.
-    fn stated_flow(&self, choice: usize, mode: &str) -> Option<LinearSystem> {
-        let transitions = self.choices[choice].transitions.iter().enumerate();
-        let stays = |modes: &Option<(String, String)>| {
-            modes.as_ref().is_some_and(|(from, to)| from == mode && to == mode)
-        };
-        let mut found = transitions
-            .filter(|(j, own)| stays(&own.modes) && !self.unstated.contains(&(choice, *j)));
-        found.next().map(|(_, own)| own.flow.clone())
-    }
-
-    /// Sets the flow of a transition, and of the switches that take theirs from it.
-    pub(super) fn set_flow(&mut self, choice: usize, number: usize, flow: LinearSystem) {
-        let own = &mut self.choices[choice].transitions[number];
-        own.flow = flow.clone();
-        let stays = own.modes.clone().filter(|(from, to)| from == to);
-        self.unstated.retain(|unstated| *unstated != (choice, number));
-        let Some((mode, _)) = stays else { return };
-        let transitions = &mut self.choices[choice].transitions;
-        self.unstated.retain(|&(other, j)| {
-            let enters = |modes: &(String, String)| modes.1 == mode;
-            let follows = other == choice && transitions[j].modes.as_ref().is_some_and(enters);
-            if follows {
-                transitions[j].flow = flow.clone();
-            }
-            !follows
-        });
-    }
-
-    /// A flow that leaves the state as it is.
-    fn idle(&self) -> Result<LinearSystem, Error> {
-        let rows = self.flow_rows::<Affine>(FlowKind::NextValues, [], "a flow")?;
-        self.linear(&rows)
     }
 
     /// Whether modes with memory are declared for a choice.

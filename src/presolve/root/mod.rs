@@ -13,6 +13,7 @@ mod held_columns;
 mod implied_binaries;
 mod implied_free;
 mod lineality;
+mod parallel_columns;
 mod parallel_rows;
 mod postsolve;
 mod redundant_rows;
@@ -58,13 +59,15 @@ pub enum Rule {
     HeldColumns,
     /// Columns whose reduced cost has a known sign are fixed at a bound.
     DominatedColumns,
+    /// Columns that are multiples of another one are merged into it.
+    ParallelColumns,
     /// Coefficients and limits of rows with integers are tightened.
     Coefficients,
 }
 
 impl Rule {
     /// All rules, in the order of their application.
-    pub const ALL: [Rule; 13] = [
+    pub const ALL: [Rule; 14] = [
         Rule::FixedColumns,
         Rule::SingletonRows,
         Rule::RedundantRows,
@@ -77,6 +80,7 @@ impl Rule {
         Rule::ImpliedBinaries,
         Rule::HeldColumns,
         Rule::DominatedColumns,
+        Rule::ParallelColumns,
         Rule::Coefficients,
     ];
 
@@ -107,6 +111,7 @@ impl Rule {
             Rule::ImpliedBinaries => Ok(implied_binaries::apply(work)),
             Rule::HeldColumns => Ok(work.each_column(work.live_columns(), held_columns::apply)),
             Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
+            Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
             Rule::Coefficients => work.each_row(coefficients::apply),
         }
     }

@@ -5,12 +5,13 @@
 //! start of the round. Threads take workers in any order. The results are merged in the order of
 //! the workers once all are done, so nothing depends on which worker was faster.
 
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::worker_pool::with_pool;
 use crate::search::node::Node;
 use crate::search::reporter::Reporter;
+#[cfg(not(target_family = "wasm"))]
+use crate::search::trace::Around;
 use crate::search::tree::{State, Tree};
 use crate::search::tree_view::TreeView;
 use crate::search::worker::Worker;
@@ -42,20 +43,46 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub(in crate::search) fn run(tree: &Tree<'_>, reporter: &mut Reporter<'_, '_>) {
     let slots: Slots<'_> = (0..WORKERS).map(|_| Mutex::default()).collect();
     let run = |id: usize| process(&mut lock(&slots[id]), id, tree);
-    let begin = || tree.count_thread();
-    begin();
-    with_pool(tree.task.options.threads, &begin, &run, |pool, ensure_helpers| {
-        loop {
-            let assigned = assign(tree, &slots);
-            if assigned.is_empty() {
-                break;
-            }
-            ensure_helpers(assigned.len() - 1);
-            pool.run(assigned.clone(), &run);
-            put_together(tree, &slots, &assigned);
-            reporter.report(tree);
+    let mut threads = 0;
+    loop {
+        let assigned = assign(tree, &slots);
+        if assigned.is_empty() {
+            break;
         }
+        let wanted = tree.task.options.threads.min(assigned.len());
+        (threads..wanted).for_each(|_| tree.count_thread());
+        threads = threads.max(wanted);
+        run_all(wanted, &assigned, &run);
+        put_together(tree, &slots, &assigned);
+        reporter.report(tree);
+    }
+}
+
+/// Runs the workers with these numbers on so many threads, of which the caller's is one.
+#[cfg(not(target_family = "wasm"))]
+fn run_all(threads: usize, workers: &[usize], run: &(impl Fn(usize) + Sync)) {
+    let next = &AtomicUsize::new(0);
+    let work = move || {
+        while let Some(&worker) = workers.get(next.fetch_add(1, Ordering::Relaxed)) {
+            run(worker);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..threads {
+            let around = Around::current();
+            scope.spawn(move || {
+                let _inside = around.enter();
+                work();
+            });
+        }
+        work();
     });
+}
+
+/// Runs the workers with these numbers one after the other.
+#[cfg(target_family = "wasm")]
+fn run_all(_: usize, workers: &[usize], run: &(impl Fn(usize) + Sync)) {
+    workers.iter().for_each(|&worker| run(worker));
 }
 
 /// Processes what a slot was assigned in a round.
@@ -137,10 +164,8 @@ fn put_together(tree: &Tree<'_>, slots: &Slots<'_>, assigned: &[usize]) {
         for accepted in round.points {
             tree.accept(&mut state, accepted);
         }
-        for mut node in round.nodes {
-            node.serial = tree.serial.fetch_add(1, Ordering::Relaxed);
-            tree.open.fetch_add(1, Ordering::Relaxed);
-            state.queue.push(node);
+        for node in round.nodes {
+            tree.push(&mut state, node);
         }
         if let Some(reason) = round.stop {
             state.stop.get_or_insert(reason);

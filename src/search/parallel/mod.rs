@@ -2,4 +2,3 @@
 
 pub(super) mod deterministic;
 pub(super) mod opportunistic;
-mod worker_pool;

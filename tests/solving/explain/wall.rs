@@ -193,7 +193,7 @@ fn explainable_programs_have_the_rules_of_the_fast_ones() {
         speed().with_count(0),
         rule(DamageMeasure::NormalImpulse).with_per_hit(5.0),
         energy().with_per_hit(3.0),
-        energy().with_per_hit(6.0).with_total(6.0),
+        rule(DamageMeasure::NormalImpulse).with_per_hit(6.0).with_total(6.0),
         rule(never).with_per_hit(1.0),
     ];
     let mut verdicts = [0, 0];
@@ -206,7 +206,7 @@ fn explainable_programs_have_the_rules_of_the_fast_ones() {
             let scenario = Scenario::paper().with_time_step(0.2).with_law(law);
             let scenario = scenario.with_estimate(estimate).with_restitution(0.3).unwrap();
             let scenario = scenario.with_damage(rule.clone());
-            for steps in 11..14 {
+            for steps in 11..16 {
                 let fast = PlanningProgram::build(&scenario, steps, Objective::Feasibility);
                 let stated = PlanningProgram::explainable(&scenario, steps).unwrap();
                 let solve = |model: &Model| BranchAndBound::default().solve(model).unwrap();
