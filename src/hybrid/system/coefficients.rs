@@ -152,7 +152,8 @@ impl HybridSystem {
                 continue;
             }
             let normal: Vec<f64> = normal.iter().map(|a| sign * a).collect();
-            let limit = all.constant.map(|constant| sign * (end - constant));
+            // Without a sign before a zero.
+            let limit = all.constant.map(|constant| sign * (end - constant) + 0.0);
             halves.push(Halfspace { is_limit, ..Halfspace::new(text.clone(), normal, limit) });
         }
         Ok((moment, halves))

@@ -85,10 +85,9 @@ impl HybridSystem {
     pub fn mode_named(&self, choice: &str, name: &str) -> Result<Variable, Error> {
         let number = self.choices.iter().position(|own| own.name == choice);
         let number = number.ok_or_else(|| unknown(choice, "choice of the system"))?;
-        let is_stated = self.choices[number].modes().contains(&name);
-        let meaning = Meaning::InMode(number, name.to_owned());
-        let found = self.handles.find(&meaning).filter(|_| is_stated);
-        found.ok_or_else(|| unknown(name, "mode of the choice"))
+        let is_named = self.choices[number].modes().contains(&name);
+        let found = self.handles.find(&Meaning::InMode(number, name.to_owned()));
+        found.filter(|_| is_named).ok_or_else(|| unknown(name, "mode of the choice"))
     }
 
     /// The handle of an output, by its name.
@@ -98,9 +97,9 @@ impl HybridSystem {
     /// [`ErrorKind::UnknownName`].
     pub fn output_named(&self, name: &str) -> Result<Variable, Error> {
         let mut outputs = self.transitions().flat_map(|transition| &transition.outputs);
-        let is_stated = outputs.any(|own| own.name == name);
-        let found = self.handles.find(&Meaning::Output(name.to_owned())).filter(|_| is_stated);
-        found.ok_or_else(|| unknown(name, "output of the system"))
+        let is_named = outputs.any(|own| own.name == name);
+        let found = self.handles.find(&Meaning::Output(name.to_owned()));
+        found.filter(|_| is_named).ok_or_else(|| unknown(name, "output of the system"))
     }
 
     /// Declares the handles of a choice: of its modes, transitions and outputs.

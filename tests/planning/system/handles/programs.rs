@@ -204,6 +204,15 @@ fn a_rule_about_an_input_keeps_its_name() {
     }
 }
 
+#[test]
+fn a_limit_of_zero_has_no_sign() {
+    let mut cart = HybridSystem::new(1.0);
+    let x = cart.state("x", -9.0, 9.0).unwrap();
+    cart.limit("in front", x.ge(0.0)).unwrap();
+    cart.mode("stay").unwrap().next::<Affine>([]).unwrap();
+    assert!(cart.to_string().contains("always -x <= 0 (in front; a limit)"), "{cart}");
+}
+
 /// States that are declared after a disturbance have none.
 #[test]
 fn states_may_follow_a_disturbance() {

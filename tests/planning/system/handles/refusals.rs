@@ -12,6 +12,13 @@ fn text<T>(result: Result<T, Error>) -> String {
     }
 }
 
+fn misplaced(name: &str, place: &str, help: &str) -> String {
+    format!("{name} cannot stand in {place}; {help}")
+}
+
+/// How modes with memory are used.
+const MEMORY: &str = "use `stay` and `switch` to say what holds in a mode";
+
 /// Two states and an input, without a flow.
 fn cart() -> (HybridSystem, [State; 2], Variable) {
     let mut cart = HybridSystem::new(0.5);
@@ -63,13 +70,10 @@ fn handles_of_other_systems_are_foreign() {
 
 #[test]
 fn handles_stand_where_they_mean_something() {
-    let (mut cart, [x, v], u) = cart();
-    let price = cart.series("price", [1.0, 2.0]).unwrap();
+    let (mut cart, [x, _], u) = cart();
     let noise = cart.output("noise").unwrap();
     let [on, off] = cart.modes("heater", ["on", "off"]).unwrap();
     let go = cart.mode("go").unwrap().next([(x, 1.0 * x)]).unwrap().taken();
-    let misplaced =
-        |name: &str, place: &str, help: &str| format!("{name} cannot stand in {place}; {help}");
     assert_eq!(
         text(cart.limit("l", x.predicted().le(1.0))),
         misplaced(
@@ -82,8 +86,7 @@ fn handles_stand_where_they_mean_something() {
     let limit = "a limit of the system";
     assert_eq!(text(cart.limit("l", (x + go).le(1.0))), misplaced("`go`", limit, stands));
     assert_eq!(text(cart.limit("l", noise.le(1.0))), misplaced("`noise`", limit, stands));
-    let memory = "use `stay` and `switch` to say what holds in a mode";
-    assert_eq!(text(cart.limit("l", (x + on).le(1.0))), misplaced("`heater is on`", limit, memory));
+    assert_eq!(text(cart.limit("l", (x + on).le(1.0))), misplaced("`heater is on`", limit, MEMORY));
     let of_states = "a region is stated with states and modes";
     let region = "a region of states";
     assert_eq!(text(cart.region([u.le(1.0)])), misplaced("`u`", region, of_states));
@@ -116,6 +119,14 @@ fn handles_stand_where_they_mean_something() {
         text(cart.switch(on, wet)),
         misplaced("`pump is wet`", "`switch`", "name two different modes of one choice")
     );
+}
+
+#[test]
+fn parts_of_a_transition_are_of_its_start_or_of_its_prediction() {
+    let (mut cart, [x, v], u) = cart();
+    let price = cart.series("price", [1.0, 2.0]).unwrap();
+    let noise = cart.output("noise").unwrap();
+    let [on, _] = cart.modes("heater", ["on", "off"]).unwrap();
     assert_eq!(
         text(cart.mode("m1").unwrap().next([(x, x.predicted())])),
         misplaced(
@@ -134,7 +145,7 @@ fn handles_stand_where_they_mean_something() {
     );
     assert_eq!(
         text(cart.mode("m3").unwrap().next([(x, x + on)])),
-        misplaced("`heater is on`", "the flow of `m3`", memory)
+        misplaced("`heater is on`", "the flow of `m3`", MEMORY)
     );
     let alone = "state it of the start of the step alone or of the prediction alone";
     assert_eq!(
@@ -175,8 +186,6 @@ fn handles_stand_where_they_mean_something() {
 
 #[test]
 fn a_system_is_stated_in_order() {
-    let misplaced =
-        |name: &str, place: &str, help: &str| format!("{name} cannot stand in {place}; {help}");
     let late = "a statement after a limit, a mode or a flow";
     let first = "declare all states and inputs first";
     let (limited, [x, _], _) = cart();
