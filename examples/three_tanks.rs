@@ -14,9 +14,8 @@ use carom::prelude::*;
 const HORIZON: usize = 3;
 const REFERENCE: [f64; 3] = [0.444, 0.35, 0.2]; // m
 
-/// With both valves open, the first, the second, and none.
+/// Levels to levels, flows to levels and constant part, with both valves open, the first, the second, none.
 fn flows() -> Result<[LinearSystem; 4], Error> {
-    // Levels to levels, flows to levels, and constant part.
     let both = LinearSystem::new(
         [
             [0.969338678, 0.000478701215, 0.0300751081],
@@ -48,12 +47,11 @@ fn main() -> Result<(), Error> {
     let mut tanks = HybridSystem::new(1.0);
     let levels = ["level 1", "level 2", "level 3"].map(|name| tanks.state(name, 0.0, 0.66)); // m
     let levels = levels.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let flows_in = [tanks.input("flow 1", 0.0, 2.0)?, tanks.input("flow 2", 0.0, 2.0)?]; // 1e-5 m³/s
+    let pumps = [tanks.input("flow 1", 0.0, 2.0)?, tanks.input("flow 2", 0.0, 2.0)?]; // 1e-5 m³/s
     let mut price = Affine::zero();
-    let valves = [("both open", 0.002), ("first open", 0.001), ("second open", 0.001)];
-    for (flow, (name, cost)) in
-        flows()?.into_iter().zip(valves.into_iter().chain([("closed", 0.0)]))
-    {
+    let valves =
+        [("both open", 0.002), ("first open", 0.001), ("second open", 0.001), ("closed", 0.0)];
+    for (flow, (name, cost)) in flows()?.into_iter().zip(valves) {
         price += cost * tanks.mode(name)?.flow(flow)?.taken();
     }
 
@@ -61,13 +59,11 @@ fn main() -> Result<(), Error> {
     let mut cost = Affine::zero();
     for t in 0..=HORIZON {
         for (k, (level, wanted)) in levels.iter().zip(REFERENCE).enumerate() {
-            let off = program.at(level - wanted, t)?;
-            cost += program.model_mut().absolute((format!("off {k}"), t), off)?;
+            cost += program.abs(&format!("off {k}"), level - wanted, t)?;
         }
-        for (k, flow) in flows_in.iter().enumerate().filter(|_| t < HORIZON) {
-            let flow = program.at(1e-5 * flow, t)?;
-            cost += program.model_mut().absolute((format!("pump {k}"), t), flow)?;
-        }
+    }
+    for (k, flow) in pumps.iter().enumerate() {
+        cost += program.sum_abs(&format!("pump {k}"), 1e-5 * flow)?;
     }
     program.minimize(cost + program.sum(price)?)?;
 

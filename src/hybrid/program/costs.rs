@@ -2,9 +2,9 @@
 
 use std::iter::Sum;
 
-use super::{AtSample, HybridProgram};
+use super::{AtSample, HybridProgram, Members};
 use crate::error::{Error, ErrorKind, check_finite};
-use crate::model::{Affine, Quadratic, Row};
+use crate::model::{Affine, Model, Quadratic, Row};
 
 /// A limit that a plan may exceed, made by [`HybridProgram::soften`].
 #[derive(Debug, Clone)]
@@ -61,15 +61,24 @@ impl HybridProgram {
     pub fn sum_abs(&mut self, name: &str, expression: impl Into<Affine>) -> Result<Affine, Error> {
         let (members, expression) = (self.members.clone(), expression.into());
         self.model.all_or_nothing(|model| {
-            let magnitude = |step: usize| {
-                let value = expression.at_sample(&members, step)?;
-                match value.terms().is_empty() {
-                    true => Ok(Affine::constant(value.offset().abs())),
-                    false => Ok(model.absolute((name, step), value)?.into()),
-                }
-            };
-            (0..members.steps).map(magnitude).sum()
+            let steps = 0..members.steps;
+            steps.map(|step| magnitude(model, &members, (name, step), &expression)).sum()
         })
+    }
+
+    /// The magnitude of an expression at a sample: a variable `name[t]` of the model, an
+    /// [absolute value](crate::model::Model::absolute).
+    ///
+    /// # Errors
+    ///
+    /// As for [`sum_abs`](HybridProgram::sum_abs).
+    pub fn abs(
+        &mut self,
+        name: &str,
+        expression: impl Into<Affine>,
+        sample: usize,
+    ) -> Result<Affine, Error> {
+        magnitude(&mut self.model, &self.members, (name, sample), &expression.into())
     }
 
     /// The sum over the steps 0, ..., τ-1 of the largest magnitude among some expressions. Each of them is
@@ -179,5 +188,19 @@ impl HybridProgram {
             }
             Ok(soft)
         })
+    }
+}
+
+/// The magnitude of an expression at a sample, as a variable unless it is constant.
+fn magnitude(
+    model: &mut Model,
+    members: &Members,
+    (name, sample): (&str, usize),
+    expression: &Affine,
+) -> Result<Affine, Error> {
+    let value = expression.at_sample(members, sample)?;
+    match value.terms().is_empty() {
+        true => Ok(Affine::constant(value.offset().abs())),
+        false => Ok(model.absolute((name, sample), value)?.into()),
     }
 }
