@@ -5,7 +5,6 @@
 //! Each plan looks 20 steps ahead, and its first input is applied. The state is then disturbed a
 //! little, 40 times. FILE gets a picture (SVG).
 
-use carom::hybrid::Disturbance;
 use carom::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -8,7 +8,6 @@
 //! c9a0d3a9), rounded to nine digits, with flows in 1e-5 m³/s. That controller looks one step
 //! ahead, this one HORIZON.
 
-use carom::hybrid::LinearSystem;
 use carom::prelude::*;
 
 const HORIZON: usize = 3;

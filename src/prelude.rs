@@ -6,9 +6,10 @@
 
 pub use crate::BranchAndBound;
 pub use crate::error::Error;
+pub use crate::hybrid::scene::{Body, Scene, Shape, Solid, Surface};
 pub use crate::hybrid::{
-    HybridPlan, HybridProgram, HybridSystem, Move, RecedingHorizon, ShortestOptions,
-    SimulationOptions, State, When,
+    Disturbance, HybridPlan, HybridProgram, HybridSystem, LinearSystem, Move, RecedingHorizon,
+    Region, Restitution, Shortest, ShortestOptions, SimulationOptions, State, When,
 };
 pub use crate::model::{
     Affine, Constraint, Either, Family, Implication, Indicator, Literal, Logic, LogicalConstraint,
