@@ -23,7 +23,7 @@ fn numbers() -> impl Strategy<Value = Numbers> {
     let small = || (-4..=4_i32).prop_map(|k| 0.25 * f64::from(k));
     let pair = move || [small(), small()];
     let compliance = (1..=4_i32).prop_map(|k| 0.5 * f64::from(k));
-    let gap = (0..=3_i32).prop_map(f64::from);
+    let gap = (-2..=3_i32).prop_map(f64::from);
     (
         [pair(), pair()],
         [[small()], [small()]],
