@@ -35,7 +35,7 @@ use mip_start::GivenStart;
 use prepared::PreparedProgram;
 use refusals::Refusals;
 use row_rounds::{finds_rows, solve_in_rounds};
-use solve::{Known, Solve};
+use solve::{EarlierResults, Solve};
 
 /// Branch and bound over continuous relaxations.
 ///
@@ -97,7 +97,7 @@ impl Solver for BranchAndBound {
         let solve = Solve { model, options, token, ladders, refusals, rows: None };
         let given = control.start().map(|given| GivenStart::new(model, given));
         let start = given.as_ref().map(|given| &given.start);
-        let solved = solve.run(&Known { start, ..Known::default() }, control)?;
+        let solved = solve.run(&EarlierResults { start, ..EarlierResults::default() }, control)?;
         answer(&solve, solved, given.as_ref())
     }
 

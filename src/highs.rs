@@ -68,7 +68,7 @@ impl HighsSolver {
 }
 
 /// The result of HiGHS, in terms of the program's minimisation.
-struct Found {
+struct HighsResult {
     status: HighsModelStatus,
     values: Option<Vec<f64>>,
     /// Objective of its point, without the program's offset.
@@ -205,7 +205,7 @@ impl HighsSolver {
         program: &Program,
         cost: &[f64],
         time_left: Option<Duration>,
-    ) -> Result<Found, Error> {
+    ) -> Result<HighsResult, Error> {
         let failed =
             |message: String| Error::from(ErrorKind::Backend { solver: "HiGHS".into(), message });
         thread::scope(|scope| {
@@ -226,7 +226,7 @@ impl HighsSolver {
         program: &Program,
         cost: &[f64],
         time_left: Option<Duration>,
-    ) -> Result<Found, HighsStatus> {
+    ) -> Result<HighsResult, HighsStatus> {
         let options = with_half_the_gap(&self.options, constant(program));
         let mut problem = ColProblem::new();
         let limits = program.row_lower.iter().zip(&program.row_upper);
@@ -263,7 +263,7 @@ impl HighsSolver {
         let bound = solved.double_info_value(c"mip_dual_bound").ok();
         let infinite = |bound: &f64| !bound.is_finite() || bound.abs() >= tolerance::INFINITE;
         let bound = bound.filter(|b| !infinite(b) && !program.integers.is_empty());
-        Ok(Found {
+        Ok(HighsResult {
             status: solved.status(),
             values,
             objective: solved.objective_value(),

@@ -32,12 +32,15 @@ pub mod model {
 
 pub mod presolve {
     pub use crate::presolve::{
-        Compressed, Domain, Implications, Propagator, Reduced, Worklist, probe, probe_implications,
-        project, reduce, tighten_big_ms, tighten_by_disjunctions, tighten_coefficients,
+        Compressed, Domain, ImplicationGraph, Propagator, Reduced, Worklist, probe,
+        probe_implications, project, reduce, tighten_big_ms, tighten_by_disjunctions,
+        tighten_coefficients,
     };
 
     pub mod root {
-        pub use crate::presolve::root::{Block, Presolve, Presolved, Rule, blocks, presolve};
+        pub use crate::presolve::root::{
+            Presolve, PresolveRule, Presolved, ProgramBlock, blocks, presolve,
+        };
     }
 }
 
@@ -47,14 +50,16 @@ pub mod program {
 
 pub mod relaxation {
     pub use crate::relaxation::{
-        ActiveSet, Claim, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
-        LadderPool, Prover, Record, Relaxation, RelaxationResult, WarmState, polish,
+        ActiveSet, ClarabelRelaxation, DualSimplex, Effort, Extended, InteriorPoint, Ladder,
+        LadderPool, Prover, Record, Relaxation, RelaxationClaim, RelaxationResult, WarmState,
+        polish,
     };
 }
 
 pub mod search {
     pub use crate::search::{
-        Contradiction, Found, PointJudge, Start, StartPoint, Task, search, search_unstrengthened,
+        Contradiction, PointJudge, SearchResult, SolveTask, Start, StartPoint, search,
+        search_unstrengthened,
     };
 
     pub mod best_points {

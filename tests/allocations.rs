@@ -7,7 +7,7 @@ use std::alloc::System;
 
 use carom::internals::presolve::{Domain, Reduced, reduce};
 use carom::internals::program::Program;
-use carom::internals::relaxation::{Claim, Effort, InteriorPoint, Prover, Relaxation};
+use carom::internals::relaxation::{Effort, InteriorPoint, Prover, Relaxation, RelaxationClaim};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use instances::generators::cartpole;
@@ -50,14 +50,14 @@ fn relaxations() -> [usize; 3] {
         warm: None,
     };
     let first = method.solve(&one, &effort);
-    assert_eq!(first.claim, Claim::Solved);
+    assert_eq!(first.claim, RelaxationClaim::Solved);
     prover.lower_bound(&one, &first.x, &first.y);
     let (before, second) = counted(|| method.solve(&two, &effort));
-    assert_eq!(second.claim, Claim::Solved);
+    assert_eq!(second.claim, RelaxationClaim::Solved);
     assert!(second.iterations > 3);
     method.reuse(first);
     let (after, third) = counted(|| method.solve(&two, &effort));
-    assert_eq!((third.claim, &third.x, &third.y), (Claim::Solved, &second.x, &second.y));
+    assert_eq!((third.claim, &third.x, &third.y), (RelaxationClaim::Solved, &second.x, &second.y));
     assert!(third.warm.is_some());
     let (proof, bound) = counted(|| prover.lower_bound(&two, &second.x, &second.y));
     let value = two.objective(&second.x);

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use carom::ErrorKind;
 use carom::conformance::{Capability, Suite};
 use carom::external::{
-    Cbc, Claim, Dialect, ExternalAnswer, ExternalSolver, Files, Glpk, Highs, Scip,
+    Cbc, Dialect, ExternalAnswer, ExternalSolver, Files, Glpk, Highs, Scip, SolverClaim,
 };
 use carom::hybrid::scene::{Body, Scene, Solid, Surface};
 use carom::hybrid::{Region, Restitution};
@@ -36,7 +36,7 @@ fn expect(answer: Result<ExternalAnswer, String>, bound: Option<f64>) {
     let answer = answer.unwrap();
     assert_eq!(
         (answer.claim, answer.objective, answer.bound),
-        (Claim::Optimal, Some(-11.0), bound)
+        (SolverClaim::Optimal, Some(-11.0), bound)
     );
     let values: Vec<f64> = answer.values.unwrap().iter().map(|(_, value)| *value).collect();
     assert!(values == [3.0, 1.0, 0.0] || values == [3.0, 1.0], "{values:?}");
@@ -68,33 +68,36 @@ fn recorded_answers_are_read() {
 #[test]
 fn other_endings_are_told_apart() {
     let cbc = |first: &str| Cbc.read(Some(first), "Lower bound:      2.5\n").unwrap();
-    assert_eq!(cbc("Infeasible - objective value 0.00").claim, Claim::Infeasible);
-    assert_eq!(cbc("Integer infeasible - objective value 0.00").claim, Claim::Infeasible);
-    assert_eq!(cbc("Unbounded - objective value 0.00").claim, Claim::Unbounded);
+    assert_eq!(cbc("Infeasible - objective value 0.00").claim, SolverClaim::Infeasible);
+    assert_eq!(cbc("Integer infeasible - objective value 0.00").claim, SolverClaim::Infeasible);
+    assert_eq!(cbc("Unbounded - objective value 0.00").claim, SolverClaim::Unbounded);
     let late = cbc("Stopped on time - objective value 7.5\n  0 c0  1  0");
-    assert_eq!(late.claim, Claim::Limit(Termination::TimeLimit));
+    assert_eq!(late.claim, SolverClaim::Limit(Termination::TimeLimit));
     assert_eq!((late.objective, late.bound), (Some(7.5), Some(2.5)));
     let none = cbc("Stopped on time (no integer solution - continuous used) - objective value 1\n");
     assert_eq!(none.values, None);
     let glpk = |text: &str, log: &str| Glpk.read(Some(text), log).unwrap().claim;
-    assert_eq!(glpk("s mip 2 3 n 0\n", ""), Claim::Infeasible);
-    assert_eq!(glpk("s bas 2 3 n f 0\n", ""), Claim::Infeasible);
-    assert_eq!(glpk("s bas 2 3 f n 0\n", ""), Claim::Unbounded);
-    let late = Claim::Limit(Termination::TimeLimit);
+    assert_eq!(glpk("s mip 2 3 n 0\n", ""), SolverClaim::Infeasible);
+    assert_eq!(glpk("s bas 2 3 n f 0\n", ""), SolverClaim::Infeasible);
+    assert_eq!(glpk("s bas 2 3 f n 0\n", ""), SolverClaim::Unbounded);
+    let late = SolverClaim::Limit(Termination::TimeLimit);
     assert_eq!(glpk("s mip 2 3 u 0\n", "TIME LIMIT EXCEEDED; SEARCH TERMINATED\n"), late);
     // As printed where its own preparation finds it out.
     let early = glpk("s bas 2 2 u u 0\n", "LP HAS NO PRIMAL FEASIBLE SOLUTION\n");
-    assert_eq!(early, Claim::Infeasible);
+    assert_eq!(early, SolverClaim::Infeasible);
     let falling = "LP RELAXATION HAS NO DUAL FEASIBLE SOLUTION\n";
-    assert_eq!(glpk("s mip 1 3 u 0\n", falling), Claim::Unbounded);
+    assert_eq!(glpk("s mip 1 3 u 0\n", falling), SolverClaim::Unbounded);
     let either = "Model status\nPrimal infeasible or unbounded\n\n# Primal solution values\nNone\n";
-    assert_eq!(Highs.read(Some(either), "").unwrap(), ExternalAnswer::new(Claim::Unbounded));
+    assert_eq!(Highs.read(Some(either), "").unwrap(), ExternalAnswer::new(SolverClaim::Unbounded));
     let empty = Highs.read(Some("Model status\nEmpty\n"), "").unwrap();
-    assert_eq!((empty.claim, empty.objective), (Claim::Optimal, Some(0.0)));
+    assert_eq!((empty.claim, empty.objective), (SolverClaim::Optimal, Some(0.0)));
     let highs = "Model status\nInfeasible\n\n# Primal solution values\nNone\n";
-    assert_eq!(Highs.read(Some(highs), "").unwrap(), ExternalAnswer::new(Claim::Infeasible));
+    assert_eq!(Highs.read(Some(highs), "").unwrap(), ExternalAnswer::new(SolverClaim::Infeasible));
     let scip = "SCIP Status        : problem is solved [infeasible]\nDual Bound   : +1e+20\n";
-    assert_eq!(Scip.read(Some("no solution available\n"), scip).unwrap().claim, Claim::Infeasible);
+    assert_eq!(
+        Scip.read(Some("no solution available\n"), scip).unwrap().claim,
+        SolverClaim::Infeasible
+    );
     for dialect in [&Cbc as &dyn Dialect, &Glpk, &Highs, &Scip] {
         assert!(dialect.read(None, "").is_err(), "{dialect:?}");
         // Whatever is in the texts, reading them does not panic.

@@ -9,9 +9,9 @@
 
 use super::events::PartOfSolve;
 use super::search::search_once;
-use super::solve::Known;
+use super::solve::EarlierResults;
 use crate::program::Program;
-use crate::search::{Found, Task};
+use crate::search::{SearchResult, SolveTask};
 use crate::solution::{Statistics, Termination};
 use crate::solver::{BranchingRule, Control, Options, Progress};
 
@@ -22,8 +22,8 @@ const FIRST_LIMIT: u64 = 100;
 const LIMIT_GROWTH: u64 = 4;
 
 /// Whether the program of a task is searched in turns.
-pub(super) fn alternates(task: Task<'_>) -> bool {
-    let Task { program, options, .. } = task;
+pub(super) fn alternates(task: SolveTask<'_>) -> bool {
+    let SolveTask { program, options, .. } = task;
     program.is_feasibility_problem()
         && options.branching == BranchingRule::Automatic
         && options.pool == 1
@@ -34,10 +34,10 @@ pub(super) fn alternates(task: Task<'_>) -> bool {
 
 /// Searches a program without an objective in turns, with and without an objective of the search's own.
 pub(super) fn search_in_turns(
-    task: Task<'_>,
-    known: &Known<'_>,
+    task: SolveTask<'_>,
+    known: &EarlierResults<'_>,
     control: &mut Control<'_>,
-) -> Found {
+) -> SearchResult {
     let with_objective = &with_objective(task.program);
     let mut before = Statistics::default();
     let mut limit = FIRST_LIMIT;
@@ -48,14 +48,14 @@ pub(super) fn search_in_turns(
         let options = Options { node_limit: Some(node_limit), ..task.options.clone() };
         let mut found = if turn % 2 == 0 {
             let start = known.start.filter(|_| turn == 0);
-            let known = Known { start, ..*known };
-            let task = Task { options: &options, ..task };
+            let known = EarlierResults { start, ..*known };
+            let task = SolveTask { options: &options, ..task };
             run_turn(task, &before, control, |control| search_once(task, &known, control))
         } else {
             // The first point ends it.
             let options = Options { absolute_gap: f64::INFINITY, ..options };
-            let known = Known { start: None, tightened: None, ..*known };
-            let own = Task { program: with_objective, options: &options, ..task };
+            let known = EarlierResults { start: None, tightened: None, ..*known };
+            let own = SolveTask { program: with_objective, options: &options, ..task };
             let found =
                 run_turn(task, &before, control, |control| search_once(own, &known, control));
             without_objective(found, task.program.offset)
@@ -72,16 +72,16 @@ pub(super) fn search_in_turns(
         before = found.statistics;
         limit = limit.saturating_mul(LIMIT_GROWTH);
     }
-    Found::stopped(Termination::NodeLimit)
+    SearchResult::stopped(Termination::NodeLimit)
 }
 
 /// Runs a turn whose events count what was done before, and know of no objective.
 fn run_turn(
-    task: Task<'_>,
+    task: SolveTask<'_>,
     before: &Statistics,
     control: &mut Control<'_>,
-    search: impl FnOnce(&mut Control<'_>) -> Found,
-) -> Found {
+    search: impl FnOnce(&mut Control<'_>) -> SearchResult,
+) -> SearchResult {
     let value = task.program.sign * task.program.offset;
     let figures = |own: &Progress| Progress {
         nodes: own.nodes + before.nodes,
@@ -102,9 +102,9 @@ fn run_turn(
 
 /// The result of a search with an objective of our own, as an answer without an objective: no point is
 /// better than another.
-fn without_objective(found: Found, offset: f64) -> Found {
+fn without_objective(found: SearchResult, offset: f64) -> SearchResult {
     let bound = if found.bound == f64::INFINITY { found.bound } else { offset };
-    Found { bound, proofs: Vec::new(), forks: Vec::new(), strengthened: None, ..found }
+    SearchResult { bound, proofs: Vec::new(), forks: Vec::new(), strengthened: None, ..found }
 }
 
 /// The program with the number of binaries that are 1 as its objective: conditions that do not hold and

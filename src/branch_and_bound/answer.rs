@@ -3,21 +3,21 @@
 use std::collections::BTreeMap;
 
 use super::mip_start::GivenStart;
-use super::solve::{Solve, Solved};
+use super::solve::{Solve, SolveResult};
 use crate::error::Error;
 use crate::model::{Model, Variable};
-use crate::search::{ClosedNode, Found};
+use crate::search::{ClosedNode, SearchResult};
 use crate::solution::{LeafBound, LeafBox, Multipliers, Outcome, Solution};
 use crate::solver::{Options, PoolMode};
 
 /// The verified solution with all that is known of it.
 pub(super) fn answer(
     solve: &Solve<'_>,
-    solved: Solved,
+    solved: SolveResult,
     given: Option<&GivenStart>,
 ) -> Result<Solution, Error> {
     let Solve { model, options, .. } = *solve;
-    let Solved { mut found, derivatives, .. } = solved;
+    let SolveResult { mut found, derivatives, .. } = solved;
     found.statistics.time = solve.token.elapsed();
     let report = given.map(|given| given.report(model, &found));
     let sign = model.sense().sign();
@@ -40,7 +40,7 @@ pub(super) fn answer(
 }
 
 /// The verified solution, in values of the model's variables.
-fn solution(model: &Model, options: &Options, found: Found) -> Result<Solution, Error> {
+fn solution(model: &Model, options: &Options, found: SearchResult) -> Result<Solution, Error> {
     let (sign, feasibility) = (model.sense().sign(), options.feasibility);
     let mut points = found.points.into_iter();
     let outcome = Outcome {

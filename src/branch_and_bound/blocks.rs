@@ -8,10 +8,10 @@ use web_time::Duration;
 
 use super::events::PartOfSolve;
 use super::search::search_task;
-use super::solve::Known;
-use crate::presolve::root::{Block, blocks};
+use super::solve::EarlierResults;
+use crate::presolve::root::{ProgramBlock, blocks};
 use crate::program::Program;
-use crate::search::{Found, PointJudge, Task};
+use crate::search::{PointJudge, SearchResult, SolveTask};
 use crate::solution::{Point, Statistics, Termination};
 use crate::solver::{Control, Options, Progress, StopToken};
 use crate::sum::Sum;
@@ -19,7 +19,7 @@ use crate::tolerance;
 
 /// A block and what is known of it.
 struct BlockState {
-    block: Block,
+    block: ProgramBlock,
     bound: f64,
     /// Objective and values of its best point.
     best: Option<(f64, Vec<f64>)>,
@@ -70,14 +70,14 @@ impl Others {
 }
 
 /// The blocks of the program of a task.
-struct Blocks<'a> {
-    task: Task<'a>,
+struct BlockSearches<'a> {
+    task: SolveTask<'a>,
     states: Vec<BlockState>,
     statistics: Statistics,
     searches: usize,
     /// Whether any points will do, since the objective of a block falls forever.
     any_point: bool,
-    /// Whether the value of a point is due to limits that presolve has widened, as in [`Found`].
+    /// Whether the value of a point is due to limits that presolve has widened, as in [`SearchResult`].
     is_widened: bool,
     /// Also over when the user stops the solve.
     token: StopToken,
@@ -85,7 +85,10 @@ struct Blocks<'a> {
 
 /// The result of searching the program of a task block by block; `None` if it must not be split, if it
 /// is a single block, or if the blocks come to no conclusion.
-pub(super) fn search_blocks(task: Task<'_>, control: &mut Control<'_>) -> Option<Found> {
+pub(super) fn search_blocks(
+    task: SolveTask<'_>,
+    control: &mut Control<'_>,
+) -> Option<SearchResult> {
     let options = task.options;
     if !options.blocks || options.keep_leaves || options.pool > 1 {
         return None;
@@ -101,7 +104,7 @@ pub(super) fn search_blocks(task: Task<'_>, control: &mut Control<'_>) -> Option
         granted: Grant::default(),
         gap,
     };
-    let mut blocks = Blocks {
+    let mut blocks = BlockSearches {
         task,
         states: blocks.into_iter().map(state).collect(),
         statistics: Statistics { blocks: count as u64, ..Statistics::default() },
@@ -113,8 +116,8 @@ pub(super) fn search_blocks(task: Task<'_>, control: &mut Control<'_>) -> Option
     (count > 1).then(|| blocks.run(control))?
 }
 
-impl Blocks<'_> {
-    fn run(&mut self, control: &mut Control<'_>) -> Option<Found> {
+impl BlockSearches<'_> {
+    fn run(&mut self, control: &mut Control<'_>) -> Option<SearchResult> {
         // A second time where the gaps of the blocks are met and that of the whole is not: objectives
         // may cancel.
         for _ in 0..2 {
@@ -126,7 +129,7 @@ impl Blocks<'_> {
                     }
                     if self.states[k].ended == Some(Termination::Infeasible) {
                         let statistics = self.statistics;
-                        return Some(Found { statistics, ..Found::infeasible() });
+                        return Some(SearchResult { statistics, ..SearchResult::infeasible() });
                     }
                 }
                 if self.searches == before {
@@ -207,7 +210,7 @@ impl Blocks<'_> {
         options: &Options,
         token: &StopToken,
         control: &mut Control<'_>,
-    ) -> Found {
+    ) -> SearchResult {
         let others = self.others(k);
         let judge = BlockJudge {
             block: &self.states[k].block,
@@ -222,8 +225,8 @@ impl Blocks<'_> {
             told: None,
             token: &self.token,
         };
-        let task = Task { program, judge: &judge, options, token, ..self.task };
-        part.run(control, |control| search_task(task, &Known::default(), control))
+        let task = SolveTask { program, judge: &judge, options, token, ..self.task };
+        part.run(control, |control| search_task(task, &EarlierResults::default(), control))
     }
 
     fn others(&self, k: usize) -> Others {
@@ -284,20 +287,20 @@ impl Blocks<'_> {
     }
 
     /// The result for the whole that follows from all blocks; `None` if nothing follows.
-    fn conclude(&self) -> Option<Found> {
+    fn conclude(&self) -> Option<SearchResult> {
         let reason = self.limit();
         let point = self.point(None);
         let verified = point.filter(|point| self.task.judge.accepts(point));
         let found = |termination, bound, points: Vec<Vec<f64>>| {
             let statistics = self.statistics;
-            Some(Found {
+            Some(SearchResult {
                 termination,
                 bound,
                 points,
                 statistics,
                 is_widened: self.is_widened,
                 pool_complete: false,
-                ..Found::infeasible()
+                ..SearchResult::infeasible()
             })
         };
         let ended = |part: &BlockState| part.ended == Some(Termination::Unbounded);
@@ -337,7 +340,7 @@ impl Blocks<'_> {
 
 /// Judges points of one block, beside the best points of the others.
 struct BlockJudge<'a> {
-    block: &'a Block,
+    block: &'a ProgramBlock,
     /// The best points of the other blocks; `None` if one of them has none.
     rest: Option<Vec<f64>>,
     whole: &'a dyn PointJudge,

@@ -5,13 +5,15 @@
 use super::start::start_point;
 use crate::program::Program;
 use crate::search::cuts::strengthen;
-use crate::search::{Found, PilotResult, Root, Start, StartPoint, Task, search, with_perspective};
+use crate::search::{
+    PilotResult, Root, SearchResult, SolveTask, Start, StartPoint, search, with_perspective,
+};
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::{BranchingRule, Control, Heuristics, Options};
 
 /// The result of the phase.
 #[derive(Default)]
-pub(super) struct Cut {
+pub(super) struct CutOutcome {
     /// The strengthened program; `None` if it is as it was.
     pub(super) program: Option<Program>,
     /// The value of the relaxed root before the phase and after it, if anything was strengthened.
@@ -27,22 +29,22 @@ struct Pilot {
     point: Option<StartPoint>,
     /// Whether it ran from the root without cuts.
     ran: bool,
-    /// Whether the value of a point is due to limits that presolve has widened, as in [`Found`].
+    /// Whether the value of a point is due to limits that presolve has widened, as in [`SearchResult`].
     is_widened: bool,
     statistics: Statistics,
 }
 
 /// Strengthens the program of a task, and carries its root over. Kept leaves are about the program as it
 /// is.
-pub(super) fn cut(task: Task<'_>, root: &mut Root, start: Option<&Start>) -> Cut {
-    let Task { options, token, .. } = task;
+pub(super) fn cut(task: SolveTask<'_>, root: &mut Root, start: Option<&Start>) -> CutOutcome {
+    let SolveTask { options, token, .. } = task;
     let mut ladder = task.ladders.take();
     let bent = with_perspective(task.program, root, options, token, &mut ladder);
     let program = bent.as_ref().map_or(task.program, |bent| &bent.program);
-    let task = Task { program, ..task };
+    let task = SolveTask { program, ..task };
     let mut pilot = Pilot::default();
     let cut = strengthen(program, root, options, token, &mut ladder, &mut |root| {
-        pilot.search(Task { root: Some(root), ..task }, start)
+        pilot.search(SolveTask { root: Some(root), ..task }, start)
     });
     if bent.is_some() || cut.is_some() {
         root.carry_over(cut.as_ref().map_or(program, |cut| &cut.program), token);
@@ -51,7 +53,7 @@ pub(super) fn cut(task: Task<'_>, root: &mut Root, start: Option<&Start>) -> Cut
     task.ladders.give_back(ladder);
     let first = bent.as_ref().or(cut.as_ref()).map(|first| first.values[0]);
     let last = cut.as_ref().or(bent.as_ref()).map(|last| last.values[1]);
-    Cut {
+    CutOutcome {
         values: first.zip(last).map(|(first, last)| [first, last]),
         has_cuts: cut.is_some(),
         program: cut.or(bent).map(|strengthened| strengthened.program),
@@ -59,7 +61,7 @@ pub(super) fn cut(task: Task<'_>, root: &mut Root, start: Option<&Start>) -> Cut
     }
 }
 
-impl Cut {
+impl CutOutcome {
     /// The start of the search: the given one, with what the pilot search has found if it has no point.
     pub(super) fn start(&self, given: Option<&Start>) -> Option<Start> {
         let given = given.cloned();
@@ -71,7 +73,7 @@ impl Cut {
     }
 
     /// Adds what was done before the search to its result.
-    pub(super) fn add_to(&self, found: &mut Found) {
+    pub(super) fn add_to(&self, found: &mut SearchResult) {
         found.statistics.add(&self.pilot.statistics);
         found.is_widened |= self.pilot.is_widened;
     }
@@ -85,8 +87,8 @@ impl Cut {
 impl Pilot {
     /// Searches the root of a task, with rounding and a roll-out there. Returns `None` if that is not
     /// wanted.
-    fn search(&mut self, task: Task<'_>, start: Option<&Start>) -> Option<PilotResult> {
-        let Task { program, options, .. } = task;
+    fn search(&mut self, task: SolveTask<'_>, start: Option<&Start>) -> Option<PilotResult> {
+        let SolveTask { program, options, .. } = task;
         if let Some(point) = start.and_then(|start| start.point.as_ref()) {
             let value = Some(program.objective(&point.values));
             return Some(PilotResult { value, bound: f64::NEG_INFINITY, is_closed: false });
@@ -100,7 +102,7 @@ impl Pilot {
         let options = &Options { heuristics, branching, node_limit, ..options.nested() };
         #[cfg(feature = "tracing")]
         let _span = tracing::debug_span!("pilot").entered();
-        let found = search(Task { options, ..task }, &mut Control::default(), None);
+        let found = search(SolveTask { options, ..task }, &mut Control::default(), None);
         (self.ran, self.is_widened) = (true, found.is_widened);
         let is_closed = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let mut counts = found.statistics;

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::model::Name;
-use crate::search::{Fork, Found, Proof, Proofs, Start};
+use crate::search::{Fork, Proof, Proofs, SearchResult, Start};
 use crate::solution::Termination;
 
 /// Least part of the gap between the root and the best point that cuts and tighter costs must close: else
@@ -69,7 +69,12 @@ impl LastSolve {
     ///
     /// * `point`: the best point in columns of the program, if there is one.
     /// * `order`: the integral columns, the earliest steps first.
-    pub(super) fn take_in(&mut self, found: &mut Found, point: Option<&[f64]>, order: &[usize]) {
+    pub(super) fn take_in(
+        &mut self,
+        found: &mut SearchResult,
+        point: Option<&[f64]>,
+        order: &[usize],
+    ) {
         // A search that was stopped before its first split has nothing new to say.
         let ended = matches!(found.termination, Termination::Optimal | Termination::Infeasible);
         let nodes = found.statistics.nodes;

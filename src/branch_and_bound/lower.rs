@@ -12,7 +12,7 @@ use crate::solver::StopToken;
 
 /// The program of a lowered model, and the way back to the model.
 #[derive(Debug)]
-pub(super) struct Lowered {
+pub(super) struct LoweredProgram {
     pub(super) program: Program,
     way_back: Arc<WayBack>,
     /// The way back of a presolve for all values of the parameters, if there was one.
@@ -21,16 +21,16 @@ pub(super) struct Lowered {
     pub(super) rounding: f64,
 }
 
-impl Lowered {
+impl LoweredProgram {
     /// A program that the variables of a model are the first columns of.
     pub(super) fn new(program: Program, way_back: Arc<WayBack>) -> Self {
-        Lowered { program, way_back, postsolve: None, rounding: 0.0 }
+        LoweredProgram { program, way_back, postsolve: None, rounding: 0.0 }
     }
 
     /// The program that a presolve for all values of the parameters has left.
     pub(super) fn presolved(&self, program: Program, postsolve: Postsolve, rounding: f64) -> Self {
         let way_back = self.way_back.clone();
-        Lowered { program, way_back, postsolve: Some(postsolve), rounding }
+        LoweredProgram { program, way_back, postsolve: Some(postsolve), rounding }
     }
 
     /// From values of the program's columns to values of the model's variables.
@@ -59,7 +59,7 @@ impl Lowered {
 }
 
 /// Lowers and assembles a model; `None` if a limit comes first.
-pub(super) fn lower(model: &Model, token: &StopToken) -> Result<Option<Lowered>, Error> {
+pub(super) fn lower(model: &Model, token: &StopToken) -> Result<Option<LoweredProgram>, Error> {
     let (mut program, way_back) = if model.has_only_rows() {
         (Program::assemble(model)?, WayBack::to_rows(model))
     } else {
@@ -70,7 +70,7 @@ pub(super) fn lower(model: &Model, token: &StopToken) -> Result<Option<Lowered>,
     };
     check_curvature(model, &program, false)?;
     program.constant = program.sign * model.objective_constant();
-    Ok(Some(Lowered::new(program, Arc::new(way_back))))
+    Ok(Some(LoweredProgram::new(program, Arc::new(way_back))))
 }
 
 /// Refuses an objective whose distance from a convex one is seen within the bounds of the program of a

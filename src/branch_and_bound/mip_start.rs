@@ -1,7 +1,7 @@
 //! MIP starts: from variables of the model to columns of the program, and the report on them.
 
 use crate::model::{Model, Variable};
-use crate::search::{Completion, Found, Start};
+use crate::search::{Completion, SearchResult, Start};
 use crate::solution::{StartReport, StartStatus};
 use crate::solver::MipStart;
 
@@ -25,7 +25,7 @@ impl GivenStart {
     }
 
     /// The report on what became of it; columns and points are the model's.
-    pub(super) fn report(&self, model: &Model, found: &Found) -> StartReport {
+    pub(super) fn report(&self, model: &Model, found: &SearchResult) -> StartReport {
         let status = match &found.completion {
             _ if self.start.integers.is_empty() => None,
             None => None,

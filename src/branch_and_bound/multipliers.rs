@@ -2,9 +2,9 @@
 //! presolve, and checked against the original one.
 
 use crate::presolve::Reduced;
-use crate::presolve::root::{Presolve, Presolved, Rule, presolve};
+use crate::presolve::root::{Presolve, PresolveRule, Presolved, presolve};
 use crate::program::Program;
-use crate::relaxation::{Claim, Ladder, Purpose};
+use crate::relaxation::{Ladder, Purpose, RelaxationClaim};
 use crate::solver::StopToken;
 use crate::sum::Sum;
 use crate::tolerance;
@@ -36,7 +36,7 @@ pub(super) fn derivatives(
     // An interior-point method wants an interior.
     let small = &presolved.program;
     let anew = if small.lower.iter().zip(&small.upper).any(|(lower, upper)| lower == upper) {
-        Some(presolve(program, &Rule::ALL, token).ok()?)
+        Some(presolve(program, &PresolveRule::ALL, token).ok()?)
     } else {
         None
     };
@@ -50,7 +50,7 @@ pub(super) fn derivatives(
         return checked(program, presolved, point, &[], &vec![0.0; left.rows.len()]);
     }
     ladder.solve_until(&left, Purpose::Multipliers, token, |result| {
-        let solved = result.claim == Claim::Solved;
+        let solved = result.claim == RelaxationClaim::Solved;
         solved.then(|| checked(program, presolved, point, &result.x, &result.y))?
     })
 }

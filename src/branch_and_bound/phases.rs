@@ -9,20 +9,20 @@
 //! 7. [`restore`](super::restore): what was found becomes an answer about the model.
 //! 8. [`verify`](super::verify): the model itself checks every point.
 //!
-//! A [`Task`] passes through the phases from 3 to 6. A solve of a prepared model passes through the same
-//! phases; more is [`Known`] beforehand.
+//! A [`SolveTask`] passes through the phases from 3 to 6. A solve of a prepared model passes through the same
+//! phases; more is [`EarlierResults`] beforehand.
 
 use super::blocks::search_blocks;
-use super::lower::{Lowered, lower};
-use super::presolve::{Outcome, presolve, rules};
+use super::lower::{LoweredProgram, lower};
+use super::presolve::{PresolveOutcome, presolve, rules};
 use super::restore::restore;
 use super::row_judge::RowJudge;
 use super::search::search_task;
-use super::solve::{Known, Solve, Solved};
+use super::solve::{EarlierResults, Solve, SolveResult};
 use super::verify::ModelJudge;
 use crate::error::Error;
-use crate::presolve::root::Rule;
-use crate::search::{Found, Task};
+use crate::presolve::root::PresolveRule;
+use crate::search::{SearchResult, SolveTask};
 use crate::solution::Termination;
 use crate::solver::Control;
 
@@ -30,9 +30,9 @@ impl Solve<'_> {
     /// Solves the model. A solve that a limit ends before the search has no point and no bound.
     pub(super) fn run(
         &self,
-        known: &Known<'_>,
+        known: &EarlierResults<'_>,
         control: &mut Control<'_>,
-    ) -> Result<Solved, Error> {
+    ) -> Result<SolveResult, Error> {
         let own;
         let lowered = match known.lowered {
             Some(lowered) => lowered,
@@ -61,7 +61,7 @@ impl Solve<'_> {
         plain.found.statistics.contradictions += u64::from(contradicted);
         if !contradicted && !is_conclusion(&plain.found, &solved.found) {
             let statistics = plain.found.statistics;
-            return Ok(Solved::without_point(Found { statistics, ..solved.found }));
+            return Ok(SolveResult::without_point(SearchResult { statistics, ..solved.found }));
         }
         Ok(plain)
     }
@@ -69,33 +69,36 @@ impl Solve<'_> {
     /// Solves the lowered program, presolved by some rules.
     fn run_by_rules(
         &self,
-        lowered: &Lowered,
-        rules: &[Rule],
-        known: &Known<'_>,
+        lowered: &LoweredProgram,
+        rules: &[PresolveRule],
+        known: &EarlierResults<'_>,
         control: &mut Control<'_>,
-    ) -> Result<Solved, Error> {
+    ) -> Result<SolveResult, Error> {
         let presolved = match presolve(self, known, lowered, rules)? {
-            Outcome::Presolved(presolved) => presolved,
-            Outcome::Infeasible => return Ok(Solved::without_point(Found::infeasible())),
-            Outcome::Stopped => return Ok(self.stopped()),
+            PresolveOutcome::Presolved(presolved) => presolved,
+            PresolveOutcome::Infeasible => {
+                return Ok(SolveResult::without_point(SearchResult::infeasible()));
+            }
+            PresolveOutcome::Stopped => return Ok(self.stopped()),
         };
         let judge = &ModelJudge::new(self, &presolved);
-        let task = Task::new(presolved.program(), judge, self.ladders, self.options, self.token);
+        let task =
+            SolveTask::new(presolved.program(), judge, self.ladders, self.options, self.token);
         let start = known.start.map(|start| presolved.carry(start));
-        let carried = Known { start: start.as_ref(), ..*known };
+        let carried = EarlierResults { start: start.as_ref(), ..*known };
         let in_blocks = if start.is_none() { search_blocks(task, control) } else { None };
         let found = in_blocks.unwrap_or_else(|| search_task(task, &carried, control));
         restore(self, known, &presolved, found)
     }
 
-    fn stopped(&self) -> Solved {
+    fn stopped(&self) -> SolveResult {
         let reason = self.token.ended().unwrap_or(Termination::Interrupted);
-        Solved::without_point(Found::stopped(reason))
+        SolveResult::without_point(SearchResult::stopped(reason))
     }
 }
 
 /// Whether a search without presolve says more than one with it, because it has come to an end.
-fn is_conclusion(plain: &Found, found: &Found) -> bool {
+fn is_conclusion(plain: &SearchResult, found: &SearchResult) -> bool {
     match plain.termination {
         Termination::Optimal | Termination::Unbounded => true,
         Termination::Infeasible => found.points.is_empty(),

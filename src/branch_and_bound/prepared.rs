@@ -8,19 +8,19 @@ use std::sync::Arc;
 
 use super::answer::answer;
 use super::last_solve::LastSolve;
-use super::lower::{Lowered, check_curvature};
+use super::lower::{LoweredProgram, check_curvature};
 use super::mip_start::GivenStart;
 use super::refusals::Refusals;
 use super::row_rounds::{finds_rows, solve_in_rounds};
-use super::solve::{Known, Solve, Solved};
+use super::solve::{EarlierResults, Solve, SolveResult};
 use super::tighten::Tightened;
 use crate::error::Error;
 use crate::model::{Model, Name, Variable};
-use crate::presolve::root::{Presolve, Rule, blocks, presolve, presolve_around};
+use crate::presolve::root::{Presolve, PresolveRule, blocks, presolve, presolve_around};
 use crate::program::Program;
 use crate::reformulate;
 use crate::relaxation::LadderPool;
-use crate::search::{Found, Start};
+use crate::search::{SearchResult, Start};
 use crate::solution::Solution;
 use crate::solver::{Control, Options, Prepared, StopToken};
 
@@ -31,7 +31,7 @@ pub(super) struct PreparedProgram<'a> {
     model: Model,
     parameters: Vec<Variable>,
     /// The assembled program, in which the columns of the parameters are those of the model.
-    lowered: Lowered,
+    lowered: LoweredProgram,
     reduction: Reduction,
     ladders: LadderPool,
 }
@@ -48,7 +48,7 @@ enum Reduction {
 
 #[derive(Debug)]
 struct ReducedProgram {
-    lowered: Lowered,
+    lowered: LoweredProgram,
     /// The column of each parameter.
     columns: Vec<usize>,
     /// The integral columns, the earliest steps first.
@@ -68,7 +68,7 @@ impl<'a> PreparedProgram<'a> {
         check_curvature(model, &program, true)?;
         let parameters: Vec<Variable> = model.parameters().collect();
         let names: Vec<Name> = rows.model().variables().map(|v| v.name().clone()).collect();
-        let lowered = Lowered::new(program, Arc::new(rows.into_way_back()));
+        let lowered = LoweredProgram::new(program, Arc::new(rows.into_way_back()));
         let reduction = match options.reductions && !lowered.program.integers.is_empty() {
             true => ReducedProgram::of(options, model, &lowered, &names, &parameters)?,
             false => Reduction::Off,
@@ -118,7 +118,7 @@ impl Prepared for PreparedProgram<'_> {
         let values = values_of(model, &self.parameters)?;
         let solved = match &mut self.reduction {
             Reduction::Infeasible if options.reductions => {
-                Solved::without_point(Found::infeasible())
+                SolveResult::without_point(SearchResult::infeasible())
             }
             Reduction::To(reduced) if options.reductions && !is_about_columns => {
                 reduced.solve(&solve, &values, start, control)?
@@ -129,7 +129,8 @@ impl Prepared for PreparedProgram<'_> {
                 columns.zip(&values).for_each(|(j, &value)| fix(program, j, value));
                 program.constant = program.sign * model.objective_constant();
                 let lowered = Some(&self.lowered);
-                solve.run(&Known { lowered, start, ..Known::default() }, control)?
+                solve
+                    .run(&EarlierResults { lowered, start, ..EarlierResults::default() }, control)?
             }
         };
         answer(&solve, solved, given.as_ref())
@@ -141,7 +142,7 @@ impl ReducedProgram {
     fn of(
         options: &Options,
         model: &Model,
-        lowered: &Lowered,
+        lowered: &LoweredProgram,
         names: &[Name],
         parameters: &[Variable],
     ) -> Result<Reduction, Error> {
@@ -154,7 +155,7 @@ impl ReducedProgram {
             }
         }
         let presolved =
-            match presolve_around(&open, &given, &Rule::FAITHFUL, &StopToken::default())? {
+            match presolve_around(&open, &given, &PresolveRule::FAITHFUL, &StopToken::default())? {
                 Presolve::Infeasible => return Ok(Reduction::Infeasible),
                 Presolve::Stopped => return Ok(Reduction::Off),
                 Presolve::Presolved(presolved) => *presolved,
@@ -191,7 +192,7 @@ impl ReducedProgram {
         values: &[f64],
         given: Option<&Start>,
         control: &mut Control<'_>,
-    ) -> Result<Solved, Error> {
+    ) -> Result<SolveResult, Error> {
         let ReducedProgram { lowered, columns, integers, in_blocks, tightened, last } = self;
         for program in [&mut lowered.program, tightened.program.to_mut()] {
             columns.iter().zip(values).for_each(|(&j, &value)| fix(program, j, value));
@@ -199,15 +200,15 @@ impl ReducedProgram {
         }
         let given = given.map(|given| lowered.carry(&given.integers));
         let given = given.map(|integers| Start { integers, ..Start::default() });
-        let known = Known { lowered: Some(lowered), ..Known::default() };
+        let known = EarlierResults { lowered: Some(lowered), ..EarlierResults::default() };
         if *in_blocks {
-            return solve.run(&Known { start: given.as_ref(), ..known }, control);
+            return solve.run(&EarlierResults { start: given.as_ref(), ..known }, control);
         }
         let start = match given {
             Some(given) => Start { integers: given.integers, ..last.start() },
             None => last.start(),
         };
-        let known = Known {
+        let known = EarlierResults {
             is_presolved: true,
             tightened: last.expects_few_nodes().then_some(tightened),
             start: Some(&start),
@@ -238,7 +239,7 @@ fn is_in_blocks(program: &Program, parameters: &[usize]) -> Result<bool, Error> 
     for &j in parameters {
         program.upper[j] = program.lower[j];
     }
-    Ok(match presolve(&program, &[Rule::FixedColumns], &StopToken::default())? {
+    Ok(match presolve(&program, &[PresolveRule::FixedColumns], &StopToken::default())? {
         Presolve::Presolved(presolved) => {
             let blocks = blocks(&presolved.program);
             blocks.iter().filter(|block| !block.program.integers.is_empty()).count() > 1

@@ -1,10 +1,10 @@
 //! The second phase: the program becomes smaller.
 
-use super::lower::Lowered;
+use super::lower::LoweredProgram;
 use super::row_judge::RowJudge;
-use super::solve::{Known, Solve};
+use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
-use crate::presolve::root::{Presolve, Presolved, Rule};
+use crate::presolve::root::{Presolve, PresolveRule, Presolved};
 use crate::search::Start;
 
 /// Largest change of the objective of a point by presolve, relative to the terms (no unit): the point
@@ -12,7 +12,7 @@ use crate::search::Start;
 const OBJECTIVE_CHANGE: f64 = 1e-6;
 
 /// The rules by which the program of a solve is presolved.
-pub(super) fn rules(solve: &Solve<'_>, known: &Known<'_>) -> &'static [Rule] {
+pub(super) fn rules(solve: &Solve<'_>, known: &EarlierResults<'_>) -> &'static [PresolveRule] {
     let options = solve.options;
     // Pools and leaves are about all columns.
     if known.is_presolved || !options.reductions || options.pool > 1 || options.keep_leaves {
@@ -20,11 +20,11 @@ pub(super) fn rules(solve: &Solve<'_>, known: &Known<'_>) -> &'static [Rule] {
     }
     // Nothing that a start knows may be reduced away, and rows may come that speak of all points.
     let is_faithful = known.start.is_some() || solve.rows.is_some_and(RowJudge::expects_rows);
-    if is_faithful { &Rule::FAITHFUL } else { &Rule::ALL }
+    if is_faithful { &PresolveRule::FAITHFUL } else { &PresolveRule::ALL }
 }
 
 /// The result of the phase.
-pub(super) enum Outcome<'a> {
+pub(super) enum PresolveOutcome<'a> {
     Presolved(Presolution<'a>),
     Infeasible,
     /// A limit came first.
@@ -34,25 +34,25 @@ pub(super) enum Outcome<'a> {
 /// Presolves a program by some rules, unless that was done for all values of the parameters.
 pub(super) fn presolve<'a>(
     solve: &Solve<'_>,
-    known: &Known<'_>,
-    lowered: &'a Lowered,
-    rules: &[Rule],
-) -> Result<Outcome<'a>, Error> {
+    known: &EarlierResults<'_>,
+    lowered: &'a LoweredProgram,
+    rules: &[PresolveRule],
+) -> Result<PresolveOutcome<'a>, Error> {
     if known.is_presolved {
-        return Ok(Outcome::Presolved(Presolution { lowered, presolved: None }));
+        return Ok(PresolveOutcome::Presolved(Presolution { lowered, presolved: None }));
     }
     Ok(match crate::presolve::root::presolve(&lowered.program, rules, solve.token)? {
         Presolve::Presolved(presolved) => {
-            Outcome::Presolved(Presolution { lowered, presolved: Some(presolved) })
+            PresolveOutcome::Presolved(Presolution { lowered, presolved: Some(presolved) })
         }
-        Presolve::Infeasible => Outcome::Infeasible,
-        Presolve::Stopped => Outcome::Stopped,
+        Presolve::Infeasible => PresolveOutcome::Infeasible,
+        Presolve::Stopped => PresolveOutcome::Stopped,
     })
 }
 
 /// A presolved program, and the way back to the model.
 pub(super) struct Presolution<'a> {
-    pub(super) lowered: &'a Lowered,
+    pub(super) lowered: &'a LoweredProgram,
     /// `None` if the lowered program is presolved already.
     pub(super) presolved: Option<Box<Presolved>>,
 }

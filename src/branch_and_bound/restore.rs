@@ -2,9 +2,9 @@
 
 use super::multipliers::derivatives;
 use super::presolve::Presolution;
-use super::solve::{Known, Solve, Solved};
+use super::solve::{EarlierResults, Solve, SolveResult};
 use crate::error::Error;
-use crate::search::{Completion, Contradiction, Found};
+use crate::search::{Completion, Contradiction, SearchResult};
 use crate::solution::{Point, Termination};
 
 /// Least rounding of a bound that is charged, relative to the bound (no unit).
@@ -14,10 +14,10 @@ const LEAST_ROUNDING: f64 = 1e-10;
 /// have lost to rounding.
 pub(super) fn restore(
     solve: &Solve<'_>,
-    known: &Known<'_>,
+    known: &EarlierResults<'_>,
     presolved: &Presolution<'_>,
-    mut found: Found,
-) -> Result<Solved, Error> {
+    mut found: SearchResult,
+) -> Result<SolveResult, Error> {
     let point = found.points.first().cloned();
     let derivatives = point.as_ref().and_then(|values| {
         let own = presolved.presolved.as_ref()?;
@@ -45,12 +45,12 @@ pub(super) fn restore(
         other => other,
     };
     charge(solve, presolved.rounding(), &mut found)?;
-    Ok(Solved { found, derivatives, point })
+    Ok(SolveResult { found, derivatives, point })
 }
 
 /// Takes what presolve may have lost to rounding off the bound, where it can be seen at all; the gap
 /// asked for may not be met then.
-fn charge(solve: &Solve<'_>, rounding: f64, found: &mut Found) -> Result<(), Error> {
+fn charge(solve: &Solve<'_>, rounding: f64, found: &mut SearchResult) -> Result<(), Error> {
     if !found.bound.is_finite() || rounding <= LEAST_ROUNDING * found.bound.abs().max(1.0) {
         return Ok(());
     }

@@ -14,11 +14,11 @@ use super::mip_start::GivenStart;
 use super::refusals::Refusals;
 use super::row_judge::RowJudge;
 use super::rows::{CUT, LAZY, add_new, is_violated, with_rows};
-use super::solve::{Known, Solve, Solved};
+use super::solve::{EarlierResults, Solve, SolveResult};
 use crate::error::Error;
 use crate::model::{Model, StoredRow};
 use crate::relaxation::LadderPool;
-use crate::search::{Completion, Found, Start};
+use crate::search::{Completion, SearchResult, Start};
 use crate::solution::{Point, Solution, Statistics, Termination};
 use crate::solver::{Control, Options, PoolMode, Progress, StopToken};
 
@@ -43,7 +43,7 @@ pub(super) fn solve_in_rounds(
 ) -> Result<Solution, Error> {
     let token = StopToken::new(options.time_limit, control.interrupt());
     let given = control.start().map(|given| GivenStart::new(model, given));
-    let mut rounds = Rounds {
+    let mut rounds = RowRounds {
         model,
         options,
         token: &token,
@@ -60,7 +60,7 @@ pub(super) fn solve_in_rounds(
         told: Told::nothing(model.sense().sign()),
     };
     let mut solved = rounds.run(control)?;
-    let Rounds { ladders, refusals, given, completion, .. } = &mut rounds;
+    let RowRounds { ladders, refusals, given, completion, .. } = &mut rounds;
     solved.found.completion = completion.take();
     let (ladders, token) = (&*ladders, &token);
     let solve = Solve { model, options, token, ladders, refusals, rows: None };
@@ -68,7 +68,7 @@ pub(super) fn solve_in_rounds(
 }
 
 /// The state of the rounds of a solve.
-pub(super) struct Rounds<'a> {
+pub(super) struct RowRounds<'a> {
     model: &'a Model,
     pub(super) options: &'a Options,
     pub(super) token: &'a StopToken,
@@ -92,14 +92,14 @@ pub(super) struct Rounds<'a> {
 
 /// A round.
 struct Round {
-    solved: Solved,
+    solved: SolveResult,
     /// Number of lazy constraints that it has found.
     new: usize,
 }
 
-impl Rounds<'_> {
+impl RowRounds<'_> {
     /// Rounds until one finds nothing more, or a limit is reached.
-    fn run(&mut self, control: &mut Control<'_>) -> Result<Solved, Error> {
+    fn run(&mut self, control: &mut Control<'_>) -> Result<SolveResult, Error> {
         if control.user_cuts().is_some() {
             // Points that are found without cuts tell of wrong ones.
             let limit = self.left().unwrap_or(u64::MAX).min(FIRST_NODES);
@@ -130,7 +130,7 @@ impl Rounds<'_> {
                 return Ok(self.conclude(round));
             }
             if let Some(reason) = self.limit() {
-                let solved = Solved::without_point(Found::stopped(reason));
+                let solved = SolveResult::without_point(SearchResult::stopped(reason));
                 return Ok(self.conclude(Round { solved, new: 0 }));
             }
         }
@@ -160,7 +160,7 @@ impl Rounds<'_> {
         let rows = RowJudge::new(&judged, source, self.lazy.len(), &self.cuts, options, token);
         let own = self.start();
         let given = self.given.as_ref().map(|given| &given.start);
-        let known = &Known { start: own.as_ref().or(given), ..Known::default() };
+        let known = &EarlierResults { start: own.as_ref().or(given), ..EarlierResults::default() };
         let (ladders, refusals) = (&self.ladders, &self.refusals);
         let solve = Solve { model, options, token, ladders, refusals, rows: Some(&rows) };
         let mut solved = self.watched(control, |control| solve.run(known, control))?;
@@ -183,7 +183,7 @@ impl Rounds<'_> {
     }
 
     /// Keeps the points that satisfy all rows.
-    fn take_in(&mut self, found: &mut Found) -> Result<(), Error> {
+    fn take_in(&mut self, found: &mut SearchResult) -> Result<(), Error> {
         let (model, feasibility) = (self.model, self.options.feasibility);
         let satisfies = |lazy: &[StoredRow], point: &Point| {
             !lazy.iter().any(|row| is_violated(model, row, point, feasibility))
@@ -216,7 +216,7 @@ impl Rounds<'_> {
 
     /// Whether no further round is needed.
     fn is_last(&self, round: &Round) -> bool {
-        let Round { solved: Solved { found, .. }, new } = round;
+        let Round { solved: SolveResult { found, .. }, new } = round;
         let wants_pool = self.options.pool > 1 && self.options.pool_mode == PoolMode::Best;
         match found.termination {
             Termination::Optimal if *new > 0 => {
@@ -235,7 +235,11 @@ impl Rounds<'_> {
     }
 
     /// Searches as much again without cuts, where these leave no point.
-    fn without_cuts(&mut self, round: Round, control: &mut Control<'_>) -> Result<Solved, Error> {
+    fn without_cuts(
+        &mut self,
+        round: Round,
+        control: &mut Control<'_>,
+    ) -> Result<SolveResult, Error> {
         let most = DOUBT_NODES.max(DOUBT_FACTOR * self.statistics.nodes);
         let limit = self.left().map_or(most, |left| left.min(most));
         let plain = with_rows(self.model, LAZY, &self.lazy)?;
@@ -268,8 +272,8 @@ impl Rounds<'_> {
     }
 
     /// The answer.
-    fn conclude(&mut self, round: Round) -> Solved {
-        let Solved { mut found, derivatives, .. } = round.solved;
+    fn conclude(&mut self, round: Round) -> SolveResult {
+        let SolveResult { mut found, derivatives, .. } = round.solved;
         if let Some((value, values)) = &self.best {
             if found.points.first() != Some(values) {
                 found.points.retain(|point| point != values);
@@ -289,7 +293,7 @@ impl Rounds<'_> {
             found.bound = self.bound;
         }
         found.statistics = self.statistics;
-        Solved { found, derivatives, point: None }
+        SolveResult { found, derivatives, point: None }
     }
 
     /// Runs a search whose events and points the user sees as those of one solve.

@@ -1,16 +1,20 @@
 //! The phase of the tree, and the order of the phases around it.
 
 use super::alternation::{alternates, search_in_turns};
-use super::cut::{Cut, cut};
-use super::solve::Known;
-use super::start::Begun;
+use super::cut::{CutOutcome, cut};
+use super::solve::EarlierResults;
+use super::start::PreliminaryResult;
 use super::tighten::Tightened;
-use crate::search::{Found, Task, search, search_unstrengthened};
+use crate::search::{SearchResult, SolveTask, search, search_unstrengthened};
 use crate::solver::Control;
 
 /// Solves the program of a task: looks for a point to begin with, and searches.
-pub(super) fn search_task(task: Task<'_>, known: &Known<'_>, control: &mut Control<'_>) -> Found {
-    let mut begun = Begun::new(task, known.start);
+pub(super) fn search_task(
+    task: SolveTask<'_>,
+    known: &EarlierResults<'_>,
+    control: &mut Control<'_>,
+) -> SearchResult {
+    let mut begun = PreliminaryResult::new(task, known.start);
     if let Some(begun) = begun.take_if(|begun| begun.suffices(task)) {
         return begun.into_answer(task, control);
     }
@@ -18,7 +22,7 @@ pub(super) fn search_task(task: Task<'_>, known: &Known<'_>, control: &mut Contr
         Some(begun) => begun.start(known.start),
         None => known.start.cloned(),
     };
-    let known = Known { start: start.as_ref(), ..*known };
+    let known = EarlierResults { start: start.as_ref(), ..*known };
     let mut found = if alternates(task) {
         search_in_turns(task, &known, control)
     } else {
@@ -31,18 +35,22 @@ pub(super) fn search_task(task: Task<'_>, known: &Known<'_>, control: &mut Contr
 }
 
 /// Tightens the program of a task, cuts it and searches its tree.
-pub(super) fn search_once(task: Task<'_>, known: &Known<'_>, control: &mut Control<'_>) -> Found {
-    let Task { program: exact, options, token, .. } = task;
+pub(super) fn search_once(
+    task: SolveTask<'_>,
+    known: &EarlierResults<'_>,
+    control: &mut Control<'_>,
+) -> SearchResult {
+    let SolveTask { program: exact, options, token, .. } = task;
     let tightened = match known.tightened {
         Some(tightened) => tightened.within_bounds(task),
         None => Tightened::new(exact, options, token),
     };
     let Tightened { program, mut root } = tightened;
-    let task = Task { program: &program, exact: Some(exact), ..task };
+    let task = SolveTask { program: &program, exact: Some(exact), ..task };
     let cuts = options.cuts && !options.keep_leaves && !known.skips_cuts;
-    let cut = if cuts { cut(task, &mut root, known.start) } else { Cut::default() };
+    let cut = if cuts { cut(task, &mut root, known.start) } else { CutOutcome::default() };
     let program = cut.program.as_ref().unwrap_or(task.program);
-    let task = Task { program, root: Some(&root), ..task };
+    let task = SolveTask { program, root: Some(&root), ..task };
     let mut found = search(task, control, cut.start(known.start).as_ref());
     if let Some(what) = found.contradiction {
         debug_assert!(false, "a strengthened program is wrong: {what:?}");

@@ -1,13 +1,13 @@
 //! The input and the output of a solve.
 
-use super::lower::Lowered;
+use super::lower::LoweredProgram;
 use super::multipliers::Derivatives;
 use super::refusals::Refusals;
 use super::row_judge::RowJudge;
 use super::tighten::Tightened;
 use crate::model::Model;
 use crate::relaxation::LadderPool;
-use crate::search::{Found, Start};
+use crate::search::{SearchResult, Start};
 use crate::solver::{Options, StopToken};
 
 /// The model of a solve, and what is needed to solve it.
@@ -24,9 +24,9 @@ pub(super) struct Solve<'a> {
 
 /// The results of earlier phases and solves, from which a solve can go on.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Known<'a> {
+pub(super) struct EarlierResults<'a> {
     /// The lowered program, with the values of the parameters.
-    pub(super) lowered: Option<&'a Lowered>,
+    pub(super) lowered: Option<&'a LoweredProgram>,
     /// Whether that program is presolved.
     pub(super) is_presolved: bool,
     /// The tightened program and its root, for bounds that contain those of the program.
@@ -38,18 +38,18 @@ pub(super) struct Known<'a> {
 }
 
 /// The result of a solve.
-pub(super) struct Solved {
+pub(super) struct SolveResult {
     /// The result of the search; its points are values of the model's variables.
-    pub(super) found: Found,
+    pub(super) found: SearchResult,
     /// Multipliers of the lowered model, if it has no integers.
     pub(super) derivatives: Option<Derivatives>,
     /// The best point in columns of the presolved program.
     pub(super) point: Option<Vec<f64>>,
 }
 
-impl Solved {
+impl SolveResult {
     /// A result without a point.
-    pub(super) fn without_point(found: Found) -> Self {
-        Solved { found, derivatives: None, point: None }
+    pub(super) fn without_point(found: SearchResult) -> Self {
+        SolveResult { found, derivatives: None, point: None }
     }
 }

@@ -4,7 +4,7 @@
 //! time gets a point that needs no relaxation, in case that the limit comes before the first relaxation
 //! is solved.
 
-use crate::search::{Found, Start, StartPoint, Task, complete, first_point};
+use crate::search::{SearchResult, SolveTask, Start, StartPoint, complete, first_point};
 use crate::solution::{Heuristic, Termination};
 use crate::solver::{Control, Event, Incumbent, Progress};
 
@@ -15,23 +15,23 @@ const LARGE_ENTRIES: usize = 10_000;
 const TIME_SHARE: f64 = 0.25;
 
 /// A point that was looked for before the search, and what else was found.
-pub(super) struct Begun {
-    found: Found,
+pub(super) struct PreliminaryResult {
+    found: SearchResult,
     /// Whether the search begins with the point; else the point only serves where the search has none.
     is_start: bool,
 }
 
-impl Begun {
+impl PreliminaryResult {
     /// Looks for a point; `None` if there is no reason to.
-    pub(super) fn new(task: Task<'_>, start: Option<&Start>) -> Option<Begun> {
+    pub(super) fn new(task: SolveTask<'_>, start: Option<&Start>) -> Option<PreliminaryResult> {
         match start {
             Some(start) if is_completed(task, start) => {
-                Some(Begun { found: complete(task, start), is_start: true })
+                Some(PreliminaryResult { found: complete(task, start), is_start: true })
             }
             Some(Start { point: Some(_), .. }) => None,
             _ => {
                 let found = first_point_of_large(task)?;
-                (!found.points.is_empty()).then_some(Begun { found, is_start: false })
+                (!found.points.is_empty()).then_some(PreliminaryResult { found, is_start: false })
             }
         }
     }
@@ -46,22 +46,31 @@ impl Begun {
     }
 
     /// Whether no search is needed, because there is a point and any point will do.
-    pub(super) fn suffices(&self, task: Task<'_>) -> bool {
-        let Task { program, options, .. } = task;
+    pub(super) fn suffices(&self, task: SolveTask<'_>) -> bool {
+        let SolveTask { program, options, .. } = task;
         let any_point = program.is_feasibility_problem() && options.pool == 1;
         any_point && !options.keep_leaves && !self.found.points.is_empty()
     }
 
     /// Becomes the answer without a search.
-    pub(super) fn into_answer(self, task: Task<'_>, control: &mut Control<'_>) -> Found {
+    pub(super) fn into_answer(
+        self,
+        task: SolveTask<'_>,
+        control: &mut Control<'_>,
+    ) -> SearchResult {
         report(task, &self.found, control);
         let bound = task.program.offset;
-        Found { termination: Termination::Optimal, bound, ..self.found }
+        SearchResult { termination: Termination::Optimal, bound, ..self.found }
     }
 
     /// Adds what is known to the result of the search that has begun with it.
-    pub(super) fn add_to(self, task: Task<'_>, found: &mut Found, control: &mut Control<'_>) {
-        let Begun { found: begun, is_start } = self;
+    pub(super) fn add_to(
+        self,
+        task: SolveTask<'_>,
+        found: &mut SearchResult,
+        control: &mut Control<'_>,
+    ) {
+        let PreliminaryResult { found: begun, is_start } = self;
         let mut counts = begun.statistics;
         if found.points.is_empty() && found.termination != Termination::Infeasible {
             report(task, &begun, control);
@@ -81,11 +90,11 @@ impl Begun {
 
 /// Whether the integers of a start are completed before the search. A solve of a prepared model that may
 /// be stopped looks for a point even where the last solve has left none.
-fn is_completed(task: Task<'_>, start: &Start) -> bool {
+fn is_completed(task: SolveTask<'_>, start: &Start) -> bool {
     !start.integers.is_empty() || (start.proofs.is_some() && task.options.may_stop())
 }
 
-fn first_point_of_large(task: Task<'_>) -> Option<Found> {
+fn first_point_of_large(task: SolveTask<'_>) -> Option<SearchResult> {
     let (program, options) = (task.program, task.options);
     let left = task.token.left()?;
     let entries: usize = (0..program.row_count()).map(|row| program.row(row).0.len()).sum();
@@ -93,17 +102,17 @@ fn first_point_of_large(task: Task<'_>) -> Option<Found> {
         return None;
     }
     let token = &task.token.child(Some(left.mul_f64(TIME_SHARE)));
-    Some(first_point(Task { token, ..task }))
+    Some(first_point(SolveTask { token, ..task }))
 }
 
 /// The best point of a search, as the start of another one.
-pub(super) fn start_point(found: &Found, otherwise: Heuristic) -> Option<StartPoint> {
+pub(super) fn start_point(found: &SearchResult, otherwise: Heuristic) -> Option<StartPoint> {
     let values = found.points.first()?.clone();
     Some(StartPoint { values, found_by: found.found_by.unwrap_or(otherwise) })
 }
 
 /// Reports a point that was found before the search, once it is the best one.
-fn report(task: Task<'_>, found: &Found, control: &mut Control<'_>) {
+fn report(task: SolveTask<'_>, found: &SearchResult, control: &mut Control<'_>) {
     let Some(values) = found.points.first().filter(|_| control.is_watched()) else { return };
     let program = task.program;
     let Some(point) = task.judge.point(values) else { return };

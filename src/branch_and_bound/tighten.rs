@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::presolve::{tighten_big_ms, tighten_by_disjunctions};
 use crate::program::Program;
-use crate::search::{Root, Task};
+use crate::search::{Root, SolveTask};
 use crate::solver::{Options, StopToken};
 
 /// A program with smaller big-Ms, and its root.
@@ -24,7 +24,7 @@ impl<'a> Tightened<'a> {
     }
 
     /// The program, whose bounds may have become tighter, and its root for these bounds.
-    pub(super) fn within_bounds(&self, task: Task<'_>) -> Tightened<'_> {
+    pub(super) fn within_bounds(&self, task: SolveTask<'_>) -> Tightened<'_> {
         let program = &*self.program;
         let root = self.root.within(program, task.token, task.options.probing);
         Tightened { program: Cow::Borrowed(program), root }

@@ -1,12 +1,12 @@
 //! Cuts by the user: rows that tighten the root.
 
 use super::refusals::Refusals;
-use super::row_rounds::Rounds;
+use super::row_rounds::RowRounds;
 use super::rows::{CUT, is_violated, row_name, with_rows, wrong_cut};
-use super::solve::{Known, Solve};
+use super::solve::{EarlierResults, Solve};
 use crate::error::Error;
 use crate::model::Model;
-use crate::search::Found;
+use crate::search::SearchResult;
 use crate::solution::{Point, Termination};
 use crate::solver::{Control, Options, RowSource};
 
@@ -17,7 +17,7 @@ const MOST_PASSES: usize = 200;
 const LEAST_LIFT: f64 = 1e-4;
 const MOST_IDLE: usize = 5;
 
-impl Rounds<'_> {
+impl RowRounds<'_> {
     /// Relaxes the root of a model, shows it, and adds the cuts that are returned and violated, until
     /// there are none. Every cut is compared with points that are known.
     pub(super) fn separate(&mut self, model: &Model, source: &RowSource<'_>) -> Result<(), Error> {
@@ -56,10 +56,10 @@ impl Rounds<'_> {
     }
 
     /// Solves a model without integers.
-    fn relax(&self, model: &Model) -> Result<Found, Error> {
+    fn relax(&self, model: &Model) -> Result<SearchResult, Error> {
         let options = &Options { node_limit: None, ..self.options.nested() };
         let (token, ladders, refusals) = (self.token, &self.ladders, &Refusals::default());
         let solve = Solve { model, options, token, ladders, refusals, rows: None };
-        Ok(solve.run(&Known::default(), &mut Control::default())?.found)
+        Ok(solve.run(&EarlierResults::default(), &mut Control::default())?.found)
     }
 }

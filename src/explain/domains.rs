@@ -12,7 +12,7 @@ use crate::model::{Model, Name, VariableKind, subset};
 use crate::presolve::{Domain, Propagator};
 use crate::program::Program;
 use crate::reformulate;
-use crate::relaxation::{Ladder, Purpose, Question, Verdict};
+use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict};
 use crate::solver::Options;
 
 /// Limit on propagations; variables that are not reached count as used.
@@ -121,7 +121,7 @@ impl DomainReduction<'_> {
         }
         self.relaxations -= 1;
         let Some(reduced) = self.ladder.reducer().reduce(self.program, domain) else { return true };
-        let question = Question {
+        let question = RelaxationQuestion {
             purpose: Purpose::Node,
             cutoff: f64::INFINITY,
             options: &self.options,
@@ -130,6 +130,6 @@ impl DomainReduction<'_> {
             token: oracle.token(),
             warm: None,
         };
-        matches!(self.ladder.solve(&reduced, &question), Verdict::Refuted(_))
+        matches!(self.ladder.solve(&reduced, &question), RelaxationVerdict::Refuted(_))
     }
 }

@@ -24,7 +24,7 @@ pub struct Files {
 
 /// The claim of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Claim {
+pub enum SolverClaim {
     /// The values are optimal within the gap that was asked for.
     Optimal,
     /// There is no feasible point.
@@ -43,7 +43,7 @@ pub enum Claim {
 #[non_exhaustive]
 pub struct ExternalAnswer {
     /// The claim.
-    pub claim: Claim,
+    pub claim: SolverClaim,
     /// Values by column name; columns that are not listed are 0.
     pub values: Option<Vec<(String, f64)>>,
     /// The objective at the values.
@@ -56,7 +56,7 @@ pub struct ExternalAnswer {
 
 impl ExternalAnswer {
     /// An answer that consists only of a claim.
-    pub fn new(claim: Claim) -> Self {
+    pub fn new(claim: SolverClaim) -> Self {
         ExternalAnswer { claim, values: None, objective: None, bound: None, nodes: None }
     }
 }

@@ -29,7 +29,7 @@ mod process;
 mod programs;
 mod translate;
 
-pub use dialect::{Claim, Dialect, ExternalAnswer, Files};
+pub use dialect::{Dialect, ExternalAnswer, Files, SolverClaim};
 pub use programs::{Cbc, Glpk, Highs, Scip};
 
 use crate::branch_and_bound::BranchAndBound;
@@ -138,15 +138,15 @@ impl Solver for ExternalSolver {
             run.answer(text)
         };
         let (mut answer, mut stopped) = ask(&translated.text)?;
-        if answer.claim == Claim::Unbounded && stopped.is_none() {
+        if answer.claim == SolverClaim::Unbounded && stopped.is_none() {
             // It may have found only an unbounded direction and no feasible point.
             let mut any = lowered.model().clone();
             any.minimize(0.0)?;
             if let Some(any) = translate::translate(&any)? {
                 (answer, stopped) = ask(&any.text)?;
                 (answer.objective, answer.bound) = (None, None);
-                if answer.claim == Claim::Optimal {
-                    answer.claim = Claim::Unbounded;
+                if answer.claim == SolverClaim::Optimal {
+                    answer.claim = SolverClaim::Unbounded;
                 }
             }
         }
@@ -239,16 +239,18 @@ fn judged(
     let bound = |value: f64| translated.sign * (value + translated.offset);
     let claimed = answer.bound.map_or(nothing, bound);
     match (answer.claim, answer.objective) {
-        (Claim::Optimal, Some(objective)) => {
+        (SolverClaim::Optimal, Some(objective)) => {
             // A program that reports no bound has proved its objective up to the gap.
             let gap = options.relative_gap * objective.abs();
             let proved = objective - gap.max(options.absolute_gap);
             let proved = answer.bound.map_or(proved, |bound| bound.min(objective));
             (Termination::Optimal, bound(proved))
         }
-        (Claim::Infeasible, _) => (Termination::Infeasible, -nothing),
-        (Claim::Unbounded, _) => (Termination::Unbounded, nothing),
-        (Claim::Limit(reason), _) => (stopped.unwrap_or(reason), claimed),
-        (Claim::Optimal | Claim::Unknown, _) => (stopped.unwrap_or(Termination::Stalled), claimed),
+        (SolverClaim::Infeasible, _) => (Termination::Infeasible, -nothing),
+        (SolverClaim::Unbounded, _) => (Termination::Unbounded, nothing),
+        (SolverClaim::Limit(reason), _) => (stopped.unwrap_or(reason), claimed),
+        (SolverClaim::Optimal | SolverClaim::Unknown, _) => {
+            (stopped.unwrap_or(Termination::Stalled), claimed)
+        }
     }
 }

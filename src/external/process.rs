@@ -9,7 +9,7 @@ use std::thread;
 use tempfile::TempDir;
 use web_time::{Duration, Instant};
 
-use super::dialect::{Claim, Dialect, ExternalAnswer, Files};
+use super::dialect::{Dialect, ExternalAnswer, Files, SolverClaim};
 use crate::error::{Error, ErrorKind};
 use crate::solution::Termination;
 use crate::solver::{Options, StopToken};
@@ -41,7 +41,7 @@ impl ProgramRun<'_> {
     ) -> Result<(ExternalAnswer, Option<Termination>), Error> {
         let time_left = self.token.left();
         if let Some(reason) = self.token.ended() {
-            return Ok((ExternalAnswer::new(Claim::Unknown), Some(reason)));
+            return Ok((ExternalAnswer::new(SolverClaim::Unknown), Some(reason)));
         }
         let folder = private_folder()
             .map_err(|e| self.refused("no temporary folder can be made for", FOLDER_HELP, e))?;
@@ -81,7 +81,7 @@ impl ProgramRun<'_> {
         let (printed, solution) = (read(&log)?.unwrap_or_default(), read(&files.solution)?);
         match self.dialect.read(solution.as_deref(), &printed) {
             Ok(answer) => Ok((answer, stopped)),
-            Err(_) if stopped.is_some() => Ok((ExternalAnswer::new(Claim::Unknown), stopped)),
+            Err(_) if stopped.is_some() => Ok((ExternalAnswer::new(SolverClaim::Unknown), stopped)),
             Err(what) => {
                 let last: Vec<&str> = printed.lines().rev().take(3).collect();
                 let last: Vec<&str> = last.into_iter().rev().collect();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use web_time::Duration;
 
-use super::dialect::{Claim, Dialect, ExternalAnswer, Files};
+use super::dialect::{Dialect, ExternalAnswer, Files, SolverClaim};
 use crate::solution::Termination;
 use crate::solver::Options;
 
@@ -57,23 +57,23 @@ impl Dialect for Cbc {
         let first = lines.next().ok_or("its solution is empty")?;
         let lower = first.to_lowercase();
         let claim = if lower.starts_with("optimal") {
-            Claim::Optimal
+            SolverClaim::Optimal
         } else if lower.contains("infeasible") {
-            Claim::Infeasible
+            SolverClaim::Infeasible
         } else if lower.contains("unbounded") {
-            Claim::Unbounded
+            SolverClaim::Unbounded
         } else if lower.contains("stopped on time") {
-            Claim::Limit(Termination::TimeLimit)
+            SolverClaim::Limit(Termination::TimeLimit)
         } else if lower.contains("stopped on nodes") || lower.contains("stopped on iterations") {
-            Claim::Limit(Termination::NodeLimit)
+            SolverClaim::Limit(Termination::NodeLimit)
         } else {
-            Claim::Unknown
+            SolverClaim::Unknown
         };
         let mut answer = ExternalAnswer::new(claim);
         answer.bound = labelled(printed, "Lower bound:");
         answer.nodes = labelled(printed, "Enumerated nodes:").map(|nodes| nodes as u64);
         let no_point = lower.contains("no integer solution");
-        if matches!(claim, Claim::Optimal | Claim::Limit(_)) && !no_point {
+        if matches!(claim, SolverClaim::Optimal | SolverClaim::Limit(_)) && !no_point {
             answer.objective = number(first.split_whitespace().last());
             // `** 3 c2 1.5 0`: position, name, value, reduced cost; stars mark missed rows.
             let value = |line: &str| {
@@ -108,7 +108,7 @@ impl Dialect for Glpk {
 
     fn read(&self, solution: Option<&str>, printed: &str) -> Result<ExternalAnswer, String> {
         let solution = solution.ok_or("it wrote no solution")?;
-        let mut answer = ExternalAnswer::new(Claim::Unknown);
+        let mut answer = ExternalAnswer::new(SolverClaim::Unknown);
         let mut values = Vec::new();
         for line in solution.lines() {
             let words: Vec<&str> = line.split_whitespace().collect();
@@ -117,21 +117,21 @@ impl Dialect for Glpk {
                 // without integers `s bas rows columns primal dual value`.
                 ["s", "mip", _, _, status, value] => {
                     answer.claim = match status {
-                        "o" => Claim::Optimal,
-                        "n" => Claim::Infeasible,
-                        _ => Claim::Unknown,
+                        "o" => SolverClaim::Optimal,
+                        "n" => SolverClaim::Infeasible,
+                        _ => SolverClaim::Unknown,
                     };
                     let found = matches!(status, "o" | "f");
                     answer.objective = number(Some(value)).filter(|_| found);
                 }
                 ["s", "bas", _, _, primal, dual, value] => {
                     answer.claim = match (primal, dual) {
-                        ("f", "f") => Claim::Optimal,
-                        ("n", _) => Claim::Infeasible,
-                        (_, "n") => Claim::Unbounded,
-                        _ => Claim::Unknown,
+                        ("f", "f") => SolverClaim::Optimal,
+                        ("n", _) => SolverClaim::Infeasible,
+                        (_, "n") => SolverClaim::Unbounded,
+                        _ => SolverClaim::Unknown,
                     };
-                    let found = answer.claim == Claim::Optimal;
+                    let found = answer.claim == SolverClaim::Optimal;
                     answer.objective = number(Some(value)).filter(|_| found);
                 }
                 ["j", column, value] | ["j", column, _, value, _] => {
@@ -144,14 +144,14 @@ impl Dialect for Glpk {
             }
         }
         let says = |text: &str| printed.contains(text);
-        if answer.claim == Claim::Unknown {
+        if answer.claim == SolverClaim::Unknown {
             if says("TIME LIMIT EXCEEDED") {
-                answer.claim = Claim::Limit(Termination::TimeLimit);
+                answer.claim = SolverClaim::Limit(Termination::TimeLimit);
             } else if says("HAS NO PRIMAL FEASIBLE SOLUTION") {
-                answer.claim = Claim::Infeasible;
+                answer.claim = SolverClaim::Infeasible;
             } else if says("HAS UNBOUNDED PRIMAL SOLUTION") || says("HAS NO DUAL FEASIBLE SOLUTION")
             {
-                answer.claim = Claim::Unbounded;
+                answer.claim = SolverClaim::Unbounded;
             }
         }
         answer.values = answer.objective.is_some().then_some(values);
@@ -192,18 +192,18 @@ impl Dialect for Highs {
         let status = lines.by_ref().skip_while(|line| !line.starts_with("Model status")).nth(1);
         let status = status.ok_or("its solution names no status")?.trim();
         let mut answer = ExternalAnswer::new(match status {
-            "Optimal" => Claim::Optimal,
-            "Infeasible" => Claim::Infeasible,
+            "Optimal" => SolverClaim::Optimal,
+            "Infeasible" => SolverClaim::Infeasible,
             // A second run without the objective tells which.
-            "Unbounded" | "Primal infeasible or unbounded" => Claim::Unbounded,
-            "Time limit reached" => Claim::Limit(Termination::TimeLimit),
-            "Solution limit reached" => Claim::Limit(Termination::NodeLimit),
-            _ => Claim::Unknown,
+            "Unbounded" | "Primal infeasible or unbounded" => SolverClaim::Unbounded,
+            "Time limit reached" => SolverClaim::Limit(Termination::TimeLimit),
+            "Solution limit reached" => SolverClaim::Limit(Termination::NodeLimit),
+            _ => SolverClaim::Unknown,
         });
         if status == "Empty" {
             // Neither columns nor rows.
             (answer.claim, answer.objective, answer.values) =
-                (Claim::Optimal, Some(0.0), Some(Vec::new()));
+                (SolverClaim::Optimal, Some(0.0), Some(Vec::new()));
             return Ok(answer);
         }
         answer.bound = labelled(printed, "Dual bound");
@@ -263,18 +263,18 @@ impl Dialect for Scip {
         let says = |text: &str| status.contains(text);
         let mut answer =
             ExternalAnswer::new(if says("[optimal solution found]") || says("[gap limit") {
-                Claim::Optimal
+                SolverClaim::Optimal
             } else if says("[infeasible]") {
-                Claim::Infeasible
+                SolverClaim::Infeasible
             } else if says("[unbounded]") || says("[infeasible or unbounded]") {
                 // A second run without the objective tells which.
-                Claim::Unbounded
+                SolverClaim::Unbounded
             } else if says("[time limit reached]") {
-                Claim::Limit(Termination::TimeLimit)
+                SolverClaim::Limit(Termination::TimeLimit)
             } else if says("[node limit reached]") || says("[total node limit reached]") {
-                Claim::Limit(Termination::NodeLimit)
+                SolverClaim::Limit(Termination::NodeLimit)
             } else {
-                Claim::Unknown
+                SolverClaim::Unknown
             });
         answer.bound = labelled(printed, "Dual Bound");
         answer.nodes = labelled(printed, "Solving Nodes").map(|nodes| nodes as u64);

@@ -11,7 +11,7 @@ use super::name::Name;
 use super::reformulation::Method;
 use super::refs::DisjunctionRef;
 use super::row::Row;
-use super::statement::{Sealed, Statement, stored};
+use super::statement::{SealedStatement, Statement, stored};
 use super::store::Model;
 use super::stored::StoredTerm;
 use super::variable::VariableKind;
@@ -173,7 +173,7 @@ pub struct Selected {
     pub selectors: Vec<Literal>,
 }
 
-impl Sealed for Either {}
+impl SealedStatement for Either {}
 impl Statement for Either {
     type Handle = Selected;
 

@@ -11,14 +11,14 @@ use super::logic::Logic;
 use super::name::Name;
 use super::reformulation::BigM;
 use super::row::Row;
-use super::statement::{Sealed, Statement, stored};
+use super::statement::{SealedStatement, Statement, stored};
 use super::store::{IndicatorData, Model, StatementKind};
 use super::stored::StoredRow;
 use crate::error::{Error, ErrorKind};
 use crate::tolerance;
 
 /// The consequence of a condition: a [`Row`] or logic. Sealed.
-pub trait Consequent: sealed::Sealed {
+pub trait Consequent: sealed::SealedConsequent {
     /// The type of the implication: [`Implication`] or [`Logic`].
     type Output;
 
@@ -29,11 +29,11 @@ pub trait Consequent: sealed::Sealed {
 mod sealed {
     use super::{Literal, Logic, Row, Variable};
 
-    pub trait Sealed {}
-    impl Sealed for Row {}
-    impl Sealed for Logic {}
-    impl Sealed for Literal {}
-    impl Sealed for Variable {}
+    pub trait SealedConsequent {}
+    impl SealedConsequent for Row {}
+    impl SealedConsequent for Logic {}
+    impl SealedConsequent for Literal {}
+    impl SealedConsequent for Variable {}
 }
 
 impl Consequent for Row {
@@ -104,7 +104,7 @@ pub struct Reified {
     pub above: Option<Variable>,
 }
 
-impl Sealed for Implication {}
+impl SealedStatement for Implication {}
 impl Statement for Implication {
     type Handle = Indicator;
 
@@ -114,7 +114,7 @@ impl Statement for Implication {
     }
 }
 
-impl Sealed for Implications {}
+impl SealedStatement for Implications {}
 impl Statement for Implications {
     type Handle = Vec<Indicator>;
 
@@ -135,7 +135,7 @@ impl Statement for Implications {
     }
 }
 
-impl Sealed for Reification {}
+impl SealedStatement for Reification {}
 impl Statement for Reification {
     type Handle = Reified;
 

@@ -10,11 +10,11 @@ use super::name::Name;
 /// Positions by name; the values are small and `Copy`.
 #[derive(Debug, Clone)]
 pub struct NameTable<T> {
-    families: HashMap<String, Members<T>>,
+    families: HashMap<String, FamilyMembers<T>>,
 }
 
 #[derive(Debug, Clone)]
-struct Members<T> {
+struct FamilyMembers<T> {
     /// The name without a step.
     plain: Option<T>,
     /// Steps 0, 1, 2, ... as far as they came in order.
@@ -50,7 +50,7 @@ impl<T: Copy> NameTable<T> {
     /// Gives a name a value. Returns `false` and changes nothing if it has one already.
     pub fn claim(&mut self, name: &Name, value: T) -> bool {
         if !self.families.contains_key(name.family()) {
-            let none = Members { plain: None, dense: Vec::new(), sparse: BTreeMap::new() };
+            let none = FamilyMembers { plain: None, dense: Vec::new(), sparse: BTreeMap::new() };
             self.families.insert(name.family().to_owned(), none);
         }
         let Some(members) = self.families.get_mut(name.family()) else { return false };

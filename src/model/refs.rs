@@ -9,8 +9,8 @@ use super::logic::Logic;
 use super::name::Name;
 use super::reformulation::{BigM, Method};
 use super::store::{
-    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, SosData, Values,
-    VariableData,
+    ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, SemicontinuousRange,
+    SosData, VariableData,
 };
 use super::stored::StoredTerm;
 use super::variable::VariableKind;
@@ -63,7 +63,9 @@ impl<'a> VariableRef<'a> {
     /// For a semi-continuous variable: the values that it may take besides 0, in its unit. They may
     /// reach beyond [`bounds`](Self::bounds), which hold as well.
     pub fn semicontinuous(&self) -> Option<Interval> {
-        self.data.semicontinuous.map(|Values { lower, upper }| Interval::new(lower, upper))
+        self.data
+            .semicontinuous
+            .map(|SemicontinuousRange { lower, upper }| Interval::new(lower, upper))
     }
 
     /// For a parameter: the declared range of its values, in its unit.

@@ -9,7 +9,7 @@ use super::Model;
 use super::checks::bounds;
 use super::ids::Variable;
 use super::name::Name;
-use super::store::Values;
+use super::store::SemicontinuousRange;
 use super::variable::VariableKind;
 use crate::error::Error;
 #[cfg(doc)]
@@ -76,7 +76,8 @@ impl Model {
         let (lower, upper) = bounds(lower, upper, &name)?;
         let hull = with_zero(Interval::new(lower, upper));
         let variable = self.variable(name, kind, hull.lower, hull.upper)?;
-        self.stored.variables[variable.index()].semicontinuous = Some(Values { lower, upper });
+        self.stored.variables[variable.index()].semicontinuous =
+            Some(SemicontinuousRange { lower, upper });
         Ok(variable)
     }
 
@@ -90,7 +91,7 @@ impl Model {
     ) -> Result<(), Error> {
         let data = &mut self.stored.variables[variable.index()];
         let (lower, upper) = bounds(lower, upper, &data.name)?;
-        data.semicontinuous = Some(Values { lower, upper });
+        data.semicontinuous = Some(SemicontinuousRange { lower, upper });
         Ok(())
     }
 }

@@ -6,15 +6,15 @@ use super::disjunction::{MAX_NESTING, check_selector};
 use super::name::Name;
 use super::store::{
     ConstraintData, DisjunctionData, FunctionData, IndicatorData, LogicalData, Model, SosData,
-    Stored, VariableData,
+    StoredModel, VariableData,
 };
 use super::stored::{StoredRow, StoredTerm};
 use crate::error::Error;
 
-impl TryFrom<Stored> for Model {
+impl TryFrom<StoredModel> for Model {
     type Error = Error;
 
-    fn try_from(stored: Stored) -> Result<Self, Error> {
+    fn try_from(stored: StoredModel) -> Result<Self, Error> {
         let mut model = Model::empty(stored.name, stored.tag);
         for VariableData { name, kind, lower, upper, range, semicontinuous } in stored.variables {
             let variable = match range {
@@ -56,7 +56,7 @@ impl TryFrom<Stored> for Model {
     }
 }
 
-impl From<Model> for Stored {
+impl From<Model> for StoredModel {
     fn from(model: Model) -> Self {
         model.stored
     }

@@ -8,7 +8,7 @@ use super::checks::finite;
 use super::ids::{SpecialOrderedSet, Variable};
 use super::name::Name;
 use super::refs::SpecialOrderedSetRef;
-use super::statement::{Sealed, Statement};
+use super::statement::{SealedStatement, Statement};
 use super::store::StatementKind;
 use crate::error::Error;
 
@@ -70,7 +70,7 @@ pub fn sos2(members: impl IntoIterator<Item = (Variable, f64)>) -> Sos {
     Sos { most: 2, members: members.into_iter().collect() }
 }
 
-impl Sealed for Sos {}
+impl SealedStatement for Sos {}
 impl Statement for Sos {
     type Handle = SpecialOrderedSet;
 

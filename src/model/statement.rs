@@ -19,7 +19,7 @@ use crate::error::{Error, ErrorKind};
             `.within(0.0, 1.0)`",
     note = "`<=` and `==` of Rust give a `bool` at once, so they are no rows"
 )]
-pub trait Statement: Sealed {
+pub trait Statement: SealedStatement {
     /// The handle that adding returns.
     type Handle;
 
@@ -28,9 +28,9 @@ pub trait Statement: Sealed {
 }
 
 /// Keeps [`Statement`] to the types of this crate.
-pub trait Sealed {}
+pub trait SealedStatement {}
 
-impl Sealed for Row {}
+impl SealedStatement for Row {}
 impl Statement for Row {
     type Handle = Constraint;
 

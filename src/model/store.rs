@@ -22,9 +22,9 @@ use crate::error::{Error, ErrorKind};
 /// A clone accepts the handles of its original.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "Stored", into = "Stored"))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredModel", into = "StoredModel"))]
 pub struct Model {
-    pub(super) stored: Stored,
+    pub(super) stored: StoredModel,
     pub(super) variable_names: NameTable<u32>,
     pub(super) statement_names: NameTable<StatementIndex>,
     /// Changes with every modification except values of parameters, and is never used twice.
@@ -36,7 +36,7 @@ pub struct Model {
 /// The part of a model that is written to files; the look-up tables are derived from it.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Stored {
+pub(super) struct StoredModel {
     pub(super) name: String,
     pub(super) tag: ModelTag,
     pub(super) variables: Vec<VariableData>,
@@ -74,13 +74,13 @@ pub(super) struct VariableData {
     pub(super) range: Option<(f64, f64)>,
     /// For a semi-continuous variable, its values other than 0.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub(super) semicontinuous: Option<Values>,
+    pub(super) semicontinuous: Option<SemicontinuousRange>,
 }
 
 /// The values of a semi-continuous variable other than 0.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Values {
+pub(super) struct SemicontinuousRange {
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
     pub(super) lower: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::wire"))]
@@ -154,7 +154,7 @@ impl Model {
     }
 
     pub(super) fn empty(name: String, tag: ModelTag) -> Self {
-        let stored = Stored {
+        let stored = StoredModel {
             name,
             tag,
             variables: Vec::new(),
@@ -310,7 +310,7 @@ impl Model {
 
     /// Whether there is nothing to reformulate.
     pub(crate) fn has_only_rows(&self) -> bool {
-        let Stored { variables, indicators, disjunctions, logic, functions, sets, .. } =
+        let StoredModel { variables, indicators, disjunctions, logic, functions, sets, .. } =
             &self.stored;
         let semicontinuous = variables.iter().any(|data| data.semicontinuous.is_some());
         indicators.len() + disjunctions.len() + logic.len() + functions.len() + sets.len() == 0
@@ -320,7 +320,7 @@ impl Model {
     /// The model with only its variables, objective and rows, to which a reformulation adds. Their
     /// handles stay valid. Semi-continuous variables may take all values within their bounds.
     pub(crate) fn with_rows_only(&self) -> Model {
-        let mut stored = Stored {
+        let mut stored = StoredModel {
             variables: self.stored.variables.clone(),
             constraints: self.stored.constraints.clone(),
             objective: self.stored.objective.clone(),

@@ -9,7 +9,7 @@ use super::name_table::NameTable;
 use super::refs::{
     ConstraintRef, DisjunctionRef, IndicatorRef, LogicalConstraintRef, SpecialOrderedSetRef,
 };
-use super::store::{StatementIndex, StatementKind, Stored};
+use super::store::{StatementIndex, StatementKind, StoredModel};
 
 /// A statement of any kind.
 #[derive(Debug, Clone, Copy)]
@@ -68,7 +68,7 @@ pub fn subset(model: &Model, keep: impl Fn(usize) -> bool) -> Model {
     let stored = &model.stored;
     let mut position = 0..;
     let mut next = move || position.next().is_some_and(&keep);
-    let stored = Stored {
+    let stored = StoredModel {
         variables: stored.variables.clone(),
         constraints: stored.constraints.iter().filter(|_| next()).cloned().collect(),
         indicators: stored.indicators.iter().filter(|_| next()).cloned().collect(),

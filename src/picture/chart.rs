@@ -17,7 +17,7 @@ const TITLE: f64 = 30.0;
 
 /// How points are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+enum SeriesKind {
     /// With a width in pixels.
     Line(f64),
     /// With a radius in pixels.
@@ -28,7 +28,7 @@ enum Kind {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Series {
-    kind: Kind,
+    kind: SeriesKind,
     name: String,
     colour: String,
     points: Vec<[f64; 2]>,
@@ -100,7 +100,7 @@ impl Chart {
         colour: &str,
         points: impl IntoIterator<Item = [f64; 2]>,
     ) {
-        self.add(Kind::Line(1.8), name.into(), colour, points);
+        self.add(SeriesKind::Line(1.8), name.into(), colour, points);
     }
 
     /// Draws dots, as for [`line`](Chart::line).
@@ -115,7 +115,7 @@ impl Chart {
         radius: f64,
         points: impl IntoIterator<Item = [f64; 2]>,
     ) {
-        self.add(Kind::Dots(radius), name.into(), colour, points);
+        self.add(SeriesKind::Dots(radius), name.into(), colour, points);
     }
 
     /// Fills a polygon, as for [`line`](Chart::line). Areas are below lines and dots.
@@ -130,12 +130,12 @@ impl Chart {
         opacity: f64,
         points: impl IntoIterator<Item = [f64; 2]>,
     ) {
-        self.add(Kind::Area(opacity), name.into(), colour, points);
+        self.add(SeriesKind::Area(opacity), name.into(), colour, points);
     }
 
     fn add(
         &mut self,
-        kind: Kind,
+        kind: SeriesKind,
         name: String,
         colour: &str,
         points: impl IntoIterator<Item = [f64; 2]>,
@@ -211,13 +211,13 @@ impl Chart {
             "<clipPath id=\"frame{number}\"><rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" \
              height=\"{height:.2}\"/></clipPath>\n<g clip-path=\"url(#frame{number})\">"
         );
-        let is_area = |series: &&Series| matches!(series.kind, Kind::Area(_));
+        let is_area = |series: &&Series| matches!(series.kind, SeriesKind::Area(_));
         let others = || self.series.iter().filter(|series| !is_area(series));
         for series in self.series.iter().filter(is_area).chain(others()) {
             let points: Vec<[f64; 2]> = series.points.iter().map(|p| frame.pixel(*p)).collect();
             let colour = &series.colour;
             match series.kind {
-                Kind::Area(opacity) => {
+                SeriesKind::Area(opacity) => {
                     // Neighbours show no seam.
                     let outline = match opacity < 1.0 {
                         true => format!(" stroke=\"{colour}\""),
@@ -230,7 +230,7 @@ impl Chart {
                         polygon(&points)
                     );
                 }
-                Kind::Line(width) => {
+                SeriesKind::Line(width) => {
                     let _ = writeln!(
                         svg,
                         "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" \
@@ -238,7 +238,7 @@ impl Chart {
                         path(&points)
                     );
                 }
-                Kind::Dots(radius) => {
+                SeriesKind::Dots(radius) => {
                     for point in points {
                         circle(svg, point, radius, &format!("fill=\"{colour}\""));
                     }
@@ -260,11 +260,13 @@ fn entries(charts: &[Chart]) -> Vec<(String, String)> {
         }
         let colour = &series.colour;
         let mark = match series.kind {
-            Kind::Line(width) => {
+            SeriesKind::Line(width) => {
                 format!("<line x2=\"26\" stroke=\"{colour}\" stroke-width=\"{width}\"/>")
             }
-            Kind::Dots(radius) => format!("<circle cx=\"13\" r=\"{radius}\" fill=\"{colour}\"/>"),
-            Kind::Area(opacity) => format!(
+            SeriesKind::Dots(radius) => {
+                format!("<circle cx=\"13\" r=\"{radius}\" fill=\"{colour}\"/>")
+            }
+            SeriesKind::Area(opacity) => format!(
                 "<rect y=\"-6\" width=\"26\" height=\"12\" fill=\"{colour}\" \
                  fill-opacity=\"{opacity}\" stroke=\"{}\"/>",
                 if opacity < 1.0 { colour } else { "#888888" }

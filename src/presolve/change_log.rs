@@ -6,14 +6,14 @@
 /// Blocks of rows; as many as a word has bits.
 const ROW_BLOCKS: usize = 128;
 
-pub(super) type Blocks = u128;
+pub(super) type RowBlockSet = u128;
 
 /// When each block of rows changed, and which blocks propagation visits.
 #[derive(Debug, Clone)]
 pub(super) struct ChangeLog {
     /// The logarithm of the number of rows of a block.
     shift: u32,
-    visited: Blocks,
+    visited: RowBlockSet,
     /// By block, when it last changed.
     changed: Vec<u32>,
     now: u32,
@@ -39,13 +39,13 @@ impl ChangeLog {
         self.visited |= 1 << self.block(row);
     }
 
-    pub(super) fn blocks_of(&self, row: usize) -> Blocks {
+    pub(super) fn blocks_of(&self, row: usize) -> RowBlockSet {
         1 << self.block(row)
     }
 
     /// Notes that a bound of a column in these blocks changes.
     #[inline]
-    pub(super) fn touch(&mut self, mut blocks: Blocks) {
+    pub(super) fn touch(&mut self, mut blocks: RowBlockSet) {
         if self.on_trial {
             return;
         }
@@ -66,14 +66,14 @@ impl ChangeLog {
     }
 
     /// The blocks visited since [`start`](ChangeLog::start), and the time; later changes have later times.
-    pub(super) fn finish(&mut self) -> (Blocks, u32) {
+    pub(super) fn finish(&mut self) -> (RowBlockSet, u32) {
         let now = self.now;
         self.now = now.saturating_add(1);
         (self.visited, now)
     }
 
     /// Whether any of these blocks changed after a time.
-    pub(super) fn has_changed(&self, mut blocks: Blocks, time: u32) -> bool {
+    pub(super) fn has_changed(&self, mut blocks: RowBlockSet, time: u32) -> bool {
         while blocks != 0 {
             if self.changed[blocks.trailing_zeros() as usize] > time {
                 return true;

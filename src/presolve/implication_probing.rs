@@ -5,7 +5,7 @@
 //! which propagation often does not find; a table keeps these implications.
 
 use super::domain::Domain;
-use super::implications::{Implications, NotedImplications};
+use super::implications::{ImplicationGraph, NotedImplications};
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
 use crate::solver::StopToken;
@@ -31,7 +31,7 @@ pub fn probe_implications(
     columns: &[usize],
     mut trials: usize,
     token: &StopToken,
-) -> Result<Implications, Conflict> {
+) -> Result<ImplicationGraph, Conflict> {
     let mut noted = NotedImplications::new(2 * program.column_count());
     let mut sides = [const { Vec::new() }; 2];
     for &j in columns {

@@ -4,13 +4,13 @@ use crate::solver::StopToken;
 
 /// Implications between binaries; a literal `2 j + 1` is column `j` at 1, `2 j` is it at 0.
 #[derive(Debug, Clone, Default)]
-pub struct Implications {
+pub struct ImplicationGraph {
     /// By literal, where what it implies begins, and the end of all; empty when there is none at all.
     start: Vec<usize>,
     implied: Vec<usize>,
 }
 
-impl Implications {
+impl ImplicationGraph {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.implied.is_empty()
@@ -55,7 +55,7 @@ impl NotedImplications {
     }
 
     /// The contrapositions that probing did not find by itself.
-    pub(super) fn contrapositions(&self, token: &StopToken) -> Implications {
+    pub(super) fn contrapositions(&self, token: &StopToken) -> ImplicationGraph {
         let mut pairs = Vec::new();
         for literal in 0..self.ranges.len() {
             let Some(implied) = self.of(literal) else { continue };
@@ -72,6 +72,6 @@ impl NotedImplications {
         pairs.iter().for_each(|(from, _)| start[from + 1] += 1);
         (0..self.ranges.len()).for_each(|k| start[k + 1] += start[k]);
         pairs.sort_by_key(|(from, _)| *from);
-        Implications { start, implied: pairs.into_iter().map(|(_, to)| to).collect() }
+        ImplicationGraph { start, implied: pairs.into_iter().map(|(_, to)| to).collect() }
     }
 }

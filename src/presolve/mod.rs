@@ -33,7 +33,7 @@ pub(crate) use disjunctive_tightening::covering_rows;
 pub use disjunctive_tightening::tighten_by_disjunctions;
 pub use domain::Domain;
 pub use implication_probing::probe_implications;
-pub use implications::Implications;
+pub use implications::ImplicationGraph;
 pub use probing::probe;
 pub(crate) use probing::{ProbingRecord, Trials, probe_again};
 pub(crate) use projection::Projection;

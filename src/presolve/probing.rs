@@ -11,7 +11,7 @@
 //! A trial that found nothing is not repeated while the rows that it visited are unchanged, within
 //! a node or from node to node.
 
-use super::change_log::Blocks;
+use super::change_log::RowBlockSet;
 use super::domain::Domain;
 use super::propagation::{Conflict, Propagator};
 use crate::program::Program;
@@ -46,7 +46,7 @@ pub(crate) struct ProbingRecord {
 struct SideTrial {
     /// 0 where there was none.
     time: u32,
-    visited: Blocks,
+    visited: RowBlockSet,
 }
 
 impl ProbingRecord {
@@ -192,7 +192,7 @@ impl Propagator {
         column: usize,
         is_upper: bool,
         value: f64,
-    ) -> (Result<(), Conflict>, Blocks, u32) {
+    ) -> (Result<(), Conflict>, RowBlockSet, u32) {
         let mark = domain.mark();
         self.change_log.set_on_trial(true);
         self.change_log.start();

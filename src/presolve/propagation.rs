@@ -4,10 +4,10 @@
 //! every column in it. The rows of tightened columns go back on a worklist until no bound moves
 //! enough. Its order is in `worklist`, the arithmetic of one row in `tightening`.
 
-use super::change_log::{Blocks, ChangeLog};
+use super::change_log::{ChangeLog, RowBlockSet};
 use super::congruence::{is_whole_equality, tighten_residues};
 use super::domain::Domain;
-use super::implications::Implications;
+use super::implications::ImplicationGraph;
 use super::tightening::{Entry, PropagatedRow, RowState, Tightening, tighten};
 use super::worklist::Worklist;
 use crate::program::Program;
@@ -40,7 +40,7 @@ pub struct Propagator {
     found: Vec<Tightening>,
     /// Columns whose implications are still to be followed, the next one last.
     unfollowed: Vec<usize>,
-    pub(super) implications: Implications,
+    pub(super) implications: ImplicationGraph,
     token: StopToken,
     pub(super) change_log: ChangeLog,
     /// The least gain of a bound of a continuous column, as a part of its width, that is followed.
@@ -63,7 +63,7 @@ struct Uses {
     start: Vec<usize>,
     rows: Vec<u32>,
     /// By column: the blocks of all its rows.
-    blocks: Vec<Blocks>,
+    blocks: Vec<RowBlockSet>,
 }
 
 impl Uses {
@@ -130,7 +130,7 @@ impl Propagator {
             uses: Uses::default(),
             found: Vec::new(),
             unfollowed: Vec::new(),
-            implications: Implications::default(),
+            implications: ImplicationGraph::default(),
             token: StopToken::default(),
             change_log: ChangeLog::new(program.row_count()),
             least_gain: tolerance::PROPAGATION_GAIN,
@@ -166,12 +166,12 @@ impl Propagator {
     }
 
     /// The table of implications that propagation follows.
-    pub fn implications(&self) -> &Implications {
+    pub fn implications(&self) -> &ImplicationGraph {
         &self.implications
     }
 
     /// Makes every later propagation follow a table of implications as well.
-    pub fn set_implications(&mut self, implications: Implications) {
+    pub fn set_implications(&mut self, implications: ImplicationGraph) {
         self.implications = implications;
     }
 

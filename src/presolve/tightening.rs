@@ -82,12 +82,12 @@ pub(super) enum RowState {
 
 /// Smallest or largest activity of a row: the finite part, and how many terms are infinite.
 #[derive(Clone, Copy, Default)]
-struct Activity {
+struct RowActivity {
     finite: f64,
     infinite: usize,
 }
 
-impl Activity {
+impl RowActivity {
     fn add(&mut self, term: f64) {
         if term.is_finite() {
             self.finite += term;
@@ -137,7 +137,7 @@ pub(super) fn tighten(
         return RowState::Implied;
     }
     let activities = if widest < f64::INFINITY {
-        [least, most].map(|finite| Activity { finite, infinite: 0 })
+        [least, most].map(|finite| RowActivity { finite, infinite: 0 })
     } else {
         count_infinite(bounds, entries)
     };
@@ -145,8 +145,8 @@ pub(super) fn tighten(
 }
 
 /// Smallest and largest activity of a row with infinite terms.
-fn count_infinite(bounds: &[[f64; 2]], entries: &[Entry]) -> [Activity; 2] {
-    let mut activities = [Activity::default(); 2];
+fn count_infinite(bounds: &[[f64; 2]], entries: &[Entry]) -> [RowActivity; 2] {
+    let mut activities = [RowActivity::default(); 2];
     for entry in entries {
         let (low, high) = entry.ends(bounds);
         activities[0].add(low);
@@ -162,7 +162,7 @@ fn tighten_binding(
     bounds: &[[f64; 2]],
     entries: &[Entry],
     [row_lower, row_upper]: [f64; 2],
-    [least, most]: [Activity; 2],
+    [least, most]: [RowActivity; 2],
     least_gain: f64,
     found: &mut Vec<Tightening>,
 ) -> RowState {
@@ -295,8 +295,8 @@ fn largest_term(entry: &Entry, bounds: &[[f64; 2]]) -> f64 {
 
 /// Smallest and largest activity, and both in compensated sums where plain ones are too coarse.
 struct RowActivities {
-    least: Activity,
-    most: Activity,
+    least: RowActivity,
+    most: RowActivity,
     exact: Option<CompensatedSums>,
 }
 

@@ -16,7 +16,7 @@ use crate::presolve::UnionFind;
 use crate::tolerance;
 
 /// A node of a network: a row that needs its flows, as `sum of flows in - sum of flows out`.
-struct Node {
+struct NetworkNode {
     /// The largest amounts that enter and leave here, in the flows' unit; infinite without a limit.
     enters: f64,
     leaves: f64,
@@ -24,7 +24,7 @@ struct Node {
 
 /// The nodes that a flow comes from and goes to; `None` is outside.
 #[derive(Clone, Copy, Default)]
-struct Arc {
+struct NetworkArc {
     from: Option<usize>,
     to: Option<usize>,
 }
@@ -46,20 +46,21 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     };
     let balances: Vec<ConstraintRef<'_>> = model.constraints().filter(is_balance).collect();
     let (arcs, is_arc) = arcs(&balances, &candidates);
-    let nodes: Vec<Node> = balances.iter().map(|row| node(model, row, &is_arc, known)).collect();
+    let nodes: Vec<NetworkNode> =
+        balances.iter().map(|row| node(model, row, &is_arc, known)).collect();
     let mut networks = UnionFind::new(nodes.len());
     let variables: Vec<Variable> =
         model.variables().map(|v| v.id()).filter(|v| is_arc[v.index()]).collect();
     for &v in &variables {
-        if let Arc { from: Some(from), to: Some(to) } = arcs[v.index()] {
+        if let NetworkArc { from: Some(from), to: Some(to) } = arcs[v.index()] {
             networks.join(from, to);
         }
     }
     // Networks with flows from or to outside.
     let mut is_open = vec![false; nodes.len()];
     for &v in &variables {
-        if let Arc { from: Some(node), to: None } | Arc { from: None, to: Some(node) } =
-            arcs[v.index()]
+        if let NetworkArc { from: Some(node), to: None }
+        | NetworkArc { from: None, to: Some(node) } = arcs[v.index()]
         {
             is_open[networks.root(node)] = true;
         }
@@ -73,7 +74,7 @@ pub(super) fn flows(model: &Model, known: &Maximizer<'_>) -> Vec<(Variable, f64)
     let mut found = Vec::new();
     for v in variables {
         let lower = known.bounds(v).lower;
-        let Arc { from, to } = arcs[v.index()];
+        let NetworkArc { from, to } = arcs[v.index()];
         // A variable without a balance is no flow.
         let Some(node) = from.or(to) else { continue };
         let network = networks.root(node);
@@ -114,8 +115,8 @@ fn candidates(model: &Model, known: &Maximizer<'_>) -> Vec<bool> {
 
 /// The ends of all candidates, and which of them are flows: in at most two balances, with opposite
 /// signs and coefficients as large as those of all others.
-fn arcs(balances: &[ConstraintRef<'_>], candidates: &[bool]) -> (Vec<Arc>, Vec<bool>) {
-    let mut arcs = vec![Arc::default(); candidates.len()];
+fn arcs(balances: &[ConstraintRef<'_>], candidates: &[bool]) -> (Vec<NetworkArc>, Vec<bool>) {
+    let mut arcs = vec![NetworkArc::default(); candidates.len()];
     let mut is_arc = candidates.to_vec();
     for (k, row) in balances.iter().enumerate() {
         for &(v, a) in row.terms().iter().filter(|(v, _)| candidates[v.index()]) {
@@ -128,7 +129,12 @@ fn arcs(balances: &[ConstraintRef<'_>], candidates: &[bool]) -> (Vec<Arc>, Vec<b
 }
 
 /// The amounts that may enter and leave at a balance: its limits less all terms that are no flows.
-fn node(model: &Model, row: &ConstraintRef<'_>, is_arc: &[bool], known: &Maximizer<'_>) -> Node {
+fn node(
+    model: &Model,
+    row: &ConstraintRef<'_>,
+    is_arc: &[bool],
+    known: &Maximizer<'_>,
+) -> NetworkNode {
     let [lower, upper] = loosened(model, row.terms(), row.limits());
     let mut net = Interval::new(lower, upper);
     for &(v, a) in row.terms() {
@@ -140,5 +146,5 @@ fn node(model: &Model, row: &ConstraintRef<'_>, is_arc: &[bool], known: &Maximiz
         net = net + other * -a;
     }
     let positive = |end: f64| if end.is_nan() { f64::INFINITY } else { end.max(0.0) };
-    Node { enters: positive(-net.lower), leaves: positive(net.upper) }
+    NetworkNode { enters: positive(-net.lower), leaves: positive(net.upper) }
 }

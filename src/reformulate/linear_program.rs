@@ -12,7 +12,7 @@ use crate::interval::Interval;
 use crate::model::{Literal, Model, StoredRow, Variable};
 use crate::presolve::{Domain, Propagator, reduce};
 use crate::program::Program;
-use crate::relaxation::{Claim, Ladder, Purpose};
+use crate::relaxation::{Ladder, Purpose, RelaxationClaim};
 use crate::solver::{RelaxationMethod, StopToken};
 use crate::tolerance;
 
@@ -172,7 +172,7 @@ impl<'a> Maximizer<'a> {
         }
         let answer = ladder.solve_once(&reduced, Purpose::Bound, token);
         match answer.claim {
-            Claim::Infeasible | Claim::Unknown
+            RelaxationClaim::Infeasible | RelaxationClaim::Unknown
                 if ladder.prover().proves_infeasible(&reduced, &answer.y) =>
             {
                 f64::NEG_INFINITY

@@ -35,7 +35,7 @@ pub(super) enum Rung {
 
 /// One solve of a program by one method.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Attempt {
+pub(super) struct MethodAttempt {
     pub(super) rung: Rung,
     /// The largest number of iterations: a program that is infeasible by rounding only keeps an
     /// interior-point method busy without a verdict.
@@ -46,15 +46,15 @@ pub(super) struct Attempt {
     pub(super) refinements: u32,
 }
 
-const fn attempt(rung: Rung, iterations: u32, tolerance: f64, refinements: u32) -> Attempt {
-    Attempt { rung, iterations, tolerance, refinements }
+const fn attempt(rung: Rung, iterations: u32, tolerance: f64, refinements: u32) -> MethodAttempt {
+    MethodAttempt { rung, iterations, tolerance, refinements }
 }
 
 /// The attempt at a vertex of a linear program whose bound is doubtful.
-pub(super) const VERTEX: Attempt = attempt(Rung::Warm, 2000, 1e-14, 1);
+pub(super) const VERTEX: MethodAttempt = attempt(Rung::Warm, 2000, 1e-14, 1);
 
 /// The attempts of a purpose, in their order.
-pub(super) const fn attempts(purpose: Purpose) -> &'static [Attempt] {
+pub(super) const fn attempts(purpose: Purpose) -> &'static [MethodAttempt] {
     use Rung::{Cold, Fallback, Warm};
     match purpose {
         Purpose::Trial => const { &[attempt(Warm, 500, 1e-9, 1), attempt(Cold, 30, 1e-5, 1)] },

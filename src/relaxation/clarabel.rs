@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::{Claim, Effort, Relaxation, RelaxationResult};
+use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult};
 use crate::presolve::Reduced;
 
 /// Clarabel's interior-point method with settings measured for branch and bound.
@@ -74,11 +74,11 @@ impl Relaxation for ClarabelRelaxation {
         match catch_unwind(AssertUnwindSafe(run)) {
             Ok(Some(solution)) => RelaxationResult {
                 claim: match solution.status {
-                    SolverStatus::Solved => Claim::Solved,
-                    SolverStatus::PrimalInfeasible => Claim::Infeasible,
-                    SolverStatus::DualInfeasible => Claim::Unbounded,
-                    SolverStatus::CallbackTerminated if !token.is_over() => Claim::Beyond,
-                    _ => Claim::Unknown,
+                    SolverStatus::Solved => RelaxationClaim::Solved,
+                    SolverStatus::PrimalInfeasible => RelaxationClaim::Infeasible,
+                    SolverStatus::DualInfeasible => RelaxationClaim::Unbounded,
+                    SolverStatus::CallbackTerminated if !token.is_over() => RelaxationClaim::Beyond,
+                    _ => RelaxationClaim::Unknown,
                 },
                 y: conic.row_multipliers(&solution.z, program.rows.len()),
                 x: solution.x,

@@ -1,21 +1,21 @@
 //! The ladder of attempts: which method solves a program, how accurately, and which one follows if the
 //! result is not good enough.
 //!
-//! `attempts.rs` lists the attempts of each [`Purpose`], and [`Method::of`] the methods. No other part of
+//! `attempts.rs` lists the attempts of each [`Purpose`], and [`LadderMethod::of`] the methods. No other part of
 //! the crate names a method.
 
 use web_time::{Duration, Instant};
 
 use super::active_set::ActiveSet;
-use super::attempts::{Attempt, Purpose, Rung, VERTEX, attempts};
+use super::attempts::{MethodAttempt, Purpose, Rung, VERTEX, attempts};
 use super::borderline::{Doubt, WIDENINGS, is_torn, widened};
 use super::clarabel::ClarabelRelaxation;
 use super::interior::InteriorPoint;
 use super::recession::{is_descent_ray, recession_program};
 use super::record::Record;
 use super::simplex::DualSimplex;
-use super::verdict::{Findings, Outcome, Question, Verdict};
-use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
+use super::verdict::{AttemptOutcome, Findings, RelaxationQuestion, RelaxationVerdict};
+use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use super::{Prover, polish};
 use crate::presolve::{Domain, Reduced, Reducer};
 use crate::program::Program;
@@ -52,23 +52,23 @@ impl<'a> Request<'a> {
 }
 
 /// A method, its counter, and the purposes for which it gets the parent's state.
-struct Method {
+struct LadderMethod {
     method: Box<dyn Relaxation>,
     starts_warm: fn(Purpose) -> bool,
     count: fn(&mut RelaxationCounts) -> &mut u64,
 }
 
-impl Method {
+impl LadderMethod {
     fn of(method: RelaxationMethod) -> Self {
         match method {
-            RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => Method {
+            RelaxationMethod::Automatic | RelaxationMethod::InteriorPoint => LadderMethod {
                 method: Box::new(InteriorPoint::new()),
                 // Without a start it ends deeper inside the face of optima, which is better if the
                 // search continues from that point.
                 starts_warm: |purpose| matches!(purpose, Purpose::Trial | Purpose::Separation),
                 count: |counts| &mut counts.interior_point,
             },
-            RelaxationMethod::Clarabel => Method {
+            RelaxationMethod::Clarabel => LadderMethod {
                 method: Box::new(ClarabelRelaxation::new()),
                 starts_warm: |_| true,
                 count: |counts| &mut counts.clarabel,
@@ -100,10 +100,10 @@ impl Spent {
 /// The methods of a search, the memory that they work in, and what they have taken.
 pub struct Ladder {
     /// By [`WarmMethod`]; `None` if no method starts from a state.
-    warm: Option<[Method; 2]>,
-    cold: Method,
+    warm: Option<[LadderMethod; 2]>,
+    cold: LadderMethod,
     /// `None` if the cold method is alone.
-    fallback: Option<Method>,
+    fallback: Option<LadderMethod>,
     /// The records of the warm methods, and of the cold one.
     records: [Record; 3],
     spent: Spent,
@@ -115,31 +115,35 @@ impl Ladder {
     /// The ladder of a choice.
     pub fn new(choice: RelaxationMethod) -> Self {
         let fallback = RelaxationMethod::Clarabel;
-        let fallback = (choice != fallback).then(|| Method::of(fallback));
+        let fallback = (choice != fallback).then(|| LadderMethod::of(fallback));
         let warm = (choice == RelaxationMethod::Automatic).then(|| {
             [
-                Method {
+                LadderMethod {
                     method: Box::new(ActiveSet::new()),
                     starts_warm: |_| true,
                     count: |counts| &mut counts.active_set,
                 },
-                Method {
+                LadderMethod {
                     method: Box::new(DualSimplex::new()),
                     starts_warm: |_| true,
                     count: |counts| &mut counts.dual_simplex,
                 },
             ]
         });
-        Ladder::of(warm, Method::of(choice), fallback)
+        Ladder::of(warm, LadderMethod::of(choice), fallback)
     }
 
     /// A ladder with a method of one's own, alone and counted as the crate's own.
     pub fn with_method(method: Box<dyn Relaxation>) -> Self {
         let count: fn(&mut RelaxationCounts) -> &mut u64 = |counts| &mut counts.interior_point;
-        Ladder::of(None, Method { method, starts_warm: |_| true, count }, None)
+        Ladder::of(None, LadderMethod { method, starts_warm: |_| true, count }, None)
     }
 
-    fn of(warm: Option<[Method; 2]>, cold: Method, fallback: Option<Method>) -> Self {
+    fn of(
+        warm: Option<[LadderMethod; 2]>,
+        cold: LadderMethod,
+        fallback: Option<LadderMethod>,
+    ) -> Self {
         let (records, spent, prover, reducer) = Default::default();
         Ladder { warm, cold, fallback, records, spent, prover, reducer }
     }
@@ -173,11 +177,11 @@ impl Ladder {
 
     /// The attempts of a purpose at a program. A method that is alone makes the more thorough attempts
     /// only.
-    fn attempts(&self, purpose: Purpose, warm: Option<WarmMethod>) -> &'static [Attempt] {
+    fn attempts(&self, purpose: Purpose, warm: Option<WarmMethod>) -> &'static [MethodAttempt] {
         let all = attempts(purpose);
         let others = match all {
-            [Attempt { rung: Rung::Warm, .. }, ..] if warm.is_some() => return all,
-            [Attempt { rung: Rung::Warm, .. }, others @ ..] => others,
+            [MethodAttempt { rung: Rung::Warm, .. }, ..] if warm.is_some() => return all,
+            [MethodAttempt { rung: Rung::Warm, .. }, others @ ..] => others,
             all => all,
         };
         match others {
@@ -188,7 +192,11 @@ impl Ladder {
 
     /// The method that starts from a state and suits a program. Without a state the dual simplex method
     /// solves roots, and leaves, which are reduced for it.
-    fn warm_method(&self, program: &Reduced, question: &Question<'_>) -> Option<WarmMethod> {
+    fn warm_method(
+        &self,
+        program: &Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> Option<WarmMethod> {
         self.warm.as_ref()?;
         let is_cold_start = matches!(question.purpose, Purpose::Root | Purpose::Leaf);
         if ActiveSet::suits(program) {
@@ -204,23 +212,23 @@ impl Ladder {
     }
 
     /// Takes back the vectors of a verdict, for their memory.
-    pub(crate) fn reuse(&mut self, verdict: Verdict) {
+    pub(crate) fn reuse(&mut self, verdict: RelaxationVerdict) {
         let (x, y, warm) = match verdict {
-            Verdict::Relaxed { x, y, warm, .. } => (x, y, warm),
-            Verdict::Refuted(y) => (Vec::new(), y, None),
-            Verdict::Stopped | Verdict::Descent => return,
+            RelaxationVerdict::Relaxed { x, y, warm, .. } => (x, y, warm),
+            RelaxationVerdict::Refuted(y) => (Vec::new(), y, None),
+            RelaxationVerdict::Stopped | RelaxationVerdict::Descent => return,
         };
-        let claim = Claim::Unknown;
+        let claim = RelaxationClaim::Unknown;
         self.cold.method.reuse(RelaxationResult { claim, x, y, iterations: 0, warm });
     }
 
     fn solve_by(
         &mut self,
-        attempt: Attempt,
+        attempt: MethodAttempt,
         program: &Reduced,
         request: &Request<'_>,
     ) -> RelaxationResult {
-        let Attempt { rung, iterations, tolerance, refinements } = attempt;
+        let MethodAttempt { rung, iterations, tolerance, refinements } = attempt;
         let entry = match (rung, request.warm_method, &mut self.warm) {
             (Rung::Warm, Some(method), Some(warm)) => Some(&mut warm[method as usize]),
             (Rung::Fallback, ..) => self.fallback.as_mut(),
@@ -264,10 +272,14 @@ impl Ladder {
 
     /// Solves the program of a node and verifies what the methods claim, trying harder while the
     /// result is not good enough.
-    pub fn solve(&mut self, program: &Reduced, question: &Question<'_>) -> Verdict {
+    pub fn solve(
+        &mut self,
+        program: &Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> RelaxationVerdict {
         let (verdict, doubt) = self.solve_as_is(program, question);
         let better = match &verdict {
-            Verdict::Relaxed { bound, x, .. } if question.purpose != Purpose::Trial => {
+            RelaxationVerdict::Relaxed { bound, x, .. } if question.purpose != Purpose::Trial => {
                 self.resolve_doubt(program, question, *bound, x, doubt)
             }
             _ => None,
@@ -281,16 +293,17 @@ impl Ladder {
     fn resolve_doubt(
         &mut self,
         program: &Reduced,
-        question: &Question<'_>,
+        question: &RelaxationQuestion<'_>,
         bound: f64,
         x: &[f64],
         doubt: Doubt,
-    ) -> Option<Verdict> {
+    ) -> Option<RelaxationVerdict> {
         if !doubt.is_any() {
             return None;
         }
         let cutoff = f64::INFINITY;
-        let question = Question { cutoff, look_for_descent: false, warm: None, ..*question };
+        let question =
+            RelaxationQuestion { cutoff, look_for_descent: false, warm: None, ..*question };
         if let Some(vertex) = self.solve_at_vertex(program, &question) {
             return Some(vertex);
         }
@@ -299,7 +312,9 @@ impl Ladder {
         }
         for part in WIDENINGS {
             let (verdict, doubt) = self.solve_as_is(&widened(program, x, part), &question);
-            let Verdict::Relaxed { bound: wider, x, y, converged, .. } = &verdict else { break };
+            let RelaxationVerdict::Relaxed { bound: wider, x, y, converged, .. } = &verdict else {
+                break;
+            };
             if doubt.blurred {
                 continue;
             }
@@ -311,7 +326,11 @@ impl Ladder {
 
     /// Solves a linear program by the dual simplex method, if that ends with a vertex and a bound that
     /// agree.
-    fn solve_at_vertex(&mut self, program: &Reduced, question: &Question<'_>) -> Option<Verdict> {
+    fn solve_at_vertex(
+        &mut self,
+        program: &Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> Option<RelaxationVerdict> {
         if self.warm.is_none() || !DualSimplex::suits(program) {
             return None;
         }
@@ -320,7 +339,7 @@ impl Ladder {
         let result = self.solve_by(VERTEX, program, &request);
         let mut findings = Findings::new(program, question);
         let outcome = findings.verify(result, &mut self.prover);
-        matches!(outcome, Outcome::Sufficient).then(|| {
+        matches!(outcome, AttemptOutcome::Sufficient).then(|| {
             let (bound, x) = (findings.bound, std::mem::take(&mut findings.x));
             findings.relaxed(bound, x, true)
         })
@@ -328,7 +347,11 @@ impl Ladder {
 
     /// Solves the program of a node and verifies what the methods claim. Also returns what is doubtful
     /// about the verdict.
-    fn solve_as_is(&mut self, program: &Reduced, question: &Question<'_>) -> (Verdict, Doubt) {
+    fn solve_as_is(
+        &mut self,
+        program: &Reduced,
+        question: &RelaxationQuestion<'_>,
+    ) -> (RelaxationVerdict, Doubt) {
         let token = question.token;
         let mut findings = Findings::new(program, question);
         if program.columns.is_empty() {
@@ -349,18 +372,18 @@ impl Ladder {
         while let Some(&attempt) = all.get(at) {
             request.cutoff = findings.cutoff;
             let result = self.solve_by(attempt, program, &request);
-            if result.claim == Claim::Unknown && token.is_over() {
-                return (Verdict::Stopped, Doubt::default());
+            if result.claim == RelaxationClaim::Unknown && token.is_over() {
+                return (RelaxationVerdict::Stopped, Doubt::default());
             }
             let outcome = findings.verify(result, &mut self.prover);
-            if learns && at == 0 && !matches!(outcome, Outcome::Repeat) {
-                self.records[record].note(matches!(outcome, Outcome::TryHarder));
+            if learns && at == 0 && !matches!(outcome, AttemptOutcome::Repeat) {
+                self.records[record].note(matches!(outcome, AttemptOutcome::TryHarder));
             }
             match outcome {
-                Outcome::Decided(verdict) => return (verdict, findings.doubt),
-                Outcome::Sufficient => break,
-                Outcome::Repeat => {}
-                Outcome::TryHarder => {
+                AttemptOutcome::Decided(verdict) => return (verdict, findings.doubt),
+                AttemptOutcome::Sufficient => break,
+                AttemptOutcome::Repeat => {}
+                AttemptOutcome::TryHarder => {
                     at += 1;
                     if at == 1 && start == 0 && all.len() > 1 {
                         self.spent.counts.given_up += 1;
@@ -369,7 +392,7 @@ impl Ladder {
             }
         }
         if question.look_for_descent && !findings.converged && self.falls_forever(program, token) {
-            return (Verdict::Descent, Doubt::default());
+            return (RelaxationVerdict::Descent, Doubt::default());
         }
         let Findings { doubt, bound, converged, .. } = findings;
         // Zeros if no attempt had a point.

@@ -38,7 +38,7 @@ pub use polish::polish;
 pub(crate) use polish::polish_leaf;
 pub use record::Record;
 pub use simplex::DualSimplex;
-pub(crate) use verdict::{Question, Verdict};
+pub(crate) use verdict::{RelaxationQuestion, RelaxationVerdict};
 pub use warm_state::WarmState;
 
 use crate::presolve::Reduced;
@@ -75,7 +75,7 @@ impl Effort<'_> {
 
 /// The claim of a method about a reduced program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Claim {
+pub enum RelaxationClaim {
     /// `x` is optimal and `y` the multipliers.
     Solved,
     /// There is no feasible point; `y` is the certificate.
@@ -92,7 +92,7 @@ pub enum Claim {
 #[derive(Debug, Clone)]
 pub struct RelaxationResult {
     /// The claim.
-    pub claim: Claim,
+    pub claim: RelaxationClaim,
     /// Point or ray, one entry per reduced column.
     pub x: Vec<f64>,
     /// Multipliers of the rows: positive for active upper limits, negative for active lower limits.
@@ -107,7 +107,7 @@ impl RelaxationResult {
     /// A result without a claim and without a point.
     fn nothing(program: &Reduced) -> Self {
         RelaxationResult {
-            claim: Claim::Unknown,
+            claim: RelaxationClaim::Unknown,
             x: vec![f64::NAN; program.columns.len()],
             y: vec![0.0; program.rows.len()],
             iterations: 0,

@@ -4,14 +4,14 @@ use super::Prover;
 use super::attempts::Purpose;
 use super::borderline::{Doubt, is_rough};
 use super::recession::is_descent_ray;
-use super::{Claim, RelaxationResult, WarmState};
+use super::{RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use crate::solver::{Options, StopToken};
 use crate::tolerance;
 
 /// A question about a node.
 #[derive(Debug, Clone, Copy)]
-pub struct Question<'a> {
+pub struct RelaxationQuestion<'a> {
     /// One of the first four.
     pub purpose: Purpose,
     /// A proved bound of at least this settles the question; infinite if none does.
@@ -30,7 +30,7 @@ pub struct Question<'a> {
 
 /// The verdict on a node from a verified relaxation.
 #[derive(Debug)]
-pub enum Verdict {
+pub enum RelaxationVerdict {
     /// No feasible point: proved by multipliers, one a row.
     Refuted(Vec<f64>),
     /// A limit or an interrupt came first.
@@ -54,7 +54,7 @@ pub enum Verdict {
 /// The findings of the attempts at a node so far.
 pub(super) struct Findings<'a> {
     program: &'a Reduced,
-    question: &'a Question<'a>,
+    question: &'a RelaxationQuestion<'a>,
     /// The cutoff for the next attempt.
     pub(super) cutoff: f64,
     /// The best proved bound, and the multipliers behind it.
@@ -69,9 +69,9 @@ pub(super) struct Findings<'a> {
 }
 
 /// The consequence of an attempt.
-pub(super) enum Outcome {
+pub(super) enum AttemptOutcome {
     /// The verdict is final.
-    Decided(Verdict),
+    Decided(RelaxationVerdict),
     /// Bound and point are close enough.
     Sufficient,
     /// The same attempt is repeated without a cutoff.
@@ -81,7 +81,7 @@ pub(super) enum Outcome {
 }
 
 impl<'a> Findings<'a> {
-    pub(super) fn new(program: &'a Reduced, question: &'a Question<'a>) -> Self {
+    pub(super) fn new(program: &'a Reduced, question: &'a RelaxationQuestion<'a>) -> Self {
         Findings {
             program,
             question,
@@ -97,32 +97,42 @@ impl<'a> Findings<'a> {
     }
 
     /// Verifies the claim of an attempt.
-    pub(super) fn verify(&mut self, result: RelaxationResult, prover: &mut Prover) -> Outcome {
+    pub(super) fn verify(
+        &mut self,
+        result: RelaxationResult,
+        prover: &mut Prover,
+    ) -> AttemptOutcome {
         let RelaxationResult { claim, x, y, warm, .. } = result;
         self.warm = warm.or(self.warm.take());
-        let may_be_empty = matches!(claim, Claim::Infeasible | Claim::Beyond | Claim::Unknown);
-        let has_point = matches!(claim, Claim::Solved | Claim::Beyond | Claim::Unknown);
+        let may_be_empty = matches!(
+            claim,
+            RelaxationClaim::Infeasible | RelaxationClaim::Beyond | RelaxationClaim::Unknown
+        );
+        let has_point = matches!(
+            claim,
+            RelaxationClaim::Solved | RelaxationClaim::Beyond | RelaxationClaim::Unknown
+        );
         if may_be_empty && prover.proves_infeasible(self.program, &y) {
-            return Outcome::Decided(Verdict::Refuted(y));
+            return AttemptOutcome::Decided(RelaxationVerdict::Refuted(y));
         }
-        let falls = claim == Claim::Unbounded && self.question.look_for_descent;
+        let falls = claim == RelaxationClaim::Unbounded && self.question.look_for_descent;
         if falls && is_descent_ray(self.program, &x) {
-            return Outcome::Decided(Verdict::Descent);
+            return AttemptOutcome::Decided(RelaxationVerdict::Descent);
         }
         if has_point && x.iter().all(|v| v.is_finite()) {
             return self.verify_point(claim, x, y, prover);
         }
-        Outcome::TryHarder
+        AttemptOutcome::TryHarder
     }
 
     /// Proves the bound of an attempt's multipliers, and compares it with the point.
     fn verify_point(
         &mut self,
-        claim: Claim,
+        claim: RelaxationClaim,
         x: Vec<f64>,
         y: Vec<f64>,
         prover: &mut Prover,
-    ) -> Outcome {
+    ) -> AttemptOutcome {
         let program = self.program;
         let bound = match program.is_feasibility_problem() {
             true => program.offset,
@@ -136,12 +146,12 @@ impl<'a> Findings<'a> {
                 self.question.purpose == Purpose::Leaf && is_rough(program, &x, &self.y, value);
         }
         if bound >= self.cutoff {
-            return Outcome::Decided(self.relaxed(bound, x, false));
+            return AttemptOutcome::Decided(self.relaxed(bound, x, false));
         }
-        if claim == Claim::Beyond && self.cutoff.is_finite() {
+        if claim == RelaxationClaim::Beyond && self.cutoff.is_finite() {
             // The multipliers do not prove what the method claims, so it solves to the end.
             self.cutoff = f64::INFINITY;
-            return Outcome::Repeat;
+            return AttemptOutcome::Repeat;
         }
         // A later attempt wins a tie.
         let distance = (value - self.bound).abs();
@@ -154,23 +164,28 @@ impl<'a> Findings<'a> {
             self.converged = near && value - self.bound <= slack * value.abs().max(1.0);
             (self.nearest, self.x) = (distance, x);
         }
-        if claim == Claim::Solved && value - bound <= self.allowed_distance(value) {
-            return Outcome::Sufficient;
+        if claim == RelaxationClaim::Solved && value - bound <= self.allowed_distance(value) {
+            return AttemptOutcome::Sufficient;
         }
-        Outcome::TryHarder
+        AttemptOutcome::TryHarder
     }
 
     /// The distance that a point of this value may have from its bound. Methods take the gap relative
     /// to an objective without the constant, which may be large. A leaf also meets the requested gap.
     fn allowed_distance(&self, value: f64) -> f64 {
-        let Question { options, constant, .. } = *self.question;
+        let RelaxationQuestion { options, constant, .. } = *self.question;
         let wanted = 0.1 * options.allowed_gap(value, constant);
         let enough = 1e-6 * tolerance::gap_scale(value, constant).max(1.0);
         if self.question.purpose == Purpose::Leaf { enough.min(wanted) } else { enough }
     }
 
-    pub(super) fn relaxed(&mut self, bound: f64, x: Vec<f64>, converged: bool) -> Verdict {
+    pub(super) fn relaxed(
+        &mut self,
+        bound: f64,
+        x: Vec<f64>,
+        converged: bool,
+    ) -> RelaxationVerdict {
         let (y, warm) = (std::mem::take(&mut self.y), self.warm.take());
-        Verdict::Relaxed { bound, x, y, converged, warm }
+        RelaxationVerdict::Relaxed { bound, x, y, converged, warm }
     }
 }

@@ -20,15 +20,15 @@ pub(super) enum Activity {
 /// The clock of one worker. Activities are exclusive: changing to an inner one stops the outer
 /// one, until it is changed back.
 #[derive(Debug)]
-pub(super) struct Clock {
+pub(super) struct ActivityClock {
     activity: Activity,
     since: Instant,
     times: Times,
 }
 
-impl Clock {
+impl ActivityClock {
     pub(super) fn new() -> Self {
-        Clock { activity: Activity::Other, since: Instant::now(), times: Times::default() }
+        ActivityClock { activity: Activity::Other, since: Instant::now(), times: Times::default() }
     }
 
     /// Changes the activity; returns the one before, to change back to.

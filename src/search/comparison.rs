@@ -8,7 +8,7 @@
 //! Accepted points miss rows by up to the tolerance, and what is derived from rows multiplies what
 //! they miss. The margins below are far above that, and far below what a wrong rule does.
 
-use super::task::Task;
+use super::task::SolveTask;
 use crate::presolve::Domain;
 use crate::program::Program;
 
@@ -33,7 +33,11 @@ pub enum Contradiction {
 
 /// Compares the program of a task, and the bounds of its root, with the exact program at an accepted
 /// point. `None` if they agree, or if the task has no exact program.
-pub(super) fn contradiction(task: &Task<'_>, root: &Domain, x: &[f64]) -> Option<Contradiction> {
+pub(super) fn contradiction(
+    task: &SolveTask<'_>,
+    root: &Domain,
+    x: &[f64],
+) -> Option<Contradiction> {
     let exact = task.exact?;
     let program = task.program;
     let excluded = |j: &usize| {

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::clock::{Activity, Clock};
+use super::clock::{Activity, ActivityClock};
 use super::focus_node::FocusNode;
 use super::root::Root;
-use super::task::Task;
+use super::task::SolveTask;
 use super::tree_view::TreeView;
 use crate::presolve::Propagator;
 use crate::program::Program;
@@ -22,7 +22,7 @@ pub(super) struct Context<'a> {
     pub(super) node: FocusNode,
     pub(super) propagator: Propagator,
     pub(super) ladder: Ladder,
-    pub(super) clock: Clock,
+    pub(super) clock: ActivityClock,
     /// This worker's own clone, which counts its work.
     pub(super) token: StopToken,
     /// Interior-point iterations of this worker, those of its nested searches included.
@@ -38,7 +38,7 @@ impl<'a> Context<'a> {
             node: FocusNode::root(&root.domain),
             propagator: root.propagator.clone(),
             ladder: task.ladders.take(),
-            clock: Clock::new(),
+            clock: ActivityClock::new(),
             token: task.token.clone(),
             iterations: 0,
             assignments: BTreeSet::new(),
@@ -52,7 +52,7 @@ impl<'a> Context<'a> {
     }
 
     /// The task of the search.
-    pub(super) fn task(&self) -> &'a Task<'a> {
+    pub(super) fn task(&self) -> &'a SolveTask<'a> {
         &self.tree.tree.task
     }
 

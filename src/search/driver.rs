@@ -1,15 +1,15 @@
 //! One search from its start to its end.
 
 use super::context::Context;
-use super::found::Found;
+use super::found::SearchResult;
 use super::heuristics::{complete_start, look_for_first_point};
 use super::node_relaxation::reduce_node;
 use super::parallel::{deterministic, opportunistic};
-use super::proofs::{End, Multipliers, Tried};
+use super::proofs::{End, ProofMultipliers, ProofTrial};
 use super::reporter::Reporter;
 use super::root::Root;
 use super::start::{Start, StartPoint};
-use super::task::Task;
+use super::task::SolveTask;
 use super::trace::span;
 use super::tree::Tree;
 use super::tree_view::TreeView;
@@ -17,7 +17,11 @@ use crate::solution::Heuristic;
 use crate::solver::{Control, Options};
 
 /// Searches the tree of a program, from a start if there is one.
-pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) -> Found {
+pub fn search(
+    task: SolveTask<'_>,
+    control: &mut Control<'_>,
+    start: Option<&Start>,
+) -> SearchResult {
     span!(
         INFO,
         "search",
@@ -27,7 +31,7 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) 
     );
     // The user's callback may end this search and no other.
     let token = &task.token.child(None);
-    let task = Task { token, ..task };
+    let task = SolveTask { token, ..task };
     let own;
     let root = match task.root {
         Some(root) => root,
@@ -37,7 +41,7 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) 
         }
     };
     if let Some(reason) = token.ended().filter(|_| root.conflict.is_none()) {
-        return Found::stopped(reason);
+        return SearchResult::stopped(reason);
     }
     let rounds = task.options.deterministic;
     let workers = if rounds { deterministic::WORKERS } else { task.options.threads };
@@ -54,16 +58,20 @@ pub fn search(task: Task<'_>, control: &mut Control<'_>, start: Option<&Start>) 
 }
 
 /// Searches a smaller program inside a search.
-fn search_nested(task: Task<'_>) -> Found {
-    search(Task { root: None, ..task }, &mut Control::default(), None)
+fn search_nested(task: SolveTask<'_>) -> SearchResult {
+    search(SolveTask { root: None, ..task }, &mut Control::default(), None)
 }
 
 /// Searches the program of a task as it was before it was strengthened, once an accepted point has
 /// contradicted the strengthened one. Begins with that point, and counts what was done before.
-pub fn search_unstrengthened(task: Task<'_>, before: Found, control: &mut Control<'_>) -> Found {
+pub fn search_unstrengthened(
+    task: SolveTask<'_>,
+    before: SearchResult,
+    control: &mut Control<'_>,
+) -> SearchResult {
     let program = task.exact.unwrap_or(task.program);
     let options = Options { probing: false, ..task.options.clone() };
-    let task = Task { program, exact: Some(program), root: None, options: &options, ..task };
+    let task = SolveTask { program, exact: Some(program), root: None, options: &options, ..task };
     let found_by = before.found_by.unwrap_or(Heuristic::Leaf);
     let point = before.points.into_iter().next();
     let point = point.map(|values| StartPoint { values, found_by });
@@ -74,25 +82,29 @@ pub fn search_unstrengthened(task: Task<'_>, before: Found, control: &mut Contro
 
 /// Completes the integers of a start and searches no further: the point that a search can begin with,
 /// and the bound that the multipliers of an earlier root prove.
-pub(crate) fn complete(task: Task<'_>, start: &Start) -> Found {
+pub(crate) fn complete(task: SolveTask<'_>, start: &Start) -> SearchResult {
     let mut bound = f64::NEG_INFINITY;
     let found = at_root(task, Some(start), |ctx| {
         bound = earlier_bound(ctx);
         complete_start(ctx);
     });
-    Found { bound: found.bound.max(bound), ..found }
+    SearchResult { bound: found.bound.max(bound), ..found }
 }
 
 /// A point of a program that is found without a relaxation of it, if one is.
-pub(crate) fn first_point(task: Task<'_>) -> Found {
+pub(crate) fn first_point(task: SolveTask<'_>) -> SearchResult {
     at_root(task, None, look_for_first_point)
 }
 
 /// Runs a heuristic at the root, which is propagated and not probed, and returns its finds.
-fn at_root(task: Task<'_>, start: Option<&Start>, look: impl FnOnce(&mut Context<'_>)) -> Found {
+fn at_root(
+    task: SolveTask<'_>,
+    start: Option<&Start>,
+    look: impl FnOnce(&mut Context<'_>),
+) -> SearchResult {
     let root = Root::new(task.program, task.token, false);
     if root.conflict.is_some() {
-        return Found::infeasible();
+        return SearchResult::infeasible();
     }
     let tree = Tree::new(task, &root, start, search_nested, 1);
     let mut ctx = Context::new(TreeView::immediate(&tree, 0));
@@ -106,11 +118,11 @@ fn at_root(task: Task<'_>, start: Option<&Start>, look: impl FnOnce(&mut Context
 fn earlier_bound(ctx: &mut Context<'_>) -> f64 {
     let proof = ctx.tree.proofs().and_then(|proofs| proofs.of(End::Node(0)).cloned());
     let Some((proof, root)) = proof.zip(reduce_node(ctx)) else { return f64::NEG_INFINITY };
-    let memory = &mut Multipliers::default();
+    let memory = &mut ProofMultipliers::default();
     let tried = proof.prove(&root, f64::INFINITY, ctx.ladder.prover(), memory);
     ctx.ladder.reducer().reuse(root);
     match tried {
-        Tried::Bound(bound) => bound,
+        ProofTrial::Bound(bound) => bound,
         _ => f64::NEG_INFINITY,
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::node::Decision;
-use super::proofs::Multipliers;
+use super::proofs::ProofMultipliers;
 use crate::presolve::{Domain, Propagator};
 use crate::relaxation::WarmState;
 
@@ -33,7 +33,7 @@ pub(super) struct FocusNode {
     /// Sides that trials have closed here, if the tree is kept.
     pub(super) closed: Vec<Decision>,
     /// The multipliers that prove its bound, if they are kept.
-    pub(super) multipliers: Option<Arc<Multipliers>>,
+    pub(super) multipliers: Option<Arc<ProofMultipliers>>,
 }
 
 impl FocusNode {

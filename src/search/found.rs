@@ -8,7 +8,7 @@ use crate::solution::{Heuristic, Statistics, Termination};
 
 /// The result of a search. Objective values are those of the minimised program.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct SearchResult {
     /// Why it stopped.
     pub termination: Termination,
     /// The best accepted points, best first.
@@ -55,20 +55,20 @@ impl ClosedNode {
     }
 }
 
-impl Found {
+impl SearchResult {
     /// The answer if a limit came before the search.
     pub fn stopped(reason: Termination) -> Self {
-        Found {
+        SearchResult {
             termination: reason,
             pool_complete: false,
             bound: f64::NEG_INFINITY,
-            ..Found::infeasible()
+            ..SearchResult::infeasible()
         }
     }
 
     /// The answer if infeasibility was proved without a search.
     pub fn infeasible() -> Self {
-        Found {
+        SearchResult {
             termination: Termination::Infeasible,
             points: Vec::new(),
             found_by: None,

@@ -22,7 +22,7 @@ const LARGEST_GROUP: usize = 8;
 
 /// Binaries of which at most, at least, or exactly one is to be 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Group {
+pub struct BinaryGroup {
     /// Its columns, and how many they are.
     all: [usize; LARGEST_GROUP],
     count: usize,
@@ -30,14 +30,14 @@ pub struct Group {
     wants_one: bool,
 }
 
-impl Group {
+impl BinaryGroup {
     fn columns(&self) -> &[usize] {
         &self.all[..self.count]
     }
 }
 
 /// The groups of a program: rows over a few binaries with equal coefficients.
-pub fn groups(program: &Program) -> Vec<Group> {
+pub fn groups(program: &Program) -> Vec<BinaryGroup> {
     let group = |row: usize| {
         let (columns, values) = program.row(row);
         let first = *values.first()?;
@@ -50,17 +50,17 @@ pub fn groups(program: &Program) -> Vec<Group> {
         found.then(|| {
             let mut all = [NO_COLUMN; LARGEST_GROUP];
             all[..columns.len()].copy_from_slice(columns);
-            Group { all, count: columns.len(), wants_one }
+            BinaryGroup { all, count: columns.len(), wants_one }
         })
     };
     (0..program.row_count()).filter_map(group).collect()
 }
 
 /// The binaries without a cost that are in no group.
-pub fn lone_binaries(program: &Program, groups: &[Group]) -> Vec<usize> {
+pub fn lone_binaries(program: &Program, groups: &[BinaryGroup]) -> Vec<usize> {
     let mut lone: Vec<bool> =
         (0..program.column_count()).map(|j| is_binary(program, j) && is_free(program, j)).collect();
-    groups.iter().flat_map(Group::columns).for_each(|&j| lone[j] = false);
+    groups.iter().flat_map(BinaryGroup::columns).for_each(|&j| lone[j] = false);
     program.integers.iter().copied().filter(|&j| lone[j]).collect()
 }
 
@@ -77,7 +77,7 @@ fn is_free(program: &Program, j: usize) -> bool {
 pub fn settle_groups(
     program: &Program,
     domain: &Domain,
-    groups: &[Group],
+    groups: &[BinaryGroup],
     integrality: f64,
     point: &mut [f64],
 ) {

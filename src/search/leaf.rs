@@ -7,7 +7,7 @@ use super::context::Context;
 use super::local_bounds::propagate_since;
 use super::node_relaxation::relax;
 use crate::presolve::Reduced;
-use crate::relaxation::{Purpose, Verdict, polish, polish_leaf};
+use crate::relaxation::{Purpose, RelaxationVerdict, polish, polish_leaf};
 use crate::tolerance;
 
 /// Fixes all integers to the rounded values of `point`, solves the rest and offers the result.
@@ -40,7 +40,7 @@ pub(super) fn solve_assignment(ctx: &mut Context<'_>, mark: usize) -> bool {
     };
     let verdict = relax(ctx, &reduced, Purpose::Node);
     let found = match &verdict {
-        Verdict::Relaxed { x, y, .. } => offer_leaf(ctx, &reduced, x, y),
+        RelaxationVerdict::Relaxed { x, y, .. } => offer_leaf(ctx, &reduced, x, y),
         _ => false,
     };
     ctx.ladder.reuse(verdict);

@@ -89,7 +89,7 @@ pub use comparison::Contradiction;
 pub(crate) use driver::{complete, first_point};
 pub use driver::{search, search_unstrengthened};
 pub(crate) use found::ClosedNode;
-pub use found::Found;
+pub use found::SearchResult;
 pub(crate) use perspective::with_perspective;
 pub use perspective::{Switched, switched_squares, with_slopes};
 pub(crate) use proofs::{Fork, Proof, Proofs};
@@ -97,7 +97,7 @@ pub(crate) use root::Root;
 pub(crate) use root_point::PilotResult;
 pub(crate) use start::Completion;
 pub use start::{Start, StartPoint};
-pub use task::{PointJudge, Task};
+pub use task::{PointJudge, SolveTask};
 
 // For `internals` only.
 pub use best_points::{Accepted, BestPoints};

@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 
-use super::proofs::Multipliers;
+use super::proofs::ProofMultipliers;
 use super::root_point::RootPoint;
 use crate::relaxation::WarmState;
 
@@ -106,7 +106,7 @@ impl Path {
 
 /// The result of a node's relaxation that is known before the node is visited.
 #[derive(Debug, Clone)]
-pub(super) struct Known {
+pub(super) struct KnownRelaxation {
     /// The relaxed point, over all columns.
     pub(super) point: Vec<f64>,
     /// The state left by the relaxation.
@@ -123,7 +123,7 @@ pub struct Node {
     /// The distance by which the last decision moved its column from the parent's relaxed value.
     pub(super) fraction: f64,
     /// The relaxation of a trial, if there was one.
-    pub(super) known: Option<Box<Known>>,
+    pub(super) known: Option<Box<KnownRelaxation>>,
     /// The state left by the parent's relaxation.
     pub(super) warm: Option<WarmState>,
     /// Order of creation, the last tie-breaker: makes the search deterministic.
@@ -131,7 +131,7 @@ pub struct Node {
     /// Its name in a tree that is kept for a later solve; 0 for the root.
     pub(super) id: u32,
     /// The multipliers that proved its bound, if they are kept.
-    pub(super) multipliers: Option<Arc<Multipliers>>,
+    pub(super) multipliers: Option<Arc<ProofMultipliers>>,
 }
 
 impl Node {
@@ -156,7 +156,8 @@ impl Node {
         if !root.is_final() {
             return Node { bound: root.bound, ..Node::root() };
         }
-        let known = Some(Box::new(Known { point: root.x.clone(), warm: root.warm.clone() }));
+        let known =
+            Some(Box::new(KnownRelaxation { point: root.x.clone(), warm: root.warm.clone() }));
         Node { bound: root.bound, known, ..Node::root() }
     }
 }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::clock::Activity;
 use super::context::Context;
-use super::proofs::Multipliers;
+use super::proofs::ProofMultipliers;
 use crate::presolve::{Projection, Reduced, tighten_coefficients};
-use crate::relaxation::{Purpose, Question, Verdict};
+use crate::relaxation::{Purpose, RelaxationQuestion, RelaxationVerdict};
 
 /// The program to relax at the node of the domain; `None` if the node is refuted.
 pub(super) fn project_node(ctx: &mut Context<'_>) -> Option<Projection> {
@@ -44,10 +44,14 @@ pub(super) fn reduce_node(ctx: &mut Context<'_>) -> Option<Reduced> {
 /// # Arguments
 ///
 /// * `purpose`: the root, a node below or a trial; a node whose integers are all fixed is a leaf.
-pub(super) fn relax(ctx: &mut Context<'_>, reduced: &Reduced, purpose: Purpose) -> Verdict {
+pub(super) fn relax(
+    ctx: &mut Context<'_>,
+    reduced: &Reduced,
+    purpose: Purpose,
+) -> RelaxationVerdict {
     let activity = ctx.clock.switch(Activity::Proof);
     let is_leaf = purpose != Purpose::Trial && ctx.is_leaf();
-    let question = Question {
+    let question = RelaxationQuestion {
         purpose: if is_leaf { Purpose::Leaf } else { purpose },
         cutoff: ctx.tree.cutoff(),
         options: ctx.options(),
@@ -67,23 +71,23 @@ pub(super) fn relax_and_keep(
     ctx: &mut Context<'_>,
     projection: &Projection,
     purpose: Purpose,
-) -> (Verdict, Option<Arc<Multipliers>>) {
+) -> (RelaxationVerdict, Option<Arc<ProofMultipliers>>) {
     let verdict = relax(ctx, &projection.reduced, purpose);
     let (x, y) = match &verdict {
-        Verdict::Refuted(y) => (None, y),
-        Verdict::Relaxed { x, y, .. } => (Some(x), y),
+        RelaxationVerdict::Refuted(y) => (None, y),
+        RelaxationVerdict::Relaxed { x, y, .. } => (Some(x), y),
         _ => return (verdict, None),
     };
     let multipliers = ctx.tree.keeps_proofs().then(|| {
         let x = x.map_or(Vec::new(), |x| projection.reduced.lift(x));
         let y = projection.multipliers(y, ctx.program().row_count());
-        Arc::new(Multipliers { x, y })
+        Arc::new(ProofMultipliers { x, y })
     });
     (verdict, multipliers)
 }
 
 /// The relaxation of the exact program at the node of the domain.
-pub(super) struct Exact {
+pub(super) struct ExactRelaxation {
     /// A proved bound; infinite if there is no point.
     pub(super) bound: f64,
     /// The relaxed point.
@@ -95,7 +99,7 @@ pub(super) struct Exact {
 /// Tighter costs and rows are those of whole integers. Where a relaxed point is whole up to a tolerance
 /// only, the cost may be a little too low: by what a steep slope makes of `1e-7`. Splitting such a node
 /// further and further would not lift its bound.
-pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<Exact> {
+pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<ExactRelaxation> {
     let exact = ctx.task().exact?;
     if std::ptr::eq(exact, ctx.program()) || exact.quadratic.compute_nnz() == 0 {
         return None;
@@ -104,17 +108,17 @@ pub(super) fn relax_exactly(ctx: &mut Context<'_>) -> Option<Exact> {
     let reduced = ctx.ladder.reducer().reduce(exact, &ctx.node.domain);
     ctx.clock.switch(activity);
     // Nothing below the cutoff that the domain was propagated with.
-    let refuted = Exact { bound: ctx.tree.strengthen(ctx.node.cutoff), point: None };
+    let refuted = ExactRelaxation { bound: ctx.tree.strengthen(ctx.node.cutoff), point: None };
     let Some(reduced) = reduced else { return Some(refuted) };
     let warm = ctx.node.warm.take();
     let projection = project_reduced(ctx, reduced);
     let verdict = relax(ctx, &projection.reduced, Purpose::Node);
     ctx.node.warm = warm;
     let found = match &verdict {
-        Verdict::Refuted(_) => Some(refuted),
-        Verdict::Relaxed { bound, x, converged, .. } => {
+        RelaxationVerdict::Refuted(_) => Some(refuted),
+        RelaxationVerdict::Relaxed { bound, x, converged, .. } => {
             let point = converged.then(|| projection.lift(x));
-            Some(Exact { bound: ctx.tree.strengthen(bound.min(ctx.node.cutoff)), point })
+            Some(ExactRelaxation { bound: ctx.tree.strengthen(bound.min(ctx.node.cutoff)), point })
         }
         _ => None,
     };

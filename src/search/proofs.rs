@@ -23,7 +23,7 @@ const LARGE_TREE: usize = 8;
 /// Multipliers of a relaxation, and the point that belongs to them, over all rows and columns of the
 /// program.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Multipliers {
+pub(crate) struct ProofMultipliers {
     /// Empty if the multipliers prove that nothing is feasible, rather than a bound.
     pub(crate) x: Vec<f64>,
     pub(crate) y: Vec<f64>,
@@ -54,18 +54,18 @@ impl End {
 #[derive(Debug, Clone)]
 pub(crate) struct Proof {
     end: End,
-    multipliers: Arc<Multipliers>,
+    multipliers: Arc<ProofMultipliers>,
 }
 
 impl Proof {
-    pub(super) fn new(end: End, multipliers: Arc<Multipliers>) -> Self {
+    pub(super) fn new(end: End, multipliers: Arc<ProofMultipliers>) -> Self {
         Proof { end, multipliers }
     }
 }
 
 /// The result of trying an earlier proof on a node.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Tried {
+pub(super) enum ProofTrial {
     /// It closes the node.
     Closed,
     /// It proves a bound below the cutoff.
@@ -73,7 +73,7 @@ pub(super) enum Tried {
     Nothing,
 }
 
-impl Multipliers {
+impl ProofMultipliers {
     /// Tries them on a node.
     ///
     /// # Arguments
@@ -84,20 +84,20 @@ impl Multipliers {
         reduced: &Reduced,
         cutoff: f64,
         prover: &mut Prover,
-        picked: &mut Multipliers,
-    ) -> Tried {
-        let Multipliers { x, y } = picked;
+        picked: &mut ProofMultipliers,
+    ) -> ProofTrial {
+        let ProofMultipliers { x, y } = picked;
         pick(&self.y, &reduced.origin, y);
         if y.len() != reduced.rows.len() {
-            return Tried::Nothing;
+            return ProofTrial::Nothing;
         }
         if self.x.is_empty() {
             let is_empty = prover.proves_infeasible(reduced, y);
-            return if is_empty { Tried::Closed } else { Tried::Nothing };
+            return if is_empty { ProofTrial::Closed } else { ProofTrial::Nothing };
         }
         pick(&self.x, &reduced.columns, x);
         let bound = prover.lower_bound(reduced, x, y);
-        if bound >= cutoff { Tried::Closed } else { Tried::Bound(bound) }
+        if bound >= cutoff { ProofTrial::Closed } else { ProofTrial::Bound(bound) }
     }
 }
 
@@ -129,7 +129,7 @@ impl Fork {
 pub(crate) struct Proofs {
     forks: BTreeMap<u32, Fork>,
     /// The multipliers that closed nodes and sides.
-    ends: BTreeMap<EndKey, Arc<Multipliers>>,
+    ends: BTreeMap<EndKey, Arc<ProofMultipliers>>,
 }
 
 impl Proofs {
@@ -166,7 +166,7 @@ impl Proofs {
     }
 
     /// The multipliers that closed an end; `None` if none were kept.
-    pub(super) fn of(&self, end: End) -> Option<&Arc<Multipliers>> {
+    pub(super) fn of(&self, end: End) -> Option<&Arc<ProofMultipliers>> {
         self.ends.get(&end.key())
     }
 

@@ -19,8 +19,8 @@ use super::context::Context;
 use super::local_bounds::propagate_since;
 use super::node::{Decision, Node};
 use super::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
-use super::proofs::{End, EndKey, Fork, Multipliers, Proof, Proofs, Tried};
-use crate::relaxation::{Purpose, Verdict};
+use super::proofs::{End, EndKey, Fork, Proof, ProofMultipliers, ProofTrial, Proofs};
+use crate::relaxation::{Purpose, RelaxationVerdict};
 
 /// Most decisions on a way down.
 const MOST_DECISIONS: usize = 400;
@@ -91,7 +91,7 @@ struct Replay {
     /// By column: whether it is fractional at the root.
     fractional: Vec<bool>,
     /// Memory for the multipliers of a node.
-    picked: Multipliers,
+    picked: ProofMultipliers,
     /// Whether sides are relaxed where no node above is crowded.
     relaxes: bool,
     /// Sides that relaxing might close.
@@ -108,7 +108,7 @@ struct OpenPart {
     path: Vec<Decision>,
     bound: f64,
     id: u32,
-    multipliers: Option<Arc<Multipliers>>,
+    multipliers: Option<Arc<ProofMultipliers>>,
 }
 
 impl Replay {
@@ -234,8 +234,8 @@ impl Replay {
         let before = earlier.map(End::Node);
         let proof = before.and_then(|end| proofs.of(end));
         match self.retry(ctx, proofs, (before, End::Node(id))) {
-            Tried::Closed => return None,
-            Tried::Bound(proved) if proved > bound => {
+            ProofTrial::Closed => return None,
+            ProofTrial::Bound(proved) if proved > bound => {
                 (bound, multipliers) = (proved, proof.cloned());
             }
             _ => {}
@@ -270,7 +270,7 @@ impl Replay {
                 let closes = propagate_since(ctx, mark).is_err() || {
                     let (before, now) = (End::Side(node, side), End::Side(fork.id, side));
                     let tried = self.retry(ctx, proofs, (Some(before), now));
-                    matches!(tried, Tried::Closed)
+                    matches!(tried, ProofTrial::Closed)
                         || (relaxes && self.fractional[side.column] && self.relax(ctx, now))
                 };
                 ctx.node.domain.undo_to(mark);
@@ -297,29 +297,29 @@ impl Replay {
         ctx: &mut Context<'_>,
         proofs: &Proofs,
         (before, now): (Option<End>, End),
-    ) -> Tried {
+    ) -> ProofTrial {
         let proof = before.and_then(|end| Some((end, proofs.of(end)?)));
         let Some((before, multipliers)) = proof.filter(|_| !ctx.token.is_over()) else {
-            return Tried::Nothing;
+            return ProofTrial::Nothing;
         };
         if self.known.contains(&before.key()) {
             self.keep((before, now), multipliers);
-            return Tried::Closed;
+            return ProofTrial::Closed;
         }
-        let Some(reduced) = reduce_node(ctx) else { return Tried::Closed };
+        let Some(reduced) = reduce_node(ctx) else { return ProofTrial::Closed };
         let activity = ctx.clock.switch(Activity::Proof);
         let cutoff = ctx.tree.cutoff();
         let tried = multipliers.prove(&reduced, cutoff, ctx.ladder.prover(), &mut self.picked);
         ctx.clock.switch(activity);
         ctx.ladder.reducer().reuse(reduced);
-        if let Tried::Closed = tried {
+        if let ProofTrial::Closed = tried {
             self.keep((before, now), multipliers);
         }
         tried
     }
 
     /// Keeps a proof that has closed an end again.
-    fn keep(&mut self, (before, now): (End, End), multipliers: &Arc<Multipliers>) {
+    fn keep(&mut self, (before, now): (End, End), multipliers: &Arc<ProofMultipliers>) {
         self.proved += 1;
         self.known.insert(before.key());
         self.proofs.push(Proof::new(now, multipliers.clone()));
@@ -332,9 +332,11 @@ impl Replay {
         let (verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
         ctx.ladder.reducer().reuse_projection(projection);
         let closes = match verdict {
-            Verdict::Refuted(_) => true,
-            Verdict::Relaxed { bound, .. } => ctx.tree.strengthen(bound) >= ctx.tree.cutoff(),
-            Verdict::Stopped | Verdict::Descent => false,
+            RelaxationVerdict::Refuted(_) => true,
+            RelaxationVerdict::Relaxed { bound, .. } => {
+                ctx.tree.strengthen(bound) >= ctx.tree.cutoff()
+            }
+            RelaxationVerdict::Stopped | RelaxationVerdict::Descent => false,
         };
         ctx.ladder.reuse(verdict);
         if closes {

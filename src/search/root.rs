@@ -1,6 +1,6 @@
 //! The root, propagated and probed once for what strengthens the program and for all workers.
 
-use super::indifferent_binaries::{Group, groups, lone_binaries};
+use super::indifferent_binaries::{BinaryGroup, groups, lone_binaries};
 use super::root_point::RootPoint;
 use crate::presolve::{
     Conflict, Domain, ProbingRecord, Propagator, Trials, covering_rows, probe, probe_again,
@@ -24,7 +24,7 @@ const DISJUNCTION_SIDES: std::ops::RangeInclusive<usize> = 3..=64;
 pub struct Root {
     /// The covering rows that can be split.
     pub(super) covers: Vec<usize>,
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<BinaryGroup>,
     /// Binaries without a cost that are in no group.
     pub(super) lone: Vec<usize>,
     /// The integers in the order of probing, the last one first.

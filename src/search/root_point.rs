@@ -3,7 +3,7 @@
 
 use crate::presolve::{Domain, tighten_coefficients};
 use crate::program::Program;
-use crate::relaxation::{Ladder, Purpose, Question, Verdict, WarmState};
+use crate::relaxation::{Ladder, Purpose, RelaxationQuestion, RelaxationVerdict, WarmState};
 use crate::solver::{Options, StopToken};
 
 /// Largest distance of a bound from the value of its point with which a root needs no other
@@ -56,7 +56,7 @@ impl RootPoint {
         tighten_coefficients(&mut reduced, &program.integral);
         let projection = ladder.reducer().project(reduced, &program.integral);
         let reduced = &projection.reduced;
-        let question = Question {
+        let question = RelaxationQuestion {
             purpose: Purpose::Separation,
             cutoff: f64::INFINITY,
             options,
@@ -67,7 +67,7 @@ impl RootPoint {
         };
         let verdict = (!reduced.columns.is_empty()).then(|| ladder.solve(reduced, &question));
         let point = match verdict {
-            Some(Verdict::Relaxed { bound, x, converged: true, warm, .. }) => {
+            Some(RelaxationVerdict::Relaxed { bound, x, converged: true, warm, .. }) => {
                 let (value, x) = (reduced.objective(&x), projection.lift(&x));
                 let lacks_state = ladder.starts_warm(reduced);
                 Some(RootPoint { bound, value, x, warm, lacks_state })

@@ -50,7 +50,7 @@ impl<F: Fn(&[f64]) -> bool + Sync> PointJudge for F {
 
 /// A program to solve, and what is needed for that: the value that passes through the phases of a solve.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
+pub struct SolveTask<'a> {
     /// The program.
     pub program: &'a Program,
     /// The program before it was strengthened, with the same columns, for points that become answers.
@@ -69,7 +69,7 @@ pub struct Task<'a> {
     pub token: &'a StopToken,
 }
 
-impl<'a> Task<'a> {
+impl<'a> SolveTask<'a> {
     /// A task about a program as it is.
     pub fn new(
         program: &'a Program,
@@ -79,7 +79,7 @@ impl<'a> Task<'a> {
         token: &'a StopToken,
     ) -> Self {
         let cutoff = f64::INFINITY;
-        Task { program, exact: None, root: None, judge, ladders, options, cutoff, token }
+        SolveTask { program, exact: None, root: None, judge, ladders, options, cutoff, token }
     }
 
     /// The (minimised) objective of a point, before the program was strengthened.
@@ -88,8 +88,8 @@ impl<'a> Task<'a> {
     }
 }
 
-impl std::fmt::Debug for Task<'_> {
+impl std::fmt::Debug for SolveTask<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Task").field("options", self.options).finish_non_exhaustive()
+        f.debug_struct("SolveTask").field("options", self.options).finish_non_exhaustive()
     }
 }

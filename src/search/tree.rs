@@ -5,13 +5,13 @@ use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::best_points::{Accepted, BestPoints};
 use super::comparison::{Contradiction, contradiction};
-use super::found::{ClosedNode, Found};
+use super::found::{ClosedNode, SearchResult};
 use super::node::{Node, NodeQueue, Path, StepCount};
 use super::proofs::{End, Fork, Proof, Proofs};
 use super::pseudocosts::Pseudocosts;
 use super::root::Root;
 use super::start::{Completion, Start, StartPoint};
-use super::task::Task;
+use super::task::SolveTask;
 use super::trace::event;
 use crate::program::Program;
 use crate::relaxation::WarmState;
@@ -22,17 +22,17 @@ use crate::solver::Progress;
 const NODES_AFTER_ROWS: u64 = 8;
 
 /// The search itself, for heuristics that solve smaller programs with it.
-pub(super) type NestedSearch = fn(Task<'_>) -> Found;
+pub(super) type NestedSearch = fn(SolveTask<'_>) -> SearchResult;
 
 /// The state that the workers of one search share.
 pub(super) struct Tree<'a> {
-    pub(super) task: Task<'a>,
+    pub(super) task: SolveTask<'a>,
     pub(super) root: &'a Root,
     pub(super) start: Option<&'a Start>,
     pub(super) nested: NestedSearch,
     /// Smallest possible difference of two objective values; 0 when unknown.
     granularity: f64,
-    pub(super) state: Mutex<State>,
+    pub(super) state: Mutex<TreeState>,
     pub(super) wake: Condvar,
     /// Workers that wait for a node.
     pub(super) idle: AtomicUsize,
@@ -52,7 +52,7 @@ pub(super) struct Tree<'a> {
     pub(super) pseudocosts: Mutex<Pseudocosts>,
 }
 
-pub(super) struct State {
+pub(super) struct TreeState {
     pub(super) queue: NodeQueue,
     /// Smallest bound of what a worker has at hand, by worker.
     pub(super) floors: Vec<Option<f64>>,
@@ -85,7 +85,7 @@ pub(super) struct State {
 
 /// The finds of a worker since it last handed them over.
 #[derive(Default)]
-pub(super) struct Share {
+pub(super) struct WorkerReport {
     pub(super) statistics: Statistics,
     pub(super) closed: Option<f64>,
     pub(super) stalled: Option<f64>,
@@ -97,13 +97,13 @@ pub(super) struct Share {
 impl<'a> Tree<'a> {
     /// A tree of its root alone, for so many workers.
     pub(super) fn new(
-        task: Task<'a>,
+        task: SolveTask<'a>,
         root: &'a Root,
         start: Option<&'a Start>,
         nested: NestedSearch,
         workers: usize,
     ) -> Self {
-        let state = State {
+        let state = TreeState {
             queue: NodeQueue::default(),
             floors: vec![None; workers],
             points: BestPoints::new(task.options),
@@ -153,7 +153,7 @@ impl<'a> Tree<'a> {
 
     /// A panic in another worker leaves consistent state behind: every change below is complete
     /// before the lock is released.
-    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, TreeState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -188,7 +188,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Whether the search has not ended; notes the limit that ends it.
-    pub(super) fn may_go_on(&self, state: &mut State) -> bool {
+    pub(super) fn may_go_on(&self, state: &mut TreeState) -> bool {
         let options = self.task.options;
         let open = self.open.load(Ordering::Relaxed);
         let bytes = self.bytes(state);
@@ -215,7 +215,7 @@ impl<'a> Tree<'a> {
 
     /// Bytes of all that grows with the search: open nodes, their shared decisions, kept leaves, best
     /// points.
-    fn bytes(&self, state: &State) -> u64 {
+    fn bytes(&self, state: &TreeState) -> u64 {
         let nodes = self.open.load(Ordering::Relaxed) * size_of::<Node>();
         let steps = self.steps.load(Ordering::Relaxed) * Path::STEP_BYTES;
         let leaves = state.leaves.len() * size_of::<(Path, f64)>();
@@ -241,13 +241,13 @@ impl<'a> Tree<'a> {
     }
 
     /// Whether memory is so short that depth goes before the best bound.
-    fn is_short_of_memory(&self, state: &State) -> bool {
+    fn is_short_of_memory(&self, state: &TreeState) -> bool {
         self.task.options.memory_limit.is_some_and(|limit| self.bytes(state) >= limit / 2)
     }
 
     /// Takes in a verified point; `true` when it is the new incumbent. Ends the search if the point
     /// contradicts the strengthened program, because then no bound holds.
-    pub(super) fn accept(&self, state: &mut State, accepted: Accepted) -> bool {
+    pub(super) fn accept(&self, state: &mut TreeState, accepted: Accepted) -> bool {
         if let Some(what) = contradiction(&self.task, &self.root.domain, &accepted.point) {
             event!(WARN, what = ?what, "contradiction");
             state.contradiction = Some(what);
@@ -277,7 +277,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Takes in the finds of a worker.
-    pub(super) fn take_in(&self, state: &mut State, share: Share) {
+    pub(super) fn take_in(&self, state: &mut TreeState, share: WorkerReport) {
         state.statistics.add(&share.statistics);
         state.closed = state.closed.min(share.closed.unwrap_or(f64::INFINITY));
         state.stalled = state.stalled.min(share.stalled.unwrap_or(f64::INFINITY));
@@ -287,20 +287,20 @@ impl<'a> Tree<'a> {
     }
 
     /// Adds an open node.
-    pub(super) fn push(&self, state: &mut State, mut node: Node) {
+    pub(super) fn push(&self, state: &mut TreeState, mut node: Node) {
         node.serial = self.serial.fetch_add(1, Ordering::Relaxed);
         self.open.fetch_add(1, Ordering::Relaxed);
         state.queue.push(node);
     }
 
     /// The next node of a search: the best one, or the deepest one where memory is short.
-    pub(super) fn pop(&self, state: &mut State) -> Option<Node> {
+    pub(super) fn pop(&self, state: &mut TreeState) -> Option<Node> {
         let is_short = self.is_short_of_memory(state);
         if is_short { state.queue.pop_deepest() } else { state.queue.pop() }
     }
 
     /// Closes a node that is beyond the cutoff before any worker has processed it.
-    pub(super) fn close_unseen(&self, state: &mut State, node: Node) {
+    pub(super) fn close_unseen(&self, state: &mut TreeState, node: Node) {
         self.open.fetch_sub(1, Ordering::Relaxed);
         state.closed = state.closed.min(node.bound);
         if let Some(multipliers) = node.multipliers.filter(|_| self.has_room_for_proof()) {
@@ -351,7 +351,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The answer, once all workers are done.
-    pub(super) fn into_found(self) -> Found {
+    pub(super) fn into_found(self) -> SearchResult {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         let is_contradicted = state.contradiction.is_some();
         let bound = if is_contradicted { f64::NEG_INFINITY } else { bound(&state) };
@@ -374,7 +374,7 @@ impl<'a> Tree<'a> {
         if options.keep_leaves {
             leaves.extend(state.queue.iter().map(|node| (node.path.clone(), node.bound)));
         }
-        Found {
+        SearchResult {
             termination,
             bound: if unbounded { f64::NEG_INFINITY } else { bound },
             contradiction: state.contradiction,
@@ -394,7 +394,7 @@ impl<'a> Tree<'a> {
 
 /// Whether a search has found rows that its program lacks, and should begin again with them: soon, but
 /// other points of the same search may tell of further rows.
-fn has_enough_rows(state: &mut State) -> bool {
+fn has_enough_rows(state: &mut TreeState) -> bool {
     if state.statistics.excluded_by_rows == 0 {
         return false;
     }
@@ -404,7 +404,7 @@ fn has_enough_rows(state: &mut State) -> bool {
 }
 
 /// The proved bound on the whole program.
-fn bound(state: &State) -> f64 {
+fn bound(state: &TreeState) -> f64 {
     let busy = state.floors.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let open = state.queue.best_bound().min(busy).min(state.stalled).min(state.closed);
     // Nothing better than the incumbent is left when every open bound is above it.

@@ -14,7 +14,7 @@ use super::best_points::Accepted;
 use super::node::{Decision, Node, Path};
 use super::proofs::{Fork, Proof, Proofs};
 use super::start::{Completion, Start};
-use super::tree::{Share, Tree};
+use super::tree::{Tree, WorkerReport};
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 
@@ -26,7 +26,7 @@ pub(super) struct TreeView<'a> {
     pub(super) tree: &'a Tree<'a>,
     pub(super) id: usize,
     exchange: Exchange,
-    share: RefCell<Share>,
+    share: RefCell<WorkerReport>,
     found_by: Cell<Heuristic>,
     /// The last point that the integers of the start led to.
     last_found: RefCell<Option<Vec<f64>>>,
@@ -55,7 +55,7 @@ pub(super) struct RoundBuffer {
 }
 
 /// A source of points at work.
-pub(super) struct Begun {
+pub(super) struct HeuristicRun {
     before: Heuristic,
     /// Relaxations before.
     relaxations: u64,
@@ -161,14 +161,14 @@ impl<'a> TreeView<'a> {
     }
 
     /// Attributes points to this source until [`end`](Self::end) is called with the returned state.
-    pub(super) fn begin(&self, source: Heuristic) -> Begun {
+    pub(super) fn begin(&self, source: Heuristic) -> HeuristicRun {
         self.count(|s| s.heuristics.of_mut(source).calls += 1);
         let relaxations = self.share.borrow().statistics.relaxations;
-        Begun { before: self.found_by.replace(source), relaxations, since: Instant::now() }
+        HeuristicRun { before: self.found_by.replace(source), relaxations, since: Instant::now() }
     }
 
     /// Goes back to the source before.
-    pub(super) fn end(&self, begun: Begun) {
+    pub(super) fn end(&self, begun: HeuristicRun) {
         let source = self.found_by.replace(begun.before);
         self.count(|s| {
             let taken = s.relaxations - begun.relaxations;
@@ -275,7 +275,7 @@ impl<'a> TreeView<'a> {
     }
 
     /// Takes the finds since the last call.
-    pub(super) fn take_share(&self) -> Share {
+    pub(super) fn take_share(&self) -> WorkerReport {
         self.share.take()
     }
 

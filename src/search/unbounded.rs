@@ -1,9 +1,9 @@
 //! A root whose relaxation is unbounded.
 
 use super::context::Context;
-use super::found::Found;
+use super::found::SearchResult;
 use super::node::Node;
-use super::task::Task;
+use super::task::SolveTask;
 use crate::solution::Termination;
 use crate::solver::BranchingRule;
 
@@ -15,8 +15,8 @@ pub(super) fn settle_descent(ctx: &mut Context<'_>, node: Node) {
     options.branching = BranchingRule::LatestFirst;
     let (program, cutoff) = (&flat, f64::INFINITY);
     let (exact, options) = (None, &options);
-    let task = Task { program, exact, root: None, options, cutoff, ..*ctx.task() };
-    let Found { termination, points, statistics, .. } = (ctx.tree.tree.nested)(task);
+    let task = SolveTask { program, exact, root: None, options, cutoff, ..*ctx.task() };
+    let SearchResult { termination, points, statistics, .. } = (ctx.tree.tree.nested)(task);
     let incumbent = points.into_iter().next();
     ctx.clock.restart();
     ctx.tree.count(|s| s.add(&statistics));

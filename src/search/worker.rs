@@ -4,12 +4,14 @@ use super::branching::{Branching, RelaxedPoint};
 use super::children::branch;
 use super::close_node::{close_refuted, cut_off, keep_proof};
 use super::context::Context;
-use super::heuristics::{Heuristics, look_for_points, look_for_settled_point};
+use super::heuristics::{HeuristicAccounts, look_for_points, look_for_settled_point};
 use super::indifferent_binaries::{settle_groups, settle_lone};
 use super::leaf::offer_leaf;
-use super::node::{Decision, Known, Node};
+use super::node::{Decision, KnownRelaxation, Node};
 use super::node_probing::NodeProbing;
-use super::node_relaxation::{Exact, project_reduced, reduce_node, relax_and_keep, relax_exactly};
+use super::node_relaxation::{
+    ExactRelaxation, project_reduced, reduce_node, relax_and_keep, relax_exactly,
+};
 use super::pseudocosts::Pseudocosts;
 use super::reduced_cost::fix_by_reduced_costs;
 use super::replay::replay;
@@ -18,7 +20,7 @@ use super::trace::span;
 use super::tree_view::TreeView;
 use super::unbounded::settle_descent;
 use crate::presolve::{Projection, Reduced};
-use crate::relaxation::{Purpose, Verdict};
+use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::solution::{Heuristic, Termination};
 
 /// Distance from the cutoff, relative to the bound, within which a trial's bound may be too rough
@@ -32,7 +34,7 @@ const OUTSIDE_DOMAIN: f64 = 1e-6;
 pub(super) struct Worker<'a> {
     context: Context<'a>,
     branching: Branching,
-    heuristics: Heuristics,
+    heuristics: HeuristicAccounts,
     probing: NodeProbing,
     /// A buffer for the decisions of the node that is entered.
     route: Vec<Decision>,
@@ -44,7 +46,7 @@ impl<'a> Worker<'a> {
         Worker {
             context: Context::new(tree),
             branching: Branching::new(columns),
-            heuristics: Heuristics::new(),
+            heuristics: HeuristicAccounts::new(),
             probing: NodeProbing::new(columns),
             route: Vec::new(),
         }
@@ -126,7 +128,7 @@ impl<'a> Worker<'a> {
         if ctx.is_integral(&raw)
             && let Some(exact) = relax_exactly(ctx)
         {
-            let Exact { bound: proved, point } = exact;
+            let ExactRelaxation { bound: proved, point } = exact;
             bound = bound.max(proved);
             if is_cut_off(ctx, bound) {
                 return None;
@@ -190,7 +192,7 @@ fn give_back(ctx: &Context<'_>, node: Node, reason: Termination) {
 }
 
 /// Whether a trial's point is good enough to be the relaxed point of the node of the domain.
-pub(super) fn may_reuse(ctx: &Context<'_>, known: &Known, bound: f64) -> bool {
+pub(super) fn may_reuse(ctx: &Context<'_>, known: &KnownRelaxation, bound: f64) -> bool {
     let near = ctx.tree.cutoff() - bound <= NEAR_CUTOFF * bound.abs().max(1.0);
     let inside = || {
         known.point.iter().enumerate().all(|(j, &v)| {
@@ -232,26 +234,26 @@ fn conclude_from(
     pseudocosts: &mut Pseudocosts,
     node: &Node,
     projection: &Projection,
-    verdict: &mut Verdict,
+    verdict: &mut RelaxationVerdict,
 ) -> Option<(f64, Vec<f64>)> {
     let reduced = &projection.reduced;
     let (bound, x, y) = match verdict {
-        Verdict::Refuted(_) => {
+        RelaxationVerdict::Refuted(_) => {
             ctx.tree.count(|s| s.refuted_by_relaxation += 1);
             close_refuted(ctx, &node.path);
             return None;
         }
-        Verdict::Stopped => {
+        RelaxationVerdict::Stopped => {
             let reason = ctx.token.ended().unwrap_or(Termination::Interrupted);
             give_back(ctx, node.clone(), reason);
             return None;
         }
-        Verdict::Descent => {
+        RelaxationVerdict::Descent => {
             ctx.tree.count(|s| s.unfinished += 1);
             settle_descent(ctx, node.clone());
             return None;
         }
-        Verdict::Relaxed { bound, x, y, warm, .. } => {
+        RelaxationVerdict::Relaxed { bound, x, y, warm, .. } => {
             if let Some(warm) = warm.as_ref().filter(|_| node.path.is_empty()) {
                 ctx.tree.keep_root_state(warm);
             }

@@ -21,7 +21,7 @@ const FOR_FACTOR: f64 = 1.0 / 64.0;
 const MOST: f64 = 1e300;
 
 /// The symmetric matrix of a block; variables are numbered within it.
-pub(super) struct Block {
+pub(super) struct MatrixBlock {
     /// By variable: its number in the whole form.
     pub(super) names: Vec<usize>,
     pub(super) diagonal: Vec<f64>,
@@ -33,14 +33,14 @@ pub(super) struct Block {
 }
 
 /// The verdict on a block.
-enum Verdict {
+enum Curvature {
     Proved,
     Negative(Direction),
     /// Neither, with the most promising direction.
     Open(Direction),
 }
 
-impl Block {
+impl MatrixBlock {
     /// From products of places among the names.
     pub(super) fn new(names: Vec<usize>, products: &[Product], allowed: Vec<f64>) -> Self {
         let mut diagonal = vec![0.0; names.len()];
@@ -55,7 +55,7 @@ impl Block {
             }
         }
         let longest = count.into_iter().max().unwrap_or(0);
-        Block { names, diagonal, pairs, allowed, longest }
+        MatrixBlock { names, diagonal, pairs, allowed, longest }
     }
 
     /// A direction of negative curvature; `None` if there is none but for what is allowed.
@@ -63,15 +63,15 @@ impl Block {
         let mut open = None;
         for part in [UNITS, UNITS * MORE] {
             match self.verdict(part * f64::EPSILON * (self.longest + 2) as f64) {
-                Verdict::Proved => return None,
-                Verdict::Negative(direction) => return Some(direction),
-                Verdict::Open(direction) => open = Some(direction),
+                Curvature::Proved => return None,
+                Curvature::Negative(direction) => return Some(direction),
+                Curvature::Open(direction) => open = Some(direction),
             }
         }
         open
     }
 
-    fn verdict(&self, rounding: f64) -> Verdict {
+    fn verdict(&self, rounding: f64) -> Curvature {
         let n = self.names.len();
         // Half of the rounding, and some of what is allowed, is for what the factor misses.
         let shares = |of_rounding: f64, of_allowed: f64| -> Vec<f64> {
@@ -86,15 +86,15 @@ impl Block {
         if self.pairs.is_empty() {
             let negative = |j: &usize| raised[*j] + room[*j] < 0.0;
             return match (0..n).find(negative) {
-                Some(j) => Verdict::Negative(Direction::axis(self, j)),
-                None => Verdict::Proved,
+                Some(j) => Curvature::Negative(Direction::axis(self, j)),
+                None => Curvature::Proved,
             };
         }
         if let Some(j) = (0..n).find(|&j| raised[j].is_nan() || raised[j] <= 0.0) {
             return self.judge(Direction::at_flat(self, j));
         }
         if self.is_dominant(&raised) {
-            return Verdict::Proved;
+            return Curvature::Proved;
         }
         let powers: Vec<i32> = raised.iter().map(|&entry| -exponent(entry).div_euclid(2)).collect();
         let mut pairs = Vec::with_capacity(self.pairs.len());
@@ -111,14 +111,14 @@ impl Block {
         };
         let (matrix, room) = (Scaled { diagonal: scaled(&raised), pairs }, scaled(&room));
         let weak = match factor(&matrix, &room) {
-            Factored::Covered => return Verdict::Proved,
+            Factored::Covered => return Curvature::Proved,
             Factored::Weak(vector) => vector,
         };
         self.judge(Direction::from_scaled(self, weak.into_iter().zip(powers).collect()))
     }
 
-    fn judge(&self, (direction, is_proved): (Direction, bool)) -> Verdict {
-        if is_proved { Verdict::Negative(direction) } else { Verdict::Open(direction) }
+    fn judge(&self, (direction, is_proved): (Direction, bool)) -> Curvature {
+        if is_proved { Curvature::Negative(direction) } else { Curvature::Open(direction) }
     }
 
     /// Whether each diagonal entry is at least the sum of the other ones of its row.

@@ -1,6 +1,6 @@
 //! Directions of negative curvature: rounded to few digits, and checked with twice the digits.
 
-use super::block::Block;
+use super::block::MatrixBlock;
 use super::scaled::{exponent, times_power};
 use crate::sum::Sum;
 
@@ -30,12 +30,12 @@ pub struct Direction {
 
 impl Direction {
     /// Along one variable.
-    pub(super) fn axis(block: &Block, j: usize) -> Self {
+    pub(super) fn axis(block: &MatrixBlock, j: usize) -> Self {
         Direction { steps: vec![(block.names[j], 1.0)], curvature: 2.0 * block.diagonal[j] }
     }
 
     /// From a variable whose square has no positive coefficient; and whether it is proved.
-    pub(super) fn at_flat(block: &Block, j: usize) -> (Self, bool) {
+    pub(super) fn at_flat(block: &MatrixBlock, j: usize) -> (Self, bool) {
         if block.diagonal[j] < 0.0 {
             return (Direction::axis(block, j), true);
         }
@@ -48,7 +48,7 @@ impl Direction {
     }
 
     /// Along two variables whose product outweighs their squares.
-    pub(super) fn of_pair(block: &Block, i: usize, j: usize, q: f64) -> (Self, bool) {
+    pub(super) fn of_pair(block: &MatrixBlock, i: usize, j: usize, q: f64) -> (Self, bool) {
         // Steps with which both squares weigh about the same; one flat one goes as far as the product needs
         // to win.
         let flat = |k: usize| block.diagonal[k] <= 0.0;
@@ -65,7 +65,7 @@ impl Direction {
     }
 
     /// From entries times powers of two; and whether it is proved that the curvature is negative.
-    pub(super) fn from_scaled(block: &Block, vector: Vec<(f64, i32)>) -> (Self, bool) {
+    pub(super) fn from_scaled(block: &MatrixBlock, vector: Vec<(f64, i32)>) -> (Self, bool) {
         // Units in which the entries of the direction are comparable: those of the matrix.
         let used = vector.iter().filter(|(z, _)| *z != 0.0 && z.is_finite());
         let largest = used.clone().map(|(z, _)| z.abs()).fold(0.0, f64::max);
@@ -101,7 +101,7 @@ fn rounded(value: f64, digits: usize) -> f64 {
 }
 
 /// `2 d'Md / d'd`, and whether it is proved to be negative.
-fn curvature(block: &Block, steps: &[(usize, f64)], powers: &[i32]) -> (f64, bool) {
+fn curvature(block: &MatrixBlock, steps: &[(usize, f64)], powers: &[i32]) -> (f64, bool) {
     // In units in which the direction is comparable, so that nothing underflows that matters.
     let mut scaled = vec![0.0; powers.len()];
     let mut squares = 0.0;

@@ -21,7 +21,7 @@ mod direction;
 mod scaled;
 mod sparse;
 
-use block::Block;
+use block::MatrixBlock;
 pub use direction::Direction;
 
 /// A product of two variables with its coefficient; the first one is not larger, and none is repeated.
@@ -44,15 +44,15 @@ pub fn negative_direction(
 ) -> Option<Direction> {
     blocks(products).into_iter().find_map(|(names, products)| {
         let allowed = names.iter().map(|&name| allowed(name)).collect();
-        Block::new(names, &products, allowed).refute()
+        MatrixBlock::new(names, &products, allowed).refute()
     })
 }
 
 /// The variables of a block, in order, and its products in places among them.
-type Part = (Vec<usize>, Vec<Product>);
+type BlockProducts = (Vec<usize>, Vec<Product>);
 
 /// Variables that products link, directly or not, are in one block.
-fn blocks(products: &[Product]) -> Vec<Part> {
+fn blocks(products: &[Product]) -> Vec<BlockProducts> {
     let used = || products.iter().filter(|(.., q)| *q != 0.0);
     let size = used().map(|&(_, b, _)| b + 1).max().unwrap_or(0);
     let mut parent: Vec<usize> = (0..size).collect();
@@ -64,7 +64,7 @@ fn blocks(products: &[Product]) -> Vec<Part> {
     used().for_each(|&(a, b, _)| (is_used[a], is_used[b]) = (true, true));
     // By variable: its block and its place in it. The first one of a block is its root.
     let (mut block, mut place) = (vec![0; size], vec![0; size]);
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<BlockProducts> = Vec::new();
     for j in (0..size).filter(|&j| is_used[j]) {
         let root = root(&mut parent, j);
         if root == j {

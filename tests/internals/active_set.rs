@@ -3,7 +3,8 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    ActiveSet, Claim, ClarabelRelaxation, Effort, Prover, Relaxation, RelaxationResult, WarmState,
+    ActiveSet, ClarabelRelaxation, Effort, Prover, Relaxation, RelaxationClaim, RelaxationResult,
+    WarmState,
 };
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -115,20 +116,20 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<(), TestCaseErr
     };
     let other = ClarabelRelaxation::new().solve(program, &effort);
     match answer.claim {
-        Claim::Solved => {
+        RelaxationClaim::Solved => {
             let value = program.objective(&answer.x);
             let bound = Prover::default().lower_bound(program, &answer.x, &answer.y);
             let scale = value.abs().max(1.0);
             prop_assert!(value - bound <= 1e-7 * scale, "{} to {}: {:?}", bound, value, answer);
-            prop_assert!(other.claim != Claim::Infeasible, "{:?}", answer);
-            if other.claim == Claim::Solved {
+            prop_assert!(other.claim != RelaxationClaim::Infeasible, "{:?}", answer);
+            if other.claim == RelaxationClaim::Solved {
                 let theirs = program.objective(&other.x);
                 prop_assert!((value - theirs).abs() <= 1e-6 * scale, "{} and {}", value, theirs);
             }
         }
-        Claim::Infeasible => {
+        RelaxationClaim::Infeasible => {
             prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer);
-            prop_assert!(other.claim != Claim::Solved, "{:?}", answer);
+            prop_assert!(other.claim != RelaxationClaim::Solved, "{:?}", answer);
         }
         _ => prop_assert!(false, "{:?}", answer),
     }
@@ -148,12 +149,12 @@ proptest! {
         let warm = solve(&child, INF, above.warm.as_ref());
         check(&child, &warm)?;
         prop_assert_eq!(cold.claim, warm.claim);
-        if warm.claim == Claim::Solved {
+        if warm.claim == RelaxationClaim::Solved {
             let again = solve(&child, INF, warm.warm.as_ref());
             prop_assert!(again.iterations <= 2, "{:?}", again);
             let cutoff = child.objective(&cold.x) - below;
             let stopped = solve(&child, cutoff, above.warm.as_ref());
-            prop_assert_eq!(stopped.claim, Claim::Beyond);
+            prop_assert_eq!(stopped.claim, RelaxationClaim::Beyond);
             prop_assert!(Prover::default().lower_bound(&child, &stopped.x, &stopped.y) >= cutoff, "{:?}", stopped);
         }
     }
@@ -170,7 +171,7 @@ fn programs_without_curvature_are_left_to_others() {
     };
     let mut program = case.program();
     program.quadratic.value = vec![1.0, 1.0, 1.0];
-    assert_eq!(solve(&program, INF, None).claim, Claim::Unknown);
+    assert_eq!(solve(&program, INF, None).claim, RelaxationClaim::Unknown);
     program.quadratic = Compressed { start: vec![0; 3], ..Compressed::default() };
     assert!(!ActiveSet::suits(&program));
 }

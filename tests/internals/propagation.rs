@@ -10,7 +10,9 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Domain, Propagator, Reduced, probe, reduce};
 use carom::internals::program::Program;
-use carom::internals::relaxation::{Claim, ClarabelRelaxation, Effort, Prover, Relaxation, polish};
+use carom::internals::relaxation::{
+    ClarabelRelaxation, Effort, Prover, Relaxation, RelaxationClaim, polish,
+};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -569,7 +571,7 @@ proptest! {
             let refuted = Prover::default().proves_infeasible(&program, y);
             prop_assert!(!refuted || points.is_empty(), "{:?} refutes {:?}", y, points[0]);
         }
-        if answer.claim == Claim::Solved {
+        if answer.claim == RelaxationClaim::Solved {
             let (bound, cost) =
                 (Prover::default().lower_bound(&program, &answer.x, &answer.y), program.objective(&answer.x));
             prop_assert!(

@@ -5,7 +5,8 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    Claim, ClarabelRelaxation, Effort, InteriorPoint, Prover, Relaxation, RelaxationResult,
+    ClarabelRelaxation, Effort, InteriorPoint, Prover, Relaxation, RelaxationClaim,
+    RelaxationResult,
 };
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -144,7 +145,7 @@ fn violation(program: &Reduced, x: &[f64]) -> f64 {
 /// What a claim means is proved by its multipliers.
 fn check(program: &Reduced, answer: &RelaxationResult, cutoff: f64) -> Result<(), TestCaseError> {
     match answer.claim {
-        Claim::Solved => {
+        RelaxationClaim::Solved => {
             let (value, bound) = (
                 program.objective(&answer.x),
                 Prover::default().lower_bound(program, &answer.x, &answer.y),
@@ -156,15 +157,15 @@ fn check(program: &Reduced, answer: &RelaxationResult, cutoff: f64) -> Result<()
             let miss = violation(program, &answer.x);
             prop_assert!(miss <= 1e-5, "misses by {}: {:?}", miss, answer);
         }
-        Claim::Infeasible => {
+        RelaxationClaim::Infeasible => {
             prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer)
         }
-        Claim::Beyond => {
+        RelaxationClaim::Beyond => {
             let bound = Prover::default().lower_bound(program, &answer.x, &answer.y);
             prop_assert!(bound >= cutoff, "{} < {}: {:?}", bound, cutoff, answer);
         }
-        Claim::Unbounded => prop_assert!(false, "never claimed: {answer:?}"),
-        Claim::Unknown => {}
+        RelaxationClaim::Unbounded => prop_assert!(false, "never claimed: {answer:?}"),
+        RelaxationClaim::Unknown => {}
     }
     Ok(())
 }
@@ -179,11 +180,11 @@ proptest! {
         check(&program, &ours, INF)?;
         let theirs = ClarabelRelaxation::new().solve(&program, &effort(&StopToken::default(), INF));
         match (ours.claim, theirs.claim) {
-            (Claim::Solved, Claim::Solved) => {
+            (RelaxationClaim::Solved, RelaxationClaim::Solved) => {
                 let (a, b) = (program.objective(&ours.x), program.objective(&theirs.x));
                 prop_assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{} and {}", a, b);
             }
-            (Claim::Solved, Claim::Infeasible) => {
+            (RelaxationClaim::Solved, RelaxationClaim::Infeasible) => {
                 prop_assert!(!Prover::default().proves_infeasible(&program, &theirs.y), "{:?}", ours);
             }
             _ => {}
@@ -220,10 +221,10 @@ proptest! {
         let from = Effort { warm: above.warm.as_ref(), ..effort(&token, INF) };
         let warm = InteriorPoint::new().solve(&child, &from);
         check(&child, &warm, INF)?;
-        if (cold.claim, warm.claim) == (Claim::Solved, Claim::Solved) {
+        if (cold.claim, warm.claim) == (RelaxationClaim::Solved, RelaxationClaim::Solved) {
             let (a, b) = (child.objective(&cold.x), child.objective(&warm.x));
             prop_assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{} and {}", a, b);
-        } else if cold.claim == Claim::Solved {
+        } else if cold.claim == RelaxationClaim::Solved {
             prop_assert!(!Prover::default().proves_infeasible(&child, &warm.y), "{:?}", cold);
         }
     }
@@ -232,12 +233,12 @@ proptest! {
     fn cutoffs_are_kept(case in case(), below in 0.0..3.0_f64) {
         let program = case.program();
         let whole = ClarabelRelaxation::new().solve(&program, &effort(&StopToken::default(), INF));
-        prop_assume!(whole.claim == Claim::Solved);
+        prop_assume!(whole.claim == RelaxationClaim::Solved);
         let value = program.objective(&whole.x);
         let cutoff = value - below * (1.0 + 0.1 * value.abs());
         let answer = InteriorPoint::new().solve(&program, &effort(&StopToken::default(), cutoff));
         check(&program, &answer, cutoff)?;
-        if answer.claim == Claim::Solved {
+        if answer.claim == RelaxationClaim::Solved {
             // Nothing was beyond the cutoff by more than the gap at which a program counts as solved.
             prop_assert!(program.objective(&answer.x) >= cutoff - 1e-5 * value.abs().max(1.0));
         }
@@ -279,7 +280,7 @@ fn most_programs_are_settled() {
             let case = case().new_tree(&mut runner).map(|tree| tree.current());
             let program = case.as_ref().map(Case::program).unwrap_or_default();
             InteriorPoint::new().solve(&program, &effort(&StopToken::default(), INF)).claim
-                != Claim::Unknown
+                != RelaxationClaim::Unknown
         })
         .count();
     assert!(settled >= 290, "{settled} of 300");

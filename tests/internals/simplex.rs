@@ -3,7 +3,8 @@
 use crate::common::config;
 use carom::internals::presolve::{Compressed, Reduced};
 use carom::internals::relaxation::{
-    Claim, ClarabelRelaxation, DualSimplex, Effort, Prover, Relaxation, RelaxationResult, WarmState,
+    ClarabelRelaxation, DualSimplex, Effort, Prover, Relaxation, RelaxationClaim, RelaxationResult,
+    WarmState,
 };
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -112,22 +113,22 @@ fn check(program: &Reduced, answer: &RelaxationResult) -> Result<bool, TestCaseE
     };
     let other = ClarabelRelaxation::new().solve(program, &effort);
     match answer.claim {
-        Claim::Solved => {
+        RelaxationClaim::Solved => {
             let value = program.objective(&answer.x);
             let bound = Prover::default().lower_bound(program, &answer.x, &answer.y);
             let scale = value.abs().max(1.0);
             prop_assert!(value - bound <= 1e-7 * scale, "{} to {}: {:?}", bound, value, answer);
-            prop_assert!(other.claim != Claim::Infeasible, "{:?}", answer);
-            if other.claim == Claim::Solved {
+            prop_assert!(other.claim != RelaxationClaim::Infeasible, "{:?}", answer);
+            if other.claim == RelaxationClaim::Solved {
                 let theirs = program.objective(&other.x);
                 prop_assert!((value - theirs).abs() <= 1e-6 * scale, "{} and {}", value, theirs);
             }
         }
-        Claim::Infeasible => {
+        RelaxationClaim::Infeasible => {
             prop_assert!(Prover::default().proves_infeasible(program, &answer.y), "{:?}", answer);
-            prop_assert!(other.claim != Claim::Solved, "{:?}", answer);
+            prop_assert!(other.claim != RelaxationClaim::Solved, "{:?}", answer);
         }
-        Claim::Unknown => return Ok(false),
+        RelaxationClaim::Unknown => return Ok(false),
         _ => prop_assert!(false, "{:?}", answer),
     }
     Ok(true)
@@ -144,13 +145,13 @@ proptest! {
         check(&parent, &above)?;
         let warm = solve(&child, INF, above.warm.as_ref());
         check(&child, &warm)?;
-        if warm.claim == Claim::Solved {
+        if warm.claim == RelaxationClaim::Solved {
             let again = solve(&child, INF, warm.warm.as_ref());
-            prop_assert_eq!(again.claim, Claim::Solved);
+            prop_assert_eq!(again.claim, RelaxationClaim::Solved);
             prop_assert_eq!(again.iterations, 0);
             let cutoff = child.objective(&warm.x) - below;
             let stopped = solve(&child, cutoff, above.warm.as_ref());
-            prop_assert_eq!(stopped.claim, Claim::Beyond);
+            prop_assert_eq!(stopped.claim, RelaxationClaim::Beyond);
             prop_assert!(Prover::default().lower_bound(&child, &stopped.x, &stopped.y) >= cutoff, "{:?}", stopped);
         }
     }
@@ -171,7 +172,7 @@ fn most_programs_are_settled() {
         let above = solve(&parent, INF, None);
         all += 1;
         let answer = solve(&child, INF, above.warm.as_ref());
-        settled += usize::from(answer.claim != Claim::Unknown);
+        settled += usize::from(answer.claim != RelaxationClaim::Unknown);
     }
     assert!(all > 50 && settled + 3 >= all, "{settled} of {all}");
 }

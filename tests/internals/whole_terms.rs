@@ -76,7 +76,7 @@ fn short_fractions_are_exact() {
 /// A column that presolve put in terms of large ones keeps its bounds.
 #[test]
 fn substituted_columns_keep_their_bounds() {
-    use carom::internals::presolve::root::{Presolve, Rule, presolve};
+    use carom::internals::presolve::root::{Presolve, PresolveRule, presolve};
     let mut model = Model::new("m");
     let s = model.continuous("s", 0.0, 1.0).unwrap();
     let t = model.continuous("t", 0.0, 10_000.0).unwrap();
@@ -86,7 +86,7 @@ fn substituted_columns_keep_their_bounds() {
     model.maximize(4.0 * x + 5.0 * y + 1.0 * s).unwrap();
     let program = Program::assemble(&model).unwrap();
     let Ok(Presolve::Presolved(presolved)) =
-        presolve(&program, &[Rule::SlackColumns], &Default::default())
+        presolve(&program, &[PresolveRule::SlackColumns], &Default::default())
     else {
         panic!("it has points")
     };

@@ -3,7 +3,7 @@
 use super::super::ids::LogicalConstraint;
 use super::super::literal::Literal;
 use super::super::name::Name;
-use super::super::statement::{Sealed, Statement};
+use super::super::statement::{SealedStatement, Statement};
 use super::super::store::Model;
 use super::super::variable::VariableKind;
 use super::{Formula, Logic, MAX_LOGIC_DEPTH};
@@ -33,7 +33,7 @@ impl Logic {
     }
 }
 
-impl Sealed for Logic {}
+impl SealedStatement for Logic {}
 impl Statement for Logic {
     type Handle = LogicalConstraint;
 
@@ -46,7 +46,7 @@ impl Statement for Logic {
     }
 }
 
-impl Sealed for Literal {}
+impl SealedStatement for Literal {}
 impl Statement for Literal {
     type Handle = LogicalConstraint;
 

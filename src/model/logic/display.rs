@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Logic, Node};
+use super::{FormulaNode, Logic};
 use crate::model::ids::Variable;
 
 impl fmt::Display for Logic {
@@ -19,20 +19,20 @@ impl Logic {
             of.iter().map(|member| member.operand(name)).collect::<Vec<_>>().join(word)
         };
         match &self.node {
-            Node::Literal(literal) if literal.on => name(literal.variable),
-            Node::Literal(literal) => format!("!{}", name(literal.variable)),
-            Node::Not(of) => format!("!{}", of.operand(name)),
-            Node::And(of) if of.is_empty() => "true".into(),
-            Node::Or(of) if of.is_empty() => "false".into(),
-            Node::And(of) => joined(of, " & "),
-            Node::Or(of) => joined(of, " | "),
-            Node::Implies(condition, then) => {
+            FormulaNode::Literal(literal) if literal.on => name(literal.variable),
+            FormulaNode::Literal(literal) => format!("!{}", name(literal.variable)),
+            FormulaNode::Not(of) => format!("!{}", of.operand(name)),
+            FormulaNode::And(of) if of.is_empty() => "true".into(),
+            FormulaNode::Or(of) if of.is_empty() => "false".into(),
+            FormulaNode::And(of) => joined(of, " & "),
+            FormulaNode::Or(of) => joined(of, " | "),
+            FormulaNode::Implies(condition, then) => {
                 format!("{} implies {}", condition.operand(name), then.operand(name))
             }
-            Node::Parity { odd: false, of } if of.len() == 2 => joined(of, " iff "),
-            Node::Parity { odd: true, of } => joined(of, " xor "),
-            Node::Parity { odd: false, of } => format!("!({})", joined(of, " xor ")),
-            Node::Count { at_least, at_most, of } => {
+            FormulaNode::Parity { odd: false, of } if of.len() == 2 => joined(of, " iff "),
+            FormulaNode::Parity { odd: true, of } => joined(of, " xor "),
+            FormulaNode::Parity { odd: false, of } => format!("!({})", joined(of, " xor ")),
+            FormulaNode::Count { at_least, at_most, of } => {
                 let of: String =
                     of.iter().map(|member| format!(", {}", member.text(name))).collect();
                 match (*at_least, *at_most) {
@@ -42,7 +42,7 @@ impl Logic {
                     (low, high) => format!("between({low}, {high}{of})"),
                 }
             }
-            Node::TooDeep => "...".into(),
+            FormulaNode::TooDeep => "...".into(),
         }
     }
 
@@ -50,7 +50,10 @@ impl Logic {
     pub(crate) fn operand(&self, name: &dyn Fn(Variable) -> String) -> String {
         let text = self.text(name);
         match &self.node {
-            Node::Literal(_) | Node::Not(_) | Node::Count { .. } | Node::TooDeep => text,
+            FormulaNode::Literal(_)
+            | FormulaNode::Not(_)
+            | FormulaNode::Count { .. }
+            | FormulaNode::TooDeep => text,
             _ => format!("({text})"),
         }
     }

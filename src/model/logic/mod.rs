@@ -51,16 +51,16 @@ const MAX_LOGIC_DEPTH: u32 = 100;
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[must_use = "a formula does nothing until it is given to `Model::add` or used as a condition"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "Node", into = "Node"))]
+#[cfg_attr(feature = "serde", serde(from = "FormulaNode", into = "FormulaNode"))]
 pub struct Logic {
-    node: Node,
+    node: FormulaNode,
     depth: u32,
 }
 
 /// The structure of a formula.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-enum Node {
+enum FormulaNode {
     Literal(Literal),
     Not(Box<Logic>),
     And(Vec<Logic>),
@@ -81,22 +81,22 @@ enum Node {
     TooDeep,
 }
 
-impl Node {
+impl FormulaNode {
     fn members(&self) -> &[Logic] {
         match self {
-            Node::Literal(_) | Node::TooDeep => &[],
-            Node::Not(of) => std::slice::from_ref(of),
-            Node::And(of) | Node::Or(of) => of,
-            Node::Implies(..) => &[],
-            Node::Parity { of, .. } | Node::Count { of, .. } => of,
+            FormulaNode::Literal(_) | FormulaNode::TooDeep => &[],
+            FormulaNode::Not(of) => std::slice::from_ref(of),
+            FormulaNode::And(of) | FormulaNode::Or(of) => of,
+            FormulaNode::Implies(..) => &[],
+            FormulaNode::Parity { of, .. } | FormulaNode::Count { of, .. } => of,
         }
     }
 }
 
-impl From<Node> for Logic {
-    fn from(node: Node) -> Self {
+impl From<FormulaNode> for Logic {
+    fn from(node: FormulaNode) -> Self {
         let below = match &node {
-            Node::Implies(condition, then) => condition.depth.max(then.depth),
+            FormulaNode::Implies(condition, then) => condition.depth.max(then.depth),
             other => other.members().iter().map(|member| member.depth).max().unwrap_or(0),
         };
         Logic::new(node, below + 1)
@@ -104,38 +104,38 @@ impl From<Node> for Logic {
 }
 
 #[cfg(feature = "serde")]
-impl From<Logic> for Node {
+impl From<Logic> for FormulaNode {
     fn from(logic: Logic) -> Self {
         logic.node
     }
 }
 
 impl Logic {
-    fn new(node: Node, depth: u32) -> Self {
+    fn new(node: FormulaNode, depth: u32) -> Self {
         match depth <= MAX_LOGIC_DEPTH {
             true => Logic { node, depth },
-            false => Logic { node: Node::TooDeep, depth: 1 },
+            false => Logic { node: FormulaNode::TooDeep, depth: 1 },
         }
     }
 
     /// All of these are true.
     pub fn all<T: Into<Logic>>(of: impl IntoIterator<Item = T>) -> Logic {
-        Node::And(of.into_iter().map(T::into).collect()).into()
+        FormulaNode::And(of.into_iter().map(T::into).collect()).into()
     }
 
     /// At least one of these is true.
     pub fn any<T: Into<Logic>>(of: impl IntoIterator<Item = T>) -> Logic {
-        Node::Or(of.into_iter().map(T::into).collect()).into()
+        FormulaNode::Or(of.into_iter().map(T::into).collect()).into()
     }
 
     pub(super) fn implication(condition: Logic, then: Logic) -> Logic {
-        Node::Implies(Box::new(condition), Box::new(then)).into()
+        FormulaNode::Implies(Box::new(condition), Box::new(then)).into()
     }
 
     /// The literal, if the formula is a single literal.
     pub fn as_literal(&self) -> Option<Literal> {
         match &self.node {
-            Node::Literal(literal) => Some(*literal),
+            FormulaNode::Literal(literal) => Some(*literal),
             _ => None,
         }
     }
@@ -152,8 +152,8 @@ impl Logic {
 
     fn collect(&self, found: &mut Vec<Variable>) {
         match &self.node {
-            Node::Literal(literal) => found.push(literal.variable),
-            Node::Implies(condition, then) => {
+            FormulaNode::Literal(literal) => found.push(literal.variable),
+            FormulaNode::Implies(condition, then) => {
                 condition.collect(found);
                 then.collect(found);
             }
@@ -185,21 +185,23 @@ impl Logic {
     fn truth(&self, value: &dyn Fn(Variable) -> bool) -> bool {
         let count = |of: &[Logic]| of.iter().filter(|member| member.truth(value)).count();
         match &self.node {
-            Node::Literal(literal) => value(literal.variable) == literal.on,
-            Node::Not(of) => !of.truth(value),
-            Node::And(of) => of.iter().all(|member| member.truth(value)),
-            Node::Or(of) => of.iter().any(|member| member.truth(value)),
-            Node::Implies(condition, then) => !condition.truth(value) || then.truth(value),
-            Node::Parity { odd, of } => (count(of) % 2 == 1) == *odd,
-            Node::Count { at_least, at_most, of } => (*at_least..=*at_most).contains(&count(of)),
-            Node::TooDeep => false,
+            FormulaNode::Literal(literal) => value(literal.variable) == literal.on,
+            FormulaNode::Not(of) => !of.truth(value),
+            FormulaNode::And(of) => of.iter().all(|member| member.truth(value)),
+            FormulaNode::Or(of) => of.iter().any(|member| member.truth(value)),
+            FormulaNode::Implies(condition, then) => !condition.truth(value) || then.truth(value),
+            FormulaNode::Parity { odd, of } => (count(of) % 2 == 1) == *odd,
+            FormulaNode::Count { at_least, at_most, of } => {
+                (*at_least..=*at_most).contains(&count(of))
+            }
+            FormulaNode::TooDeep => false,
         }
     }
 
     fn is_too_deep(&self) -> bool {
         match &self.node {
-            Node::TooDeep => true,
-            Node::Implies(condition, then) => condition.is_too_deep() || then.is_too_deep(),
+            FormulaNode::TooDeep => true,
+            FormulaNode::Implies(condition, then) => condition.is_too_deep() || then.is_too_deep(),
             other => other.members().iter().any(Logic::is_too_deep),
         }
     }
@@ -207,17 +209,18 @@ impl Logic {
 
 /// At most `count` of these are true. This is always true if `count` is at least their number.
 pub fn at_most<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
-    Node::Count { at_least: 0, at_most: count, of: of.into_iter().map(T::into).collect() }.into()
+    FormulaNode::Count { at_least: 0, at_most: count, of: of.into_iter().map(T::into).collect() }
+        .into()
 }
 
 /// At least `count` of these are true. This is always true if `count` is 0.
 pub fn at_least<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
     let of = of.into_iter().map(T::into).collect();
-    Node::Count { at_least: count, at_most: usize::MAX, of }.into()
+    FormulaNode::Count { at_least: count, at_most: usize::MAX, of }.into()
 }
 
 /// Exactly `count` of these are true.
 pub fn exactly<T: Into<Logic>>(count: usize, of: impl IntoIterator<Item = T>) -> Logic {
     let of = of.into_iter().map(T::into).collect();
-    Node::Count { at_least: count, at_most: count, of }.into()
+    FormulaNode::Count { at_least: count, at_most: count, of }.into()
 }

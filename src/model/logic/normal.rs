@@ -3,7 +3,7 @@
 //! It tells whether a statement is trivially false when it is added, and gives its rows when it is
 //! lowered.
 
-use super::{Logic, Node};
+use super::{FormulaNode, Logic};
 use crate::model::literal::Literal;
 
 /// A formula in negation normal form. Members are sorted, and no member is a constant or, in a
@@ -39,22 +39,24 @@ impl Formula {
         let all =
             |of: &[Logic], value| of.iter().map(|member| Formula::of(member, value)).collect();
         match &logic.node {
-            Node::Literal(literal) => Formula::Literal(if value { *literal } else { !*literal }),
-            Node::Not(of) => Formula::of(of, !value),
-            Node::And(of) if value => and(all(of, true)),
-            Node::And(of) => or(all(of, false)),
-            Node::Or(of) if value => or(all(of, true)),
-            Node::Or(of) => and(all(of, false)),
-            Node::Implies(condition, then) => {
+            FormulaNode::Literal(literal) => {
+                Formula::Literal(if value { *literal } else { !*literal })
+            }
+            FormulaNode::Not(of) => Formula::of(of, !value),
+            FormulaNode::And(of) if value => and(all(of, true)),
+            FormulaNode::And(of) => or(all(of, false)),
+            FormulaNode::Or(of) if value => or(all(of, true)),
+            FormulaNode::Or(of) => and(all(of, false)),
+            FormulaNode::Implies(condition, then) => {
                 let (condition, then) = (Formula::of(condition, !value), Formula::of(then, value));
                 if value { or(vec![condition, then]) } else { and(vec![condition, then]) }
             }
-            Node::Parity { odd, of } => parity(*odd == value, all(of, true)),
-            Node::Count { at_least, at_most, of } => {
+            FormulaNode::Parity { odd, of } => parity(*odd == value, all(of, true)),
+            FormulaNode::Count { at_least, at_most, of } => {
                 let count = count(*at_least, *at_most, all(of, true));
                 if value { count } else { count.negated() }
             }
-            Node::TooDeep => Formula::Constant(!value),
+            FormulaNode::TooDeep => Formula::Constant(!value),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::{BitAnd, BitOr, Not};
 
-use super::{Logic, Node};
+use super::{FormulaNode, Logic};
 use crate::model::ids::Variable;
 use crate::model::indicator::{Consequent, Implications, Reification};
 use crate::model::literal::Literal;
@@ -10,7 +10,7 @@ use crate::model::row::Row;
 
 impl From<Literal> for Logic {
     fn from(literal: Literal) -> Self {
-        Node::Literal(literal).into()
+        FormulaNode::Literal(literal).into()
     }
 }
 
@@ -62,14 +62,14 @@ impl Not for Logic {
 
     fn not(self) -> Logic {
         match self.node {
-            Node::Literal(literal) => (!literal).into(),
-            Node::Not(of) => *of,
-            Node::Parity { odd, of } => {
-                Logic { node: Node::Parity { odd: !odd, of }, depth: self.depth }
+            FormulaNode::Literal(literal) => (!literal).into(),
+            FormulaNode::Not(of) => *of,
+            FormulaNode::Parity { odd, of } => {
+                Logic { node: FormulaNode::Parity { odd: !odd, of }, depth: self.depth }
             }
             node => {
                 let depth = self.depth;
-                Logic::new(Node::Not(Box::new(Logic { node, depth })), depth + 1)
+                Logic::new(FormulaNode::Not(Box::new(Logic { node, depth })), depth + 1)
             }
         }
     }
@@ -87,39 +87,39 @@ impl Not for &Logic {
 /// time.
 fn and(left: Logic, right: Logic) -> Logic {
     let open = |node| match node {
-        Node::And(of) => Ok(of),
+        FormulaNode::And(of) => Ok(of),
         other => Err(other),
     };
     let (of, depth) = joined(left, right, open);
-    Logic::new(Node::And(of), depth)
+    Logic::new(FormulaNode::And(of), depth)
 }
 
 fn or(left: Logic, right: Logic) -> Logic {
     let open = |node| match node {
-        Node::Or(of) => Ok(of),
+        FormulaNode::Or(of) => Ok(of),
         other => Err(other),
     };
     let (of, depth) = joined(left, right, open);
-    Logic::new(Node::Or(of), depth)
+    Logic::new(FormulaNode::Or(of), depth)
 }
 
 /// An even parity is the negation of the odd one, also as a member.
 fn parity(odd: bool, left: Logic, right: Logic) -> Logic {
-    let even = |logic: &Logic| matches!(logic.node, Node::Parity { odd: false, .. });
+    let even = |logic: &Logic| matches!(logic.node, FormulaNode::Parity { odd: false, .. });
     let odd = odd ^ even(&left) ^ even(&right);
     let open = |node| match node {
-        Node::Parity { of, .. } => Ok(of),
+        FormulaNode::Parity { of, .. } => Ok(of),
         other => Err(other),
     };
     let (of, depth) = joined(left, right, open);
-    Logic::new(Node::Parity { odd, of }, depth)
+    Logic::new(FormulaNode::Parity { odd, of }, depth)
 }
 
 /// The members of both sides, and the depth of a formula made of them.
 fn joined(
     left: Logic,
     right: Logic,
-    open: impl Fn(Node) -> Result<Vec<Logic>, Node>,
+    open: impl Fn(FormulaNode) -> Result<Vec<Logic>, FormulaNode>,
 ) -> (Vec<Logic>, u32) {
     let opened = |side: Logic| match open(side.node) {
         Ok(of) => (of, side.depth),

@@ -7,8 +7,8 @@ use super::section::{self, LpSection};
 use crate::error::Error;
 use crate::model::name::Name;
 use crate::model::sense::Sense;
-use crate::model::text::ends::Ends;
-use crate::model::text::names::Names;
+use crate::model::text::ends::FileBounds;
+use crate::model::text::names::NameIndex;
 use crate::model::text::read::Warning;
 use crate::model::text::sets::Set;
 use crate::model::text::token::Token;
@@ -23,7 +23,7 @@ pub(super) struct LpFile<'a> {
     pub(super) rows: Vec<LpRow<'a>>,
     pub(super) sets: Vec<Set<'a>>,
     pub(super) warnings: Vec<Warning>,
-    names: Names<'a>,
+    names: NameIndex<'a>,
     pieces: Vec<TypedToken<'a>>,
     /// The next token.
     at: usize,
@@ -35,7 +35,7 @@ pub(super) struct LpColumn<'a> {
     pub(super) integer: bool,
     pub(super) binary: bool,
     pub(super) semicontinuous: bool,
-    pub(super) ends: Ends<'a>,
+    pub(super) ends: FileBounds<'a>,
 }
 
 impl<'a> LpFile<'a> {
@@ -51,7 +51,7 @@ impl<'a> LpFile<'a> {
             rows: Vec::new(),
             sets: Vec::new(),
             warnings: Vec::new(),
-            names: Names::default(),
+            names: NameIndex::default(),
             pieces,
             at: 0,
         };
@@ -211,7 +211,7 @@ impl<'a> LpFile<'a> {
         Name::from(name.text).check().map_err(|error| name.error(error.to_string()))?;
         let column = self.names.declare(name.text).unwrap_or_else(|known| known);
         let (integer, binary, semicontinuous) = (false, false, false);
-        let ends = Ends::default();
+        let ends = FileBounds::default();
         self.columns.push(LpColumn { name, integer, binary, semicontinuous, ends });
         Ok(column)
     }

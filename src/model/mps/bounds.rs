@@ -1,7 +1,7 @@
 //! The BOUNDS section: what each kind of entry does, and the defaults.
 
 use crate::error::Error;
-use crate::model::text::ends::{self, Ends, Repeated};
+use crate::model::text::ends::{self, FileBounds, Repeated};
 use crate::model::text::read::Warning;
 use crate::model::text::token::Token;
 use crate::model::variable::VariableKind;
@@ -10,7 +10,7 @@ use crate::number::Exact;
 /// The bounds of one column in a file.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MpsBounds<'a> {
-    ends: Ends<'a>,
+    ends: FileBounds<'a>,
     /// The kind of the column according to the entries.
     pub(super) kind: Option<VariableKind>,
     /// Whether the bounds are those of values other than 0.

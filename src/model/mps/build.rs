@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::decimal::Decimal;
 use super::names;
-use super::read::{MpsColumn, MpsFile, MpsRow, RowKind};
+use super::read::{MpsColumn, MpsFile, MpsRow, MpsRowKind};
 use crate::error::Error;
 use crate::model::affine::Affine;
 use crate::model::ids::Variable;
@@ -25,7 +25,7 @@ pub(super) fn model(mut file: MpsFile<'_>) -> Result<Read, Error> {
     let mut warnings = std::mem::take(&mut file.warnings);
     let variables = variables(&file, &mut model, &mut warnings)?;
     for row in &file.rows {
-        if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
+        if matches!(row.kind, MpsRowKind::Objective | MpsRowKind::Ignored) {
             continue;
         }
         let (lower, upper) = limits(row)?;
@@ -115,16 +115,16 @@ fn limits(row: &MpsRow<'_>) -> Result<(f64, f64), Error> {
     let right = row.right.map_or(Ok(0.0), |token| token.number())?;
     let Some(range) = row.range else {
         let impossible = match row.kind {
-            RowKind::AtMost => right == lowest,
-            RowKind::AtLeast => right == highest,
+            MpsRowKind::AtMost => right == lowest,
+            MpsRowKind::AtLeast => right == highest,
             _ => right.is_infinite(),
         };
         if let (true, Some(token)) = (impossible, row.right) {
             return Err(token.error(format!("no point can satisfy row `{}`", row.name.text)));
         }
         return Ok(match row.kind {
-            RowKind::AtMost => (lowest, right),
-            RowKind::AtLeast => (right, highest),
+            MpsRowKind::AtMost => (lowest, right),
+            MpsRowKind::AtLeast => (right, highest),
             _ => (right, right),
         });
     };
@@ -135,8 +135,8 @@ fn limits(row: &MpsRow<'_>) -> Result<(f64, f64), Error> {
         )));
     }
     let downward = match row.kind {
-        RowKind::AtMost => true,
-        RowKind::AtLeast => false,
+        MpsRowKind::AtMost => true,
+        MpsRowKind::AtLeast => false,
         _ => range.raw()? < 0.0,
     };
     let other = other_limit(right, row.right, &range, downward)?;

@@ -6,7 +6,7 @@ use super::sets;
 use crate::error::{Error, ErrorKind};
 use crate::model::name::Name;
 use crate::model::sense::Sense;
-use crate::model::text::names::Names;
+use crate::model::text::names::NameIndex;
 use crate::model::text::read::Warning;
 use crate::model::text::row_condition::RowCondition;
 use crate::model::text::sets::Set;
@@ -28,8 +28,8 @@ pub(super) struct MpsFile<'a> {
     pub(super) open_set: Option<usize>,
     /// The row that OBJNAME names.
     chosen: Option<Token<'a>>,
-    pub(super) row_names: Names<'a>,
-    pub(super) column_names: Names<'a>,
+    pub(super) row_names: NameIndex<'a>,
+    pub(super) column_names: NameIndex<'a>,
     pub(super) right_set: Option<&'a str>,
     pub(super) range_set: Option<&'a str>,
     pub(super) bound_set: Option<&'a str>,
@@ -40,7 +40,7 @@ pub(super) struct MpsFile<'a> {
 #[derive(Debug)]
 pub(super) struct MpsRow<'a> {
     pub(super) name: Token<'a>,
-    pub(super) kind: RowKind,
+    pub(super) kind: MpsRowKind,
     /// Columns by position, in increasing order.
     pub(super) terms: Vec<(usize, f64)>,
     pub(super) right: Option<Token<'a>>,
@@ -51,7 +51,7 @@ pub(super) struct MpsRow<'a> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum RowKind {
+pub(super) enum MpsRowKind {
     Objective,
     Ignored,
     AtMost,
@@ -196,11 +196,11 @@ impl<'a> MpsFile<'a> {
         let [kind, name] = expect(tokens, "a row kind (N, L, G or E) and a row name")?;
         let chosen = self.chosen.is_none_or(|chosen| chosen.text == name.text);
         let kind = match kind.text.to_ascii_uppercase().as_str() {
-            "N" if self.objective.is_none() && chosen => RowKind::Objective,
-            "N" => RowKind::Ignored,
-            "L" => RowKind::AtMost,
-            "G" => RowKind::AtLeast,
-            "E" => RowKind::Equal,
+            "N" if self.objective.is_none() && chosen => MpsRowKind::Objective,
+            "N" => MpsRowKind::Ignored,
+            "L" => MpsRowKind::AtMost,
+            "G" => MpsRowKind::AtLeast,
+            "E" => MpsRowKind::Equal,
             _ => {
                 let kind_text = kind.text;
                 let message = format!("row kind `{kind_text}` is not one of N, L, G and E");
@@ -212,7 +212,7 @@ impl<'a> MpsFile<'a> {
             let (text, line) = (name.text, self.rows[first].name.line());
             name.error(format!("row `{text}` was already declared in line {line}"))
         })?;
-        if kind == RowKind::Objective {
+        if kind == MpsRowKind::Objective {
             self.objective = Some(index);
         }
         self.rows.push(MpsRow {
@@ -260,12 +260,12 @@ impl<'a> MpsFile<'a> {
                 let message = format!("column `{column}` has a second entry in row `{text}`");
                 match row.kind {
                     // Solvers disagree.
-                    RowKind::Objective => return Err(entry[0].error(message)),
+                    MpsRowKind::Objective => return Err(entry[0].error(message)),
                     _ => self.warnings.push(entry[0].warning(message + "; the first one counts")),
                 }
                 continue;
             }
-            if value != 0.0 && row.kind != RowKind::Ignored {
+            if value != 0.0 && row.kind != MpsRowKind::Ignored {
                 row.terms.push((index, value));
             }
         }
@@ -334,7 +334,7 @@ impl<'a> MpsFile<'a> {
         };
         let condition = RowCondition { column: self.find_column(&column)?, on, place: column };
         let row = &mut self.rows[row];
-        if matches!(row.kind, RowKind::Objective | RowKind::Ignored) {
+        if matches!(row.kind, MpsRowKind::Objective | MpsRowKind::Ignored) {
             return Err(name.error(format!(
                 "row `{}` is an N row; only L, G and E rows can be switched",
                 name.text

@@ -14,14 +14,14 @@ pub(crate) enum Repeated {
 
 /// The bounds that a file gives for a column.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Ends<'a> {
+pub(crate) struct FileBounds<'a> {
     pub(crate) lower: Option<f64>,
     pub(crate) upper: Option<f64>,
     /// The last entry, for messages.
     pub(crate) last: Option<Token<'a>>,
 }
 
-impl<'a> Ends<'a> {
+impl<'a> FileBounds<'a> {
     /// Sets the bounds that an entry gives, with a warning for a value other than the one before.
     pub(crate) fn take(
         &mut self,

@@ -7,13 +7,13 @@ use std::collections::HashMap;
 /// Files mostly go through their names in order, so a look-up first tries the name found last and
 /// the one after it.
 #[derive(Debug, Default)]
-pub(crate) struct Names<'a> {
+pub(crate) struct NameIndex<'a> {
     list: Vec<&'a str>,
     positions: HashMap<&'a str, usize>,
     last: usize,
 }
 
-impl<'a> Names<'a> {
+impl<'a> NameIndex<'a> {
     /// Appends a name and returns its position, or the position that it already has.
     pub(crate) fn declare(&mut self, name: &'a str) -> Result<usize, usize> {
         let next = self.list.len();

@@ -12,14 +12,14 @@ use crate::program::Program;
 
 /// A part of a program, with an offset of 0.
 #[derive(Debug, Clone)]
-pub struct Block {
+pub struct ProgramBlock {
     /// The program's column of each of its columns.
     pub columns: Vec<usize>,
     /// Its rows and its share of the objective.
     pub program: Program,
 }
 
-impl Block {
+impl ProgramBlock {
     /// Writes values of the block's columns into a point of the program.
     pub(crate) fn scatter(&self, values: &[f64], point: &mut [f64]) {
         self.columns.iter().zip(values).for_each(|(&j, &value)| point[j] = value);
@@ -30,7 +30,7 @@ impl Block {
 ///
 /// Everything without integers is one block. Rows without columns, which may be false, belong to the
 /// first block.
-pub fn blocks(program: &Program) -> Vec<Block> {
+pub fn blocks(program: &Program) -> Vec<ProgramBlock> {
     let n = program.column_count();
     let mut parts = UnionFind::new(n);
     for row in 0..program.row_count() {
@@ -71,7 +71,7 @@ pub fn blocks(program: &Program) -> Vec<Block> {
     let mut position = vec![0; n];
     columns.iter().for_each(|c| c.iter().enumerate().for_each(|(k, &j)| position[j] = k));
     let parts = columns.into_iter().zip(rows);
-    let mut blocks: Vec<Block> = Vec::new();
+    let mut blocks: Vec<ProgramBlock> = Vec::new();
     for (columns, rows) in parts {
         match extract(program, columns, &rows, &position) {
             Some(block) => blocks.push(block),
@@ -93,7 +93,7 @@ fn extract(
     columns: Vec<usize>,
     rows: &[usize],
     position: &[usize],
-) -> Option<Block> {
+) -> Option<ProgramBlock> {
     let (m, n) = (rows.len(), columns.len());
     let (mut entries, mut products) = (Vec::new(), Vec::new());
     for (k, &row) in rows.iter().enumerate() {
@@ -128,5 +128,5 @@ fn extract(
             pick_widened(&program.widened[1], &columns),
         ],
     };
-    Some(Block { columns, program })
+    Some(ProgramBlock { columns, program })
 }

@@ -1,6 +1,6 @@
 //! Presolve before the search: a smaller program with the same optimum, and the way back.
 //!
-//! Each [`Rule`] has its own file. They are applied in turn until none finds anything; then `blocks`
+//! Each [`PresolveRule`] has its own file. They are applied in turn until none finds anything; then `blocks`
 //! finds independent parts.
 
 mod binary_codes;
@@ -22,7 +22,7 @@ mod slack_columns;
 mod substitute;
 mod work;
 
-pub use blocks::{Block, blocks};
+pub use blocks::{ProgramBlock, blocks};
 pub(crate) use postsolve::Postsolve;
 pub use postsolve::Presolved;
 
@@ -34,7 +34,7 @@ use work::{Infeasible, Work};
 /// The rules of the presolve before the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Rule {
+pub enum PresolveRule {
     /// Columns with one value left are put into rows and objective.
     FixedColumns,
     /// Rows over one column become bounds.
@@ -65,54 +65,62 @@ pub enum Rule {
     Coefficients,
 }
 
-impl Rule {
+impl PresolveRule {
     /// All rules, in the order of their application.
-    pub const ALL: [Rule; 14] = [
-        Rule::FixedColumns,
-        Rule::SingletonRows,
-        Rule::RedundantRows,
-        Rule::ParallelRows,
-        Rule::BinaryCodes,
-        Rule::Doubletons,
-        Rule::Lineality,
-        Rule::SlackColumns,
-        Rule::ImpliedFree,
-        Rule::ImpliedBinaries,
-        Rule::HeldColumns,
-        Rule::DominatedColumns,
-        Rule::ParallelColumns,
-        Rule::Coefficients,
+    pub const ALL: [PresolveRule; 14] = [
+        PresolveRule::FixedColumns,
+        PresolveRule::SingletonRows,
+        PresolveRule::RedundantRows,
+        PresolveRule::ParallelRows,
+        PresolveRule::BinaryCodes,
+        PresolveRule::Doubletons,
+        PresolveRule::Lineality,
+        PresolveRule::SlackColumns,
+        PresolveRule::ImpliedFree,
+        PresolveRule::ImpliedBinaries,
+        PresolveRule::HeldColumns,
+        PresolveRule::DominatedColumns,
+        PresolveRule::ParallelColumns,
+        PresolveRule::Coefficients,
     ];
 
     /// The rules that keep the meaning of every remaining column, and every assignment of the integral
     /// ones that has a point. They suit programs whose columns are referred to from outside.
-    pub const FAITHFUL: [Rule; 8] = [
-        Rule::FixedColumns,
-        Rule::SingletonRows,
-        Rule::RedundantRows,
-        Rule::ParallelRows,
-        Rule::Doubletons,
-        Rule::SlackColumns,
-        Rule::ImpliedFree,
-        Rule::Coefficients,
+    pub const FAITHFUL: [PresolveRule; 8] = [
+        PresolveRule::FixedColumns,
+        PresolveRule::SingletonRows,
+        PresolveRule::RedundantRows,
+        PresolveRule::ParallelRows,
+        PresolveRule::Doubletons,
+        PresolveRule::SlackColumns,
+        PresolveRule::ImpliedFree,
+        PresolveRule::Coefficients,
     ];
 
     fn apply(self, work: &mut Work) -> Result<usize, Infeasible> {
         match self {
-            Rule::FixedColumns => Ok(fixed_columns::apply(work)),
-            Rule::SingletonRows => work.each_row(singleton_rows::apply),
-            Rule::RedundantRows => work.each_row(redundant_rows::apply),
-            Rule::ParallelRows => parallel_rows::apply(work),
-            Rule::BinaryCodes => work.each_row(|work, row| Ok(binary_codes::apply(work, row))),
-            Rule::Doubletons => work.each_row(|work, row| Ok(doubletons::apply(work, row))),
-            Rule::Lineality => Ok(lineality::apply(work)),
-            Rule::SlackColumns => Ok(work.each_column(work.live_columns(), slack_columns::apply)),
-            Rule::ImpliedFree => work.each_row(|work, row| Ok(implied_free::apply(work, row))),
-            Rule::ImpliedBinaries => Ok(implied_binaries::apply(work)),
-            Rule::HeldColumns => Ok(work.each_column(work.live_columns(), held_columns::apply)),
-            Rule::DominatedColumns => Ok(dominated_columns::apply(work)),
-            Rule::ParallelColumns => Ok(parallel_columns::apply(work)),
-            Rule::Coefficients => work.each_row(coefficients::apply),
+            PresolveRule::FixedColumns => Ok(fixed_columns::apply(work)),
+            PresolveRule::SingletonRows => work.each_row(singleton_rows::apply),
+            PresolveRule::RedundantRows => work.each_row(redundant_rows::apply),
+            PresolveRule::ParallelRows => parallel_rows::apply(work),
+            PresolveRule::BinaryCodes => {
+                work.each_row(|work, row| Ok(binary_codes::apply(work, row)))
+            }
+            PresolveRule::Doubletons => work.each_row(|work, row| Ok(doubletons::apply(work, row))),
+            PresolveRule::Lineality => Ok(lineality::apply(work)),
+            PresolveRule::SlackColumns => {
+                Ok(work.each_column(work.live_columns(), slack_columns::apply))
+            }
+            PresolveRule::ImpliedFree => {
+                work.each_row(|work, row| Ok(implied_free::apply(work, row)))
+            }
+            PresolveRule::ImpliedBinaries => Ok(implied_binaries::apply(work)),
+            PresolveRule::HeldColumns => {
+                Ok(work.each_column(work.live_columns(), held_columns::apply))
+            }
+            PresolveRule::DominatedColumns => Ok(dominated_columns::apply(work)),
+            PresolveRule::ParallelColumns => Ok(parallel_columns::apply(work)),
+            PresolveRule::Coefficients => work.each_row(coefficients::apply),
         }
     }
 }
@@ -136,7 +144,11 @@ const MAX_RULE_ROUNDS: usize = 30;
 /// # Errors
 ///
 /// [`ErrorKind::Allocation`](crate::ErrorKind::Allocation) when the matrices cannot be allocated.
-pub fn presolve(program: &Program, rules: &[Rule], token: &StopToken) -> Result<Presolve, Error> {
+pub fn presolve(
+    program: &Program,
+    rules: &[PresolveRule],
+    token: &StopToken,
+) -> Result<Presolve, Error> {
     presolve_around(program, &[], rules, token)
 }
 
@@ -149,7 +161,7 @@ pub fn presolve(program: &Program, rules: &[Rule], token: &StopToken) -> Result<
 pub(crate) fn presolve_around(
     program: &Program,
     given: &[usize],
-    rules: &[Rule],
+    rules: &[PresolveRule],
     token: &StopToken,
 ) -> Result<Presolve, Error> {
     let mut work = Work::new(program, token);
@@ -162,7 +174,7 @@ pub(crate) fn presolve_around(
 }
 
 /// Applies the rules until they find nothing more, or the token is over.
-fn reduce(work: &mut Work, rules: &[Rule], token: &StopToken) -> Result<(), Infeasible> {
+fn reduce(work: &mut Work, rules: &[PresolveRule], token: &StopToken) -> Result<(), Infeasible> {
     work.settle()?;
     let mut changes = 0;
     // By rule, the changes when it was last applied.

@@ -15,7 +15,7 @@ mod parameters;
 mod triangle;
 mod working_set;
 
-use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
+use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use metric::{LimitSide, Metric};
 use parameters::MAX_DENSE_COLUMNS;
@@ -118,7 +118,7 @@ impl ActiveSetRun<'_> {
         }
     }
 
-    fn finish(&mut self, effort: &Effort<'_>) -> Claim {
+    fn finish(&mut self, effort: &Effort<'_>) -> RelaxationClaim {
         let enough = effort.sufficient_bound();
         let mut refined = false;
         while self.steps < effort.iterations && !effort.token.is_over() {
@@ -129,7 +129,7 @@ impl ActiveSetRun<'_> {
             let mut u = self.set.position(&self.metric);
             self.x = self.metric.point(&u);
             if self.metric.objective(&u) > enough {
-                return Claim::Beyond;
+                return RelaxationClaim::Beyond;
             }
             let mut violated = self.metric.most_violated(&self.x, &self.set.holds);
             if violated.is_none() && !refined {
@@ -139,7 +139,7 @@ impl ActiveSetRun<'_> {
                 self.x = self.metric.point(&u);
                 violated = self.metric.most_violated(&self.x, &self.set.holds);
             }
-            let Some((of, side)) = violated else { return Claim::Solved };
+            let Some((of, side)) = violated else { return RelaxationClaim::Solved };
             let candidate = self.set.candidate(&mut self.metric, of, side);
             if !candidate.is_dependent() {
                 self.set.add(&mut self.metric, &candidate, 0.0);
@@ -149,10 +149,10 @@ impl ActiveSetRun<'_> {
             let up = self.metric.value(of, &self.x) > upper;
             if let Err(direction) = self.set.exchange(&mut self.metric, &candidate, up) {
                 self.ray = Some(self.certificate(&direction, of, up));
-                return Claim::Infeasible;
+                return RelaxationClaim::Infeasible;
             }
         }
-        Claim::Unknown
+        RelaxationClaim::Unknown
     }
 
     /// Multipliers of rows, from those of the working set and of one more limit.
@@ -168,7 +168,7 @@ impl ActiveSetRun<'_> {
         y
     }
 
-    fn answer(mut self, claim: Claim) -> RelaxationResult {
+    fn answer(mut self, claim: RelaxationClaim) -> RelaxationResult {
         let program = self.metric.program;
         let (n, m) = (program.columns.len(), program.rows.len());
         let mut y = vec![0.0; m];

@@ -26,7 +26,7 @@ pub(super) struct Condensed {
     pub(super) terms: Vec<CondensedTerm>,
     /// Rows with an unknown of their own, after the equalities.
     pub(super) long: Vec<usize>,
-    kinds: Vec<RowKind>,
+    kinds: Vec<CondensedRow>,
     short: ShortRows,
     /// By column, where its entry of the current column is.
     slot: Vec<usize>,
@@ -47,7 +47,7 @@ impl Condensed {
         self.terms.clear();
         self.long.clear();
         let rows = 0..program.rows.len();
-        self.long.extend(rows.filter(|&i| self.kinds[i] == RowKind::Long));
+        self.long.extend(rows.filter(|&i| self.kinds[i] == CondensedRow::Long));
         self.add_columns(program);
         self.add_rows(program);
     }
@@ -113,20 +113,23 @@ impl Condensed {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum RowKind {
+enum CondensedRow {
     Short,
     Long,
     Equality,
 }
 
-fn write_kinds(program: &ScaledProgram, kinds: &mut Vec<RowKind>) {
-    refill(kinds, program.rows.len(), RowKind::Short);
-    program.equalities.iter().for_each(|&(i, _)| kinds[i] = RowKind::Equality);
+fn write_kinds(program: &ScaledProgram, kinds: &mut Vec<CondensedRow>) {
+    refill(kinds, program.rows.len(), CondensedRow::Short);
+    program.equalities.iter().for_each(|&(i, _)| kinds[i] = CondensedRow::Equality);
     let room = program.quadratic.index.len();
     for (i, kind) in kinds.iter_mut().enumerate() {
         let length = program.rows.vector(i).0.len();
-        if *kind == RowKind::Short && length > MAX_SHORT_TERMS && length * (length + 1) / 2 > room {
-            *kind = RowKind::Long;
+        if *kind == CondensedRow::Short
+            && length > MAX_SHORT_TERMS
+            && length * (length + 1) / 2 > room
+        {
+            *kind = CondensedRow::Long;
         }
     }
 }
@@ -142,10 +145,10 @@ struct ShortRows {
 }
 
 impl ShortRows {
-    fn load(&mut self, program: &ScaledProgram, kinds: &[RowKind]) {
+    fn load(&mut self, program: &ScaledProgram, kinds: &[CondensedRow]) {
         let n = program.column.len();
         let ShortRows { first, next, entries } = self;
-        let short = || (0..kinds.len()).filter(|&i| kinds[i] == RowKind::Short);
+        let short = || (0..kinds.len()).filter(|&i| kinds[i] == CondensedRow::Short);
         refill(first, n + 1, 0);
         for i in short() {
             program.rows.vector(i).0.iter().for_each(|&j| first[j + 1] += 1);

@@ -24,7 +24,7 @@ use parameters::{
 };
 use std::fmt;
 
-use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
+use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use iterate::Iterate;
 use kkt::Kkt;
@@ -75,7 +75,7 @@ impl Relaxation for InteriorPoint {
         if let Some(parent) = parent {
             at.resume(program, scaled, parent, resumed);
             let result = run.iterate(at, kkt, (kept, results), true);
-            if result.claim != Claim::Unknown || effort.token.is_over() {
+            if result.claim != RelaxationClaim::Unknown || effort.token.is_over() {
                 return result;
             }
             spent = result.iterations;
@@ -88,7 +88,8 @@ impl Relaxation for InteriorPoint {
             return RelaxationResult::nothing(program);
         }
         let mut result = run.iterate(at, kkt, (kept, results), false);
-        let lost = result.claim == Claim::Unknown && result.iterations <= EARLY_ITERATIONS;
+        let lost =
+            result.claim == RelaxationClaim::Unknown && result.iterations <= EARLY_ITERATIONS;
         if lost && !linear && !effort.token.is_over() {
             at.start(scaled);
             if at.improve_start(scaled, kkt, effort.token) {
@@ -120,7 +121,7 @@ impl InteriorRun<'_> {
     /// An iterate as an answer.
     fn answer(
         &self,
-        claim: Claim,
+        claim: RelaxationClaim,
         at: &Iterate,
         iterations: u32,
         results: &mut ResultMemory,
@@ -156,9 +157,9 @@ impl InteriorRun<'_> {
                 kept.update(at);
             }
             match self.judge(at, iterations) {
-                Some((Claim::Solved, exactly)) => {
+                Some((RelaxationClaim::Solved, exactly)) => {
                     solved.take().into_iter().for_each(|before| results.take_back(before));
-                    solved = Some(self.answer(Claim::Solved, at, iterations, results));
+                    solved = Some(self.answer(RelaxationClaim::Solved, at, iterations, results));
                     if exactly {
                         break;
                     }
@@ -180,7 +181,7 @@ impl InteriorRun<'_> {
             }
         }
         let Some(mut solved) = solved else {
-            return self.answer(Claim::Unknown, at, iterations, results);
+            return self.answer(RelaxationClaim::Unknown, at, iterations, results);
         };
         if self.program.is_feasibility_problem() {
             solved.y.fill(0.0);
@@ -194,14 +195,14 @@ impl InteriorRun<'_> {
 
     /// The claim that a measured iterate supports, and whether it meets the requested tolerance; `None` if
     /// it supports none.
-    fn judge(&self, at: &Iterate, iterations: u32) -> Option<(Claim, bool)> {
+    fn judge(&self, at: &Iterate, iterations: u32) -> Option<(RelaxationClaim, bool)> {
         let (scaled, effort) = (self.scaled, self.effort);
         let objective = |value: f64| value / scaled.objective + self.program.offset;
         let violation = at.violation(scaled);
         let feasible = violation <= effort.tolerance;
         let feasibility_problem = self.program.is_feasibility_problem();
         if feasibility_problem && feasible {
-            return Some((Claim::Solved, true));
+            return Some((RelaxationClaim::Solved, true));
         }
         if iterations == 0 {
             return None;
@@ -209,7 +210,7 @@ impl InteriorRun<'_> {
         let bound = objective(at.dual_value(scaled));
         let enough = effort.sufficient_bound();
         if !feasibility_problem && bound > enough {
-            return Some((Claim::Beyond, true));
+            return Some((RelaxationClaim::Beyond, true));
         }
         let value = objective(at.value(scaled));
         let gap = 10.0 * effort.tolerance * value.abs().max(1.0);
@@ -220,13 +221,13 @@ impl InteriorRun<'_> {
             at.estimated_gap() / scaled.objective
         };
         if feasible && distance <= gap {
-            return Some((Claim::Solved, true));
+            return Some((RelaxationClaim::Solved, true));
         }
         if at.refutes(scaled) {
-            return Some((Claim::Infeasible, true));
+            return Some((RelaxationClaim::Infeasible, true));
         }
         let rough = effort.tolerance.max(COARSE_TOLERANCE);
         let nearly = violation <= rough && distance <= 10.0 * rough * value.abs().max(1.0);
-        nearly.then_some((Claim::Solved, false))
+        nearly.then_some((RelaxationClaim::Solved, false))
     }
 }

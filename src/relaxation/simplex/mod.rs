@@ -14,7 +14,7 @@ mod parameters;
 mod program;
 mod ratio;
 
-use super::{Claim, Effort, Relaxation, RelaxationResult, WarmState};
+use super::{Effort, Relaxation, RelaxationClaim, RelaxationResult, WarmState};
 use crate::presolve::Reduced;
 use dual::{Dual, Iteration, NONBASIC};
 use parameters::{COLUMNS_PER_COST, PRIMAL_TOLERANCE};
@@ -79,7 +79,7 @@ impl Relaxation for DualSimplex {
         dual.allowed = effort.tolerance.min(PRIMAL_TOLERANCE);
         let enough = effort.sufficient_bound();
         let unit = dual.program.objective_unit;
-        let mut claim = Claim::Unknown;
+        let mut claim = RelaxationClaim::Unknown;
         let mut ray = None;
         let mut iterations = 0;
         let (mut fresh, mut unshifted) = (false, false);
@@ -91,7 +91,11 @@ impl Relaxation for DualSimplex {
                     unshifted = true;
                 }
                 Iteration::Optimal if fresh => {
-                    claim = if dual.is_shifted { Claim::Unknown } else { Claim::Solved };
+                    claim = if dual.is_shifted {
+                        RelaxationClaim::Unknown
+                    } else {
+                        RelaxationClaim::Solved
+                    };
                     break;
                 }
                 Iteration::Optimal => {
@@ -99,13 +103,13 @@ impl Relaxation for DualSimplex {
                     fresh = true;
                 }
                 Iteration::Infeasible(y) => {
-                    (claim, ray) = (Claim::Infeasible, Some(y));
+                    (claim, ray) = (RelaxationClaim::Infeasible, Some(y));
                     break;
                 }
                 Iteration::Stuck => break,
             }
             if !dual.is_shifted && dual.value() / unit + program.offset > enough {
-                claim = Claim::Beyond;
+                claim = RelaxationClaim::Beyond;
                 break;
             }
         }

@@ -2,25 +2,25 @@
 
 use super::parameters::PARAMETERS;
 use super::split::{Child, RelaxedPoint, Split, both_sides, keep_only};
-use super::strong_branching::{Trial, try_child};
+use super::strong_branching::{ChildTrial, try_child};
 use crate::search::context::Context;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
 
 /// The column that a node is split at.
 pub(super) struct Chosen {
     /// The column, and its children if they were tried; `None` if all columns are fixed by now.
-    pub(super) column: Option<(usize, Option<[Trial; 2]>)>,
+    pub(super) column: Option<(usize, Option<[ChildTrial; 2]>)>,
     /// Whether trials have closed sides of columns.
     pub(super) fixed: bool,
 }
 
 /// The result of a trial of a column.
-enum Tried {
+enum ColumnTrial {
     /// One side is closed, and the column decided.
     Fixed,
     /// The rise was known, and the fall is now.
     Half,
-    Both([Trial; 2]),
+    Both([ChildTrial; 2]),
 }
 
 /// Chooses the best of some open columns. The most promising ones come first, and those that little
@@ -52,12 +52,12 @@ pub(super) fn choose_column(
         if wanted && !ctx.token.is_over() {
             trials -= 1;
             match try_column(ctx, pseudocosts, relaxed, j, beside)? {
-                Tried::Fixed => {
+                ColumnTrial::Fixed => {
                     (best.fixed, idle) = (true, 0);
                     continue;
                 }
-                Tried::Half => score = pseudocosts.score(j, x[j]),
-                Tried::Both(children) => {
+                ColumnTrial::Half => score = pseudocosts.score(j, x[j]),
+                ColumnTrial::Both(children) => {
                     let [a, b] = children.each_ref().map(|child| child.gain.max(LEAST_GAIN));
                     (score, tried) = (a * b, Some(children));
                 }
@@ -78,7 +78,7 @@ fn try_column(
     RelaxedPoint { x, bound, .. }: RelaxedPoint<'_>,
     j: usize,
     beside: bool,
-) -> Result<Tried, Split> {
+) -> Result<ColumnTrial, Split> {
     // The far child is the likelier one to be closed; then its sibling is the node itself with a
     // tighter bound, which may wait for more of them.
     let [mut near, mut far] = both_sides(&ctx.node.domain, j, x[j]);
@@ -89,14 +89,14 @@ fn try_column(
     }
     let Some(b) = try_child(ctx, pseudocosts, far, x[j], bound) else {
         keep_only(ctx, near, bound)?;
-        return Ok(Tried::Fixed);
+        return Ok(ColumnTrial::Fixed);
     };
     if half {
-        return Ok(Tried::Half);
+        return Ok(ColumnTrial::Half);
     }
     let Some(a) = try_child(ctx, pseudocosts, near, x[j], bound) else {
         let children = vec![Child::tried(far, b, bound)];
         return Err(Split { children, closed: true });
     };
-    Ok(Tried::Both([a, b]))
+    Ok(ColumnTrial::Both([a, b]))
 }

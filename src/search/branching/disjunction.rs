@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use super::growth::growth_rate;
 use super::parameters::PARAMETERS;
 use super::split::{Child, Split};
-use super::strong_branching::{Trial, try_child};
+use super::strong_branching::{ChildTrial, try_child};
 use crate::search::context::Context;
 use crate::search::node::Decision;
 use crate::search::pseudocosts::{LEAST_GAIN, Pseudocosts};
@@ -116,7 +116,12 @@ fn gains_of(pseudocosts: &Pseudocosts, sides: &[usize], x: &[f64], average: f64)
 }
 
 /// The children of a disjunction's sides, with what their trials found out.
-fn sides(sides: &[usize], bound: f64, mut tried: BTreeMap<usize, Trial>, closed: bool) -> Split {
+fn sides(
+    sides: &[usize],
+    bound: f64,
+    mut tried: BTreeMap<usize, ChildTrial>,
+    closed: bool,
+) -> Split {
     let child = |k: usize| {
         let off = |&column: &usize| Decision { column, is_upper: true, value: 0.0 };
         let mut decisions: Vec<Decision> = sides[..k].iter().map(off).collect();
@@ -128,7 +133,7 @@ fn sides(sides: &[usize], bound: f64, mut tried: BTreeMap<usize, Trial>, closed:
             // The trial did not exclude the sides before it; this one holds without them.
             sides[..k].iter().for_each(|&j| known.point[j] = 0.0);
         }
-        let Trial { bound: own, known, multipliers, .. } = trial;
+        let ChildTrial { bound: own, known, multipliers, .. } = trial;
         Child { decisions, bound: own.max(bound), known, multipliers }
     };
     Split { children: (0..sides.len()).map(child).collect(), closed }

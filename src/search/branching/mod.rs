@@ -22,7 +22,7 @@ pub use growth::growth_rate;
 use parameters::PARAMETERS;
 use split::both_sides;
 pub(super) use split::{Child, RelaxedPoint, Split};
-use strong_branching::Trial;
+use strong_branching::ChildTrial;
 pub use strong_fixing::FixingCredit;
 use strong_fixing::fix_by_trials;
 
@@ -99,11 +99,11 @@ fn choose_by_gains(
     };
     let beside = disjunction.is_some();
     let chosen = choose_column(ctx, pseudocosts, relaxed, open, beside)?;
-    let gains_of = |pseudocosts: &Pseudocosts, (j, tried): &(usize, Option<[Trial; 2]>)| match tried
-    {
-        Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
-        None => pseudocosts.gains(*j, x[*j]),
-    };
+    let gains_of =
+        |pseudocosts: &Pseudocosts, (j, tried): &(usize, Option<[ChildTrial; 2]>)| match tried {
+            Some(trials) => trials.each_ref().map(|trial| trial.gain.max(LEAST_GAIN)),
+            None => pseudocosts.gains(*j, x[*j]),
+        };
     let grows = ctx.tree.proofs().is_none()
         || chosen.column.as_ref().is_some_and(|column| {
             let rate = growth_rate(&gains_of(pseudocosts, column));

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::strong_branching::Trial;
+use super::strong_branching::ChildTrial;
 use crate::presolve::Domain;
 use crate::search::context::Context;
 use crate::search::local_bounds::add_facts;
-use crate::search::node::{Decision, Known};
-use crate::search::proofs::Multipliers;
+use crate::search::node::{Decision, KnownRelaxation};
+use crate::search::proofs::ProofMultipliers;
 
 /// The relaxed point of the current node.
 #[derive(Debug, Clone, Copy)]
@@ -24,9 +24,9 @@ pub(crate) struct RelaxedPoint<'x> {
 pub(crate) struct Child {
     pub(crate) decisions: Vec<Decision>,
     pub(crate) bound: f64,
-    pub(crate) known: Option<Box<Known>>,
+    pub(crate) known: Option<Box<KnownRelaxation>>,
     /// The multipliers that proved its bound, if they are kept.
-    pub(crate) multipliers: Option<Arc<Multipliers>>,
+    pub(crate) multipliers: Option<Arc<ProofMultipliers>>,
 }
 
 /// A split of a node.
@@ -73,8 +73,8 @@ impl Split {
 
 impl Child {
     /// A child that was tried.
-    pub(super) fn tried(decision: Decision, trial: Trial, bound: f64) -> Self {
-        let Trial { bound: own, known, multipliers, .. } = trial;
+    pub(super) fn tried(decision: Decision, trial: ChildTrial, bound: f64) -> Self {
+        let ChildTrial { bound: own, known, multipliers, .. } = trial;
         Child { decisions: vec![decision], bound: own.max(bound), known, multipliers }
     }
 }

@@ -6,25 +6,25 @@
 
 use std::sync::Arc;
 
-use crate::relaxation::{Purpose, Verdict};
+use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::search::context::Context;
 use crate::search::local_bounds::propagate_since;
-use crate::search::node::{Decision, Known};
+use crate::search::node::{Decision, KnownRelaxation};
 use crate::search::node_relaxation::{project_reduced, reduce_node, relax_and_keep};
-use crate::search::proofs::{End, Multipliers, Proof};
+use crate::search::proofs::{End, Proof, ProofMultipliers};
 use crate::search::pseudocosts::Pseudocosts;
 
 /// A child that a trial has left open.
 #[derive(Debug, Clone)]
-pub(super) struct Trial {
+pub(super) struct ChildTrial {
     /// Growth of the bound over the parent's.
     pub(super) gain: f64,
     /// Proved bound of the child.
     pub(super) bound: f64,
     /// The child's relaxed point, if there is one.
-    pub(super) known: Option<Box<Known>>,
+    pub(super) known: Option<Box<KnownRelaxation>>,
     /// The multipliers that proved its bound, if they are kept.
-    pub(super) multipliers: Option<Arc<Multipliers>>,
+    pub(super) multipliers: Option<Arc<ProofMultipliers>>,
 }
 
 /// Solves a child on trial and learns from it. Returns `None` if it needs no visit.
@@ -39,7 +39,7 @@ pub(super) fn try_child(
     decision: Decision,
     value: f64,
     bound: f64,
-) -> Option<Trial> {
+) -> Option<ChildTrial> {
     let mark = ctx.node.domain.mark();
     ctx.node.domain.apply(decision.column, decision.is_upper, decision.value);
     ctx.propagator.set_on_trial(true);
@@ -54,18 +54,18 @@ pub(super) fn try_child(
     let projection = project_reduced(ctx, reduced);
     let (mut verdict, multipliers) = relax_and_keep(ctx, &projection, Purpose::Trial);
     let mut point = Vec::new();
-    if let Verdict::Relaxed { x, converged: true, .. } = &verdict {
+    if let RelaxationVerdict::Relaxed { x, converged: true, .. } = &verdict {
         point = projection.lift(x);
     }
     ctx.ladder.reducer().reuse_projection(projection);
     ctx.node.domain.undo_to(mark);
     let trial = match &mut verdict {
-        Verdict::Refuted(_) => {
+        RelaxationVerdict::Refuted(_) => {
             keep_proof(ctx, &decision, multipliers);
             close_side(ctx, decision, f64::INFINITY);
             None
         }
-        Verdict::Relaxed { bound: child, warm, .. } => {
+        RelaxationVerdict::Relaxed { bound: child, warm, .. } => {
             let fraction = (value - decision.value).abs();
             let gain = *child - bound;
             pseudocosts.learn(decision.column, !decision.is_upper, gain, fraction);
@@ -75,14 +75,14 @@ pub(super) fn try_child(
                 close_side(ctx, decision, child);
                 None
             } else {
-                let known =
-                    (!point.is_empty()).then(|| Box::new(Known { point, warm: warm.take() }));
+                let known = (!point.is_empty())
+                    .then(|| Box::new(KnownRelaxation { point, warm: warm.take() }));
                 let gain = if gain.is_finite() { gain } else { 0.0 };
-                Some(Trial { gain, bound: child, known, multipliers })
+                Some(ChildTrial { gain, bound: child, known, multipliers })
             }
         }
-        Verdict::Stopped | Verdict::Descent => {
-            Some(Trial { gain: 0.0, bound: f64::NEG_INFINITY, known: None, multipliers: None })
+        RelaxationVerdict::Stopped | RelaxationVerdict::Descent => {
+            Some(ChildTrial { gain: 0.0, bound: f64::NEG_INFINITY, known: None, multipliers: None })
         }
     };
     ctx.ladder.reuse(verdict);
@@ -90,7 +90,7 @@ pub(super) fn try_child(
 }
 
 /// Keeps what closed a side of the current node.
-fn keep_proof(ctx: &Context<'_>, side: &Decision, multipliers: Option<Arc<Multipliers>>) {
+fn keep_proof(ctx: &Context<'_>, side: &Decision, multipliers: Option<Arc<ProofMultipliers>>) {
     if let Some(multipliers) = multipliers {
         ctx.tree.keep_proof(|| Proof::new(End::Side(ctx.node.id, *side), multipliers));
     }

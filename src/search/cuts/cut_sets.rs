@@ -16,7 +16,7 @@ use crate::program::Program;
 use crate::solver::StopToken;
 
 /// A continuous column of two rows.
-struct Arc {
+struct FlowArc {
     column: usize,
     /// The smaller one first.
     ends: [usize; 2],
@@ -42,7 +42,7 @@ pub fn cut_set_cuts(program: &Program, domain: &Domain, x: &[f64], token: &StopT
 }
 
 /// The arcs that are open, the most open ones first.
-fn arcs(point: &SeparatedPoint<'_>) -> Vec<Arc> {
+fn arcs(point: &SeparatedPoint<'_>) -> Vec<FlowArc> {
     let program = point.program;
     let mut arcs = Vec::new();
     for column in (0..program.column_count()).filter(|&j| !program.integral[j]) {
@@ -53,7 +53,7 @@ fn arcs(point: &SeparatedPoint<'_>) -> Vec<Arc> {
             None => 0.0,
         };
         if open > PARAMETERS.open_arc {
-            arcs.push(Arc { column, ends, open });
+            arcs.push(FlowArc { column, ends, open });
         }
     }
     sorted(arcs)
@@ -75,7 +75,7 @@ fn only_two(mut rows: impl Iterator<Item = usize>) -> Option<[usize; 2]> {
     }
 }
 
-fn sorted(mut arcs: Vec<Arc>) -> Vec<Arc> {
+fn sorted(mut arcs: Vec<FlowArc>) -> Vec<FlowArc> {
     arcs.sort_by(|a, b| b.open.total_cmp(&a.open));
     arcs
 }
@@ -89,7 +89,7 @@ struct SetSearch<'a> {
 
 impl SetSearch<'_> {
     /// Rounds the rows at the ends of arcs.
-    fn round_ends(&mut self, arcs: &[Arc]) {
+    fn round_ends(&mut self, arcs: &[FlowArc]) {
         let mut rows: Vec<usize> = arcs.iter().flat_map(|arc| arc.ends).collect();
         rows.sort_unstable();
         rows.dedup();
@@ -104,7 +104,7 @@ impl SetSearch<'_> {
     }
 
     /// Contracts arcs in their order, and rounds what appears.
-    fn contract(&mut self, arcs: &[Arc]) {
+    fn contract(&mut self, arcs: &[FlowArc]) {
         let mut parts = Parts::new(self.point);
         let mut memory = Vec::new();
         for arc in arcs {

@@ -60,7 +60,7 @@ pub(crate) fn strengthen(
         return None;
     }
     let domain = &root.domain;
-    let mut rounds = Rounds {
+    let mut rounds = CutRounds {
         program,
         domain,
         best,
@@ -84,7 +84,7 @@ pub(crate) fn strengthen(
 }
 
 /// Rounds of cutting the relaxed point off.
-struct Rounds<'a> {
+struct CutRounds<'a> {
     program: &'a Program,
     domain: &'a Domain,
     /// The value of the best point that the pilot search has found.
@@ -105,7 +105,7 @@ enum Sets {
     Idle,
 }
 
-impl Rounds<'_> {
+impl CutRounds<'_> {
     /// Cuts as long as it lifts the bound. Returns the last relaxed point, if there was a round.
     ///
     /// Cuts are found among the rows of the program and the cuts before them: a cut `x <= d z + s`

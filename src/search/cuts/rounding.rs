@@ -45,7 +45,7 @@ struct Base {
 }
 
 /// An aggregate in measured columns, with the divisor that cuts deepest.
-struct Trial {
+struct DivisorTrial {
     base: Base,
     divisor: f64,
     depth: f64,
@@ -103,7 +103,7 @@ impl Rounder {
                 }
             }
         }
-        let Trial { mut base, divisor, mut depth } = best?;
+        let DivisorTrial { mut base, divisor, mut depth } = best?;
         turn_around(&mut base, divisor, &mut depth);
         let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
         self.spare.push(base);
@@ -121,7 +121,7 @@ impl Rounder {
     ) -> Option<Cut> {
         let side = (point, aggregate, sign);
         let trial = self.measure(side, &|j, a| Some(point.vanishing(j, a)), true)?;
-        let Trial { mut base, divisor, mut depth } = trial;
+        let DivisorTrial { mut base, divisor, mut depth } = trial;
         turn_around(&mut base, divisor, &mut depth);
         let cut = (depth > 0.0).then(|| write(point, &base, divisor, aggregate.size));
         self.spare.push(base);
@@ -134,13 +134,13 @@ impl Rounder {
         (point, aggregate, sign): (&SeparatedPoint<'_>, &Aggregate, f64),
         pick: &dyn Fn(usize, f64) -> Option<From>,
         any: bool,
-    ) -> Option<Trial> {
+    ) -> Option<DivisorTrial> {
         let mut base = self.spare.pop().unwrap_or_default();
         let measured = base.fill(point, pick, aggregate, sign, &mut self.integers);
         let best =
             measured.and_then(|()| divide(&base, aggregate.noise, any, &mut self.candidates));
         match best {
-            Some((depth, divisor)) => Some(Trial { base, divisor, depth }),
+            Some((depth, divisor)) => Some(DivisorTrial { base, divisor, depth }),
             None => {
                 self.spare.push(base);
                 None

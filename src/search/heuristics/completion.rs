@@ -3,7 +3,7 @@
 use super::parameters::PARAMETERS;
 use super::penalties::{forgo, pays, penalties};
 use super::rounding::round_and_propagate;
-use crate::relaxation::{Purpose, Verdict};
+use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::search::context::Context;
 use crate::search::leaf::solve_assignment;
 use crate::search::local_bounds::{fix_near, fix_to};
@@ -80,7 +80,7 @@ fn complete(ctx: &mut Context<'_>, left: &mut usize) {
         let Some(projection) = project_node(ctx) else { return };
         let verdict = relax(ctx, &projection.reduced, Purpose::Node);
         let point = match &verdict {
-            Verdict::Relaxed { x, .. } => Some(projection.lift(x)),
+            RelaxationVerdict::Relaxed { x, .. } => Some(projection.lift(x)),
             _ => None,
         };
         ctx.ladder.reuse(verdict);

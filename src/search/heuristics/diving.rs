@@ -9,7 +9,7 @@
 use super::allowance::Allowance;
 use super::parameters::PARAMETERS;
 use super::rounding::round_and_propagate;
-use crate::relaxation::{Purpose, Verdict};
+use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::search::context::Context;
 use crate::search::indifferent_binaries::settle_groups;
 use crate::search::leaf::try_assignment;
@@ -21,7 +21,7 @@ use crate::solution::Heuristic;
 
 /// The measure of how sure a value of an integer is; the surest ones are fixed first.
 #[derive(Debug, Clone, Copy)]
-enum Rule<'r> {
+enum DivingRule<'r> {
     /// Nearest to a whole value.
     Fraction,
     /// The side that moves the bound less.
@@ -32,7 +32,7 @@ enum Rule<'r> {
 
 /// An integer to fix: how sure it is (smaller is surer), the column, and a value on the side of the
 /// whole one that is meant.
-type Candidate = (f64, usize, f64);
+type Fixing = (f64, usize, f64);
 
 /// Dives from the relaxed point of the current node if the allowance has room for it.
 pub(super) fn dive_where_it_pays(
@@ -55,9 +55,9 @@ pub(super) fn dive_where_it_pays(
     let source = ctx.tree.begin(Heuristic::Diving);
     let incumbent = ctx.tree.incumbent();
     let rule = match (allowance.calls() % 3, &incumbent) {
-        (0, _) => Rule::Pseudocosts(pseudocosts),
-        (1, Some((_, best))) => Rule::Incumbent(best),
-        _ => Rule::Fraction,
+        (0, _) => DivingRule::Pseudocosts(pseudocosts),
+        (1, Some((_, best))) => DivingRule::Incumbent(best),
+        _ => DivingRule::Fraction,
     };
     dive(ctx, rule, point, before + left);
     ctx.tree.end(source);
@@ -66,7 +66,7 @@ pub(super) fn dive_where_it_pays(
 }
 
 /// Dives until the worker has taken `last` iterations. The domain is left as it was.
-fn dive(ctx: &mut Context<'_>, rule: Rule<'_>, point: &[f64], last: u64) {
+fn dive(ctx: &mut Context<'_>, rule: DivingRule<'_>, point: &[f64], last: u64) {
     let start = ctx.node.domain.mark();
     let mut point = point.to_vec();
     let mut turned_back = false;
@@ -103,26 +103,26 @@ fn dive(ctx: &mut Context<'_>, rule: Rule<'_>, point: &[f64], last: u64) {
 }
 
 /// The fractional integers that the next step fixes, the surest first.
-fn candidates(ctx: &Context<'_>, rule: Rule<'_>, point: &[f64]) -> Vec<Candidate> {
+fn candidates(ctx: &Context<'_>, rule: DivingRule<'_>, point: &[f64]) -> Vec<Fixing> {
     let integrality = ctx.options().integrality;
     let distance = |j: usize| (point[j] - point[j].round()).abs();
     let fractional = ctx.program().integers.iter().copied().filter(|&j| distance(j) > integrality);
     let candidate = |j: usize| {
         let (x, below) = (point[j], point[j].floor());
         match rule {
-            Rule::Incumbent(best) => {
+            DivingRule::Incumbent(best) => {
                 let aim = if best[j] > x { below + 0.75 } else { below + 0.25 };
                 ((x - best[j]).abs(), j, aim)
             }
-            Rule::Pseudocosts(pseudocosts) => {
+            DivingRule::Pseudocosts(pseudocosts) => {
                 let [down, up] = pseudocosts.gains(j, x);
                 let aim = if up < down { below + 0.75 } else { below + 0.25 };
                 (down.min(up) / down.max(up), j, aim)
             }
-            Rule::Fraction => (distance(j), j, x),
+            DivingRule::Fraction => (distance(j), j, x),
         }
     };
-    let mut candidates: Vec<Candidate> = fractional.map(candidate).collect();
+    let mut candidates: Vec<Fixing> = fractional.map(candidate).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     candidates.truncate(candidates.len().div_ceil(PARAMETERS.dive_divisor));
     candidates
@@ -146,7 +146,9 @@ fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let projection = project_node(ctx)?;
     let verdict = relax(ctx, &projection.reduced, Purpose::Trial);
     let point = match &verdict {
-        Verdict::Relaxed { bound, x, .. } if ctx.tree.strengthen(*bound) < ctx.tree.cutoff() => {
+        RelaxationVerdict::Relaxed { bound, x, .. }
+            if ctx.tree.strengthen(*bound) < ctx.tree.cutoff() =>
+        {
             Some(projection.lift(x))
         }
         _ => None,

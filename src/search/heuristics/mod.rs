@@ -26,7 +26,7 @@ use super::trace::span;
 use crate::solution::Heuristic;
 
 /// The accounts of the heuristics of one worker.
-pub(super) struct Heuristics {
+pub(super) struct HeuristicAccounts {
     /// Nodes since the rounding heuristic last ran.
     since_rounding: u64,
     /// Nodes that this worker has processed.
@@ -35,9 +35,9 @@ pub(super) struct Heuristics {
     neighbourhood: Allowance,
 }
 
-impl Heuristics {
+impl HeuristicAccounts {
     pub(super) fn new() -> Self {
-        Heuristics {
+        HeuristicAccounts {
             since_rounding: u64::MAX,
             nodes: 0,
             diving: Allowance::default(),
@@ -68,7 +68,7 @@ fn has_good_point(ctx: &Context<'_>, bound: f64) -> bool {
 /// Looks for points near the relaxed point of the current node.
 pub(super) fn look_for_points(
     ctx: &mut Context<'_>,
-    heuristics: &mut Heuristics,
+    heuristics: &mut HeuristicAccounts,
     pseudocosts: &Pseudocosts,
     point: &[f64],
     bound: f64,

@@ -8,8 +8,8 @@ use super::allowance::Allowance;
 use super::parameters::PARAMETERS;
 use crate::program::Program;
 use crate::search::context::Context;
-use crate::search::found::Found;
-use crate::search::task::Task;
+use crate::search::found::SearchResult;
+use crate::search::task::SolveTask;
 use crate::search::trace::span;
 use crate::solution::Heuristic;
 
@@ -64,9 +64,9 @@ fn search_within(
             .clamp(PARAMETERS.neighbourhood_nodes[0], PARAMETERS.neighbourhood_nodes[1]),
     );
     options.memory_limit = ctx.tree.memory_left();
-    let task = Task { program, root: None, options: &options, cutoff, ..*ctx.task() };
+    let task = SolveTask { program, root: None, options: &options, cutoff, ..*ctx.task() };
     let activity = ctx.clock.pause();
-    let Found { points, statistics, .. } = (ctx.tree.tree.nested)(task);
+    let SearchResult { points, statistics, .. } = (ctx.tree.tree.nested)(task);
     ctx.clock.resume(activity);
     ctx.iterations += statistics.iterations;
     ctx.tree.count(|s| s.add_nested(&statistics));

@@ -12,7 +12,7 @@ use crate::search::node::Node;
 use crate::search::reporter::Reporter;
 #[cfg(not(target_family = "wasm"))]
 use crate::search::trace::Around;
-use crate::search::tree::{State, Tree};
+use crate::search::tree::{Tree, TreeState};
 use crate::search::tree_view::TreeView;
 use crate::search::worker::Worker;
 
@@ -140,7 +140,7 @@ fn assign(tree: &Tree<'_>, slots: &Slots<'_>) -> Vec<usize> {
 }
 
 /// The node that a plunge goes on with, or else the best open one, if it is below the cutoff.
-fn next_node(tree: &Tree<'_>, state: &mut State, plunge: Option<Node>) -> Option<Node> {
+fn next_node(tree: &Tree<'_>, state: &mut TreeState, plunge: Option<Node>) -> Option<Node> {
     let mut node = plunge;
     loop {
         match node.take().or_else(|| state.queue.pop()) {

@@ -12,7 +12,7 @@ use crate::search::node::Node;
 use crate::search::reporter::Reporter;
 #[cfg(not(target_family = "wasm"))]
 use crate::search::trace::Around;
-use crate::search::tree::{State, Tree};
+use crate::search::tree::{Tree, TreeState};
 use crate::search::tree_view::TreeView;
 use crate::search::worker::Worker;
 
@@ -147,7 +147,7 @@ fn next(tree: &Tree<'_>, view: &TreeView<'_>) -> Option<Node> {
 }
 
 /// Notes that a worker has nothing at hand.
-fn leave(tree: &Tree<'_>, state: &mut State, view: &TreeView<'_>) {
+fn leave(tree: &Tree<'_>, state: &mut TreeState, view: &TreeView<'_>) {
     if state.floors[view.id].take().is_some() {
         tree.wake.notify_all();
     }

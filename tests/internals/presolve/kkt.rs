@@ -5,9 +5,9 @@
 //! program are computed here from the matrices alone.
 
 use carom::internals::presolve::Reduced;
-use carom::internals::presolve::root::{Presolve, Presolved, Rule, presolve};
+use carom::internals::presolve::root::{Presolve, PresolveRule, Presolved, presolve};
 use carom::internals::program::Program;
-use carom::internals::relaxation::{Claim, ClarabelRelaxation, Effort, Relaxation};
+use carom::internals::relaxation::{ClarabelRelaxation, Effort, Relaxation, RelaxationClaim};
 use carom::prelude::*;
 use carom::solver::StopToken;
 use proptest::prelude::*;
@@ -107,7 +107,7 @@ fn continuous_pair(program: &Program, at: &[f64]) -> Option<(Vec<f64>, Vec<f64>)
         warm: None,
     };
     let answer = ClarabelRelaxation::new().solve(&left, &effort);
-    if answer.claim != Claim::Solved {
+    if answer.claim != RelaxationClaim::Solved {
         return None;
     }
     open.iter().zip(&answer.x).for_each(|(&j, &v)| x[j] = v);
@@ -116,7 +116,7 @@ fn continuous_pair(program: &Program, at: &[f64]) -> Option<(Vec<f64>, Vec<f64>)
 }
 
 /// Residuals of a presolved pair and of the restored one; nothing without an optimum.
-fn residuals(case: &Case, rules: &[Rule]) -> Option<(f64, f64)> {
+fn residuals(case: &Case, rules: &[PresolveRule]) -> Option<(f64, f64)> {
     let (model, _) = case.build();
     let program = Program::assemble(&model).unwrap();
     let Presolve::Presolved(presolved) = presolve(&program, rules, &StopToken::default()).unwrap()
@@ -139,12 +139,12 @@ fn residuals(case: &Case, rules: &[Rule]) -> Option<(f64, f64)> {
     Some((before, residual(&program, &restored.x, &restored.y, &restored.d)))
 }
 
-fn check(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
+fn check(case: &Case, rules: &[PresolveRule]) -> Result<(), TestCaseError> {
     const TOLERANCE: f64 = 1e-6;
     // These restore multipliers of continuous programs only; nobody asks for others.
     let mut rules = rules.to_vec();
     let whole = case.columns.iter().any(|column| column.kind != VariableKind::Continuous);
-    let without = [Rule::ImpliedBinaries, Rule::HeldColumns];
+    let without = [PresolveRule::ImpliedBinaries, PresolveRule::HeldColumns];
     rules.retain(|rule| !whole || !without.contains(rule));
     if let Some((before, after)) = residuals(case, &rules) {
         prop_assume!(before <= 0.01 * TOLERANCE);
@@ -157,38 +157,38 @@ proptest! {
     #![proptest_config(config(300, REGRESSIONS))]
 
     #[test]
-    fn each_rule(case in program(true), rule in 0..Rule::ALL.len()) {
-        check(&case, &[Rule::ALL[rule]])?;
-        check(&case, &[Rule::SingletonRows, Rule::ALL[rule]])?;
+    fn each_rule(case in program(true), rule in 0..PresolveRule::ALL.len()) {
+        check(&case, &[PresolveRule::ALL[rule]])?;
+        check(&case, &[PresolveRule::SingletonRows, PresolveRule::ALL[rule]])?;
     }
 
     #[test]
     fn held_columns_of_continuous_programs(mut case in conjunctions(), all in any::<bool>()) {
         case.columns.iter_mut().for_each(|column| column.kind = VariableKind::Continuous);
-        let some = [Rule::HeldColumns, Rule::Doubletons];
-        check(&case, if all { &Rule::ALL } else { &some })?;
+        let some = [PresolveRule::HeldColumns, PresolveRule::Doubletons];
+        check(&case, if all { &PresolveRule::ALL } else { &some })?;
     }
 
     #[test]
     fn binary_codes(case in coded()) {
-        check(&case, &[Rule::BinaryCodes])?;
-        check(&case, &Rule::ALL)?;
+        check(&case, &[PresolveRule::BinaryCodes])?;
+        check(&case, &PresolveRule::ALL)?;
     }
 
     #[test]
     fn all_rules_on_linear_programs(case in program(false)) {
-        check(&case, &Rule::ALL)?;
+        check(&case, &PresolveRule::ALL)?;
     }
 
     #[test]
     fn all_rules_on_curved_programs(case in program(true)) {
-        check(&case, &Rule::ALL)?;
+        check(&case, &PresolveRule::ALL)?;
     }
 
     #[test]
     fn all_rules_on_continuous_programs(mut case in program(true)) {
         case.columns.iter_mut().for_each(|column| column.kind = VariableKind::Continuous);
-        check(&case, &Rule::ALL)?;
+        check(&case, &PresolveRule::ALL)?;
     }
 }
 

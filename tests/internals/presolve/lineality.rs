@@ -1,6 +1,6 @@
 //! Shifts that nothing notices: which ones are found, and the way back.
 
-use carom::internals::presolve::root::{Presolve, Presolved, Rule, presolve};
+use carom::internals::presolve::root::{Presolve, PresolveRule, Presolved, presolve};
 use carom::internals::program::Program;
 use carom::prelude::*;
 use carom::solver::StopToken;
@@ -9,7 +9,7 @@ const INF: f64 = f64::INFINITY;
 
 fn presolved(model: &Model) -> Box<Presolved> {
     let program = Program::assemble(model).unwrap();
-    match presolve(&program, &[Rule::Lineality], &StopToken::default()).unwrap() {
+    match presolve(&program, &[PresolveRule::Lineality], &StopToken::default()).unwrap() {
         Presolve::Presolved(presolved) => presolved,
         other => unreachable!("{other:?}"),
     }

@@ -12,11 +12,11 @@ mod rules;
 
 use carom::internals::program::Program;
 use carom::internals::relaxation::LadderPool;
-use carom::internals::search::{Found, PointJudge, Task, search};
+use carom::internals::search::{PointJudge, SearchResult, SolveTask, search};
 use carom::solver::{Control, Options, StopToken};
 
 /// Searches a program that no model is told about.
-fn search_alone(program: &Program, accept: &dyn PointJudge) -> Found {
+fn search_alone(program: &Program, accept: &dyn PointJudge) -> SearchResult {
     let options = Options::default();
     search_by(program, accept, &options, &LadderPool::new(&options))
 }
@@ -27,8 +27,8 @@ pub(crate) fn search_by(
     accept: &dyn PointJudge,
     options: &Options,
     ladders: &LadderPool,
-) -> Found {
+) -> SearchResult {
     let token = &StopToken::default();
-    let task = Task::new(program, accept, ladders, options, token);
+    let task = SolveTask::new(program, accept, ladders, options, token);
     search(task, &mut Control::default(), None)
 }

@@ -1,6 +1,6 @@
 //! Each rule alone, and all of them: the optimum by enumeration, and its point by the way back.
 
-use carom::internals::presolve::root::{Presolve, Rule, presolve};
+use carom::internals::presolve::root::{Presolve, PresolveRule, presolve};
 use carom::internals::program::Program;
 use carom::prelude::*;
 use carom::solver::StopToken;
@@ -17,7 +17,7 @@ use crate::common::quadratic_program::Minimum;
 const REGRESSIONS: &str = "tests/regressions/presolve.txt";
 
 /// The optimum of a case when presolved by some rules, searched, and restored.
-fn compare(case: &Case, rules: &[Rule]) -> Result<(), TestCaseError> {
+fn compare(case: &Case, rules: &[PresolveRule]) -> Result<(), TestCaseError> {
     let (model, _) = case.build();
     let program = Program::assemble(&model).unwrap();
     let expected = optimum(case);
@@ -57,93 +57,93 @@ proptest! {
 
     #[test]
     fn fixed_columns(case in program(true)) {
-        compare(&case, &[Rule::SingletonRows, Rule::FixedColumns])?;
+        compare(&case, &[PresolveRule::SingletonRows, PresolveRule::FixedColumns])?;
     }
 
     #[test]
     fn singleton_rows(case in program(true)) {
-        compare(&case, &[Rule::SingletonRows])?;
+        compare(&case, &[PresolveRule::SingletonRows])?;
     }
 
     #[test]
     fn redundant_rows(case in program(true)) {
-        compare(&case, &[Rule::RedundantRows])?;
+        compare(&case, &[PresolveRule::RedundantRows])?;
     }
 
     #[test]
     fn parallel_rows(case in program(true)) {
-        compare(&case, &[Rule::ParallelRows])?;
+        compare(&case, &[PresolveRule::ParallelRows])?;
     }
 
     #[test]
     fn doubletons(case in program(true)) {
-        compare(&case, &[Rule::Doubletons])?;
-        compare(&case, &[Rule::Doubletons, Rule::SingletonRows])?;
+        compare(&case, &[PresolveRule::Doubletons])?;
+        compare(&case, &[PresolveRule::Doubletons, PresolveRule::SingletonRows])?;
     }
 
     #[test]
     fn slack_columns(case in program(false)) {
-        compare(&case, &[Rule::SlackColumns])?;
+        compare(&case, &[PresolveRule::SlackColumns])?;
     }
 
     #[test]
     fn implied_free(case in program(false)) {
-        compare(&case, &[Rule::ImpliedFree])?;
+        compare(&case, &[PresolveRule::ImpliedFree])?;
     }
 
     #[test]
     fn dominated_columns(case in program(false)) {
-        compare(&case, &[Rule::DominatedColumns])?;
+        compare(&case, &[PresolveRule::DominatedColumns])?;
     }
 
     #[test]
     fn parallel_columns(case in program(false)) {
-        compare(&case, &[Rule::ParallelColumns])?;
+        compare(&case, &[PresolveRule::ParallelColumns])?;
     }
 
     #[test]
     fn coefficients(case in program(true)) {
-        compare(&case, &[Rule::Coefficients])?;
+        compare(&case, &[PresolveRule::Coefficients])?;
     }
 
     #[test]
     fn lineality(case in program(true)) {
-        compare(&case, &[Rule::Lineality])?;
+        compare(&case, &[PresolveRule::Lineality])?;
     }
 
     #[test]
     fn binary_codes(case in coded()) {
-        compare(&case, &[Rule::BinaryCodes])?;
-        compare(&case, &Rule::ALL)?;
+        compare(&case, &[PresolveRule::BinaryCodes])?;
+        compare(&case, &PresolveRule::ALL)?;
     }
 
     #[test]
     fn implied_binaries(case in conjunctions(), other in program(false)) {
-        compare(&case, &[Rule::ImpliedBinaries])?;
-        compare(&other, &[Rule::ImpliedBinaries])?;
+        compare(&case, &[PresolveRule::ImpliedBinaries])?;
+        compare(&other, &[PresolveRule::ImpliedBinaries])?;
     }
 
     #[test]
     fn selections_of_one(case in selections()) {
-        compare(&case, &Rule::ALL)?;
+        compare(&case, &PresolveRule::ALL)?;
     }
 
     #[test]
     fn held_columns(case in conjunctions(), other in program(false)) {
-        compare(&case, &[Rule::HeldColumns])?;
-        compare(&case, &[Rule::ImpliedBinaries, Rule::HeldColumns, Rule::Doubletons])?;
-        compare(&case, &Rule::ALL)?;
-        compare(&other, &[Rule::HeldColumns])?;
+        compare(&case, &[PresolveRule::HeldColumns])?;
+        compare(&case, &[PresolveRule::ImpliedBinaries, PresolveRule::HeldColumns, PresolveRule::Doubletons])?;
+        compare(&case, &PresolveRule::ALL)?;
+        compare(&other, &[PresolveRule::HeldColumns])?;
     }
 
     #[test]
     fn all_rules_on_linear_programs(case in program(false)) {
-        compare(&case, &Rule::ALL)?;
+        compare(&case, &PresolveRule::ALL)?;
     }
 
     #[test]
     fn all_rules_on_curved_programs(case in program(true)) {
-        compare(&case, &Rule::ALL)?;
+        compare(&case, &PresolveRule::ALL)?;
     }
 }
 
@@ -155,7 +155,7 @@ fn a_chain_of_equalities_is_solved() {
     model.add("a", (v[1] - 2.0 * v[0]).equals(0.0)).unwrap();
     model.add("b", (v[2] - 2.0 * v[1]).equals(0.0)).unwrap();
     let program = Program::assemble(&model).unwrap();
-    let presolved = match presolve(&program, &Rule::ALL, &StopToken::default()).unwrap() {
+    let presolved = match presolve(&program, &PresolveRule::ALL, &StopToken::default()).unwrap() {
         Presolve::Presolved(presolved) => presolved,
         other => panic!("{other:?}"),
     };
@@ -177,7 +177,8 @@ fn conjunctions_without_a_bound_leave_one_binary() {
     model.add("either", (x[0] + x[1]).ge(1.0)).unwrap();
     model.maximize(y).unwrap();
     let program = Program::assemble(&model).unwrap();
-    let rules = [Rule::ImpliedBinaries, Rule::HeldColumns, Rule::Doubletons];
+    let rules =
+        [PresolveRule::ImpliedBinaries, PresolveRule::HeldColumns, PresolveRule::Doubletons];
     let presolved = match presolve(&program, &rules, &StopToken::default()).unwrap() {
         Presolve::Presolved(presolved) => presolved,
         other => panic!("{other:?}"),
@@ -205,7 +206,7 @@ fn codes_leave_the_columns_that_they_told() {
     }
     let program = Program::assemble(&model).unwrap();
     let Presolve::Presolved(presolved) =
-        presolve(&program, &[Rule::BinaryCodes], &StopToken::default()).unwrap()
+        presolve(&program, &[PresolveRule::BinaryCodes], &StopToken::default()).unwrap()
     else {
         panic!("nothing contradicts")
     };

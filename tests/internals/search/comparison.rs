@@ -4,7 +4,7 @@
 use carom::internals::program::Program;
 use carom::internals::relaxation::LadderPool;
 use carom::internals::search::{
-    Contradiction, Start, StartPoint, Task, search, search_unstrengthened,
+    Contradiction, SolveTask, Start, StartPoint, search, search_unstrengthened,
 };
 use carom::prelude::*;
 use carom::solution::Heuristic;
@@ -26,7 +26,8 @@ fn contradiction(wrong: &Program, start: Option<Vec<f64>>) -> Option<Contradicti
     let (exact, options, token) = (&program(), &Options::default(), &StopToken::default());
     let ladders = &LadderPool::new(options);
     let accept = |_: &[f64]| true;
-    let task = Task { exact: Some(exact), ..Task::new(wrong, &accept, ladders, options, token) };
+    let task =
+        SolveTask { exact: Some(exact), ..SolveTask::new(wrong, &accept, ladders, options, token) };
     let point = start.map(|values| StartPoint { values, found_by: Heuristic::Start });
     let start = Start::from_point(point);
     let found = search(task, &mut Control::default(), Some(&start));
