@@ -33,11 +33,11 @@ fn carry_on(
         body.acceleration = vec![Interval::point(0.0); 2];
     }
     let program = scene.program(steps)?;
-    let solution = solver.solve(&program.model)?;
+    let solution = solver.solve(program.model())?;
     if solution.point().is_none() {
         return Ok(None);
     }
-    program.certified(&solution).map(Some)
+    program.plan(&solution).map(Some)
 }
 
 fn main() -> Result<(), Box<dyn StdError>> {

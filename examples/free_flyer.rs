@@ -46,9 +46,9 @@ fn main() -> Result<(), Box<dyn StdError>> {
             // The least effort in the shortest time.
             let mut program = scene.program(steps)?;
             let effort = program.effort()?;
-            program.model.minimize(effort)?;
-            let solution = solver.solve(&program.model)?;
-            let plan = program.certified(&solution)?;
+            program.minimize(effort)?;
+            let solution = solver.solve(program.model())?;
+            let plan = program.plan(&solution)?;
             let size = |j: &Vec<f64>| j.iter().map(|j| j * j).sum::<f64>().sqrt();
             // An empty sum is -0.
             let impulse = plan.hits.iter().map(|hit| size(&hit.impulse)).sum::<f64>().abs();

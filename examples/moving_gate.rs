@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn StdError>> {
     if let Some(path) = paths.next() {
         for steps in [plan.steps() - 1, plan.steps()] {
             let program = scene.plain_program(steps)?;
-            let lowered = carom::reformulate::lower(&program.model)?;
+            let lowered = carom::reformulate::lower(program.model())?;
             std::fs::write(format!("{path}.{steps}.mps"), mps::write(lowered.model())?)?;
         }
     }

@@ -15,9 +15,7 @@ mod output;
 use std::error::Error as StdError;
 use std::time::Instant;
 
-use carom::collision_tolerant::{
-    Collisions, Endpoint, PlanningOptions, Scenario, damage_interval, shortest_plan,
-};
+use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario};
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, IntervalOptions, Scene, Solid, Surface,
 };
@@ -82,15 +80,15 @@ fn programs() -> Result<(), Error> {
     for steps in [20, 30, 40] {
         let mut program = room().program(steps)?;
         let fuel = program.fuel()?;
-        program.model.minimize(fuel)?;
+        program.minimize(fuel)?;
         let by_hand = instances::generators::boxes(steps, 4, false);
-        compare(&format!("boxes, {steps} steps"), &by_hand, &program.model)?;
+        compare(&format!("boxes, {steps} steps"), &by_hand, program.model())?;
     }
     let mut program = puck()?.program(25)?;
     let effort = program.effort()?;
-    program.model.minimize(5.0 * effort)?;
+    program.minimize(5.0 * effort)?;
     let by_hand = instances::generators::puck(25, 0.2);
-    compare("puck, 25 steps", &by_hand, &program.model)?;
+    compare("puck, 25 steps", &by_hand, program.model())?;
     Ok(())
 }
 
@@ -107,7 +105,7 @@ fn rows() -> Result<Vec<(String, Scenario)>, Error> {
     for e in [0.0, 0.025] {
         let open = paper.clone().with_restitution(e)?;
         let options = IntervalOptions::default();
-        let found = damage_interval(&open, 478, &options, &mut BranchAndBound::default())?;
+        let found = open.damage_interval(478, &options, &mut BranchAndBound::default())?;
         let limit = found.middle().unwrap_or(found.lower.attained);
         let limited = open.with_damage(DamageRule::default().with_per_hit(limit));
         rows.push((format!("e = {e}, at most {limit:.3} m/s"), limited));
@@ -159,7 +157,7 @@ fn paper() -> Result<(), Error> {
         let (mut times, mut steps) = ([Vec::new(), Vec::new()], [None, None]);
         for _ in 0..RUNS {
             let start = Instant::now();
-            steps[0] = shortest_plan(&scenario, &PlanningOptions::default(), &mut solver)?.steps;
+            steps[0] = scenario.shortest_plan(&PlanningOptions::default(), &mut solver)?.steps;
             let middle = Instant::now();
             let found = scene.shortest_plan(&ShortestOptions::default(), &mut solver)?;
             steps[1] = found.steps;

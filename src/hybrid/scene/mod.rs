@@ -30,6 +30,7 @@ mod system;
 pub use body::{Body, Shape};
 pub use compare::StepComparison;
 pub use damage_interval::{DamageInterval, IntervalEnd, IntervalOptions};
+pub(crate) use ends::region_where;
 pub use error::SceneError;
 pub use mitigate::{Avoidable, Mitigation};
 pub use plan::{BodyPath, SceneHit, ScenePlan};

@@ -39,14 +39,13 @@ pub(super) struct Pair {
 ///
 /// ```
 /// use carom::hybrid::scene::{Body, Solid, Scene, Surface};
-/// use carom::hybrid::{Region, Restitution, ShortestOptions};
-/// use carom::interval::Interval;
+/// use carom::hybrid::{Restitution, ShortestOptions};
 /// use carom::prelude::*;
 ///
 /// // A puck that comes in fast and must stop near a cushion at x = 0: with the cushion's help.
-/// let puck = Body::new("puck", [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)], 3.0, 3.0)
-///     .with_start(Region::point([1.5, 0.5, -2.0, 0.0]))
-///     .with_goal(Region::point([0.2, 0.6, 0.0, 0.0]));
+/// let puck = Body::new("puck", [0.0..=2.0, 0.0..=1.0], 3.0, 3.0)
+///     .with_start([1.5, 0.5, -2.0, 0.0])
+///     .with_goal([0.2, 0.6, 0.0, 0.0]);
 /// let cushion = Surface::bounce(Restitution::new(0.3)?);
 /// let scene = Scene::new(0.1)
 ///     .with_body(puck)
@@ -127,7 +126,13 @@ impl Scene {
     /// Adds the walls of a room along the axes, in m: the half-spaces `name 0`, `name 1`, ... at the
     /// lower and the upper side of each axis.
     #[must_use]
-    pub fn with_room(mut self, name: &str, sides: &[Interval], surface: Surface) -> Self {
+    pub fn with_room(
+        mut self,
+        name: &str,
+        sides: impl IntoIterator<Item: Into<Interval>>,
+        surface: Surface,
+    ) -> Self {
+        let sides: Vec<Interval> = sides.into_iter().map(Into::into).collect();
         for (i, side) in sides.iter().enumerate() {
             for (k, sign, at) in [(0, 1.0, side.lower), (1, -1.0, -side.upper)] {
                 let normal: Vec<f64> =

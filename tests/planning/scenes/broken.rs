@@ -29,8 +29,8 @@ fn bounce() -> Surface {
 
 fn plan(scene: &Scene) -> ScenePlan {
     let program = scene.program(6).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    program.certified(&solution).unwrap()
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    program.plan(&solution).unwrap()
 }
 
 /// What the replay says against a plan.
@@ -110,8 +110,8 @@ fn on_a_line_every_approach_is_along_the_normal() {
         .with_obstacle(Solid::halfspace("wall", [1.0], 0.0, bounce()))
         .with_rule(rule);
     let program = scene.program(1).unwrap();
-    let solution = BranchAndBound::default().solve(&program.model).unwrap();
-    assert_eq!(program.certified(&solution).unwrap().hits.len(), 1);
+    let solution = BranchAndBound::default().solve(program.model()).unwrap();
+    assert_eq!(program.plan(&solution).unwrap().hits.len(), 1);
 }
 
 #[test]

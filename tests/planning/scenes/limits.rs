@@ -109,8 +109,8 @@ fn a_margin_keeps_steps_away_from_ties() {
             .with_margin(margin);
         let mut program = scene.program(1).unwrap();
         let wanted = program.hits();
-        program.model.add("wanted", wanted.equals(hits)).unwrap();
-        BranchAndBound::default().solve(&program.model).unwrap().point().is_some()
+        program.add("wanted", wanted.equals(hits)).unwrap();
+        BranchAndBound::default().solve(program.model()).unwrap().point().is_some()
     };
     assert!(least(0.0, 0.1, 0.0) && least(0.0, 0.1, 1.0));
     assert!(!least(0.001, 0.1, 0.0) && !least(0.001, 0.1, 1.0));

@@ -217,11 +217,11 @@ fn damage_covers_motion_that_is_no_parabola() {
         scene.bodies[0].start = Some(Region::point([x, v]));
         let mut program = scene.program(2).unwrap();
         let push = numbers.within(-1.0, 1.0);
-        let inputs = program.hybrid.inputs()[0].clone();
+        let inputs = program.variables().inputs()[0].clone();
         let wish: Affine = inputs.iter().map(|u| push * u).sum();
-        program.model.minimize(wish).unwrap();
-        let solution = BranchAndBound::default().solve(&program.model).unwrap();
-        let plan = program.certified(&solution).unwrap();
+        program.minimize(wish).unwrap();
+        let solution = BranchAndBound::default().solve(program.model()).unwrap();
+        let plan = program.plan(&solution).unwrap();
         let path = &plan.bodies[0];
         for hit in &plan.hits {
             let t = hit.step;
