@@ -1,5 +1,6 @@
 #![doc = include_str!("../../docs/modules/hybrid.md")]
 
+mod affine;
 pub mod contact;
 pub mod damage;
 pub(crate) mod exponential;
