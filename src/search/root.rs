@@ -14,7 +14,7 @@ use crate::solver::StopToken;
 const ROOT_TRIALS: usize = 4000;
 
 /// Trials in a row that may find nothing where a wider root has been probed before.
-const FAILED_TRIALS: usize = 12;
+const ROOT_FAILED_TRIALS: usize = 12;
 
 /// Numbers of sides of the disjunctions that are split at once.
 const DISJUNCTION_SIDES: std::ops::RangeInclusive<usize> = 3..=64;
@@ -82,7 +82,7 @@ impl Root {
         }
         if root.conflict.is_none() {
             let most = if probing { ROOT_TRIALS } else { 0 };
-            let trials = Trials { most, patience: FAILED_TRIALS };
+            let trials = Trials { most, patience: ROOT_FAILED_TRIALS };
             let mut record = ProbingRecord::new(program.column_count());
             root.conflict = propagator
                 .propagate_since(program, domain, mark)

@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 
 use super::growth::growth_rate;
-use super::parameters::PARAMETERS;
+use super::parameters::BRANCHING;
 use super::split::{Child, Split};
 use super::strong_branching::{ChildTrial, try_child};
 use crate::search::context::Context;
@@ -41,7 +41,7 @@ pub(super) fn split_disjunction(
     // Those least near to holding first: their sides are likely to cost most.
     let nearest = |v: &Violated| x[v.sides[0]];
     violated.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)).then(a.sides.cmp(&b.sides)));
-    let mut trials = PARAMETERS.trials;
+    let mut trials = BRANCHING.trials;
     let mut tried = BTreeMap::new();
     for disjunction in &mut violated {
         if trials == 0 {

@@ -19,7 +19,7 @@ mod strong_fixing;
 use column::choose_column;
 use disjunction::split_disjunction;
 pub use growth::growth_rate;
-use parameters::PARAMETERS;
+use parameters::BRANCHING;
 use split::both_sides;
 pub(super) use split::{Child, RelaxedPoint, Split};
 use strong_branching::ChildTrial;
@@ -107,7 +107,7 @@ fn choose_by_gains(
     let grows = ctx.tree.proofs().is_none()
         || chosen.column.as_ref().is_some_and(|column| {
             let rate = growth_rate(&gains_of(pseudocosts, column));
-            (rate * (ctx.tree.cutoff() - bound)).exp() >= PARAMETERS.fixing_tree
+            (rate * (ctx.tree.cutoff() - bound)).exp() >= BRANCHING.fixing_tree
         });
     let fixed = grows && fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
     let stands = |(j, tried): &(usize, Option<_>)| {

@@ -1,6 +1,6 @@
 //! A cut, and the margins that make it safe.
 
-use super::parameters::PARAMETERS;
+use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
 use crate::presolve::Domain;
@@ -34,7 +34,7 @@ impl Cut {
         for (j, a) in terms {
             let [lower, upper] = domain.bounds(j);
             let corner = if a > 0.0 { lower } else { upper };
-            if a.abs() * PARAMETERS.dynamism > largest {
+            if a.abs() * CUTS.dynamism > largest {
                 size = size.max(a.abs() * reach(domain, j));
                 kept.push((j, a));
             } else if a != 0.0 {
@@ -44,10 +44,10 @@ impl Cut {
                 limit -= a * corner;
             }
         }
-        limit += PARAMETERS.limit_margin * size;
+        limit += CUTS.limit_margin * size;
         kept.iter_mut().for_each(|(_, a)| *a /= largest);
         let cut = Cut { terms: kept, limit: limit / largest };
-        (cut.depth(x) >= PARAMETERS.least_depth && cut.limit.is_finite()).then_some(cut)
+        (cut.depth(x) >= CUTS.least_depth && cut.limit.is_finite()).then_some(cut)
     }
 
     fn activity(&self, x: &[f64]) -> f64 {

@@ -5,7 +5,7 @@
 //! enter or leave the parts that appear on the way, so if the rows of a part together need a flow, whole
 //! binaries open more than the point does: the sum of the rows is rounded.
 
-use super::parameters::PARAMETERS;
+use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
 use super::cut::Cut;
@@ -49,10 +49,10 @@ fn arcs(point: &SeparatedPoint<'_>) -> Vec<FlowArc> {
         let Some(ends) = ends(point, column) else { continue };
         let open = match point.opening(column) {
             Some(bound) => point.x[bound.binary],
-            None if point.distance(column) > PARAMETERS.open_arc => f64::INFINITY,
+            None if point.distance(column) > CUTS.open_arc => f64::INFINITY,
             None => 0.0,
         };
-        if open > PARAMETERS.open_arc {
+        if open > CUTS.open_arc {
             arcs.push(FlowArc { column, ends, open });
         }
     }
@@ -117,7 +117,7 @@ impl SetSearch<'_> {
             if self.token.spend(100 * sum.terms.len()) {
                 return;
             }
-            if sum.terms.len() <= PARAMETERS.set_entries {
+            if sum.terms.len() <= CUTS.set_entries {
                 self.round(&sum);
                 parts.sums[a] = Some(sum);
             }

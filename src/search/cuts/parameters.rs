@@ -71,7 +71,7 @@ pub(super) struct CutParameters {
     pub(super) margin_share: f64,
 }
 
-pub(super) const PARAMETERS: CutParameters = CutParameters {
+pub(super) const CUTS: CutParameters = CutParameters {
     most_rounds: 40,
     most_cuts: 300,
     idle_lift: 1e-3,

@@ -7,7 +7,7 @@
 //! allowance ends rounds the rest.
 
 use super::allowance::Allowance;
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::search::context::Context;
@@ -47,7 +47,7 @@ pub(super) fn dive_where_it_pays(
     let free =
         cutoff == f64::INFINITY && ctx.tree.id == 0 && !ctx.program().is_feasibility_problem();
     let left = allowance.left(ctx.iterations, free);
-    if left < PARAMETERS.dive_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
+    if left < HEURISTICS.dive_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
     span!(DEBUG, "heuristic", name = "diving");
@@ -70,7 +70,7 @@ fn dive(ctx: &mut Context<'_>, rule: DivingRule<'_>, point: &[f64], last: u64) {
     let start = ctx.node.domain.mark();
     let mut point = point.to_vec();
     let mut turned_back = false;
-    for _ in 0..PARAMETERS.dive_steps {
+    for _ in 0..HEURISTICS.dive_steps {
         let candidates = candidates(ctx, rule, &point);
         let Some(&(_, first, value)) = candidates.first() else { break };
         let mark = ctx.node.domain.mark();
@@ -124,7 +124,7 @@ fn candidates(ctx: &Context<'_>, rule: DivingRule<'_>, point: &[f64]) -> Vec<Fix
     };
     let mut candidates: Vec<Fixing> = fractional.map(candidate).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    candidates.truncate(candidates.len().div_ceil(PARAMETERS.dive_divisor));
+    candidates.truncate(candidates.len().div_ceil(HEURISTICS.dive_divisor));
     candidates
 }
 

@@ -11,7 +11,7 @@
 //! that occurs in the fewest unknown rows: an input occurs only in the rows of its step, a state
 //! also in those of the next step.
 
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -95,8 +95,8 @@ impl<'a> Frontier<'a> {
         let (m, n) = (program.row_count(), program.column_count());
         let narrow = |j: usize| match domain.upper(j) - domain.lower(j) {
             _ if program.integral[j] => 0.0,
-            width if width.is_finite() => PARAMETERS.known_width * width,
-            _ => PARAMETERS.known_width,
+            width if width.is_finite() => HEURISTICS.known_width * width,
+            _ => HEURISTICS.known_width,
         };
         let moves = |row: usize| program.row(row).0.iter().any(|&j| !program.integral[j]);
         let mut frontier = Frontier {
