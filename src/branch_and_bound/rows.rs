@@ -1,4 +1,4 @@
-//! Rows that callbacks return: their names, their place in a model, and what violates them.
+//! Rows that callbacks return: their names, their place in a model, and their violations.
 
 use std::collections::BTreeSet;
 

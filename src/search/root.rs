@@ -1,4 +1,4 @@
-//! The root, propagated and probed once for what strengthens the program and for all workers.
+//! The root, propagated and probed once, for all workers and for all that strengthens the program.
 
 use super::indifferent_binaries::{BinaryGroup, groups, lone_binaries};
 use super::root_point::RootPoint;
@@ -30,7 +30,7 @@ pub struct Root {
     /// The integers in the order of probing, the last one first.
     pub(super) late_first: Vec<usize>,
     pub(super) domain: Domain,
-    /// With what is known about implications.
+    /// The propagator, with the implications that probing has found.
     pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
     /// The relaxed point, where it is known.
@@ -106,7 +106,7 @@ impl Root {
         self.renew(program, token);
     }
 
-    /// Propagates the domain through a program anew.
+    /// Propagates the domain through another program.
     fn renew(&mut self, program: &Program, token: &StopToken) {
         let mut propagator = Propagator::new(program);
         propagator.set_stop_token(token);

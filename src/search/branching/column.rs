@@ -18,13 +18,14 @@ pub(super) struct Chosen {
 enum ColumnTrial {
     /// One side is closed, and the column decided.
     Fixed,
-    /// The rise was known, and the fall is now.
+    /// The gain of raising the column was known, and that of lowering it has been tried.
     Half,
     Both([ChildTrial; 2]),
 }
 
-/// Chooses the best of some open columns. The most promising ones come first, and those that little
-/// is known about are tried. `Err` is a split, if a trial leaves nothing of the node or one child.
+/// Chooses the best of some open columns. Compares the most promising ones first, and tries those
+/// whose gains are not known yet. Returns a split as `Err` if a trial leaves no child of the node,
+/// or one.
 pub(super) fn choose_column(
     ctx: &mut Context<'_>,
     pseudocosts: &mut Pseudocosts,

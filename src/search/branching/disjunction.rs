@@ -26,7 +26,8 @@ struct Violated {
     score: f64,
 }
 
-/// Splits a violated disjunction, if there is one. Returns also at which rate the tree would grow.
+/// Splits a violated disjunction, if there is one. Also returns the rate at which the tree would
+/// grow.
 pub(super) fn split_disjunction(
     ctx: &mut Context<'_>,
     pseudocosts: &mut Pseudocosts,
@@ -115,7 +116,7 @@ fn gains_of(pseudocosts: &Pseudocosts, sides: &[usize], x: &[f64], average: f64)
     sides.iter().map(gain).collect()
 }
 
-/// The children of a disjunction's sides, with what their trials found out.
+/// The children of a disjunction's sides, with the results of their trials.
 fn sides(
     sides: &[usize],
     bound: f64,

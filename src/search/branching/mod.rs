@@ -1,4 +1,4 @@
-//! Which column to split, and which child to visit first.
+//! The choice of the column to split, and of the child to visit first.
 //!
 //! * Without an objective, only infeasibility matters, and under big-M rows fractionality says
 //!   little about it. Columns are split latest first (by the step of their name, else by position),
@@ -83,8 +83,8 @@ fn open_columns(ctx: &Context<'_>, x: &[f64]) -> Vec<usize> {
     open
 }
 
-/// Chooses by the expected gains: one of some open columns, or a disjunction. `Err` is a split that
-/// trials have come upon.
+/// Chooses one of some open columns, or a disjunction, by the expected gains. Returns a split as
+/// `Err` if trials have decided it.
 fn choose_by_gains(
     ctx: &mut Context<'_>,
     branching: &mut Branching,

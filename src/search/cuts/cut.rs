@@ -15,9 +15,10 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// A cut from exact-looking terms: small coefficients leave at their bounds, the limit is loosened.
-    /// `None` if a bound for that is missing or the point satisfies the cut. `size` is the largest
-    /// magnitude of the numbers that were added up to terms and limit.
+    /// Makes a cut that rounding in the terms cannot make wrong: replaces terms with small
+    /// coefficients by their values at bounds, and loosens the limit. Returns `None` if such a
+    /// bound is missing or if the point satisfies the cut. `size` is the largest magnitude of the
+    /// numbers that were added up to terms and limit.
     pub(super) fn new(
         terms: BTreeMap<usize, f64>,
         mut limit: f64,

@@ -59,7 +59,8 @@ fn arcs(point: &SeparatedPoint<'_>) -> Vec<FlowArc> {
     sorted(arcs)
 }
 
-/// The two rows that share a column, of which other rows than equations are left out if there are more.
+/// The two rows that share a column. If there are more than two, only equations count. `None` if
+/// that does not leave two.
 fn ends(point: &SeparatedPoint<'_>, column: usize) -> Option<[usize; 2]> {
     let program = point.program;
     let rows = program.column(column).0.iter().copied();
@@ -103,7 +104,7 @@ impl SetSearch<'_> {
         }
     }
 
-    /// Contracts arcs in their order, and rounds what appears.
+    /// Contracts arcs in their order, and rounds the sum of rows of each new part.
     fn contract(&mut self, arcs: &[FlowArc]) {
         let mut parts = Parts::new(self.point);
         let mut memory = Vec::new();
@@ -133,9 +134,9 @@ impl SetSearch<'_> {
 
 /// Rows contracted to parts, each with a sum of its rows.
 struct Parts {
-    /// By row, one nearer to the root of its part.
+    /// By row, a row that is nearer to the root of its part.
     parent: Vec<usize>,
-    /// By root; `None` for what is too long.
+    /// By root; `None` for a sum with too many entries.
     sums: Vec<Option<Aggregate>>,
 }
 

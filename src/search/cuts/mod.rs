@@ -83,7 +83,7 @@ pub(crate) fn strengthen(
     more
 }
 
-/// Rounds of cutting the relaxed point off.
+/// The state of the rounds that cut off the relaxed point.
 struct CutRounds<'a> {
     program: &'a Program,
     domain: &'a Domain,
@@ -106,7 +106,7 @@ enum Sets {
 }
 
 impl CutRounds<'_> {
-    /// Cuts as long as it lifts the bound. Returns the last relaxed point, if there was a round.
+    /// Cuts while the bound rises. Returns the last relaxed point; `None` if there was no round.
     ///
     /// Cuts are found among the rows of the program and the cuts before them: a cut `x <= d z + s`
     /// is the tight form of `x <= m z` from which the next one follows.
@@ -164,7 +164,8 @@ impl CutRounds<'_> {
             return None;
         }
         self.drop_idle(&before.x, CUTS.slack_rounds);
-        // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
+        // Without a warm start, which ends less deep inside the face of optima and makes cuts
+        // worse.
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
             let point = RootPoint::new(&program, self.domain, ladder, options, token, None)?;
@@ -204,7 +205,8 @@ impl CutRounds<'_> {
 
     /// The best cuts that a point violates, from the rows of a program.
     fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
-        // Most curved programs gain nothing, and a look at single rows tells.
+        // Most programs with a curved objective gain nothing; a first round over single rows shows
+        // it.
         let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
         let cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
         select(cuts, &[], x)

@@ -66,7 +66,7 @@ pub(super) struct Aggregate {
 /// Rounds one aggregate after the other, in the same memory.
 #[derive(Default)]
 pub(super) struct Rounder {
-    /// Those of trials that are over.
+    /// Bases of finished trials, to be used again.
     spare: Vec<Base>,
     /// Terms in integers, before those of one column are added up.
     integers: Vec<(usize, f64)>,
@@ -177,7 +177,7 @@ fn divide(
     let values = base.whole.iter().map(|whole| whole.value).enumerate();
     candidates.clear();
     candidates.extend(values.filter(|(_, value)| *value > 1e-6));
-    // WholeColumn columns are sorted.
+    // Whole columns are sorted.
     candidates.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     for &(k, _) in &*candidates {
         let size = base.whole[k].coefficient.abs();
@@ -354,7 +354,7 @@ fn depth(base: &Base, divisor: f64) -> f64 {
     (sum - (base.right / divisor).floor()) / f64::max(norm, 1e-12).sqrt()
 }
 
-/// A row that is being added up. What cancels leaves rounding, of which the size tells.
+/// A sum of rows in the making. Terms that cancel leave rounding; `size` is its measure.
 struct Total<'a> {
     domain: &'a Domain,
     terms: BTreeMap<usize, f64>,

@@ -52,7 +52,7 @@ pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     });
 }
 
-/// Looks for a point that softens nothing, where there is none or one that does.
+/// Looks for a point that softens no row, if there is no point yet or one that softens rows.
 fn complete_unsoftened(ctx: &mut Context<'_>, found: Option<&[f64]>) -> Option<Vec<f64>> {
     let penalties = penalties(ctx.program());
     let is_worse = found.is_none_or(|point| pays(ctx.program(), &penalties, point));
@@ -67,8 +67,8 @@ fn complete_unsoftened(ctx: &mut Context<'_>, found: Option<&[f64]>) -> Option<V
     ctx.tree.take_last_found()
 }
 
-/// Looks for a point of the present domain: rounds its relaxed point, and dives where that
-/// leads nowhere, with the relaxations that are `left`.
+/// Looks for a point of the present domain: rounds its relaxed point, and dives if that fails.
+/// Solves at most `left` relaxations, and counts them off.
 fn complete(ctx: &mut Context<'_>, left: &mut usize) {
     while *left > 0 {
         *left -= 1;

@@ -30,8 +30,8 @@ enum DivingRule<'r> {
     Incumbent(&'r [f64]),
 }
 
-/// An integer to fix: how sure it is (smaller is surer), the column, and a value on the side of the
-/// whole one that is meant.
+/// An integer to fix: its uncertainty, the column, and a number whose nearest whole number is the
+/// value to fix it at. The alternative is the whole number on the other side of that number.
 type Fixing = (f64, usize, f64);
 
 /// Dives from the relaxed point of the current node if the allowance has room for it.
@@ -128,7 +128,8 @@ fn candidates(ctx: &Context<'_>, rule: DivingRule<'_>, point: &[f64]) -> Vec<Fix
     candidates
 }
 
-/// Excludes the side of a column that was meant. Returns `false` if nothing is left then.
+/// Excludes the value that a column was to be fixed at, with all beyond it. Returns `false` if that
+/// contradicts the domain.
 fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
     let (near, mark) = (value.round(), ctx.node.domain.mark());
     let up = value > near;
@@ -141,7 +142,8 @@ fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
     propagate_since(ctx, mark).is_ok()
 }
 
-/// The relaxed point of what the dive has come to; `None` if no better point is in there.
+/// The relaxed point of the domain that the dive has reached; `None` if that domain has no better
+/// point.
 fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let projection = project_node(ctx)?;
     let verdict = relax(ctx, &projection.reduced, Purpose::Trial);

@@ -1,4 +1,4 @@
-//! Primal heuristics, and when each one runs.
+//! Primal heuristics, and the times at which they run.
 
 mod allowance;
 mod completion;
@@ -59,7 +59,7 @@ impl HeuristicAccounts {
     }
 }
 
-/// Whether there is a good point beside the bound of the current node.
+/// Whether the best point is a good one: its gap to the bound of the current node is small.
 fn has_good_point(ctx: &Context<'_>, bound: f64) -> bool {
     let cutoff = ctx.tree.cutoff();
     cutoff < f64::INFINITY && cutoff - bound <= HEURISTICS.good_point_gap * cutoff.abs()
@@ -124,7 +124,7 @@ pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
     ctx.clock.switch(activity);
 }
 
-/// Tries a point that has become whole by settling what had a choice.
+/// Tries a point that has become whole because indifferent binaries got whole values.
 pub(super) fn look_for_settled_point(ctx: &mut Context<'_>, raw: &[f64], settled: &[f64]) {
     if raw != settled && ctx.is_integral(settled) {
         let activity = ctx.clock.switch(Activity::Heuristic);
