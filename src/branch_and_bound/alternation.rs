@@ -1,11 +1,11 @@
 //! Programs without an objective: two ways of searching in turns.
 //!
-//! Without an objective, a relaxation says of a node only whether it is empty, and a tree that splits
-//! the latest step first decides many programs of horizons in a few nodes. Where it does not, an
-//! objective of one's own helps, though any point will do: the relaxed values tell how far a split moves
-//! what is left, so splits are chosen by gains, and cuts are looked for. It is not known beforehand which
-//! of the two is faster, so they take turns with growing limits. All turns together take a small multiple
-//! of the nodes of the faster way alone.
+//! Without an objective, a relaxation only tells whether a node is empty. A tree that splits the
+//! latest step first decides many programs of horizons in a few nodes. For other programs an
+//! artificial objective helps, although any point is an answer: splits are chosen by the gains of
+//! relaxed values, and cuts are looked for. Nobody knows beforehand which of the two is faster, so
+//! they take turns with growing limits. All turns together take a small multiple of the nodes of
+//! the faster way alone.
 
 use super::events::PartOfSolve;
 use super::search::search_once;
@@ -32,7 +32,7 @@ pub(super) fn alternates(task: SolveTask<'_>) -> bool {
         && program.integers.iter().any(|&j| is_binary(program, j))
 }
 
-/// Searches a program without an objective in turns, with and without an objective of the search's own.
+/// Searches a program without an objective in turns, with and without an artificial objective.
 pub(super) fn search_in_turns(
     task: SolveTask<'_>,
     known: &EarlierResults<'_>,
@@ -75,7 +75,7 @@ pub(super) fn search_in_turns(
     SearchResult::stopped(Termination::NodeLimit)
 }
 
-/// Runs a turn whose events count what was done before, and know of no objective.
+/// Runs a turn. Its events include the counts of earlier turns, and show no objective.
 fn run_turn(
     task: SolveTask<'_>,
     before: &Statistics,
@@ -100,15 +100,15 @@ fn run_turn(
     turn.run(control, search)
 }
 
-/// The result of a search with an objective of our own, as an answer without an objective: no point is
-/// better than another.
+/// The result of a search with the artificial objective, as an answer without an objective: no
+/// point is better than another.
 fn without_objective(found: SearchResult, offset: f64) -> SearchResult {
     let bound = if found.bound == f64::INFINITY { found.bound } else { offset };
     SearchResult { bound, proofs: Vec::new(), forks: Vec::new(), strengthened: None, ..found }
 }
 
-/// The program with the number of binaries that are 1 as its objective: conditions that do not hold and
-/// events that do not happen leave the rest alone.
+/// The program with the artificial objective, the number of binaries that are 1: conditions that do
+/// not hold and events that do not happen restrict nothing.
 fn with_objective(program: &Program) -> Program {
     let mut own = program.clone();
     for &j in program.integers.iter().filter(|&&j| is_binary(program, j)) {

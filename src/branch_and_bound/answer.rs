@@ -10,7 +10,7 @@ use crate::search::{ClosedNode, SearchResult};
 use crate::solution::{LeafBound, LeafBox, Multipliers, Outcome, Solution};
 use crate::solver::{Options, PoolMode};
 
-/// The verified solution with all that is known of it.
+/// The verified solution, with its multipliers, the report on the start and a refused point.
 pub(super) fn answer(
     solve: &Solve<'_>,
     solved: SolveResult,
@@ -59,8 +59,8 @@ fn solution(model: &Model, options: &Options, found: SearchResult) -> Result<Sol
     Ok(solution.with_leaves(leaves))
 }
 
-/// An end of the tree over the variables of the model. What it says about auxiliary columns is left out,
-/// which makes it larger.
+/// An end of the tree over the variables of the model. Decisions on auxiliary columns are left out,
+/// which makes the end larger.
 fn leaf_of(model: &Model, closed: &ClosedNode, sign: f64) -> LeafBox {
     let variables: Vec<Variable> = model.variables().map(|variable| variable.id()).collect();
     let mut bounds: BTreeMap<usize, [f64; 2]> = BTreeMap::new();

@@ -17,7 +17,7 @@ use crate::solver::{Control, Options, Progress, StopToken};
 use crate::sum::Sum;
 use crate::tolerance;
 
-/// A block and what is known of it.
+/// A block, with its bound, its best point and the limits of its search.
 struct BlockState {
     block: ProgramBlock,
     bound: f64,
@@ -161,7 +161,7 @@ impl BlockSearches<'_> {
         Some(Grant { time: time.map(|t| t / waiting as u32), nodes: nodes.map(share) })
     }
 
-    /// Searches a block, unless it was before with as much time and as many nodes.
+    /// Searches a block, unless it was searched before with as much time and as many nodes.
     fn search(&mut self, k: usize, control: &mut Control<'_>) {
         let Some(grant) = self.grant(k) else { return };
         let BlockState { block, granted, ended, gap, .. } = &self.states[k];
@@ -243,7 +243,7 @@ impl BlockSearches<'_> {
         }
     }
 
-    /// The best points of all blocks, but perhaps one, put together; `None` if one is missing.
+    /// The best points of all blocks, or of all but one, put together; `None` if a block has none.
     fn point(&self, except: Option<usize>) -> Option<Vec<f64>> {
         let mut point = vec![0.0; self.task.program.column_count()];
         for (k, part) in self.states.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! The phase before the tree: costs and cuts make the relaxation of the root tighter.
 //!
-//! A pilot search of one node tells whether cuts are wanted; what it finds is not lost to the search.
+//! A pilot search of one node tells whether cuts are wanted. The search takes over its results.
 
 use super::start::start_point;
 use crate::program::Program;
@@ -11,7 +11,7 @@ use crate::search::{
 use crate::solution::{Heuristic, Statistics, Termination};
 use crate::solver::{BranchingRule, Control, Heuristics, Options};
 
-/// The result of the phase.
+/// The result of the phase of cuts.
 #[derive(Default)]
 pub(super) struct CutOutcome {
     /// The strengthened program; `None` if it is as it was.
@@ -62,7 +62,7 @@ pub(super) fn cut(task: SolveTask<'_>, root: &mut Root, start: Option<&Start>) -
 }
 
 impl CutOutcome {
-    /// The start of the search: the given one, with what the pilot search has found if it has no point.
+    /// The start of the search: the given one, with the point of the pilot search if it has none.
     pub(super) fn start(&self, given: Option<&Start>) -> Option<Start> {
         let given = given.cloned();
         if !self.pilot.ran || given.as_ref().is_some_and(|given| given.point.is_some()) {
@@ -72,7 +72,7 @@ impl CutOutcome {
         Some(Start { point, is_rounded, ..given.unwrap_or_default() })
     }
 
-    /// Adds what was done before the search to its result.
+    /// Adds the results of this phase to those of the search.
     pub(super) fn add_to(&self, found: &mut SearchResult) {
         found.statistics.add(&self.pilot.statistics);
         found.is_widened |= self.pilot.is_widened;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use crate::solver::{Control, Event, Incumbent, Progress, StopToken};
 
-/// The view of a whole solve on one of its searches.
+/// The place of one search within a whole solve.
 pub(super) struct PartOfSolve<'a> {
     /// Whether no other search came before.
     pub(super) is_first: bool,
@@ -34,7 +34,7 @@ impl Told {
         Told { sign, event, point }
     }
 
-    /// Whether an objective is better than all that was told before; it is told now.
+    /// Whether an objective is better than all those told before. Counts it as told.
     fn is_news(&self, told: &Cell<f64>, objective: f64) -> bool {
         let minimised = self.sign * objective;
         let is_better = minimised < told.get();

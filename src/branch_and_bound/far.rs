@@ -1,12 +1,13 @@
-//! Models whose objective falls, inside a box.
+//! Boxes for models with an unbounded objective.
 
 use crate::error::Error;
 use crate::model::Model;
 
-/// Distances that variables without bounds may go in a box, in their units.
+/// Distances of the sides of a box that replace missing bounds, in the units of the variables.
 pub(super) const DISTANCES: [f64; 2] = [1e3, 1e6];
 
-/// A model in which variables without bounds have some: so far from 0, or from their other bound.
+/// The model with bounds in place of missing ones: at a distance from 0 or, where 0 is outside the
+/// other bound, from that one.
 pub(super) fn boxed(model: &Model, far: f64) -> Result<Model, Error> {
     let mut boxed = model.clone();
     for variable in model.variables() {

@@ -57,8 +57,8 @@ impl LastSolve {
         self.without_cuts > 0 || self.stopped
     }
 
-    /// Whether what holds for all values of the parameters will do, because the next tree is likely to be
-    /// small, or because there is no time for more.
+    /// Whether tightening for all values of the parameters is enough, because the next tree is
+    /// likely to be small or because there is no time for more.
     pub(super) fn expects_few_nodes(&self) -> bool {
         self.stopped || self.nodes.is_some_and(|nodes| nodes < FEW_NODES)
     }
@@ -96,8 +96,8 @@ impl LastSolve {
         }
     }
 
-    /// Moves the integers one step ahead; the last step is kept for what comes behind it. The tree stays:
-    /// a step later most programs differ by little more than their parameters.
+    /// Moves the integers one step ahead; the last step keeps its values. The tree stays: a step
+    /// later most programs differ by little more than their parameters.
     pub(super) fn shift(&mut self) {
         let values: BTreeMap<usize, f64> = self.integers.iter().copied().collect();
         for (j, value) in &mut self.integers {
@@ -106,7 +106,7 @@ impl LastSolve {
     }
 }
 
-/// By name, where the same name of the next step is, or the name itself if there is none.
+/// For each name, the place of the same name in the next step, or its own place if there is none.
 fn next_of(names: &[&Name]) -> Vec<usize> {
     let place = |(k, name): (usize, &&Name)| Some(((name.family().to_owned(), name.step()?), k));
     let places: BTreeMap<(String, usize), usize> =

@@ -22,7 +22,7 @@ pub(super) struct LoweredProgram {
 }
 
 impl LoweredProgram {
-    /// A program that the variables of a model are the first columns of.
+    /// A program whose first columns are the variables of a model.
     pub(super) fn new(program: Program, way_back: Arc<WayBack>) -> Self {
         LoweredProgram { program, way_back, postsolve: None, rounding: 0.0 }
     }

@@ -8,7 +8,8 @@ use crate::solver::MipStart;
 /// A MIP start in columns of the lowered model.
 pub(super) struct GivenStart {
     pub(super) start: Start,
-    /// Number of its values that mean nothing to the model.
+    /// Number of its values that are ignored: not finite, or not of an integral variable of the
+    /// model.
     ignored: usize,
 }
 
@@ -24,7 +25,7 @@ impl GivenStart {
         GivenStart { start: Start { integers, ..Start::default() }, ignored }
     }
 
-    /// The report on what became of it; columns and points are the model's.
+    /// The report on the outcome of the start; columns and points are the model's.
     pub(super) fn report(&self, model: &Model, found: &SearchResult) -> StartReport {
         let status = match &found.completion {
             _ if self.start.integers.is_empty() => None,

@@ -69,7 +69,7 @@ fn checked(
     let costs = program.linear.iter().chain(program.quadratic.val());
     let scale = costs.fold(0.0_f64, |m, c| m.max(c.abs()));
     drop_rounding(program, &activities, scale, &mut y);
-    // How far the point is above the bound that the pair of `x` and `y` proves.
+    // The distance of the point from the bound that the pair of `x` and `y` proves.
     let mut excess = Sum::new(program.objective(point));
     excess.add(-program.objective(&x));
     for (row, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {

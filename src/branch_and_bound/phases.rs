@@ -9,8 +9,8 @@
 //! 7. [`restore`](super::restore): what was found becomes an answer about the model.
 //! 8. [`verify`](super::verify): the model itself checks every point.
 //!
-//! A [`SolveTask`] passes through the phases from 3 to 6. A solve of a prepared model passes through the same
-//! phases; more is [`EarlierResults`] beforehand.
+//! A [`SolveTask`] passes through the phases from 3 to 6. A solve of a prepared model passes
+//! through the same phases, with more [`EarlierResults`] at its start.
 
 use super::blocks::search_blocks;
 use super::lower::{LoweredProgram, lower};
@@ -48,7 +48,7 @@ impl Solve<'_> {
         let solved = self.run_by_rules(lowered, rules, known, control)?;
         let contradicted = solved.found.contradiction.is_some();
         debug_assert!(!contradicted, "presolve has changed the objective of {:?}", solved.point);
-        // What has found rows is searched again with them.
+        // A search that has found rows is repeated with them.
         let is_over = self.token.is_over() || self.rows.is_some_and(RowJudge::has_new_rows);
         let is_doubtful =
             solved.found.is_widened || solved.found.termination == Termination::Stalled;

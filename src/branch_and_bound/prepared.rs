@@ -232,8 +232,9 @@ fn fix(program: &mut Program, column: usize, value: f64) {
     (program.lower[column], program.upper[column]) = (value, value);
 }
 
-/// Whether a program falls into blocks with integers once the columns of its parameters have values. What
-/// has none is searched with the others: a block would not begin with the last plan.
+/// Whether a program falls into several blocks with integers once the columns of its parameters
+/// have values. Blocks without integers do not count: the program is then searched as a whole,
+/// which can begin with the last plan.
 fn is_in_blocks(program: &Program, parameters: &[usize]) -> Result<bool, Error> {
     let mut program = program.clone();
     for &j in parameters {

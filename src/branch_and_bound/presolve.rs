@@ -23,7 +23,7 @@ pub(super) fn rules(solve: &Solve<'_>, known: &EarlierResults<'_>) -> &'static [
     if is_faithful { &PresolveRule::FAITHFUL } else { &PresolveRule::ALL }
 }
 
-/// The result of the phase.
+/// The result of the phase of presolve.
 pub(super) enum PresolveOutcome<'a> {
     Presolved(Presolution<'a>),
     Infeasible,

@@ -1,4 +1,4 @@
-//! The phase after the search: what was found becomes an answer about the model.
+//! The phase after the search: its result becomes an answer about the model.
 
 use super::multipliers::derivatives;
 use super::presolve::Presolution;
@@ -10,8 +10,8 @@ use crate::solution::{Point, Termination};
 /// Least rounding of a bound that is charged, relative to the bound (no unit).
 const LEAST_ROUNDING: f64 = 1e-10;
 
-/// Restores points, the outcome of a start and multipliers. The bound is charged for what presolve may
-/// have lost to rounding.
+/// Restores points, the outcome of a start and multipliers. Lowers the bound by the part of the
+/// objective that presolve may have lost to rounding.
 pub(super) fn restore(
     solve: &Solve<'_>,
     known: &EarlierResults<'_>,
@@ -48,8 +48,8 @@ pub(super) fn restore(
     Ok(SolveResult { found, derivatives, point })
 }
 
-/// Takes what presolve may have lost to rounding off the bound, where it can be seen at all; the gap
-/// asked for may not be met then.
+/// Lowers the bound by the part of the objective that presolve may have lost to rounding, unless
+/// that is negligible. The gap that was asked for may then be missed.
 fn charge(solve: &Solve<'_>, rounding: f64, found: &mut SearchResult) -> Result<(), Error> {
     if !found.bound.is_finite() || rounding <= LEAST_ROUNDING * found.bound.abs().max(1.0) {
         return Ok(());

@@ -90,7 +90,7 @@ pub(super) struct RowRounds<'a> {
     told: Told,
 }
 
-/// A round.
+/// The result of a round.
 struct Round {
     solved: SolveResult,
     /// Number of lazy constraints that it has found.
@@ -234,7 +234,7 @@ impl RowRounds<'_> {
         self.best.as_ref().is_some_and(|&(value, _)| value - self.bound <= allowed(value))
     }
 
-    /// Searches as much again without cuts, where these leave no point.
+    /// Searches as many nodes again without cuts, after cuts have left no point.
     fn without_cuts(
         &mut self,
         round: Round,
@@ -248,7 +248,8 @@ impl RowRounds<'_> {
         Ok(self.conclude(round))
     }
 
-    /// Whether a point far out, where the objective still falls, tells of rows that end the fall.
+    /// Whether points far out, in boxes around a model with an unbounded objective, show rows that
+    /// it lacks.
     fn finds_rows_far_out(
         &mut self,
         plain: &Model,
@@ -259,7 +260,7 @@ impl RowRounds<'_> {
         }
         for far in DISTANCES {
             let boxed = boxed(plain, far)?;
-            // What is proved of it says nothing of the model.
+            // Proofs about the box say nothing about the model.
             let bound = self.bound;
             let limit = self.left().unwrap_or(u64::MAX).min(FIRST_NODES);
             let round = self.search(&boxed, Some(limit), control)?;

@@ -1,4 +1,4 @@
-//! Rows that callbacks return: their names, their place in a model, and what violates them.
+//! Rows that callbacks return: their names, their place in a model, and their violations.
 
 use std::collections::BTreeSet;
 
@@ -22,8 +22,8 @@ pub(super) const CUT: &str = "user_cut";
 /// By how much a point may miss a cut that is right, in units of the largest coefficient, and relative
 /// to the sum of its terms (no unit): points miss the rows that cuts are derived from by up to the
 /// tolerance.
-const COEFFICIENT_MISS: f64 = 1e-4;
-const TERMS_MISS: f64 = 1e-8;
+const CUT_COEFFICIENT_MISS: f64 = 1e-4;
+const CUT_TERMS_MISS: f64 = 1e-8;
 
 /// Whether a point violates a row by more than the tolerance.
 pub(super) fn is_violated(model: &Model, row: &StoredRow, point: &Point, feasibility: f64) -> bool {
@@ -70,7 +70,7 @@ pub(super) fn wrong_cut(model: &Model, cuts: &[StoredRow], point: &Point) -> Opt
         let (below, above) = (cut.lower - sum.value(), sum.value() - cut.upper);
         let limit = if below > above { cut.lower } else { cut.upper };
         let amount = below.max(above);
-        (amount > COEFFICIENT_MISS * largest + TERMS_MISS * (size + limit.abs()))
+        (amount > CUT_COEFFICIENT_MISS * largest + CUT_TERMS_MISS * (size + limit.abs()))
             .then_some((k, cut, amount))
     })?;
     let row = model.row_text(&cut.terms, Interval::new(cut.lower, cut.upper));

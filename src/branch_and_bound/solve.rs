@@ -10,7 +10,7 @@ use crate::relaxation::LadderPool;
 use crate::search::{SearchResult, Start};
 use crate::solver::{Options, StopToken};
 
-/// The model of a solve, and what is needed to solve it.
+/// The model of a solve, with the data that its phases share.
 #[derive(Clone, Copy)]
 pub(super) struct Solve<'a> {
     pub(super) model: &'a Model,

@@ -14,7 +14,7 @@ const LARGE_ENTRIES: usize = 10_000;
 /// Largest share of the remaining time that the point of a large program may take (no unit).
 const TIME_SHARE: f64 = 0.25;
 
-/// A point that was looked for before the search, and what else was found.
+/// The result of looking for a point before the search.
 pub(super) struct PreliminaryResult {
     found: SearchResult,
     /// Whether the search begins with the point; else the point only serves where the search has none.
@@ -63,7 +63,7 @@ impl PreliminaryResult {
         SearchResult { termination: Termination::Optimal, bound, ..self.found }
     }
 
-    /// Adds what is known to the result of the search that has begun with it.
+    /// Adds its point, bound and counts to the result of the search that followed.
     pub(super) fn add_to(
         self,
         task: SolveTask<'_>,

@@ -35,7 +35,8 @@ impl<'a> Tightened<'a> {
     }
 }
 
-/// A program with smaller big-Ms. Kept leaves are about the program as it is.
+/// A program with smaller big-Ms. The program stays as it is if leaves are kept, because they speak
+/// of it.
 fn tighten<'a>(program: &'a Program, options: &Options, token: &StopToken) -> Cow<'a, Program> {
     let mut tight = Cow::Borrowed(program);
     if options.keep_leaves {

@@ -5,6 +5,9 @@ use crate::model::{Affine, Family, Model, Quadratic, Variable, VariableKind};
 
 use super::capability::Capability;
 
+/// A missing bound.
+pub(super) const INF: f64 = f64::INFINITY;
+
 /// The answer of a program.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -3,9 +3,7 @@
 use crate::error::Error;
 use crate::model::{Affine, Model};
 
-use super::answer::{Case, Cases, Truth, minimizing, sum};
-
-const INF: f64 = f64::INFINITY;
+use super::answer::{Case, Cases, INF, Truth, minimizing, sum};
 
 /// Values 8, 9, 5, 13, weights 4, 5, 3, 7, capacity 10: the last two, 18. The relaxation has 19.14.
 pub(super) fn knapsack() -> Result<Case, Error> {

@@ -3,9 +3,7 @@
 use crate::error::Error;
 use crate::model::Model;
 
-use super::answer::{Case, Cases, minimizing};
-
-const INF: f64 = f64::INFINITY;
+use super::answer::{Case, Cases, INF, minimizing};
 
 pub(super) fn cases() -> Result<Vec<Case>, Error> {
     let mut cases = Cases::default();

@@ -13,9 +13,9 @@ impl ModelTag {
     /// A tag that no other model has, not even (with overwhelming probability) one that was
     /// written to a file by another process.
     pub(crate) fn fresh() -> Self {
-        static COUNTER: AtomicU64 = AtomicU64::new(0);
+        static TAGS: AtomicU64 = AtomicU64::new(0);
         let mut hasher = RandomState::new().build_hasher();
-        hasher.write_u64(COUNTER.fetch_add(1, Ordering::Relaxed));
+        hasher.write_u64(TAGS.fetch_add(1, Ordering::Relaxed));
         ModelTag(hasher.finish() as u32)
     }
 }

@@ -392,8 +392,8 @@ impl Model {
 }
 
 fn fresh_revision() -> u64 {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    COUNTER.fetch_add(1, Ordering::Relaxed)
+    static REVISIONS: AtomicU64 = AtomicU64::new(0);
+    REVISIONS.fetch_add(1, Ordering::Relaxed)
 }
 
 pub(super) fn foreign(kind: &'static str, index: usize, place: impl ToString) -> Error {

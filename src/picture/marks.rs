@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 /// How far a line may be from the points that it stands for, in pixels.
-const NEAR: f64 = 0.02;
+const LINE_ERROR: f64 = 0.02;
 
 /// The height of a line of text, and about the width of a letter, in pixels.
 const LINE: f64 = 18.0;
@@ -71,7 +71,7 @@ pub(crate) fn legend(
     y + LINE - top
 }
 
-/// Drops points that are nearer than `NEAR` to the line through the others (D. H. Douglas and
+/// Drops points that are nearer than `LINE_ERROR` to the line through the others (D. H. Douglas and
 /// T. K. Peucker, 1973).
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
@@ -81,7 +81,7 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     while let Some((a, b)) = waiting.pop() {
         let far = (a + 1..b).map(|k| (distance(points[k], points[a], points[b]), k));
         let Some((most, k)) = far.max_by(|x, y| x.0.total_cmp(&y.0)) else { continue };
-        if most > NEAR {
+        if most > LINE_ERROR {
             kept[k] = true;
             waiting.extend([(a, k), (k, b)]);
         }

@@ -8,7 +8,7 @@ use crate::solver::{Options, PoolMode};
 pub struct Accepted {
     /// Its (minimised) objective.
     pub value: f64,
-    /// The integers of the user's model: what tells points apart.
+    /// The integers of the user's model, which tell points apart.
     pub key: Vec<i64>,
     /// The values of all columns.
     pub point: Vec<f64>,
@@ -70,8 +70,8 @@ impl BestPoints {
         self.points.iter().map(one).sum()
     }
 
-    /// The value that new points must be better than to change anything; `None` while every point
-    /// does.
+    /// The value that a new point must improve on to change the pool; `None` while every point
+    /// changes it.
     pub fn to_beat(&self) -> Option<f64> {
         match self.mode {
             PoolMode::Found => self.incumbent().map(|best| best.value),

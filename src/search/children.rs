@@ -63,7 +63,8 @@ pub(super) fn branch(
     first
 }
 
-/// The decisions of children each of which is beyond those before it; the last may be the rest.
+/// The decisions of children each of which also excludes the decisions of those before it; `None`
+/// if the children are not such a chain. The last child may do no more than exclude the others.
 fn chain_of(children: &[Child]) -> Option<Vec<Decision>> {
     let mut chain: Vec<Decision> = Vec::new();
     for (k, child) in children.iter().enumerate() {

@@ -36,7 +36,7 @@ pub(super) fn closed_bound(ctx: &Context<'_>) -> f64 {
     ctx.tree.strengthen(ctx.tree.cutoff().min(ctx.node.cutoff))
 }
 
-/// Keeps the leaves of the tree that the facts and trials of a split have closed, if they are asked for.
+/// If leaves are asked for, keeps those that the facts and trials of a split have closed.
 pub(super) fn keep_closed(ctx: &Context<'_>, path: &Path, facts: &[Decision], children: &[Child]) {
     if !ctx.options().keep_leaves {
         return;

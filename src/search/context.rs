@@ -46,7 +46,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Leaves the methods to others.
+    /// Gives the methods for relaxations back to the pool.
     pub(super) fn retire(self) {
         self.task().ladders.give_back(self.ladder);
     }
@@ -73,8 +73,8 @@ impl<'a> Context<'a> {
         self.options().pool > 1 && self.options().pool_mode == PoolMode::Best
     }
 
-    /// Whether the pool has a point that is as good as all that the node has left: all integers that
-    /// tell points apart are fixed.
+    /// Whether the node fixes all integers that tell points apart, and the pool has a point with
+    /// these integers that the node cannot improve.
     ///
     /// # Arguments
     ///
@@ -100,12 +100,13 @@ impl<'a> Context<'a> {
         self.program().integers.iter().all(whole)
     }
 
-    /// Whether a limit is reached, for loops: the clock is read once in a while.
+    /// Whether a limit is reached. Loops may ask often, because the clock is read only once in a
+    /// while.
     pub(super) fn is_late(&self) -> bool {
         self.token.spend(100)
     }
 
-    /// Books what the ladder has taken since this was last called.
+    /// Books the time and iterations of the ladder since the last call.
     pub(super) fn book_relaxations(&mut self) {
         let spent = self.ladder.take_spent();
         self.clock.transfer(Activity::Relaxation, spent.time);

@@ -80,8 +80,8 @@ pub fn search_unstrengthened(
     found
 }
 
-/// Completes the integers of a start and searches no further: the point that a search can begin with,
-/// and the bound that the multipliers of an earlier root prove.
+/// Completes the integers of a start, and searches no further. Returns the point that a search can
+/// begin with, and the bound that the multipliers of an earlier root prove.
 pub(crate) fn complete(task: SolveTask<'_>, start: &Start) -> SearchResult {
     let mut bound = f64::NEG_INFINITY;
     let found = at_root(task, Some(start), |ctx| {
@@ -91,7 +91,7 @@ pub(crate) fn complete(task: SolveTask<'_>, start: &Start) -> SearchResult {
     SearchResult { bound: found.bound.max(bound), ..found }
 }
 
-/// A point of a program that is found without a relaxation of it, if one is.
+/// Looks for a point of a program without solving a relaxation of the whole program.
 pub(crate) fn first_point(task: SolveTask<'_>) -> SearchResult {
     at_root(task, None, look_for_first_point)
 }

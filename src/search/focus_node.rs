@@ -7,8 +7,8 @@ use super::proofs::ProofMultipliers;
 use crate::presolve::{Domain, Propagator};
 use crate::relaxation::WarmState;
 
-/// A node on the current path that the search went down from: its depth, and the end of the trail
-/// when it was left.
+/// A node on the current path from which the search went down: its depth, and the end of the trail
+/// when the search left it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Checkpoint {
     depth: usize,
@@ -68,7 +68,7 @@ impl FocusNode {
         self.domain.apply(column, true, value);
     }
 
-    /// Goes back to the last node on the current path that is on another one as well.
+    /// Goes back to the last node that the current path shares with another path.
     pub(super) fn go_back_towards(&mut self, path: &[Decision], propagator: &mut Propagator) {
         let shared = path.iter().zip(&self.path).take_while(|(a, b)| a == b).count();
         if shared == self.path.len() {

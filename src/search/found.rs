@@ -25,7 +25,7 @@ pub struct SearchResult {
     pub pool_complete: bool,
     /// Proved lower bound; `+inf` when infeasible.
     pub bound: f64,
-    /// Counts; the time is left to the caller.
+    /// Counters; the caller sets the time.
     pub statistics: Statistics,
     /// The ends of the tree, if they were asked for.
     pub leaves: Vec<ClosedNode>,

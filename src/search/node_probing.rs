@@ -12,7 +12,7 @@ const LEAST_TRIALS: usize = 4;
 
 /// Trials in a row that may find nothing before a node's probing ends. What is excluded at one step
 /// lets the next one be excluded, so successes come in runs.
-const FAILED_TRIALS: usize = 10;
+const NODE_FAILED_TRIALS: usize = 10;
 
 /// The credit at first and at most, in trials; about that of ten full nodes.
 const MOST_CREDIT: i64 = 2000;
@@ -46,7 +46,7 @@ impl NodeProbing {
     /// Trials for the next node.
     pub fn trials(&self) -> Trials {
         let most = usize::try_from(self.credit).unwrap_or(0).clamp(LEAST_TRIALS, MOST_TRIALS);
-        Trials { most, patience: FAILED_TRIALS }
+        Trials { most, patience: NODE_FAILED_TRIALS }
     }
 
     /// Books what a node's probing took and brought.

@@ -1,4 +1,5 @@
-//! The tree of an earlier solve of nearly the same program: its splits, and what closed its ends.
+//! The tree of an earlier solve of nearly the same program: its splits, and the multipliers that
+//! closed its ends.
 //!
 //! A node is closed by multipliers: they prove a bound beyond the cutoff, or that nothing is feasible.
 //! Multipliers prove *some* bound on every program with the same rows, whatever its limits, bounds and
@@ -74,11 +75,11 @@ pub(super) enum ProofTrial {
 }
 
 impl ProofMultipliers {
-    /// Tries them on a node.
+    /// Tries these multipliers on a node.
     ///
     /// # Arguments
     ///
-    /// * `picked`: memory.
+    /// * `picked`: a buffer for the multipliers of the node.
     pub(super) fn prove(
         &self,
         reduced: &Reduced,
@@ -101,7 +102,7 @@ impl ProofMultipliers {
     }
 }
 
-/// Writes the numbers at some places; 0 where there are none.
+/// Writes the numbers at some places; 0 for places beyond the end.
 fn pick(from: &[f64], places: &[usize], to: &mut Vec<f64>) {
     to.clear();
     to.extend(places.iter().map(|&k| from.get(k).copied().unwrap_or(0.0)));
@@ -133,7 +134,7 @@ pub(crate) struct Proofs {
 }
 
 impl Proofs {
-    /// From what was kept of a solve.
+    /// The tree that the proofs and splits of a solve describe.
     pub(crate) fn new(proofs: &[Proof], forks: &[Fork]) -> Self {
         let mut all = Proofs::default();
         for Proof { end, multipliers } in proofs {
@@ -160,7 +161,7 @@ impl Proofs {
         !self.forks.is_empty()
     }
 
-    /// Whether so many nodes were split that what saves nodes pays.
+    /// Whether the tree is large enough for efforts that save nodes.
     pub(super) fn is_large(&self) -> bool {
         self.forks.len() >= LARGE_TREE
     }

@@ -85,8 +85,8 @@ impl Pseudocosts {
         (count > 0).then(|| self.sum[column][1] / f64::from(count) * fraction)
     }
 
-    /// Expected gains of lowering and of raising a column to the next whole value; those of
-    /// columns that nothing is known about are the average ones.
+    /// Expected gains of lowering and of raising a column to the next whole value. A column without
+    /// experience has the average gains of all columns.
     pub fn gains(&self, column: usize, value: f64) -> [f64; 2] {
         let expected = |side: usize, fraction: f64| {
             let (sum, count) = match self.count[column][side] {

@@ -83,7 +83,7 @@ struct Replay {
     path: Vec<Decision>,
     /// Open parts.
     parts: Vec<OpenPart>,
-    /// The tree as it is now, and what closed its ends.
+    /// The tree as it is now, and the multipliers that closed its ends.
     forks: Vec<Fork>,
     proofs: Vec<Proof>,
     /// Whether anything was closed.
@@ -120,12 +120,12 @@ impl Replay {
         ctx.node.domain.undo_to(mark);
     }
 
-    /// Whether parts are open that relaxing sides might make smaller.
+    /// Whether relaxing sides might make open parts smaller.
     fn has_more_to_relax(&self) -> bool {
         self.left && !self.parts.is_empty()
     }
 
-    /// Goes through what was below a node of the earlier tree, at the domain.
+    /// Goes through the subtree below a node of the earlier tree, within the present domain.
     ///
     /// # Arguments
     ///
@@ -159,9 +159,8 @@ impl Replay {
         self.forks.push(fork);
     }
 
-    /// Goes down to the ends below a node of the earlier tree. Returns the length of the path to the node
-    /// with all that sides have decided; `None` if
-    /// nothing is left of the node.
+    /// Goes down to the ends below a node of the earlier tree. Returns the length of the path to
+    /// the node, with the decisions from closed sides; `None` if nothing is left of the node.
     fn go_down(
         &mut self,
         ctx: &mut Context<'_>,
@@ -222,7 +221,8 @@ impl Replay {
         }
     }
 
-    /// An end of the earlier tree; `None` if it is still one.
+    /// Tries to close an end of the earlier tree again. Returns the length of the path to it if it
+    /// stays open, `None` if it is closed.
     fn end(
         &mut self,
         ctx: &mut Context<'_>,
@@ -244,8 +244,8 @@ impl Replay {
         Some(self.path.len())
     }
 
-    /// Closes the sides that were closed, by what closed them or by relaxations; `None` if that leaves
-    /// nothing of the node.
+    /// Closes the sides that were closed in the earlier tree, by their old multipliers or by
+    /// relaxations. Returns `None` if that leaves nothing of the node.
     fn close_sides(
         &mut self,
         ctx: &mut Context<'_>,
@@ -325,7 +325,7 @@ impl Replay {
         self.proofs.push(Proof::new(now, multipliers.clone()));
     }
 
-    /// Whether the relaxation of the domain closes it; then its multipliers are kept.
+    /// Whether the relaxation of the domain closes an end; keeps its multipliers if it does.
     fn relax(&mut self, ctx: &mut Context<'_>, end: End) -> bool {
         let Some(reduced) = reduce_node(ctx) else { return true };
         let projection = project_reduced(ctx, reduced);

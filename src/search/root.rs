@@ -1,4 +1,4 @@
-//! The root, propagated and probed once for what strengthens the program and for all workers.
+//! The root, propagated and probed once, for all workers and for all that strengthens the program.
 
 use super::indifferent_binaries::{BinaryGroup, groups, lone_binaries};
 use super::root_point::RootPoint;
@@ -14,7 +14,7 @@ use crate::solver::StopToken;
 const ROOT_TRIALS: usize = 4000;
 
 /// Trials in a row that may find nothing where a wider root has been probed before.
-const FAILED_TRIALS: usize = 12;
+const ROOT_FAILED_TRIALS: usize = 12;
 
 /// Numbers of sides of the disjunctions that are split at once.
 const DISJUNCTION_SIDES: std::ops::RangeInclusive<usize> = 3..=64;
@@ -30,7 +30,7 @@ pub struct Root {
     /// The integers in the order of probing, the last one first.
     pub(super) late_first: Vec<usize>,
     pub(super) domain: Domain,
-    /// With what is known about implications.
+    /// The propagator, with the implications that probing has found.
     pub(super) propagator: Propagator,
     pub(super) conflict: Option<Conflict>,
     /// The relaxed point, where it is known.
@@ -82,7 +82,7 @@ impl Root {
         }
         if root.conflict.is_none() {
             let most = if probing { ROOT_TRIALS } else { 0 };
-            let trials = Trials { most, patience: FAILED_TRIALS };
+            let trials = Trials { most, patience: ROOT_FAILED_TRIALS };
             let mut record = ProbingRecord::new(program.column_count());
             root.conflict = propagator
                 .propagate_since(program, domain, mark)
@@ -106,7 +106,7 @@ impl Root {
         self.renew(program, token);
     }
 
-    /// Propagates the domain through a program anew.
+    /// Propagates the domain through another program.
     fn renew(&mut self, program: &Program, token: &StopToken) {
         let mut propagator = Propagator::new(program);
         propagator.set_stop_token(token);

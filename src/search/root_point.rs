@@ -42,8 +42,9 @@ pub(crate) struct PilotResult {
 }
 
 impl RootPoint {
-    /// Relaxes a program within a domain as the search does, from what a relaxation of nearly the same
-    /// program has left; `None` if nothing is left to relax, or without an optimum.
+    /// Relaxes a program within a domain as the search does, from the state that a relaxation of
+    /// nearly the same program has left. Returns `None` if nothing is left to relax or no optimum
+    /// is found.
     pub(super) fn new(
         program: &Program,
         domain: &Domain,
@@ -88,7 +89,7 @@ impl RootPoint {
         !self.lacks_state && self.value - self.bound <= TIGHT_BOUND * self.value.abs().max(1.0)
     }
 
-    /// Whether another value is higher by at least a part of this one.
+    /// Whether a value is above the relaxed one by at least a part of the latter.
     pub(super) fn is_lifted_by(&self, part: f64, value: f64) -> bool {
         value - self.value >= part * self.value.abs().max(1e-6)
     }

@@ -37,7 +37,7 @@ pub trait PointJudge: Sync {
     }
 }
 
-/// Accepts points by a check alone.
+/// Accepts the points that pass a check.
 impl<F: Fn(&[f64]) -> bool + Sync> PointJudge for F {
     fn accepts(&self, x: &[f64]) -> bool {
         self(x)
@@ -48,7 +48,8 @@ impl<F: Fn(&[f64]) -> bool + Sync> PointJudge for F {
     }
 }
 
-/// A program to solve, and what is needed for that: the value that passes through the phases of a solve.
+/// A program to solve, with its judge, methods, options and token: the value that passes through
+/// the phases of a solve.
 #[derive(Clone, Copy)]
 pub struct SolveTask<'a> {
     /// The program.

@@ -173,21 +173,21 @@ impl<'a> Tree<'a> {
         bound.max(offset + steps * self.granularity)
     }
 
-    /// Nodes with at least this bound cannot improve the best points by more than the gap, or by
-    /// less than the objective can.
+    /// A node with at least this bound improves the best points by less than the gap, or by less
+    /// than two values of the objective differ.
     pub(super) fn cutoff(&self) -> f64 {
         f64::from_bits(self.cutoff.load(Ordering::Acquire))
     }
 
-    /// The cutoff once a value is to be beaten. A little inside the gap, so that a bound at the
-    /// cutoff still proves it.
+    /// The cutoff that follows from a value to improve on. It lies a little inside the gap, so that
+    /// a bound at the cutoff still proves the gap.
     pub(super) fn cutoff_at(&self, value: f64) -> f64 {
         let options = self.task.options;
         let gap = options.allowed_gap(value, self.task.program.constant);
         value - (0.9 * gap).max(0.99 * self.granularity)
     }
 
-    /// Whether the search has not ended; notes the limit that ends it.
+    /// Whether the search may go on. Notes the limit that ends it.
     pub(super) fn may_go_on(&self, state: &mut TreeState) -> bool {
         let options = self.task.options;
         let open = self.open.load(Ordering::Relaxed);
@@ -265,7 +265,7 @@ impl<'a> Tree<'a> {
             state.news.push(news);
         }
         let beaten = state.points.to_beat().map_or(f64::INFINITY, |value| self.cutoff_at(value));
-        // What the gap of the pool excludes is out even while the pool has room.
+        // Points that the gap of the pool excludes stay out even while the pool has room.
         let cutoff = if state.points.wants_all() {
             beaten.min(state.points.limit().next_up())
         } else {
@@ -392,8 +392,8 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Whether a search has found rows that its program lacks, and should begin again with them: soon, but
-/// other points of the same search may tell of further rows.
+/// Whether a search should begin again because it has found rows that its program lacks. It goes on
+/// for some nodes, whose points may show further rows.
 fn has_enough_rows(state: &mut TreeState) -> bool {
     if state.statistics.excluded_by_rows == 0 {
         return false;

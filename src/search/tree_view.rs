@@ -18,7 +18,7 @@ use super::tree::{Tree, WorkerReport};
 use crate::relaxation::WarmState;
 use crate::solution::{Heuristic, Statistics, Termination};
 
-/// Open nodes from which on no more relaxed points are kept with them.
+/// Number of open nodes from which on new nodes keep no relaxed point.
 const MOST_NODES_WITH_POINTS: usize = 1000;
 
 /// One worker's view of the tree.
@@ -54,7 +54,7 @@ pub(super) struct RoundBuffer {
     pub(super) stop: Option<Termination>,
 }
 
-/// A source of points at work.
+/// A running heuristic, to which points are attributed.
 pub(super) struct HeuristicRun {
     before: Heuristic,
     /// Relaxations before.

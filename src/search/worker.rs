@@ -146,7 +146,7 @@ impl<'a> Worker<'a> {
             return None;
         }
         if let Some(reason) = ctx.token.ended() {
-            // What splits a node takes as long as relaxing it.
+            // Splitting a node takes as long as relaxing it.
             give_back(ctx, Node { bound, ..node }, reason);
             return None;
         }
@@ -167,7 +167,8 @@ impl<'a> Worker<'a> {
         branch(ctx, &mut self.branching, &node, relaxed)
     }
 
-    /// Makes the state that the parent of a node has left the start of its relaxation.
+    /// Makes a node the focus node. Its relaxation starts from the state of its trial, or else from
+    /// that of its parent.
     fn focus(&mut self, node: &mut Node) {
         let own = node.known.as_mut().and_then(|known| known.warm.take());
         let parent = || node.warm.clone().or_else(|| self.context.tree.root_state());
@@ -281,7 +282,7 @@ fn conclude_from(
     Some((bound, projection.lift(x)))
 }
 
-/// Closes a leaf, whose relaxation is the leaf, and offers its point.
+/// Closes a node whose integers are all fixed, and offers the point of its relaxation.
 fn close_leaf(
     ctx: &mut Context<'_>,
     node: &Node,

@@ -18,7 +18,7 @@ const BEYOND: f64 = 8.0;
 const FOR_FACTOR: f64 = 1.0 / 64.0;
 
 /// The most that is added to a diagonal entry: fixed variables may lack anything.
-const MOST: f64 = 1e300;
+const MOST_ADDED: f64 = 1e300;
 
 /// The symmetric matrix of a block; variables are numbered within it.
 pub(super) struct MatrixBlock {
@@ -77,7 +77,7 @@ impl MatrixBlock {
         let shares = |of_rounding: f64, of_allowed: f64| -> Vec<f64> {
             let share = |j: usize| {
                 let rounding = of_rounding * rounding * self.diagonal[j].abs();
-                (rounding + of_allowed * self.allowed[j]).min(MOST)
+                (rounding + of_allowed * self.allowed[j]).min(MOST_ADDED)
             };
             (0..n).map(share).collect()
         };
@@ -134,10 +134,11 @@ impl MatrixBlock {
     }
 }
 
-/// Factors of which this many products are summed up, at least, are computed as dense ones if their matrix
-/// is not larger than the other number.
-const MANY: f64 = 2e7;
-const LARGE: usize = 8192;
+/// Fewest products summed up in a factor that is computed as a dense one.
+const DENSE_PRODUCTS: f64 = 2e7;
+
+/// Most rows of a matrix whose factor is computed as a dense one.
+const DENSE_ROWS: usize = 8192;
 
 /// Factorises a matrix.
 ///
@@ -149,7 +150,7 @@ fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
     let natural = || (0..n).collect::<Vec<usize>>();
     // Where most entries are there, no order leaves fewer.
     if 4 * matrix.pairs.len() > n * n {
-        let is_small = (n as f64).powi(3) / 6.0 < MANY || n > LARGE;
+        let is_small = (n as f64).powi(3) / 6.0 < DENSE_PRODUCTS || n > DENSE_ROWS;
         return if is_small {
             sparse::factor(matrix, &natural(), room)
         } else {
@@ -157,8 +158,10 @@ fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
         };
     }
     match sparse::order(matrix) {
-        Some((order, work)) if work < MANY || n > LARGE => sparse::factor(matrix, &order, room),
-        None if n > LARGE => sparse::factor(matrix, &natural(), room),
+        Some((order, work)) if work < DENSE_PRODUCTS || n > DENSE_ROWS => {
+            sparse::factor(matrix, &order, room)
+        }
+        None if n > DENSE_ROWS => sparse::factor(matrix, &natural(), room),
         _ => dense::factor(matrix, room),
     }
 }

@@ -11,13 +11,10 @@ use faer::linalg::solvers::Solve;
 use faer::prelude::ReborrowMut;
 use faer::{Accum, Mat, MatRef, Par, Side};
 
-use super::scaled::{Factored, Scaled, is_covered};
-
-/// Steps of inverse iteration.
-const STEPS: usize = 3;
+use super::scaled::{Factored, INVERSE_ITERATIONS, Scaled, is_covered};
 
 /// Binary digits of `H` after the point: twice as many, and those of 4, are less than 53.
-const DIGITS: i32 = 24;
+const FACTOR_DIGITS: i32 = 24;
 
 /// Factorises a matrix; see `block::factor`.
 pub(super) fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
@@ -42,7 +39,7 @@ pub(super) fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
         return Factored::Covered;
     }
     let mut vector = Mat::from_fn(n, 1, |k, _| 1.0 + 0.5 * (k as f64).sin());
-    for _ in 0..STEPS {
+    for _ in 0..INVERSE_ITERATIONS {
         vector = factor.solve(&vector);
         let size = (0..n).fold(f64::MIN_POSITIVE, |m, k| m.max(vector[(k, 0)].abs()));
         (0..n).for_each(|k| vector[(k, 0)] /= size);
@@ -53,7 +50,7 @@ pub(super) fn factor(matrix: &Scaled, room: &[f64]) -> Factored {
 /// The sums of the magnitudes in each row of `A - L L'`.
 fn missed(a: &Mat<f64>, lower: MatRef<'_, f64>) -> Vec<f64> {
     let n = a.nrows();
-    let (unit, per_unit) = (2.0_f64.powi(-DIGITS), 2.0_f64.powi(DIGITS));
+    let (unit, per_unit) = (2.0_f64.powi(-FACTOR_DIGITS), 2.0_f64.powi(FACTOR_DIGITS));
     let entry = |i: usize, j: usize| if i >= j { lower[(i, j)] } else { 0.0 };
     let high = Mat::from_fn(n, n, |i, j| (entry(i, j) * per_unit).round() * unit);
     let low = Mat::from_fn(n, n, |i, j| entry(i, j) - high[(i, j)]);

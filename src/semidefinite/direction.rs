@@ -6,11 +6,11 @@ use crate::sum::Sum;
 
 /// Digits that the entries of a direction are rounded to, the fewest with which the curvature is proved to
 /// be negative.
-const DIGITS: [usize; 4] = [3, 6, 10, 17];
+const ENTRY_DIGITS: [usize; 4] = [3, 6, 10, 17];
 
 /// The rounding of a compensated sum, relative to the sum of its terms' magnitudes and for the square of
 /// their number.
-const ROUNDING: f64 = 4.0 * f64::EPSILON * f64::EPSILON;
+const SUM_ROUNDING: f64 = 4.0 * f64::EPSILON * f64::EPSILON;
 
 /// Sums of smaller terms may underflow.
 const LEAST: f64 = 1e-200;
@@ -71,7 +71,7 @@ impl Direction {
         let largest = used.clone().map(|(z, _)| z.abs()).fold(0.0, f64::max);
         let top = used.map(|&(z, power)| exponent(z.abs()) + power).max().unwrap_or(0);
         let mut last = Direction { steps: Vec::new(), curvature: f64::NAN };
-        for digits in DIGITS {
+        for digits in ENTRY_DIGITS {
             let least = TINY.max(if digits == 17 { 0.0 } else { 0.1_f64.powi(digits as i32) });
             let mut steps: Vec<(usize, f64)> = Vec::new();
             for (k, &(z, power)) in vector.iter().enumerate() {
@@ -122,7 +122,7 @@ fn curvature(block: &MatrixBlock, steps: &[(usize, f64)], powers: &[i32]) -> (f6
         }
     }
     let value = sum.value();
-    let rounding = ROUNDING * (count + 4.0) * (count + 4.0) * size;
+    let rounding = SUM_ROUNDING * (count + 4.0) * (count + 4.0) * size;
     let is_proved = value < -rounding && size.is_finite() && size > LEAST;
     (2.0 * times_power(value, 2 * top) / squares, is_proved)
 }

@@ -1,5 +1,8 @@
 //! A block in units of its own, scaled by powers of two, and what a factorisation finds of it.
 
+/// Steps of inverse iteration.
+pub(super) const INVERSE_ITERATIONS: usize = 3;
+
 /// A matrix in units in which its diagonal is within `1..4`.
 pub(super) struct Scaled {
     pub(super) diagonal: Vec<f64>,

@@ -7,11 +7,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::scaled::{Factored, Scaled, is_covered};
+use super::scaled::{Factored, INVERSE_ITERATIONS, Scaled, is_covered};
 use crate::sum::Sum;
-
-/// Steps of inverse iteration.
-const STEPS: usize = 3;
 
 const NONE: usize = usize::MAX;
 
@@ -201,7 +198,7 @@ impl Factor {
         let n = start.len() - 1;
         let ends = &start[1..];
         let mut vector: Vec<f64> = (0..n).map(|k| 1.0 + 0.5 * (k as f64).sin()).collect();
-        for _ in 0..STEPS {
+        for _ in 0..INVERSE_ITERATIONS {
             for j in 0..n {
                 vector[j] /= value[start[j]];
                 for p in start[j] + 1..ends[j] {

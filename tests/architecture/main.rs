@@ -1,7 +1,9 @@
 //! The floors of the house: who may import whom, which circles of files there may be, who may name
-//! the relaxation's library, and how long a file may be. See `docs/architecture.md`.
+//! the relaxation's library, how long a file may be, and that a name stands for one thing. See
+//! `docs/architecture.md`.
 
 mod circles;
+mod names;
 mod public;
 
 use std::collections::BTreeMap;

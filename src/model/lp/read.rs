@@ -271,7 +271,7 @@ pub(super) fn is_infinity(text: &str) -> bool {
 
 /// The model's name, from the comment `Problem name:` before the objective.
 fn problem_name(text: &str) -> Result<&str, Error> {
-    const TITLE: &str = "Problem name";
+    const NAME_HEADING: &str = "Problem name";
     for (line, number) in text.lines().zip(1..) {
         let Some(comment) = line.trim_start().strip_prefix('\\') else {
             match line.trim().is_empty() {
@@ -280,9 +280,9 @@ fn problem_name(text: &str) -> Result<&str, Error> {
             }
         };
         let comment = comment.trim();
-        if let Some(words) = comment.get(..TITLE.len())
-            && words.eq_ignore_ascii_case(TITLE)
-            && let Some(name) = comment[TITLE.len()..].trim_start().strip_prefix(':')
+        if let Some(words) = comment.get(..NAME_HEADING.len())
+            && words.eq_ignore_ascii_case(NAME_HEADING)
+            && let Some(name) = comment[NAME_HEADING.len()..].trim_start().strip_prefix(':')
         {
             if name.chars().any(|c| c.is_control() && c != '\t') {
                 let place = Token::new(line, number, line.len() - line.trim_start().len(), 0);

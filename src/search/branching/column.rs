@@ -1,6 +1,6 @@
 //! The column to split, by pseudocosts and strong branching.
 
-use super::parameters::PARAMETERS;
+use super::parameters::BRANCHING;
 use super::split::{Child, RelaxedPoint, Split, both_sides, keep_only};
 use super::strong_branching::{ChildTrial, try_child};
 use crate::search::context::Context;
@@ -18,13 +18,14 @@ pub(super) struct Chosen {
 enum ColumnTrial {
     /// One side is closed, and the column decided.
     Fixed,
-    /// The rise was known, and the fall is now.
+    /// The gain of raising the column was known, and that of lowering it has been tried.
     Half,
     Both([ChildTrial; 2]),
 }
 
-/// Chooses the best of some open columns. The most promising ones come first, and those that little
-/// is known about are tried. `Err` is a split, if a trial leaves nothing of the node or one child.
+/// Chooses the best of some open columns. Compares the most promising ones first, and tries those
+/// whose gains are not known yet. Returns a split as `Err` if a trial leaves no child of the node,
+/// or one.
 pub(super) fn choose_column(
     ctx: &mut Context<'_>,
     pseudocosts: &mut Pseudocosts,
@@ -41,14 +42,14 @@ pub(super) fn choose_column(
         b.0.total_cmp(&a.0).then_with(fractional).then(a.1.cmp(&b.1))
     });
     let (mut trials, mut idle) =
-        (if beside { PARAMETERS.trials_beside_disjunction } else { PARAMETERS.trials }, 0);
+        (if beside { BRANCHING.trials_beside_disjunction } else { BRANCHING.trials }, 0);
     let (mut most, mut best) = (f64::NEG_INFINITY, Chosen { column: None, fixed: false });
     for (expected, j) in ranked {
         if ctx.node.domain.is_fixed(j) {
             continue;
         }
         let (mut score, mut tried) = (expected, None);
-        let wanted = trials > 0 && idle < PARAMETERS.idle_trials && !pseudocosts.known(j);
+        let wanted = trials > 0 && idle < BRANCHING.idle_trials && !pseudocosts.known(j);
         if wanted && !ctx.token.is_over() {
             trials -= 1;
             match try_column(ctx, pseudocosts, relaxed, j, beside)? {

@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 
 use super::growth::growth_rate;
-use super::parameters::PARAMETERS;
+use super::parameters::BRANCHING;
 use super::split::{Child, Split};
 use super::strong_branching::{ChildTrial, try_child};
 use crate::search::context::Context;
@@ -26,7 +26,8 @@ struct Violated {
     score: f64,
 }
 
-/// Splits a violated disjunction, if there is one. Returns also at which rate the tree would grow.
+/// Splits a violated disjunction, if there is one. Also returns the rate at which the tree would
+/// grow.
 pub(super) fn split_disjunction(
     ctx: &mut Context<'_>,
     pseudocosts: &mut Pseudocosts,
@@ -41,7 +42,7 @@ pub(super) fn split_disjunction(
     // Those least near to holding first: their sides are likely to cost most.
     let nearest = |v: &Violated| x[v.sides[0]];
     violated.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)).then(a.sides.cmp(&b.sides)));
-    let mut trials = PARAMETERS.trials;
+    let mut trials = BRANCHING.trials;
     let mut tried = BTreeMap::new();
     for disjunction in &mut violated {
         if trials == 0 {
@@ -115,7 +116,7 @@ fn gains_of(pseudocosts: &Pseudocosts, sides: &[usize], x: &[f64], average: f64)
     sides.iter().map(gain).collect()
 }
 
-/// The children of a disjunction's sides, with what their trials found out.
+/// The children of a disjunction's sides, with the results of their trials.
 fn sides(
     sides: &[usize],
     bound: f64,

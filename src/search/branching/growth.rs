@@ -1,9 +1,10 @@
 //! The rate at which a tree grows, given the gains of its splits.
 
-/// Halvings of the interval of a rate of growth: five digits, of rates from 1 to 1e9.
+/// Halvings of the interval that contains a rate of growth: enough for five digits of rates from 1
+/// to 1e9.
 const HALVINGS: usize = 22;
 
-/// The rate at which a tree grows whose nodes all split with these gains of their children. The tree has
+/// The rate of growth of a tree in which every split gives its children these gains. The tree has
 /// `exp(rate * gap)` nodes, where `sum of exp(-rate * gain) = 1` (Le Bodic and Nemhauser 2017).
 pub fn growth_rate(gains: &[f64]) -> f64 {
     let (least, most) =

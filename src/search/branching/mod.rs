@@ -1,4 +1,4 @@
-//! Which column to split, and which child to visit first.
+//! The choice of the column to split, and of the child to visit first.
 //!
 //! * Without an objective, only infeasibility matters, and under big-M rows fractionality says
 //!   little about it. Columns are split latest first (by the step of their name, else by position),
@@ -19,7 +19,7 @@ mod strong_fixing;
 use column::choose_column;
 use disjunction::split_disjunction;
 pub use growth::growth_rate;
-use parameters::PARAMETERS;
+use parameters::BRANCHING;
 use split::both_sides;
 pub(super) use split::{Child, RelaxedPoint, Split};
 use strong_branching::ChildTrial;
@@ -83,8 +83,8 @@ fn open_columns(ctx: &Context<'_>, x: &[f64]) -> Vec<usize> {
     open
 }
 
-/// Chooses by the expected gains: one of some open columns, or a disjunction. `Err` is a split that
-/// trials have come upon.
+/// Chooses one of some open columns, or a disjunction, by the expected gains. Returns a split as
+/// `Err` if trials have decided it.
 fn choose_by_gains(
     ctx: &mut Context<'_>,
     branching: &mut Branching,
@@ -107,7 +107,7 @@ fn choose_by_gains(
     let grows = ctx.tree.proofs().is_none()
         || chosen.column.as_ref().is_some_and(|column| {
             let rate = growth_rate(&gains_of(pseudocosts, column));
-            (rate * (ctx.tree.cutoff() - bound)).exp() >= PARAMETERS.fixing_tree
+            (rate * (ctx.tree.cutoff() - bound)).exp() >= BRANCHING.fixing_tree
         });
     let fixed = grows && fix_by_trials(ctx, credit, pseudocosts, relaxed)? || chosen.fixed;
     let stands = |(j, tried): &(usize, Option<_>)| {

@@ -23,7 +23,7 @@ pub(super) struct BranchingParameters {
     pub(super) fixing_tree: f64,
 }
 
-pub(super) const PARAMETERS: BranchingParameters = BranchingParameters {
+pub(super) const BRANCHING: BranchingParameters = BranchingParameters {
     trials: 8,
     trials_beside_disjunction: 2,
     idle_trials: 4,

@@ -12,15 +12,15 @@ use crate::search::proofs::ProofMultipliers;
 /// The relaxed point of the current node.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RelaxedPoint<'x> {
-    /// With whole values for binaries that had a choice.
+    /// The point, with whole values for indifferent binaries.
     pub(crate) x: &'x [f64],
-    /// Before binaries that are in no group were settled.
+    /// The point before indifferent binaries outside all groups got whole values.
     pub(crate) raw: &'x [f64],
     /// The proved bound of the node.
     pub(crate) bound: f64,
 }
 
-/// A child of a split: what it decides, and what a trial has found out about it.
+/// A child of a split: its decisions, its bound, and the relaxation of its trial if there was one.
 pub(crate) struct Child {
     pub(crate) decisions: Vec<Decision>,
     pub(crate) bound: f64,
@@ -33,7 +33,8 @@ pub(crate) struct Child {
 pub(crate) struct Split {
     /// The child to visit first is in front. No child: all of the node is closed.
     pub(crate) children: Vec<Child>,
-    /// Whether a part of the node that no child contains was refuted or is beyond the cutoff.
+    /// Whether the children leave out a part of the node, which was refuted or is beyond the
+    /// cutoff.
     pub(crate) closed: bool,
 }
 

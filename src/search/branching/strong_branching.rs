@@ -1,4 +1,4 @@
-//! Strong branching: trials of children, and what is kept of them.
+//! Strong branching: trials of children, and the results that are kept.
 //!
 //! A trial solves the relaxation of a child before the child exists. Its gain scores the split, and
 //! a trial that refutes its child closes it. Its bound and relaxed point go to the child, which
@@ -89,14 +89,15 @@ pub(super) fn try_child(
     trial
 }
 
-/// Keeps what closed a side of the current node.
+/// Keeps the multipliers that closed a side of the current node.
 fn keep_proof(ctx: &Context<'_>, side: &Decision, multipliers: Option<Arc<ProofMultipliers>>) {
     if let Some(multipliers) = multipliers {
         ctx.tree.keep_proof(|| Proof::new(End::Side(ctx.node.id, *side), multipliers));
     }
 }
 
-/// Books a side of the current node that is closed by a bound, infinite if nothing in it is feasible.
+/// Books a side of the current node as closed by a bound. The bound is infinite if the side has no
+/// feasible point.
 fn close_side(ctx: &mut Context<'_>, side: Decision, bound: f64) {
     ctx.tree.count(|s| s.closed_by_trials += 1);
     ctx.node.closed.push(side);

@@ -6,7 +6,7 @@
 //! are paid from a credit that comes with the nodes and that every fixing raises. In a prepared solve, a
 //! node whose tree is expected to end at once does without, too.
 
-use super::parameters::PARAMETERS;
+use super::parameters::BRANCHING;
 use super::split::{RelaxedPoint, Split, both_sides, keep_only};
 use super::strong_branching::try_child;
 use crate::search::context::Context;
@@ -22,7 +22,7 @@ impl FixingCredit {
     /// Whether there is credit for a trial.
     pub fn may_try(&mut self) -> bool {
         if self.credit < 1.0 {
-            self.credit += PARAMETERS.credit_per_node;
+            self.credit += BRANCHING.credit_per_node;
             return false;
         }
         true
@@ -30,8 +30,8 @@ impl FixingCredit {
 
     /// Books a trial, and whether it fixed a column.
     pub fn book(&mut self, fixed: bool) {
-        let gain = if fixed { PARAMETERS.credit_per_fixing } else { -1.0 };
-        self.credit = (self.credit + gain).min(PARAMETERS.fixing_credit);
+        let gain = if fixed { BRANCHING.credit_per_fixing } else { -1.0 };
+        self.credit = (self.credit + gain).min(BRANCHING.fixing_credit);
     }
 }
 
@@ -50,7 +50,7 @@ pub(super) fn fix_by_trials(
     settled.sort_by(|&a, &b| away(raw[b]).total_cmp(&away(raw[a])).then(a.cmp(&b)));
     let (mut idle, mut any) = (0, false);
     for j in settled {
-        if idle == PARAMETERS.fixing_idle_trials || !credit.may_try() {
+        if idle == BRANCHING.fixing_idle_trials || !credit.may_try() {
             break;
         }
         if ctx.node.domain.is_fixed(j) {

@@ -1,6 +1,6 @@
 //! A cut, and the margins that make it safe.
 
-use super::parameters::PARAMETERS;
+use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
 use crate::presolve::Domain;
@@ -15,9 +15,10 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// A cut from exact-looking terms: small coefficients leave at their bounds, the limit is loosened.
-    /// `None` if a bound for that is missing or the point satisfies the cut. `size` is the largest
-    /// magnitude of the numbers that were added up to terms and limit.
+    /// Makes a cut that rounding in the terms cannot make wrong: replaces terms with small
+    /// coefficients by their values at bounds, and loosens the limit. Returns `None` if such a
+    /// bound is missing or if the point satisfies the cut. `size` is the largest magnitude of the
+    /// numbers that were added up to terms and limit.
     pub(super) fn new(
         terms: BTreeMap<usize, f64>,
         mut limit: f64,
@@ -34,7 +35,7 @@ impl Cut {
         for (j, a) in terms {
             let [lower, upper] = domain.bounds(j);
             let corner = if a > 0.0 { lower } else { upper };
-            if a.abs() * PARAMETERS.dynamism > largest {
+            if a.abs() * CUTS.dynamism > largest {
                 size = size.max(a.abs() * reach(domain, j));
                 kept.push((j, a));
             } else if a != 0.0 {
@@ -44,10 +45,10 @@ impl Cut {
                 limit -= a * corner;
             }
         }
-        limit += PARAMETERS.limit_margin * size;
+        limit += CUTS.limit_margin * size;
         kept.iter_mut().for_each(|(_, a)| *a /= largest);
         let cut = Cut { terms: kept, limit: limit / largest };
-        (cut.depth(x) >= PARAMETERS.least_depth && cut.limit.is_finite()).then_some(cut)
+        (cut.depth(x) >= CUTS.least_depth && cut.limit.is_finite()).then_some(cut)
     }
 
     fn activity(&self, x: &[f64]) -> f64 {

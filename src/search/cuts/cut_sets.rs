@@ -5,7 +5,7 @@
 //! enter or leave the parts that appear on the way, so if the rows of a part together need a flow, whole
 //! binaries open more than the point does: the sum of the rows is rounded.
 
-use super::parameters::PARAMETERS;
+use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
 use super::cut::Cut;
@@ -49,17 +49,18 @@ fn arcs(point: &SeparatedPoint<'_>) -> Vec<FlowArc> {
         let Some(ends) = ends(point, column) else { continue };
         let open = match point.opening(column) {
             Some(bound) => point.x[bound.binary],
-            None if point.distance(column) > PARAMETERS.open_arc => f64::INFINITY,
+            None if point.distance(column) > CUTS.open_arc => f64::INFINITY,
             None => 0.0,
         };
-        if open > PARAMETERS.open_arc {
+        if open > CUTS.open_arc {
             arcs.push(FlowArc { column, ends, open });
         }
     }
     sorted(arcs)
 }
 
-/// The two rows that share a column, of which other rows than equations are left out if there are more.
+/// The two rows that share a column. If there are more than two, only equations count. `None` if
+/// that does not leave two.
 fn ends(point: &SeparatedPoint<'_>, column: usize) -> Option<[usize; 2]> {
     let program = point.program;
     let rows = program.column(column).0.iter().copied();
@@ -103,7 +104,7 @@ impl SetSearch<'_> {
         }
     }
 
-    /// Contracts arcs in their order, and rounds what appears.
+    /// Contracts arcs in their order, and rounds the sum of rows of each new part.
     fn contract(&mut self, arcs: &[FlowArc]) {
         let mut parts = Parts::new(self.point);
         let mut memory = Vec::new();
@@ -117,7 +118,7 @@ impl SetSearch<'_> {
             if self.token.spend(100 * sum.terms.len()) {
                 return;
             }
-            if sum.terms.len() <= PARAMETERS.set_entries {
+            if sum.terms.len() <= CUTS.set_entries {
                 self.round(&sum);
                 parts.sums[a] = Some(sum);
             }
@@ -133,9 +134,9 @@ impl SetSearch<'_> {
 
 /// Rows contracted to parts, each with a sum of its rows.
 struct Parts {
-    /// By row, one nearer to the root of its part.
+    /// By row, a row that is nearer to the root of its part.
     parent: Vec<usize>,
-    /// By root; `None` for what is too long.
+    /// By root; `None` for a sum with too many entries.
     sums: Vec<Option<Aggregate>>,
 }
 

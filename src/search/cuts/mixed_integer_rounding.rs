@@ -4,7 +4,7 @@
 //! further rows, up to a few; each aggregate is rounded in both directions (`rounding`).
 
 use super::cut::Cut;
-use super::parameters::PARAMETERS;
+use super::parameters::CUTS;
 use super::rounding::{Aggregate, Rounder};
 use super::separated_point::SeparatedPoint;
 use crate::presolve::Domain;
@@ -26,7 +26,7 @@ pub fn mixed_integer_rounding_cuts(
     let (mut cuts, mut rounder) = (Vec::new(), Rounder::default());
     let (mut aggregate, mut other) = (Aggregate::default(), Aggregate::default());
     let (mut sum, mut open, mut used) = (Vec::new(), Vec::new(), Vec::new());
-    for start in (0..program.row_count()).take(PARAMETERS.start_rows) {
+    for start in (0..program.row_count()).take(CUTS.start_rows) {
         if !aggregate.set_to_row(point, start) {
             continue;
         }
@@ -38,7 +38,7 @@ pub fn mixed_integer_rounding_cuts(
                 return cuts;
             }
             cuts.extend(best_rounding(point, &aggregate, &mut rounder));
-            if used.len() >= rows || aggregate.terms.len() > PARAMETERS.aggregate_entries {
+            if used.len() >= rows || aggregate.terms.len() > CUTS.aggregate_entries {
                 break;
             }
             let Some((column, row)) = next(point, &aggregate, &used, &mut open) else { break };
@@ -55,7 +55,7 @@ pub fn mixed_integer_rounding_cuts(
 /// Whether the slack of an aggregate's first row is so large that other rows hardly make a cut of it.
 fn is_loose(point: &SeparatedPoint<'_>, row: usize, aggregate: &Aggregate) -> bool {
     let largest = aggregate.terms.iter().fold(0.0_f64, |most, (_, a)| most.max(a.abs()));
-    point.slack(row) > PARAMETERS.start_slack * largest
+    point.slack(row) > CUTS.start_slack * largest
 }
 
 /// The better of the roundings of an aggregate and of its negative.
@@ -81,7 +81,7 @@ fn next(
     let columns = keys.filter(|&j| j < n && !program.integral[j]);
     let distances = columns.map(|j| (j, point.distance(j)));
     open.clear();
-    open.extend(distances.filter(|(_, distance)| *distance > PARAMETERS.bound_distance));
+    open.extend(distances.filter(|(_, distance)| *distance > CUTS.bound_distance));
     open.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     open.iter().find_map(|&(column, _)| {
         let rows = program.column(column).0.iter().copied();
@@ -98,7 +98,7 @@ fn next(
 /// The slack of a row at the point; slight ones count as none.
 fn slack(point: &SeparatedPoint<'_>, row: usize) -> f64 {
     let slack = point.slack(row);
-    if slack <= PARAMETERS.bound_distance { 0.0 } else { slack }
+    if slack <= CUTS.bound_distance { 0.0 } else { slack }
 }
 
 impl Aggregate {
@@ -117,8 +117,7 @@ impl Aggregate {
         if lower != upper {
             self.terms.push((program.column_count() + row, 1.0));
         }
-        self.noise =
-            PARAMETERS.row_accuracy * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        self.noise = CUTS.row_accuracy * values.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         self.right = if sign > 0.0 { upper } else { -lower };
         let reaches = columns.iter().zip(values).map(|(&j, a)| a.abs() * point.reach(j));
         self.size = reaches.fold(self.right.abs(), f64::max);

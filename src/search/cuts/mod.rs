@@ -15,7 +15,7 @@ pub use cut::Cut;
 pub use cut_sets::cut_set_cuts;
 pub use mixed_integer_rounding::{MOST_ROWS, mixed_integer_rounding_cuts};
 
-use parameters::PARAMETERS;
+use parameters::CUTS;
 
 use super::root::Root;
 use super::root_point::{PilotResult, RootPoint, Strengthened};
@@ -71,7 +71,7 @@ pub(crate) fn strengthen(
     };
     let last = rounds.run(&point, options, token, ladder);
     let last = last.filter(|last| {
-        rounds.pays([PARAMETERS.total_lift[curved], PARAMETERS.closed_share[1]], &point, last.value)
+        rounds.pays([CUTS.total_lift[curved], CUTS.closed_share[1]], &point, last.value)
     });
     let more = last.as_ref().and_then(|last| {
         rounds.drop_idle(&last.x, 0);
@@ -83,7 +83,7 @@ pub(crate) fn strengthen(
     more
 }
 
-/// Rounds of cutting the relaxed point off.
+/// The state of the rounds that cut off the relaxed point.
 struct CutRounds<'a> {
     program: &'a Program,
     domain: &'a Domain,
@@ -106,7 +106,7 @@ enum Sets {
 }
 
 impl CutRounds<'_> {
-    /// Cuts as long as it lifts the bound. Returns the last relaxed point, if there was a round.
+    /// Cuts while the bound rises. Returns the last relaxed point; `None` if there was no round.
     ///
     /// Cuts are found among the rows of the program and the cuts before them: a cut `x <= d z + s`
     /// is the tight form of `x <= m z` from which the next one follows.
@@ -119,34 +119,25 @@ impl CutRounds<'_> {
     ) -> Option<RootPoint> {
         let (mut last, mut more): (Option<RootPoint>, Option<Program>) = (None, None);
         let mut idle = 0;
-        for round in 0..PARAMETERS.most_rounds {
+        for round in 0..CUTS.most_rounds {
             if token.is_over() {
                 return None;
             }
             let before = last.as_ref().unwrap_or(root);
             let how = (options, token);
             let Some(point) = self.cut(before, &mut more, round, how, ladder) else { break };
-            let part = PARAMETERS.idle_share * (point.value - root.value).max(0.0);
-            let moved = before.is_lifted_by(PARAMETERS.idle_lift, point.value)
+            let part = CUTS.idle_share * (point.value - root.value).max(0.0);
+            let moved = before.is_lifted_by(CUTS.idle_lift, point.value)
                 || point.value - before.value > part;
             idle = if moved { 0 } else { idle + 1 };
             let hopeless = if round == 0 {
-                !self.pays(
-                    [PARAMETERS.first_lift[self.curved], PARAMETERS.closed_share[0]],
-                    root,
-                    point.value,
-                )
+                !self.pays([CUTS.first_lift[self.curved], CUTS.closed_share[0]], root, point.value)
             } else {
-                let ahead =
-                    point.value + PARAMETERS.rounds_ahead * (point.value - before.value).max(0.0);
-                !self.pays(
-                    [PARAMETERS.total_lift[self.curved], PARAMETERS.closed_share[1]],
-                    root,
-                    ahead,
-                )
+                let ahead = point.value + CUTS.rounds_ahead * (point.value - before.value).max(0.0);
+                !self.pays([CUTS.total_lift[self.curved], CUTS.closed_share[1]], root, ahead)
             };
             last = Some(point);
-            if idle >= PARAMETERS.idle_rounds || hopeless {
+            if idle >= CUTS.idle_rounds || hopeless {
                 break;
             }
         }
@@ -172,8 +163,9 @@ impl CutRounds<'_> {
         if found.is_empty() && sets.is_empty() {
             return None;
         }
-        self.drop_idle(&before.x, PARAMETERS.slack_rounds);
-        // From nothing: a warm start ends less deep inside the face of optima, and cuts get worse.
+        self.drop_idle(&before.x, CUTS.slack_rounds);
+        // Without a warm start, which ends less deep inside the face of optima and makes cuts
+        // worse.
         let mut relax = |cuts: &[Cut]| {
             let program = with_cuts(self.program, cuts)?;
             let point = RootPoint::new(&program, self.domain, ladder, options, token, None)?;
@@ -185,10 +177,10 @@ impl CutRounds<'_> {
         let mut best = if some { relax(&self.cuts) } else { None };
         if !sets.is_empty() {
             let value = best.as_ref().map_or(before.value, |(_, point)| point.value);
-            let lift = PARAMETERS.set_factor * (value - before.value).max(0.0);
+            let lift = CUTS.set_factor * (value - before.value).max(0.0);
             let all = [&self.cuts[..], &sets].concat();
             let both = relax(&all).filter(|(_, point)| {
-                before.is_lifted_by(PARAMETERS.idle_lift, point.value)
+                before.is_lifted_by(CUTS.idle_lift, point.value)
                     && point.value - before.value >= lift
             });
             self.sets = if both.is_some() { Sets::Help } else { Sets::Idle };
@@ -207,13 +199,14 @@ impl CutRounds<'_> {
     fn pays(&self, [large, closed]: [f64; 2], root: &RootPoint, value: f64) -> bool {
         let closes = |gap| value - root.value >= closed * gap;
         root.is_lifted_by(large, value)
-            || (root.is_lifted_by(PARAMETERS.slight_lift, value)
+            || (root.is_lifted_by(CUTS.slight_lift, value)
                 && self.best.is_some_and(|best| closes(best - root.value)))
     }
 
     /// The best cuts that a point violates, from the rows of a program.
     fn separate(&self, program: &Program, x: &[f64], round: usize, token: &StopToken) -> Vec<Cut> {
-        // Most curved programs gain nothing, and a look at single rows tells.
+        // Most programs with a curved objective gain nothing; a first round over single rows shows
+        // it.
         let rows = if self.looks_at_single_rows(round) { 1 } else { MOST_ROWS };
         let cuts = mixed_integer_rounding_cuts(program, self.domain, x, rows, token);
         select(cuts, &[], x)
@@ -236,7 +229,7 @@ impl CutRounds<'_> {
     /// Drops the cuts that were not active for more than some rounds.
     fn drop_idle(&mut self, x: &[f64], most: u32) {
         for (cut, age) in self.cuts.iter().zip(&mut self.ages) {
-            let active = cut.room(x) <= PARAMETERS.binding * cut.scale(x);
+            let active = cut.room(x) <= CUTS.binding * cut.scale(x);
             *age = if active { 0 } else { *age + 1 };
         }
         let mut ages = self.ages.iter();
@@ -250,10 +243,10 @@ fn select(mut cuts: Vec<Cut>, others: &[Cut], x: &[f64]) -> Vec<Cut> {
     cuts.sort_by(|a, b| b.depth(x).total_cmp(&a.depth(x)));
     let mut chosen: Vec<Cut> = Vec::new();
     for cut in cuts {
-        if chosen.len() == PARAMETERS.most_cuts {
+        if chosen.len() == CUTS.most_cuts {
             break;
         }
-        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= PARAMETERS.most_cosine) {
+        if others.iter().chain(&chosen).all(|other| cut.cosine(other) <= CUTS.most_cosine) {
             chosen.push(cut);
         }
     }

@@ -23,8 +23,8 @@ pub(super) struct CutParameters {
     pub(super) slight_lift: f64,
     /// Least share of the gap to a point found by rounding that the first round, and all rounds, must close.
     pub(super) closed_share: [f64; 2],
-    /// Number of rounds as good as the last one within which the total must be in reach: the first rounds
-    /// lift the most.
+    /// Number of further rounds, each with the lift of the last one, after which the least lift of
+    /// all rounds must be reached for rounds to go on: the first rounds lift the most.
     pub(super) rounds_ahead: f64,
     /// Least factor by which cut sets must increase the lift of a round to stay.
     pub(super) set_factor: f64,
@@ -71,7 +71,7 @@ pub(super) struct CutParameters {
     pub(super) margin_share: f64,
 }
 
-pub(super) const PARAMETERS: CutParameters = CutParameters {
+pub(super) const CUTS: CutParameters = CutParameters {
     most_rounds: 40,
     most_cuts: 300,
     idle_lift: 1e-3,

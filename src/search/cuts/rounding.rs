@@ -5,7 +5,7 @@
 //! follows `sum F(a_j / d) t_j + sum min(c_k, 0) / (d (1 - f)) t_k <= floor(b / d)`, where `f` is
 //! the fraction of `b / d` and `F(a) = floor(a) + max(0, fraction(a) - f) / (1 - f)`.
 
-use super::parameters::PARAMETERS;
+use super::parameters::CUTS;
 use std::collections::BTreeMap;
 
 use super::cut::{Cut, reach};
@@ -66,7 +66,7 @@ pub(super) struct Aggregate {
 /// Rounds one aggregate after the other, in the same memory.
 #[derive(Default)]
 pub(super) struct Rounder {
-    /// Those of trials that are over.
+    /// Bases of finished trials, to be used again.
     spare: Vec<Base>,
     /// Terms in integers, before those of one column are added up.
     integers: Vec<(usize, f64)>,
@@ -173,17 +173,17 @@ fn divide(
     candidates: &mut Vec<(usize, f64)>,
 ) -> Option<(f64, f64)> {
     let can_cut = |divisor| any || base.can_cut(divisor);
-    let (mut divisors, mut count) = ([0.0_f64; PARAMETERS.most_divisors], 0);
+    let (mut divisors, mut count) = ([0.0_f64; CUTS.most_divisors], 0);
     let values = base.whole.iter().map(|whole| whole.value).enumerate();
     candidates.clear();
     candidates.extend(values.filter(|(_, value)| *value > 1e-6));
-    // WholeColumn columns are sorted.
+    // Whole columns are sorted.
     candidates.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     for &(k, _) in &*candidates {
         let size = base.whole[k].coefficient.abs();
-        let clear = size >= PARAMETERS.divisor_noise * noise && can_cut(size);
+        let clear = size >= CUTS.divisor_noise * noise && can_cut(size);
         let is_new = |found: &[f64]| found.iter().all(|d| (d - size).abs() > 1e-6 * size);
-        if count < PARAMETERS.most_divisors && clear && is_new(&divisors[..count]) {
+        if count < CUTS.most_divisors && clear && is_new(&divisors[..count]) {
             divisors[count] = size;
             count += 1;
         }
@@ -216,7 +216,7 @@ fn turn_around(base: &mut Base, divisor: f64, most: &mut f64) {
         .collect();
     let centre = |w: &WholeColumn| (w.value - 0.5 * (w.bounds[1] - w.bounds[0])).abs();
     flips.sort_by(|&a, &b| centre(&base.whole[a]).total_cmp(&centre(&base.whole[b])));
-    for k in flips.into_iter().take(PARAMETERS.most_flips) {
+    for k in flips.into_iter().take(CUTS.most_flips) {
         base.flip(k);
         let depth = depth(base, divisor);
         if depth > *most {
@@ -290,14 +290,14 @@ impl Base {
         self.rest_sum = rest.iter().map(|rest| rest.coefficient * rest.from.value).sum();
         self.rest_norm = rest.iter().map(|rest| rest.coefficient * rest.coefficient).sum();
         (self.right, self.slack) = (right, slack);
-        self.least = PARAMETERS.least_missing * aggregate.size;
+        self.least = CUTS.least_missing * aggregate.size;
         Some(())
     }
 
     /// Whether a divisor may lead to a cut that the point violates. `F(a) <= a`, so rounding takes away
     /// a fraction of the divisor at most, and what is slack already has to be less.
     fn can_cut(&self, divisor: f64) -> bool {
-        self.slack < divisor * PARAMETERS.right_fractions.end()
+        self.slack < divisor * CUTS.right_fractions.end()
     }
 
     fn flip(&mut self, k: usize) {
@@ -332,9 +332,9 @@ fn floor(a: f64) -> f64 {
 fn fraction(base: &Base, divisor: f64) -> Option<f64> {
     let quotient = base.right / divisor;
     let fraction = quotient - quotient.floor();
-    let gentle = PARAMETERS.right_fractions.contains(&fraction);
+    let gentle = CUTS.right_fractions.contains(&fraction);
     // Without continuous terms, nothing is divided by what is missing to the next whole number.
-    let whole = base.rest.is_empty() && fraction > *PARAMETERS.right_fractions.end();
+    let whole = base.rest.is_empty() && fraction > *CUTS.right_fractions.end();
     let clear = whole && (1.0 - fraction) * divisor >= base.least;
     (quotient.abs() < 1e7 && (gentle || clear)).then_some(fraction)
 }
@@ -354,7 +354,7 @@ fn depth(base: &Base, divisor: f64) -> f64 {
     (sum - (base.right / divisor).floor()) / f64::max(norm, 1e-12).sqrt()
 }
 
-/// A row that is being added up. What cancels leaves rounding, of which the size tells.
+/// A sum of rows in the making. Terms that cancel leave rounding; `size` is its measure.
 struct Total<'a> {
     domain: &'a Domain,
     terms: BTreeMap<usize, f64>,
@@ -379,7 +379,7 @@ fn write(point: &SeparatedPoint<'_>, base: &Base, divisor: f64, size: f64) -> Op
     let SeparatedPoint { program, domain, x, .. } = *point;
     let f = fraction(base, divisor)?;
     let n = program.column_count();
-    let size = PARAMETERS.margin_share * size / (divisor * (1.0 - f));
+    let size = CUTS.margin_share * size / (divisor * (1.0 - f));
     let mut total = Total { domain, terms: BTreeMap::new(), limit: 0.0, size };
     total.raise((base.right / divisor).floor());
     for whole in &base.whole {

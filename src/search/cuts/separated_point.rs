@@ -1,10 +1,10 @@
-//! The point that cuts are to cut off, with what every aggregate asks of it.
+//! The point to cut off, with the data that every aggregate needs.
 
 use super::cut::reach;
 use crate::presolve::Domain;
 use crate::program::Program;
 
-/// A column measured from somewhere: `t = sign * (x - constant - slope * x_binary)`.
+/// A column measured from a bound: `t = sign * (x - constant - slope * x_binary)`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct From {
     pub(super) sign: f64,

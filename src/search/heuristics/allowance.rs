@@ -1,6 +1,6 @@
 //! The budget of a heuristic: a share of the cost of the search, which grows with its success.
 
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 
 /// The account of one heuristic at one worker.
 #[derive(Debug, Default)]
@@ -15,8 +15,8 @@ impl Allowance {
     /// or without. Calls without success lower the share in proportion.
     pub fn left(&self, total: u64, free_start: bool) -> u64 {
         let favour = (1 + self.successes) as f64 / (1 + self.calls) as f64;
-        let start = if free_start { PARAMETERS.free_iterations } else { 0 };
-        let allowed = start + (PARAMETERS.iteration_share * favour * total as f64) as u64;
+        let start = if free_start { HEURISTICS.free_iterations } else { 0 };
+        let allowed = start + (HEURISTICS.iteration_share * favour * total as f64) as u64;
         allowed.saturating_sub(self.spent)
     }
 

@@ -1,6 +1,6 @@
 //! Points from the integers of a start: fixed, completed, and repaired if they contradict the program.
 
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 use super::penalties::{forgo, pays, penalties};
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, RelaxationVerdict};
@@ -22,8 +22,8 @@ pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     let mut found = None;
     let is_quick = start.proofs.is_some() && !ctx.options().may_stop();
     let mut left =
-        if is_quick { PARAMETERS.prepared_relaxations } else { PARAMETERS.completion_relaxations };
-    for share in PARAMETERS.start_shares {
+        if is_quick { HEURISTICS.prepared_relaxations } else { HEURISTICS.completion_relaxations };
+    for share in HEURISTICS.start_shares {
         let kept = (share * start.integers.len() as f64).ceil() as usize;
         let mark = ctx.node.domain.mark();
         for &(j, value) in &start.integers[..kept] {
@@ -52,7 +52,7 @@ pub(in crate::search) fn complete_start(ctx: &mut Context<'_>) {
     });
 }
 
-/// Looks for a point that softens nothing, where there is none or one that does.
+/// Looks for a point that softens no row, if there is no point yet or one that softens rows.
 fn complete_unsoftened(ctx: &mut Context<'_>, found: Option<&[f64]>) -> Option<Vec<f64>> {
     let penalties = penalties(ctx.program());
     let is_worse = found.is_none_or(|point| pays(ctx.program(), &penalties, point));
@@ -61,14 +61,14 @@ fn complete_unsoftened(ctx: &mut Context<'_>, found: Option<&[f64]>) -> Option<V
     }
     let mark = ctx.node.domain.mark();
     if forgo(ctx, &penalties) {
-        complete(ctx, &mut { PARAMETERS.completion_relaxations });
+        complete(ctx, &mut { HEURISTICS.completion_relaxations });
     }
     ctx.node.domain.undo_to(mark);
     ctx.tree.take_last_found()
 }
 
-/// Looks for a point of the present domain: rounds its relaxed point, and dives where that
-/// leads nowhere, with the relaxations that are `left`.
+/// Looks for a point of the present domain: rounds its relaxed point, and dives if that fails.
+/// Solves at most `left` relaxations, and counts them off.
 fn complete(ctx: &mut Context<'_>, left: &mut usize) {
     while *left > 0 {
         *left -= 1;

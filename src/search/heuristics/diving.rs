@@ -7,7 +7,7 @@
 //! allowance ends rounds the rest.
 
 use super::allowance::Allowance;
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 use super::rounding::round_and_propagate;
 use crate::relaxation::{Purpose, RelaxationVerdict};
 use crate::search::context::Context;
@@ -30,8 +30,8 @@ enum DivingRule<'r> {
     Incumbent(&'r [f64]),
 }
 
-/// An integer to fix: how sure it is (smaller is surer), the column, and a value on the side of the
-/// whole one that is meant.
+/// An integer to fix: its uncertainty, the column, and a number whose nearest whole number is the
+/// value to fix it at. The alternative is the whole number on the other side of that number.
 type Fixing = (f64, usize, f64);
 
 /// Dives from the relaxed point of the current node if the allowance has room for it.
@@ -47,7 +47,7 @@ pub(super) fn dive_where_it_pays(
     let free =
         cutoff == f64::INFINITY && ctx.tree.id == 0 && !ctx.program().is_feasibility_problem();
     let left = allowance.left(ctx.iterations, free);
-    if left < PARAMETERS.dive_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
+    if left < HEURISTICS.dive_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
     span!(DEBUG, "heuristic", name = "diving");
@@ -70,7 +70,7 @@ fn dive(ctx: &mut Context<'_>, rule: DivingRule<'_>, point: &[f64], last: u64) {
     let start = ctx.node.domain.mark();
     let mut point = point.to_vec();
     let mut turned_back = false;
-    for _ in 0..PARAMETERS.dive_steps {
+    for _ in 0..HEURISTICS.dive_steps {
         let candidates = candidates(ctx, rule, &point);
         let Some(&(_, first, value)) = candidates.first() else { break };
         let mark = ctx.node.domain.mark();
@@ -124,11 +124,12 @@ fn candidates(ctx: &Context<'_>, rule: DivingRule<'_>, point: &[f64]) -> Vec<Fix
     };
     let mut candidates: Vec<Fixing> = fractional.map(candidate).collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    candidates.truncate(candidates.len().div_ceil(PARAMETERS.dive_divisor));
+    candidates.truncate(candidates.len().div_ceil(HEURISTICS.dive_divisor));
     candidates
 }
 
-/// Excludes the side of a column that was meant. Returns `false` if nothing is left then.
+/// Excludes the value that a column was to be fixed at, with all beyond it. Returns `false` if that
+/// contradicts the domain.
 fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
     let (near, mark) = (value.round(), ctx.node.domain.mark());
     let up = value > near;
@@ -141,7 +142,8 @@ fn exclude(ctx: &mut Context<'_>, j: usize, value: f64) -> bool {
     propagate_since(ctx, mark).is_ok()
 }
 
-/// The relaxed point of what the dive has come to; `None` if no better point is in there.
+/// The relaxed point of the domain that the dive has reached; `None` if that domain has no better
+/// point.
 fn relax_dive(ctx: &mut Context<'_>) -> Option<Vec<f64>> {
     let projection = project_node(ctx)?;
     let verdict = relax(ctx, &projection.reduced, Purpose::Trial);

@@ -1,4 +1,4 @@
-//! Primal heuristics, and when each one runs.
+//! Primal heuristics, and the times at which they run.
 
 mod allowance;
 mod completion;
@@ -13,7 +13,7 @@ pub use allowance::Allowance;
 pub(super) use completion::complete_start;
 use diving::dive_where_it_pays;
 use neighbourhood::search_near_incumbent;
-use parameters::PARAMETERS;
+use parameters::HEURISTICS;
 pub use roll_out::Frontier;
 use roll_out::roll_out;
 use rounding::{fix_at_cheap_ends, round_and_propagate};
@@ -59,10 +59,10 @@ impl HeuristicAccounts {
     }
 }
 
-/// Whether there is a good point beside the bound of the current node.
+/// Whether the best point is a good one: its gap to the bound of the current node is small.
 fn has_good_point(ctx: &Context<'_>, bound: f64) -> bool {
     let cutoff = ctx.tree.cutoff();
-    cutoff < f64::INFINITY && cutoff - bound <= PARAMETERS.good_point_gap * cutoff.abs()
+    cutoff < f64::INFINITY && cutoff - bound <= HEURISTICS.good_point_gap * cutoff.abs()
 }
 
 /// Looks for points near the relaxed point of the current node.
@@ -81,9 +81,9 @@ pub(super) fn look_for_points(
         try_whole_point(ctx, point);
     }
     let pause = if ctx.tree.cutoff() == f64::INFINITY {
-        PARAMETERS.pause_without_point
+        HEURISTICS.pause_without_point
     } else {
-        PARAMETERS.pause_with_point
+        HEURISTICS.pause_with_point
     };
     if at_root || heuristics.since_rounding >= pause {
         heuristics.since_rounding = 0;
@@ -124,7 +124,7 @@ pub(super) fn look_for_first_point(ctx: &mut Context<'_>) {
     ctx.clock.switch(activity);
 }
 
-/// Tries a point that has become whole by settling what had a choice.
+/// Tries a point that has become whole because indifferent binaries got whole values.
 pub(super) fn look_for_settled_point(ctx: &mut Context<'_>, raw: &[f64], settled: &[f64]) {
     if raw != settled && ctx.is_integral(settled) {
         let activity = ctx.clock.switch(Activity::Heuristic);

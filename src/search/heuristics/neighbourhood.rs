@@ -5,7 +5,7 @@
 //! further.
 
 use super::allowance::Allowance;
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 use crate::program::Program;
 use crate::search::context::Context;
 use crate::search::found::SearchResult;
@@ -28,14 +28,14 @@ pub(super) fn search_near_incumbent(
 ) {
     let (left, cutoff, base) =
         (spent.left(ctx.iterations, false), ctx.tree.cutoff(), ctx.program());
-    if left < PARAMETERS.neighbourhood_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
+    if left < HEURISTICS.neighbourhood_iterations || bound == f64::NEG_INFINITY || bound >= cutoff {
         return;
     }
     let Some((value, best)) = ctx.tree.incumbent() else { return };
     if base.is_feasibility_problem() {
         return;
     }
-    let wanted = cutoff.min(value - PARAMETERS.gap_share * (value - bound).max(0.0));
+    let wanted = cutoff.min(value - HEURISTICS.gap_share * (value - bound).max(0.0));
     let Some(program) = agreement(base, point, &best) else { return };
     span!(DEBUG, "heuristic", name = "neighbourhood");
     let source = ctx.tree.begin(Heuristic::Neighbourhood);
@@ -49,7 +49,7 @@ pub(super) fn search_near_incumbent(
 ///
 /// # Arguments
 ///
-/// * `nodes`: that this worker has processed, from which follows what a node takes.
+/// * `nodes`: that this worker has processed, for the mean cost of a node.
 fn search_within(
     ctx: &mut Context<'_>,
     program: &Program,
@@ -61,7 +61,7 @@ fn search_within(
     let mut options = ctx.options().nested();
     options.node_limit = Some(
         (iterations / a_node)
-            .clamp(PARAMETERS.neighbourhood_nodes[0], PARAMETERS.neighbourhood_nodes[1]),
+            .clamp(HEURISTICS.neighbourhood_nodes[0], HEURISTICS.neighbourhood_nodes[1]),
     );
     options.memory_limit = ctx.tree.memory_left();
     let task = SolveTask { program, root: None, options: &options, cutoff, ..*ctx.task() };
@@ -83,10 +83,10 @@ fn search_within(
 /// all.
 fn agreement(base: &Program, point: &[f64], best: &[f64]) -> Option<Program> {
     let open = |&&j: &&usize| base.lower[j] < base.upper[j];
-    let agree = |&j: &usize| (point[j] - best[j]).abs() <= PARAMETERS.agreement;
+    let agree = |&j: &usize| (point[j] - best[j]).abs() <= HEURISTICS.agreement;
     let open: Vec<usize> = base.integers.iter().filter(open).copied().collect();
     let fixed: Vec<usize> = open.iter().copied().filter(agree).collect();
-    let enough = fixed.len() as f64 >= PARAMETERS.fixed_share * open.len() as f64;
+    let enough = fixed.len() as f64 >= HEURISTICS.fixed_share * open.len() as f64;
     if fixed.is_empty() || fixed.len() == open.len() || !enough {
         return None;
     }

@@ -42,7 +42,7 @@ pub(super) struct HeuristicParameters {
     pub(super) known_width: f64,
 }
 
-pub(super) const PARAMETERS: HeuristicParameters = HeuristicParameters {
+pub(super) const HEURISTICS: HeuristicParameters = HeuristicParameters {
     pause_without_point: 5,
     pause_with_point: 50,
     good_point_gap: 0.5,

@@ -11,7 +11,7 @@
 //! that occurs in the fewest unknown rows: an input occurs only in the rows of its step, a state
 //! also in those of the next step.
 
-use super::parameters::PARAMETERS;
+use super::parameters::HEURISTICS;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -39,8 +39,8 @@ pub(super) fn roll_out(ctx: &mut Context<'_>, point: &[f64]) {
     ctx.node.domain.undo_to(start);
 }
 
-/// A point whose integers are what the inputs of another one lead to; `None` if they lead to a
-/// contradiction. The domain is left as it is then.
+/// A point with the integers that follow from the inputs of another point; `None` if a
+/// contradiction follows. The changes of the domain stay.
 fn modes_of(ctx: &mut Context<'_>, program: &Program, point: &[f64]) -> Option<Vec<f64>> {
     let mut frontier = Frontier::new(program, &ctx.node.domain);
     while let Some(j) = frontier.next_column() {
@@ -90,13 +90,13 @@ pub struct Frontier<'a> {
 }
 
 impl<'a> Frontier<'a> {
-    /// Knows the columns that the domain has fixed.
+    /// Begins with the columns that the domain has fixed as the known ones.
     pub fn new(program: &'a Program, domain: &Domain) -> Self {
         let (m, n) = (program.row_count(), program.column_count());
         let narrow = |j: usize| match domain.upper(j) - domain.lower(j) {
             _ if program.integral[j] => 0.0,
-            width if width.is_finite() => PARAMETERS.known_width * width,
-            _ => PARAMETERS.known_width,
+            width if width.is_finite() => HEURISTICS.known_width * width,
+            _ => HEURISTICS.known_width,
         };
         let moves = |row: usize| program.row(row).0.iter().any(|&j| !program.integral[j]);
         let mut frontier = Frontier {
@@ -125,14 +125,14 @@ impl<'a> Frontier<'a> {
         }
     }
 
-    /// Takes in that the domain of a column has changed.
+    /// Marks a column as known if the domain has left it almost no width.
     fn look_at(&mut self, j: usize, domain: &Domain) {
         if j < self.known.len() && domain.upper(j) - domain.lower(j) <= self.narrow[j] {
             self.learn(j);
         }
     }
 
-    /// Takes in that a column is known.
+    /// Marks a column as known.
     pub fn learn(&mut self, j: usize) {
         if std::mem::replace(&mut self.known[j], true) {
             return;
