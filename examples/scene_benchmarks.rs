@@ -19,7 +19,7 @@ use carom::collision_tolerant::{Collisions, Endpoint, PlanningOptions, Scenario}
 use carom::hybrid::scene::{
     Body, DamageMeasure, DamageRule, IntervalOptions, Scene, Solid, Surface,
 };
-use carom::hybrid::{ImpactEstimate, Region, Restitution, ShortestOptions};
+use carom::hybrid::{ImpactEstimate, Restitution, ShortestOptions};
 use carom::interval::Interval;
 use carom::prelude::*;
 
@@ -32,22 +32,22 @@ const BOXES: [[f64; 4]; 4] = [
 ];
 
 fn room() -> Scene {
-    let room = [Interval::new(0.0, 10.0); 2];
+    let room = [0.0..=10.0, 0.0..=10.0];
     let point = Body::new("p", room, 2.0, 1.5)
-        .with_start(Region::point([0.5, 0.5, 0.0, 0.0]))
-        .with_goal(Region::point([9.5, 9.5, 0.0, 0.0]));
+        .with_start([0.5, 0.5, 0.0, 0.0])
+        .with_goal([9.5, 9.5, 0.0, 0.0]);
     let scene = Scene::new(0.5).with_body(point).with_estimate(ImpactEstimate::EndOfStep);
     BOXES.iter().enumerate().fold(scene, |scene, (k, [left, right, below, above])| {
-        let sides = [Interval::new(*left, *right), Interval::new(*below, *above)];
+        let sides = [*left..=*right, *below..=*above];
         scene.with_obstacle(Solid::cuboid(format!("b{k}"), &sides, Surface::avoid()))
     })
 }
 
 fn puck() -> Result<Scene, Error> {
-    let table = [Interval::new(0.0, 6.0), Interval::new(0.0, 4.0)];
-    let puck = Body::new("puck", table, 3.0, 0.8)
-        .with_start(Region::point([1.0, 3.0, -1.2, 0.6]))
-        .with_goal(Region::point([5.0, 1.0, 0.0, 0.0]));
+    let table = [0.0..=6.0, 0.0..=4.0];
+    let puck = Body::new("puck", &table, 3.0, 0.8)
+        .with_start([1.0, 3.0, -1.2, 0.6])
+        .with_goal([5.0, 1.0, 0.0, 0.0]);
     let cushion = Surface::bounce(Restitution::new(0.7)?);
     let scene = Scene::new(0.2).with_body(puck).with_room("c", &table, cushion);
     Ok(scene.with_estimate(ImpactEstimate::EndOfStep).with_corners(true))
@@ -119,7 +119,7 @@ fn rows() -> Result<Vec<(String, Scenario)>, Error> {
 /// A scenario of the paper as a scene.
 fn on_a_line(scenario: &Scenario) -> Scene {
     let domain = scenario.domain.unwrap_or(Interval::new(0.0, 25.0));
-    let end = |end: Endpoint| Region::point([end.position, end.velocity]);
+    let end = |end: Endpoint| [end.position, end.velocity];
     let car = Body::new("car", [domain], scenario.max_speed, 0.0)
         .with_acceleration([scenario.acceleration])
         .with_start(end(scenario.start))
@@ -178,10 +178,10 @@ fn paper() -> Result<(), Error> {
 
 /// A puck that is sooner at its goal by two cushions.
 fn bank_shot(time_step: f64) -> Result<Scene, Error> {
-    let table = [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)];
-    let puck = Body::new("puck", table, 3.0, 3.0)
-        .with_start(Region::point([1.2, 0.2, 2.0, 2.0]))
-        .with_goal(Region::point([0.4, 0.2, 0.0, 0.0]));
+    let table = [0.0..=2.0, 0.0..=1.0];
+    let puck = Body::new("puck", &table, 3.0, 3.0)
+        .with_start([1.2, 0.2, 2.0, 2.0])
+        .with_goal([0.4, 0.2, 0.0, 0.0]);
     let cushion = Surface::bounce(Restitution::new(0.9)?);
     Ok(Scene::new(time_step).with_body(puck).with_room("cushion", &table, cushion))
 }

@@ -31,8 +31,9 @@ impl Scenario {
         self.check()?;
         let longest = Horizon::new(tolerance::MAX_STEPS, self.time_step)?;
         let most = [self.damage.per_hit, self.damage.total].into_iter().flatten();
-        let per_hit = most.reduce(f64::min);
-        self.system(&longest, &DamageRule { per_hit, ..self.damage.clone() })
+        let mut rule = self.damage.clone();
+        rule.per_hit = most.reduce(f64::min);
+        self.system(&longest, &rule)
     }
 
     /// The system over a horizon, of a scenario that has been checked, with the limit of a rule on

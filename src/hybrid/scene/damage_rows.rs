@@ -17,8 +17,7 @@ impl SceneProgram {
             let contact = &self.contacts[c];
             let needs = |rule: &DamageRule| {
                 let faces = 0..contact.faces.len();
-                rule.needs_damage()
-                    && faces.into_iter().any(|k| rule.applies(&self.scene, contact, k))
+                rule.needs_damage() && faces.into_iter().any(|k| rule.applies(contact, k))
             };
             if self.scene.rules.iter().any(needs) {
                 self.add_damage_of(c)?;
@@ -120,9 +119,8 @@ impl SceneProgram {
     /// variables.
     fn measure(&mut self, rule: &DamageRule, r: usize, c: usize) -> Result<Vec<Affine>, Error> {
         let contact = self.contacts[c].clone();
-        let faces: Vec<usize> = (0..contact.faces.len())
-            .filter(|&face| rule.applies(&self.scene, &contact, face))
-            .collect();
+        let faces: Vec<usize> =
+            (0..contact.faces.len()).filter(|&face| rule.applies(&contact, face)).collect();
         let (true, Some(damage), Some(&first)) =
             (rule.needs_damage(), self.damage[c].clone(), faces.first())
         else {

@@ -261,7 +261,7 @@ impl SceneProgram {
     /// 1 if a contact is hit in a step at a face that a rule counts.
     pub(super) fn counted(&self, rule: &DamageRule, contact: usize, step: usize) -> Affine {
         let own = &self.contacts[contact];
-        let counts = |mode: &Mode| mode.is_hit && rule.applies(&self.scene, own, mode.face);
+        let counts = |mode: &Mode| mode.is_hit && rule.applies(own, mode.face);
         self.sum_of(contact, step, counts)
     }
 

@@ -3,6 +3,7 @@
 use super::body::{Body, Shape};
 use super::error::SceneError;
 use super::geometry::{self, Side, dot};
+use super::handles::BodyHandle;
 use super::rule::DamageRule;
 use super::solid::Solid;
 use super::surface::Surface;
@@ -10,7 +11,7 @@ use crate::error::{Error, ErrorKind, check_finite};
 use crate::hybrid::damage::ImpactEstimate;
 use crate::hybrid::horizon::Horizon;
 use crate::interval::Interval;
-use crate::model::is_name;
+use crate::model::{ModelTag, is_name};
 use crate::setters::setters;
 
 /// Number of normals of two bodies in the plane that meet, if one of them is a disc.
@@ -20,9 +21,9 @@ const NORMALS: usize = 8;
 pub(super) const INSIDE: f64 = 1e-9;
 
 /// Two bodies that avoid each other or hit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Pair {
-    names: [String; 2],
+    bodies: [BodyHandle; 2],
     /// The numbers of the bodies, in a checked scene.
     pub(super) first: usize,
     pub(super) second: usize,
@@ -32,6 +33,10 @@ pub(super) struct Pair {
 }
 
 /// Bodies and obstacles on a line, in the plane or in space.
+///
+/// [`body`](Scene::body) and [`obstacle`](Scene::obstacle) return the handles with which pairs, rules and
+/// rows are stated; a scene that needs none is one expression, by [`with_body`](Scene::with_body) and
+/// [`with_obstacle`](Scene::with_obstacle). A clone has the same handles.
 ///
 /// The scene is a [`HybridSystem`](crate::hybrid::HybridSystem) whose choices are its contacts:
 /// each body and obstacle, and each pair of bodies, chooses in every step whether and at which face
@@ -56,7 +61,7 @@ pub(super) struct Pair {
 /// assert!(plan.certificate.largest_residual < 1e-6);
 /// # Ok::<(), carom::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Scene {
     /// Δt, in s.
@@ -75,6 +80,8 @@ pub struct Scene {
     /// least this far in front of it, or hits at least this far behind it; default 0.
     pub margin: f64,
     pub(super) pairs: Vec<Pair>,
+    /// Of its handles.
+    pub(super) tag: ModelTag,
 }
 
 impl Scene {
@@ -93,6 +100,7 @@ impl Scene {
             corners: false,
             margin: 0.0,
             pairs: Vec::new(),
+            tag: ModelTag::fresh(),
         }
     }
 
@@ -109,14 +117,14 @@ impl Scene {
         with_margin(margin: f64) => margin = margin;
     }
 
-    /// Adds a body.
+    /// As [`body`](Scene::body), in one expression; names are checked when the scene is used.
     #[must_use]
     pub fn with_body(mut self, body: Body) -> Self {
         self.bodies.push(body);
         self
     }
 
-    /// Adds an obstacle.
+    /// As [`obstacle`](Scene::obstacle), in one expression; names are checked when the scene is used.
     #[must_use]
     pub fn with_obstacle(mut self, obstacle: Solid) -> Self {
         self.obstacles.push(obstacle);
@@ -151,32 +159,58 @@ impl Scene {
         self
     }
 
-    /// Lets two bodies avoid each other, or hit, by their names. Bodies without such a statement
-    /// pass through each other.
+    /// Lets two bodies avoid each other, or hit. Bodies without such a statement pass through each other.
     ///
     /// The direction of a hit is one of a few normals: in the plane, if one of the two is a disc, 8
     /// around the circle; otherwise two along each axis, so that points and boxes in the plane
     /// have 4.
-    #[must_use]
-    pub fn with_pair(self, first: &str, second: &str, surface: Surface) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`ErrorKind::ForeignHandle`]; [`ErrorKind::DuplicateName`] for bodies that are a pair already, and
+    /// for a body with itself.
+    pub fn pair(
+        &mut self,
+        first: BodyHandle,
+        second: BodyHandle,
+        surface: Surface,
+    ) -> Result<(), Error> {
         let normals: &[[f64; 0]] = &[];
-        self.with_pair_along(first, second, surface, normals.iter().copied())
+        self.pair_along(first, second, surface, normals.iter().copied())
     }
 
-    /// As [`with_pair`](Scene::with_pair), with the normals along which they hit, from the second
-    /// body towards the first. They must surround the second body.
-    #[must_use]
-    pub fn with_pair_along<N: Into<Vec<f64>>>(
-        mut self,
-        first: &str,
-        second: &str,
+    /// As [`pair`](Scene::pair), with the normals along which they hit, from the second body towards the
+    /// first. They must surround the second body.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`pair`](Scene::pair).
+    pub fn pair_along<N: Into<Vec<f64>>>(
+        &mut self,
+        first: BodyHandle,
+        second: BodyHandle,
         surface: Surface,
         normals: impl IntoIterator<Item = N>,
-    ) -> Self {
-        let names = [first.to_owned(), second.to_owned()];
+    ) -> Result<(), Error> {
         let normals = normals.into_iter().map(Into::into).collect();
-        self.pairs.push(Pair { names, first: 0, second: 0, surface, normals });
-        self
+        let bodies = [first, second];
+        let pair = Pair { bodies, first: 0, second: 0, surface, normals };
+        self.numbered(&pair, &self.pairs)?;
+        self.pairs.push(pair);
+        Ok(())
+    }
+
+    /// The numbers of the bodies of a pair that is not yet among others, and its name.
+    fn numbered(&self, pair: &Pair, others: &[Pair]) -> Result<([usize; 2], String), Error> {
+        let [first, second] = pair.bodies;
+        let numbers = [self.body_number(first, "a pair")?, self.body_number(second, "a pair")?];
+        let [a, b] = numbers.map(|number| &self.bodies[number].name);
+        let name = format!("{a} and {b}");
+        let is_same = |other: &Pair| other.bodies == pair.bodies || other.bodies == [second, first];
+        if first == second || others.iter().any(is_same) {
+            return Err(ErrorKind::DuplicateName { name, kind: "pair of bodies" }.into());
+        }
+        Ok((numbers, name))
     }
 
     /// The scene as it is from a step on: courses are those of that step at step 0, and end where they
@@ -191,12 +225,6 @@ impl Scene {
     /// The number of axes.
     pub fn axes(&self) -> usize {
         self.bodies.first().map_or(0, Body::axes)
-    }
-
-    /// A body's number.
-    pub(super) fn body(&self, name: &str) -> Result<usize, Error> {
-        let found = self.bodies.iter().position(|body| body.name == name);
-        found.ok_or_else(|| unknown(name, "body of the scene"))
     }
 
     /// The longest plan that courses allow, in steps; `None` if nothing moves.
@@ -249,15 +277,8 @@ impl Scene {
     /// A pair with the numbers of its bodies and with normals of length 1.
     fn checked_pair(&self, k: usize) -> Result<Pair, Error> {
         let mut pair = self.pairs[k].clone();
-        let [first, second] = pair.names.clone();
-        let name = format!("{first} and {second}");
-        let is_same = |other: &Pair| {
-            other.names == pair.names || other.names == [second.clone(), first.clone()]
-        };
-        if first == second || self.pairs[..k].iter().any(is_same) {
-            return Err(ErrorKind::DuplicateName { name, kind: "pair of bodies" }.into());
-        }
-        (pair.first, pair.second) = (self.body(&first)?, self.body(&second)?);
+        let (numbers, name) = self.numbered(&pair, &self.pairs[..k])?;
+        [pair.first, pair.second] = numbers;
         let axes = self.axes();
         pair.surface.check(&name, axes)?;
         if pair.normals.is_empty() {
@@ -277,10 +298,6 @@ impl Scene {
         }
         Ok(pair)
     }
-}
-
-fn unknown(name: &str, kind: &'static str) -> Error {
-    ErrorKind::UnknownName { name: name.to_owned(), kind }.into()
 }
 
 /// Refuses obstacles without inside and faces without extent.

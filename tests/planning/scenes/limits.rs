@@ -81,12 +81,11 @@ fn explanations_name_the_obstacle() {
 fn bodies_in_the_plane_meet_along_four_normals_or_eight() {
     let normals = |first: Shape, second: Shape| {
         let other = Body::new("other", [Interval::new(0.0, 2.0); 2], 3.0, 3.0);
-        let system = Scene::new(0.1)
-            .with_body(body().with_shape(first))
-            .with_body(other.with_shape(second))
-            .with_pair("puck", "other", Surface::avoid())
-            .hybrid_system()
-            .unwrap();
+        let mut scene = Scene::new(0.1);
+        let puck = scene.body(body().with_shape(first)).unwrap();
+        let other = scene.body(other.with_shape(second)).unwrap();
+        scene.pair(puck, other, Surface::avoid()).unwrap();
+        let system = scene.hybrid_system().unwrap();
         system.choices[0].transitions.len()
     };
     let square = || Shape::Box(vec![0.1, 0.1]);

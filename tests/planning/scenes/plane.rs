@@ -93,10 +93,10 @@ fn two_discs_exchange_momentum() {
     let body = |name: &str, mass| {
         Body::new(name, lane, 3.0, 0.0).with_mass(mass).with_shape(Shape::Ball(0.1))
     };
-    let scene = Scene::new(0.125)
-        .with_body(body("a", 1.0).with_start(Region::point([0.5, 0.5, 1.0, 0.0])))
-        .with_body(body("b", 1.0).with_start(Region::point([1.5, 0.5, 0.0, 0.0])))
-        .with_pair("a", "b", bounce(1.0));
+    let mut scene = Scene::new(0.125);
+    let a = scene.body(body("a", 1.0).with_start([0.5, 0.5, 1.0, 0.0])).unwrap();
+    let b = scene.body(body("b", 1.0).with_start([1.5, 0.5, 0.0, 0.0])).unwrap();
+    scene.pair(a, b, bounce(1.0)).unwrap();
     let mut program = scene.program(16).unwrap();
     let hits = program.hits();
     program.minimize(hits).unwrap();

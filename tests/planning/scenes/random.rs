@@ -95,7 +95,8 @@ fn random(numbers: &mut Numbers) -> Random {
     if with_pair {
         let normals: Vec<Vec<f64>> =
             (0..axes).flat_map(|i| [unit(axes, i, 1.0), unit(axes, i, -1.0)]).collect();
-        found.scene = found.scene.with_pair_along("b0", "b1", surface, normals.clone());
+        let [first, second] = ["b0", "b1"].map(|name| found.scene.body_named(name).unwrap());
+        found.scene.pair_along(first, second, surface, normals.clone()).unwrap();
         let faces = normals.into_iter().map(|n| (n, 2.0 * radius)).collect();
         let (name, bodies) = ("b0 and b1".to_owned(), vec![0, 1]);
         found.meetings.push(Meeting { name, bodies, faces, restitution: e, moves: still });

@@ -98,11 +98,10 @@ fn rules_of_one_face_leave_others_alone() {
     let pillar = [Interval::new(-0.1, 0.1), Interval::new(-0.5, 0.5)];
     let most = |face: usize| {
         let body = Body::new("p", room, 3.0, 3.0).with_start(Region::point([-0.5, 0.0, 1.0, 0.0]));
-        let rule = DamageRule::new("r", DamageMeasure::NormalImpulse).with_face("pillar", face);
-        let scene = Scene::new(0.1)
-            .with_body(body)
-            .with_obstacle(Solid::cuboid("pillar", &pillar, bounce(0.5)))
-            .with_rule(rule.with_per_hit(0.6));
+        let mut scene = Scene::new(0.1).with_body(body);
+        let pillar = scene.obstacle(Solid::cuboid("pillar", &pillar, bounce(0.5))).unwrap();
+        let rule = DamageRule::new("r", DamageMeasure::NormalImpulse).with_face(pillar, face);
+        let scene = scene.with_rule(rule.with_per_hit(0.6));
         let mut program = scene.program(5).unwrap();
         let goal =
             program.variables().output("impact speed").unwrap().iter().cloned().sum::<Affine>();

@@ -189,7 +189,8 @@ fn random_avoiding(numbers: &mut Numbers) -> Scene {
     };
     let mut scene = Scene::new(0.25).with_body(drone("a", &from, &to));
     if pair {
-        scene = scene.with_body(drone("b", &to, &from)).with_pair("a", "b", Surface::avoid());
+        let (a, b) = (scene.body_named("a").unwrap(), scene.body(drone("b", &to, &from)).unwrap());
+        scene.pair(a, b, Surface::avoid()).unwrap();
     }
     let (x, y) = (numbers.within(1.2, 1.8), numbers.within(0.5, 1.5));
     let mut faces = |count: usize| {

@@ -83,7 +83,9 @@ impl Kind {
             let radius = Shape::Ball(0.05);
             let mut scene = scene.with_body(body("q").with_mass(3.0).with_shape(radius.clone()));
             scene.bodies[0].shape = radius;
-            return scene.with_pair_along("p", "q", surface, normals);
+            let [p, q] = ["p", "q"].map(|name| scene.body_named(name).unwrap());
+            scene.pair_along(p, q, surface, normals).unwrap();
+            return scene;
         }
         let solid = Solid::polytope("s", self.faces.clone(), surface);
         let place = |t: f64| -> Vec<f64> { self.moves.iter().map(|w| w * TIME_STEP * t).collect() };
